@@ -67,7 +67,7 @@ def _check(agent: AgentState, program: Program) -> None:
     """Check the internal actions of a program, with a warning for each that does not exist."""
     actions = {**agent.actions, **agent.functions}
     for problem in check_actions(program, actions, strict=agent.strict):
-        agent.warn(f"{problem}: a plan that calls it fails")
+        agent.warn(f"{problem} (plans that call it fail)")
 
 
 def learn(agent: AgentState, program: Program) -> None:

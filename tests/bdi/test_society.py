@@ -73,6 +73,54 @@ def test_a_question_may_find_no_answer_in_time():
     assert log == [("ann", "timeout")]
 
 
+def test_agents_may_be_added_and_removed_while_the_others_run():
+    society, log = bdi.Society(), []
+    actions = bdi.InternalActions()
+
+    def say(name):
+        return lambda line: log.append((society.now, f"{name}: {line}"))
+
+    @actions.add("floor.hire", least=1, most=1)
+    def hire(call, name):
+        program = bdi.parse("""!go. +!go <- .my_name(N); .send(ann, tell, here(N)); .wait(1000).
+            +!stop <- .print(never). +bye <- .print(bye).""")
+        bdi.Agent(program, name=str(name), society=society, print=say(name))
+        return True
+
+    @actions.add("floor.dismiss", least=1, most=1)
+    def dismiss(call, name):
+        society.leave(str(name))
+        return True
+
+    program = bdi.parse("""!go. +!go <- .wait(2000); floor.hire(bob); floor.hire(cyd); .wait(500);
+            .broadcast(tell, bye); floor.dismiss(bob); .all_names(L); .print(L).
+        +here(N) <- .print(N).""")
+    bdi.Agent(program, name="ann", society=society, actions=actions, print=say("ann"))
+    society.advance(2.0)
+    assert log == [(2.0, "ann: bob"), (2.0, "ann: cyd")]
+    assert [(agent.name, agent.now) for agent in society] == [
+        *(("ann", 2.0), ("bob", 2.0), ("cyd", 2.0)),
+    ]
+    society.advance(9.0)
+    assert log[2:] == [(2.5, "ann: [ann,cyd]"), (2.5, "cyd: bye")]
+
+
+def test_agents_draw_numbers_of_their_own():
+    def drawn(names, seed=0):
+        society, log = bdi.Society(), []
+        for name in names:
+            program = bdi.parse("!go. +!go <- .random(X); Y = math.random; .print(X, Y).")
+            bdi.Agent(program, name=name, society=society, seed=seed, print=log.append)
+        society.advance(0.0)
+        return log
+
+    three = drawn(["ann", "bob", "cyd"])
+    assert len(set(three)) == 3
+    assert three == drawn(["ann", "bob", "cyd"]) != drawn(["ann", "bob", "cyd"], seed=1)
+    # Alone, and as the first of a society, an agent draws what its seed says.
+    assert drawn(["ann"]) == drawn(["bob"]) == three[:1]
+
+
 def test_mail_wakes_up():
     society, agents, _ = make({"ann": "a.", "bob": "+hi <- .print(hi)."})
     society.advance(1.0)
@@ -84,7 +132,7 @@ def test_mail_wakes_up():
 @pytest.mark.parametrize(
     ("message", "failure"),
     [
-        ("send(dan, tell, x)", "unknown_receiver: there is no agent 'dan'"),
+        ("send(dan, tell, x)", "receiver_not_found: there is no agent 'dan'"),
         ("send(f(bob), tell, x)", "internal_action: The TO parameter ('f(bob)') ... not an atom"),
         ("send(bob, tell, x, now)", "internal_action: The Message ID ('now') ... a message"),
         (
