@@ -234,8 +234,9 @@ class BodyTerm(Quoted):
         """The event that a body like `{+b}` stands for where an event is expected."""
         if len(self.body) == 1 and isinstance(self.body[0], Update):
             update = self.body[0]
-            if update.operator in ("+", "-"):
-                return TriggerTerm(update.operator, update.belief)
+            belief = update.belief
+            if update.operator in ("+", "-") and not isinstance(belief, Quoted):
+                return TriggerTerm(update.operator, belief)
         return None
 
     def __str__(self) -> str:

@@ -275,11 +275,13 @@ def _proved(logic: Logic, query: Literal, question: Question, u: Unifier) -> Ite
         scope: Unifier = {}
         asked = []
         for inside, value in zip(clause.head.args, question, strict=True):
-            if value is None and not is_placed(inside):
+            if value is None:
+                if is_placed(inside):
+                    break
                 asked.append(inside)
             elif inside.__class__ is Var and not is_placed(value):
                 scope[inside.name] = value
-            elif value is None or not unify(inside, value, scope):
+            elif not unify(inside, value, scope):
                 break
         else:
             for found in _answers_of(clause)(logic, scope):

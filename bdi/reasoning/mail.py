@@ -188,8 +188,8 @@ class Question:
         else:
             pattern = substitute(self._pattern, means.u)
             shown = pattern if isinstance(pattern, Var) else self._pattern
-            reason = (
+            message = (
                 f"reply of an ask message ('{answer}') does not unify with fourth argument of"
                 f" .send ('{shown}')"
             )
-            fail(agent, intention, error_annots("ask_failed", reason))
+            fail(agent, intention, error_annots("ask_failed", message))

@@ -47,10 +47,6 @@ class Member(Protocol):
     def next_wakeup(self) -> float | None:
         """Time at which it has something to do (s), or None."""
 
-    @property
-    def has_mail(self) -> bool:
-        """True if it has messages to read."""
-
     def advance(self, time: float) -> None:
         """Run until nothing is left to do at `time` (s)."""
 
