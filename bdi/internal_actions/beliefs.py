@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..language.order import distinct
 from ..language.program import Rule, RuleTerm
 from ..language.substitution import Unifier, substitute
-from ..language.terms import Literal, Term, Var, make_list
+from ..language.terms import Literal, Qualified, Term, Var, make_list
 from ..reasoning.beliefs import with_source
 from ..reasoning.calls import Call
 from ..reasoning.mail import without_source
@@ -18,7 +18,7 @@ from .registry import STANDARD
 @STANDARD.add(".abolish", least=1, most=1)
 def abolish(call: Call, pattern: Term) -> bool:
     """Remove all beliefs that match, from any source if the pattern names none."""
-    if not isinstance(pattern, Literal | Var):
+    if not isinstance(pattern, Literal | Var | Qualified):
         raise wrong("abolish", "first argument must be a literal or variable.")
     for found in call.agent.beliefs.matching(pattern, call.unifier):
         call.agent.abolish(found)
@@ -55,7 +55,7 @@ def assertz(call: Call, belief: Term) -> bool:
 @STANDARD.add(".belief", least=1, most=1)
 def belief(call: Call, pattern: Term) -> Iterator[Unifier]:
     """Yield an answer for each belief, and none for what rules derive."""
-    if isinstance(pattern, Literal | Var):
+    if isinstance(pattern, Literal | Var | Qualified):
         found = call.agent.beliefs.matching(pattern, call.unifier)
         yield from call.each(pattern, found)
 
@@ -63,7 +63,7 @@ def belief(call: Call, pattern: Term) -> Iterator[Unifier]:
 @STANDARD.add(".relevant_rules", least=2, most=2)
 def relevant_rules(call: Call, head: Term, result: Term) -> object:
     """Unify with the rules whose head unifies, without their sources."""
-    if not isinstance(head, Literal | Var):
+    if not isinstance(head, Literal | Var | Qualified):
         raise wrong("relevant_rules", "first argument must be a literal or variable.")
     rules = [
         RuleTerm(Rule(_bare(rule.head), rule.body, rule.place))

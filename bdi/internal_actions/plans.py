@@ -30,7 +30,7 @@ def include(call: Call, name: Term, *namespace: Term) -> object:
     """
     space, answer = "default", call.unifier
     if namespace and isinstance(namespace[0], Var):
-        space = f"ns{call.agent.names.fresh().name}"
+        space = call.agent.names.fresh().name.replace("_", "ns")
         answer = {**call.unifier, namespace[0].name: Literal(space)}
     elif namespace:
         space = text(namespace[0])

@@ -59,7 +59,10 @@ def unify(one: Term, other: Term, u: Unifier) -> bool:
     if one.__class__ is float or one.__class__ is str:
         if other.__class__ is Arithmetic or other.__class__ is Function:
             other = substitute(other, u)
-        return one == other or (isinstance(other, Var) and unify(other, one, u))
+        if one == other:
+            return True
+        is_open = other.__class__ is not one.__class__ and isinstance(other, Var | Qualified)
+        return is_open and unify(other, one, u)
     return _unify_others(one, other, u)
 
 

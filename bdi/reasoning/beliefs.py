@@ -18,6 +18,7 @@ from ..language.terms import (
     ONLY_PERCEPT,
     ONLY_SELF,
     Literal,
+    Qualified,
     Term,
     Var,
 )
@@ -254,7 +255,7 @@ class BeliefBase:
         shelf.remove(belief.args)
         return True
 
-    def matching(self, pattern: Literal | Var, u: Unifier) -> list[Literal]:
+    def matching(self, pattern: Literal | Var | Qualified, u: Unifier) -> list[Literal]:
         """Return the beliefs that unify with a pattern, each on its own."""
         clauses: tuple[Literal | Rule, ...]
         if isinstance(pattern, Literal):

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from ..language.body import BodyTerm
 from ..language.program import PlanTerm, RuleTerm, plan_change
-from ..language.substitution import Unifier, rename, substitute, variable_names, walk
+from ..language.substitution import Unifier, rename, substitute, variable_names
 from ..language.terms import ONLY_SELF, Literal, Relation, Term, Var, text
 from .achievement import set_deadline
 from .actions import ActionError, error_annots
@@ -38,7 +38,7 @@ def _literal(agent: AgentState, intention: Intention, means: Means, step: Step) 
 
 
 def _not_a_literal(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    value = walk(step.term, means.u)
+    value = substitute(step.term, means.u)
     if isinstance(value, Var):
         message = f"{step.formula.place.line}: Variable '{value}' must be ground."
         fail(agent, intention, error_annots("body_var_without_value", message))

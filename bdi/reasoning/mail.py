@@ -59,7 +59,7 @@ def read(agent: AgentState, message: Message) -> None:
     learn(agent, protocol())
     number = Literal(f"mid{message.question}")
     args = (Literal(sender), Literal(message.force), content, number)
-    agent.circumstance.post(Event("+!", with_source(Literal("kqml_received", args))))
+    agent.circumstance.post(Event("+!", Literal("kqml_received", args)))
 
 
 @overload

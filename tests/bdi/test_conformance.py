@@ -157,6 +157,14 @@ def test_the_command_runs_until_nothing_is_left():
     assert [json.loads(line)["print"] for line in done.stdout.splitlines()] == expected
 
 
+def test_the_command_warns_of_actions_that_do_not_exist(tmp_path):
+    program = tmp_path / "one.asl"
+    program.write_text("!go.\n+!go <- .nosuch(1).\n-!go[error(E)] <- .print(E).", "utf-8")
+    done = command(program)
+    assert (done.returncode, done.stdout) == (0, '{"t": 0.0, "print": "action_failed"}\n')
+    assert f"{program}:2:9: there is no internal action .nosuch" in done.stderr
+
+
 def test_a_trace_of_the_inside_goes_to_stderr(tmp_path):
     program = tmp_path / "one.asl"
     program.write_text("!start. +!start <- step; .wait(1500); .print(later).", encoding="utf-8")

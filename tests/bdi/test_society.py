@@ -51,6 +51,27 @@ def test_telling_and_asking():
     assert agents["ann"].now == 1.0
 
 
+def test_what_is_said_may_be_in_a_namespace():
+    society, _, log = make(
+        {
+            "ann": """!go. +!go <- .send(bob, tell, [sea::blue, sea::deep(3)]); .wait(5);
+                .send(bob, achieve, [sea::swim(1)]); .send(bob, askOne, sea::boat(_), N::A);
+                .print(N, " ", A); .send(bob, askAll, sea::boat(_), L); .print(L);
+                .send(bob, askOne, sea::colour(_), sea::C); .print(C);
+                .send(bob, untell, sea::blue); .send(bob, signal, sea::ping).""",
+            "bob": """{ begin namespace(sea) } boat(1). +?colour(X) <- X = grey.
+                +!swim(N) <- .print("swims ", N). +blue <- .print(blue). -blue <- .print(grey).
+                +deep(X)[source(S)] <- .print(X, " from ", S). +ping <- .print(ping). { end }""",
+        }
+    )
+    society.advance(1.0)
+    assert log == [
+        *(("bob", "blue"), ("bob", "3 from ann"), ("bob", "swims 1")),
+        *(("ann", "sea boat(1)[source(bob)]"), ("ann", "[sea::boat(1)[source(bob)]]")),
+        *(("ann", "colour(grey)[source(bob)]"), ("bob", "grey"), ("bob", "ping")),
+    ]
+
+
 def test_taking_back_a_goal():
     society, _, log = make(
         {
@@ -171,14 +192,14 @@ def test_messages_to_many_to_oneself_and_of_what_nobody_can_do():
     )
     society.advance(1.0)
     error = "Communication error -- "
-    told = '+!kqml_received(ann,tell,"text",mid3)[source(self)]'
+    told = '+!kqml_received(ann,tell,"text",mid3)'
     nothing = f"Found a goal for which there is no applicable plan: {told}"
     assert log == [
         ("ann", "[ann,bob,cyd]"),
         ("ann", "self"),
         ("bob", "ann"),
         ("cyd", "ann"),
-        ("bob", f"{error}body_var_not_literal: Variable 'Goal' must be a Literal and not '3'"),
+        ("bob", f"{error}body_var_not_literal: Variable 'NS::Goal' must be a Literal and not '3'"),
         ("bob", f"{error}no_applicable: {nothing}"),
         ("ann", "on"),
     ]
