@@ -34,8 +34,9 @@ class Agent:
             failed, or `PENDING` when its outcome comes later, by `finish`. Without it every
             action succeeds.
         name: answer of `.my_name`, and sender of its messages.
-        seed: seed of the agent's random numbers.
-        start: time at which it begins (s).
+        seed: seed of the agent's random numbers. Of the agents of a society with the same seed,
+            the first draws from it alone, each other one from it and its name.
+        start: time at which it begins (s), by default that of its society.
         print: takes the lines of `.print`. Without it they go to standard output.
         on_event: takes an `Entry` for everything that happens inside, as `History.add` does.
         kinds: the kinds of entries that `on_event` takes; all by default.
@@ -43,6 +44,8 @@ class Agent:
             that returns the arguments of what holds when it is called, as often as a query comes
             to it. They have the source `percept`, raise no events and are not in `beliefs`.
         actions: further internal actions, by name (see `InternalActions`).
+        strict: True to refuse a program that calls internal actions that do not exist. Otherwise
+            each is a warning, and the plans that call it fail.
         society: the agents it can send messages to; without it it can send to itself alone.
         max_cycles: largest number of cycles at one instant; at more the agent is stopped.
         max_goals: largest number of goals tried in one cycle: by default seconds of work,
@@ -58,8 +61,9 @@ class Agent:
         plans: its plan library.
 
     Raises:
-        ProgramError: the program uses internal actions that do not exist, or one label twice; or
-            a belief that is given as text cannot be read.
+        ProgramError: the program uses internal actions where they are not allowed, or, if
+            `strict`, that do not exist, or one label twice; or a belief that is given as text
+            cannot be read.
         TypeError: `program` is none, as where it is the name of a file.
         ValueError: an agent of that name is in the society already.
     """
@@ -72,12 +76,13 @@ class Agent:
         act: Perform | None = None,
         name: str = "human",
         seed: int = 0,
-        start: float = 0.0,
+        start: float | None = None,
         print: Callable[[str], None] | None = None,
         on_event: Callable[[Entry], None] | None = None,
         kinds: Collection[str] = KINDS,
         live: LiveBeliefs | None = None,
         actions: Mapping[str, InternalAction] | None = None,
+        strict: bool = False,
         society: Society | None = None,
         max_cycles: int = 3_000_000,
         max_goals: int = 1_000_000,
@@ -86,6 +91,7 @@ class Agent:
     ) -> None:
         if not isinstance(program, Program):
             raise TypeError(f"expected a program, as bdi.load reads one, found {program!r}")
+        society = Society() if society is None else society
         self.name = name
         self.program = program
         self.actions: Mapping[str, InternalAction] = (
@@ -96,14 +102,15 @@ class Agent:
             name,
             call_in_query,
             actions=self.actions,
+            strict=strict,
             live=live or {},
-            seed=seed,
-            start=start,
+            seed=society.own_seed(name, seed),
+            start=society.now if start is None else start,
             act=act,
             print=print,
             on_event=on_event,
             kinds=kinds,
-            society=Society() if society is None else society,
+            society=society,
             functions=getattr(actions, "functions", None),
             max_goals=max_goals,
             max_depth=max_depth,
@@ -118,8 +125,7 @@ class Agent:
         except (RecursionError, TooDeepError):
             message = "a formula or a term is nested too deeply"
             raise ProgramError([Problem(program.source, 0, 0, message)]) from None
-        assert self._state.society is not None  # as given above
-        self._state.society.join(self)
+        society.join(self)
 
     def __repr__(self) -> str:
         counts = f"{len(self.beliefs)} beliefs, {len(self.intentions)} intentions"
@@ -242,7 +248,8 @@ class Agent:
             program: what it is to believe, want and know besides.
 
         Raises:
-            ProgramError: it uses internal actions that do not exist, or a label that is taken.
+            ProgramError: it uses internal actions where they are not allowed, or, if it is
+                strict, that do not exist, or a label that is taken.
         """
         loading.add_program(self._state, program)
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from ..language.order import distinct
 from ..language.program import Rule, RuleTerm
 from ..language.substitution import Unifier, substitute
-from ..language.terms import Literal, Term, Var, make_list
+from ..language.terms import Literal, Qualified, Term, Var, make_list
 from ..reasoning.beliefs import with_source
 from ..reasoning.calls import Call
 from ..reasoning.mail import without_source
@@ -18,7 +18,7 @@ from .registry import STANDARD
 @STANDARD.add(".abolish", least=1, most=1)
 def abolish(call: Call, pattern: Term) -> bool:
     """Remove all beliefs that match, from any source if the pattern names none."""
-    if not isinstance(pattern, Literal | Var):
+    if not isinstance(pattern, Literal | Var | Qualified):
         raise wrong("abolish", "first argument must be a literal or variable.")
     for found in call.agent.beliefs.matching(pattern, call.unifier):
         call.agent.abolish(found)
@@ -31,25 +31,31 @@ def perceive(call: Call) -> bool:
     return True
 
 
-def _assert(name: str, *, at_end: bool) -> Callable[..., bool]:
-    def add(call: Call, belief: Term) -> bool:
-        """Add a belief, or a rule that is a term, before or after the others."""
-        if isinstance(belief, RuleTerm):
-            rule = belief.rule
-            call.agent.beliefs.add_rule(
-                Rule(with_source(rule.head), rule.body, rule.place), at_end=at_end
-            )
-        else:
-            call.agent.believe(a_literal(name, belief), at_end=at_end)
-        return True
+@STANDARD.add(".asserta", least=1, most=1)
+def asserta(call: Call, belief: Term) -> bool:
+    """Add a belief or a rule before the others, with source `self` if it names none."""
+    if isinstance(belief, RuleTerm):
+        rule = belief.rule
+        call.agent.beliefs.add_rule(Rule(with_source(rule.head), rule.body, rule.place))
+    else:
+        call.agent.believe(a_literal("asserta", belief))
+    return True
 
-    return add
+
+@STANDARD.add(".assertz", least=1, most=1)
+def assertz(call: Call, belief: Term) -> bool:
+    """Add a belief or a rule after the others, with the sources that it names and no other."""
+    if isinstance(belief, RuleTerm):
+        call.agent.beliefs.add_rule(belief.rule, at_end=True)
+    else:
+        call.agent.add_belief(a_literal("assertz", belief), at_end=True)
+    return True
 
 
 @STANDARD.add(".belief", least=1, most=1)
 def belief(call: Call, pattern: Term) -> Iterator[Unifier]:
     """Yield an answer for each belief, and none for what rules derive."""
-    if isinstance(pattern, Literal | Var):
+    if isinstance(pattern, Literal | Var | Qualified):
         found = call.agent.beliefs.matching(pattern, call.unifier)
         yield from call.each(pattern, found)
 
@@ -57,7 +63,7 @@ def belief(call: Call, pattern: Term) -> Iterator[Unifier]:
 @STANDARD.add(".relevant_rules", least=2, most=2)
 def relevant_rules(call: Call, head: Term, result: Term) -> object:
     """Unify with the rules whose head unifies, without their sources."""
-    if not isinstance(head, Literal | Var):
+    if not isinstance(head, Literal | Var | Qualified):
         raise wrong("relevant_rules", "first argument must be a literal or variable.")
     rules = [
         RuleTerm(Rule(_bare(rule.head), rule.body, rule.place))
@@ -106,7 +112,3 @@ def count(call: Call, what: Term, *more: Term) -> object:
     elements = a_list("count", more[0], "second")
     number = sum(call.unify(what, element) is not None for element in elements)
     return call.unify(more[1], number)
-
-
-STANDARD.add(".asserta", least=1, most=1)(_assert("asserta", at_end=False))
-STANDARD.add(".assertz", least=1, most=1)(_assert("assertz", at_end=True))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..language.body import Achieve, BodyTerm
+from ..language.order import with_more_annots
 from ..language.substitution import Unifier, rename, substitute
 from ..language.terms import Literal, Term, TriggerTerm, Var, make_list, plain_text, text
 from ..language.unification import unified
@@ -12,7 +13,7 @@ from ..reasoning.achievement import Finish
 from ..reasoning.actions import ActionError
 from ..reasoning.calls import WAITING, Call
 from ..reasoning.circumstance import Circumstance
-from ..reasoning.intentions import Goals, Intention
+from ..reasoning.intentions import Goals, Intention, Means
 from .arguments import a_goal, a_literal
 from .registry import STANDARD
 
@@ -117,11 +118,15 @@ def desire(call: Call, goal: Term, *identity: Term) -> Iterator[Unifier]:
     """Yield the goals that are intended, or whose event is to be dealt with."""
     pattern = a_goal("desire", goal)
     circumstance = call.agent.circumstance
-    for event in (circumstance.selected_event, *circumstance.all_events()):
-        if event is not None:
-            solution = dict(call.unifier)
-            if event.is_for(pattern, solution):
-                yield solution
+    events = (*circumstance.all_events(), *circumstance.suspended_events)
+    for event in (circumstance.selected_event, *events):
+        solution: Unifier | None = dict(call.unifier)
+        if event is None or solution is None or not event.is_for(pattern, solution):
+            continue
+        if identity and event.intention is not None:
+            solution = unified(identity[0], float(event.intention.number), solution)
+        if solution is not None:
+            yield solution
     yield from _intended(call, pattern, identity, suspended=True)
 
 
@@ -218,23 +223,29 @@ def intention(call: Call, number: Term, state: Term, *more: Term) -> Iterator[Un
     for one in list(circumstance.intentions()):
         if only_current and one is not current:
             continue
-        place = Literal(_state(circumstance, one))
-        terms: list[Term] = [float(one.number), place]
+        # What an intention waits for may have variables of its plan, not of the caller's.
+        found = rename(_state(circumstance, one, only_current), call.agent.names, {})
+        terms: list[Term] = [float(one.number), found]
         if more:
             terms.append(_described(call, one).args[1])
-        solution = call.unify(make_list(terms), make_list([number, state, *more[:1]]))
+        solution = call.unify(make_list([number, state, *more[:1]]), make_list(terms))
         if solution is not None:
             yield solution
 
 
-def _state(circumstance: Circumstance, one: Intention) -> str:
-    if one.is_suspended:
-        return "suspended"
-    if one is circumstance.selected:
-        return "running"
-    if one.number in circumstance.pending or one.number in circumstance.pending_actions:
-        return "waiting"
-    return "running" if circumstance.is_running(one) else "pending"
+def _state(circumstance: Circumstance, one: Intention, is_current: bool) -> Literal:
+    """Return the state of an intention: running, suspended, or waiting and for what."""
+    if is_current:
+        return Literal("running")
+    if one.number in circumstance.pending_actions:
+        why = "action"
+    elif one.is_suspended:
+        return Literal("suspended")
+    elif one.number in circumstance.pending:
+        why = "reason"
+    else:
+        return Literal("running")
+    return Literal("waiting", (), (Literal(why, (one.reason or Literal("no_reason"),)),))
 
 
 @STANDARD.add(".intention", least=1, most=4)
@@ -247,19 +258,27 @@ def _described(call: Call, intention: Intention) -> Literal:
     return rename(_description(intention), call.agent.names, {})
 
 
+def _label(means: Means) -> Literal:
+    """Return the label of a plan, with its place as annotations."""
+    place = means.plan.plan.place
+    if not place.line:
+        return means.plan.label
+    line, source = Literal("code_line", (float(place.line),)), Literal("code_src", (place.name,))
+    return with_more_annots(means.plan.label, line, source)
+
+
 def _description(intention: Intention) -> Literal:
     stack: list[Term] = []
     for means in intention.downwards():
         left = []
         step = means.step
         while step is not None:
-            left.append(step.formula)
+            if step.operation != "join":  # the end of a branch, which is written nowhere
+                left.append(step.formula)
             step = step.next
         bindings = make_list(
             Literal("map", (name, substitute(value, means.u))) for name, value in means.u.items()
         )
         trigger = TriggerTerm(means.sort, means.literal)
-        stack.append(
-            Literal("im", (text(means.plan.label), trigger, BodyTerm(tuple(left)), bindings))
-        )
+        stack.append(Literal("im", (_label(means), trigger, BodyTerm(tuple(left)), bindings)))
     return Literal("intention", (float(intention.number), make_list(stack)))

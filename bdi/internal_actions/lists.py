@@ -28,9 +28,9 @@ from .registry import STANDARD
 
 @STANDARD.add(".length", least=2, most=2)
 def length(call: Call, value: Term, result: Term) -> object:
-    """`.length(L, N)`: number of elements, or of characters."""
+    """`.length(L, N)`: number of elements, or of characters; nothing else has a length."""
     if not isinstance(value, str | Nil | Cons | Container):
-        raise wrong("length", "first argument must be a list or a string.")
+        return False
     return call.unify(result, len(value))
 
 

@@ -30,7 +30,7 @@ def include(call: Call, name: Term, *namespace: Term) -> object:
     """
     space, answer = "default", call.unifier
     if namespace and isinstance(namespace[0], Var):
-        space = f"ns{call.agent.names.fresh().name}"
+        space = call.agent.names.fresh().name.replace("_", "ns")
         answer = {**call.unifier, namespace[0].name: Literal(space)}
     elif namespace:
         space = text(namespace[0])
@@ -66,7 +66,7 @@ def add_plan(call: Call, plans: Term, *more: Term) -> bool:
     agent = call.agent
     for term in plans if isinstance(plans, Nil | Cons) else (plans,):
         plan = _plan(term)
-        if plan.name.startswith("l__"):
+        if plan.name.startswith("p__"):
             plan = replace(plan, label=None)
         try:
             load_plan(agent, plan, source, first=first)

@@ -65,10 +65,13 @@ class Test:
 
 @dataclass(frozen=True)
 class Update:
-    """Change of the belief base; `operator` is one of + +< +> ++ - -- -+."""
+    """Change of the belief base; `operator` is one of + +< +> ++ - -- -+.
+
+    `belief` is a belief, or a rule in braces.
+    """
 
     operator: str
-    belief: Event
+    belief: Event | Quoted
     place: Place = field(default=NOWHERE, compare=False)
 
     def __str__(self) -> str:
@@ -231,8 +234,9 @@ class BodyTerm(Quoted):
         """The event that a body like `{+b}` stands for where an event is expected."""
         if len(self.body) == 1 and isinstance(self.body[0], Update):
             update = self.body[0]
-            if update.operator in ("+", "-"):
-                return TriggerTerm(update.operator, update.belief)
+            belief = update.belief
+            if update.operator in ("+", "-") and not isinstance(belief, Quoted):
+                return TriggerTerm(update.operator, belief)
         return None
 
     def __str__(self) -> str:

@@ -27,7 +27,7 @@ from .body import (
 )
 from .namespaces import THIS
 from .order import sorted_annots
-from .program import Belief, Directive, Goal, Plan, PlanTerm, Rule, RuleTerm, Trigger
+from .program import Belief, Directive, Goal, Plan, PlanTerm, Rule, RuleTerm, Trigger, plan_change
 from .terms import (
     DEFAULT,
     EMPTY,
@@ -180,25 +180,16 @@ class Builder(Transformer_NonRecursive[Token, Any]):
 
     def update(self, meta: Meta, operator: Token, belief: Term) -> BodyFormula:
         if isinstance(belief, PlanTerm):
-            return self._plan_update(meta, operator, belief)
-        if isinstance(belief, RuleTerm) and operator in ("+", "+<", "+>"):
-            where = Literal(".assertz" if operator == "+>" else ".asserta", (belief,))
-            return Act(where, self._place(meta))
-        if not isinstance(belief, Literal | Var | Qualified):
+            action = plan_change(operator, belief)
+            if action is None:
+                raise RefusedError(meta, f"'{operator}' and a plan do not combine")
+            return Act(action, self._place(meta))
+        if isinstance(belief, RuleTerm) and operator == "-+":
+            raise RefusedError(meta, "'-+' and a rule do not combine")
+        if not isinstance(belief, Literal | Var | Qualified | RuleTerm):
             raise RefusedError(meta, f"'{operator}' is followed by a belief, not by {text(belief)}")
         self._not_internal(meta, operator, belief)
         return Update(str(operator), belief, self._place(meta))
-
-    def _plan_update(self, meta: Meta, operator: Token, plan: PlanTerm) -> Act:
-        """Return the internal action that adds or removes a plan."""
-        if operator == "-":
-            action = Literal(".remove_plan", (plan,))
-        elif operator in ("+", "+<", "+>"):
-            at = Literal("end" if operator == "+>" else "begin")
-            action = Literal(".add_plan", (plan, Literal("self"), at))
-        else:
-            raise RefusedError(meta, f"'{operator}' and a plan do not combine")
-        return Act(action, self._place(meta))
 
     def act(self, meta: Meta, formula: Term) -> _Steps:
         if isinstance(formula, Literal | Var | Qualified):

@@ -112,8 +112,10 @@ class Namespace:
         return transformed(placed, _without_default)  # type: ignore[no-any-return]
 
     def _plan(self, plan: Plan) -> Plan:
+        label = self._top(plan.label) if plan.name else plan.label
         return replace(
             plan,
+            label=label,
             trigger=replace(plan.trigger, literal=self._top(plan.trigger.literal)),
             context=self._top(plan.context),
             until=None if plan.until is None else self._top(plan.until),

@@ -63,8 +63,12 @@ def _tests(plan: Plan) -> BodyFormula:
 def _declarative(directive: Directive, inner: Sequence[Clause]) -> Clauses:
     """dg(g): g is achieved when it is believed, which every plan for it has to bring about."""
     goal, place = _goal(directive), directive.place
-    # First in the program, so that a goal that is believed is achieved without any of its plans.
-    plans: Clauses = [_plan(f"+!{goal} : {goal}", place)]
+    # First in the program, so that a goal that is believed is achieved without any of its plans,
+    # and so is one that is pursued already.
+    plans: Clauses = [
+        _plan(f"+!{goal} : {goal}", place),
+        _plan(f"+!{goal} : .intend({goal})", place),
+    ]
     for clause in inner:
         if isinstance(clause, Plan) and _achieves(clause, goal):
             clause = replace(clause, body=(*clause.body, _tests(clause)))
@@ -75,7 +79,7 @@ def _declarative(directive: Directive, inner: Sequence[Clause]) -> Clauses:
 def _backtracking(directive: Directive, inner: Sequence[Clause]) -> Clauses:
     """bdg(g): as dg(g), and g is tried again when it has failed."""
     goal = _goal(directive)
-    return [*_declarative(directive, inner), _plan(f"-!{goal} <- !!{goal}", directive.place)]
+    return [*_declarative(directive, inner), _plan(f"-!{goal} <- !{goal}", directive.place)]
 
 
 def _exclusive(directive: Directive, inner: Sequence[Clause]) -> Clauses:
@@ -98,7 +102,7 @@ def _exclusive(directive: Directive, inner: Sequence[Clause]) -> Clauses:
     forget = f".abolish(p__f(_,{goal}))"
     return [
         *plans,
-        _plan(f"-!{goal} <- !!{goal}", place),
+        _plan(f"-!{goal} <- !{goal}", place),
         _plan(f"+{goal} <- {forget}; .succeed_goal({goal})", place),
         _plan(f"-{goal} <- {forget}", place),
     ]
@@ -147,7 +151,7 @@ def _open_minded(directive: Directive, inner: Sequence[Clause]) -> Clauses:
     goal, failed, motive = (_goal(directive, index) for index in range(3))
     return [
         *_committed(directive, inner),
-        _plan(f"+{failed} <- .fail_goal({goal})", directive.place),
+        _plan(f"+{failed} <- .drop_intention({goal})", directive.place),
         _plan(f"-{motive} <- .succeed_goal({goal})", directive.place),
     ]
 

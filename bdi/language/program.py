@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial, wraps
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
@@ -14,6 +14,7 @@ from typing import Any, TypeAlias, TypeVar
 from .arithmetic import RUN_FUNCTIONS, is_function
 from .body import NOWHERE, Body, BodyTerm, Place, body_text
 from .changes import all_parts, has_variables, transformed
+from .order import with_more_annots
 from .terms import (
     TRUE,
     And,
@@ -123,6 +124,10 @@ class Rule(Clause):
     body: Term
     place: Place = field(default=NOWHERE, compare=False)
 
+    def is_same(self, other: Rule) -> bool:
+        """Return True if the rules differ in the names of variables and annotations only."""
+        return _numbered(self) == _numbered(other)
+
     @cached_property
     def parameters(self) -> tuple[str, ...] | None:
         """The names of the head's arguments, if they are variables and no two are the same."""
@@ -160,6 +165,18 @@ class Rule(Clause):
 
     def __str__(self) -> str:
         return f"{self.head} :- {text(self.body)}"
+
+
+def _numbered(rule: Rule) -> object:
+    """Return the head and body of a rule, with its variables numbered in order."""
+    names: dict[str, Var] = {}
+
+    def number(part: Any) -> Any:
+        if part.__class__ is not Var:
+            return None
+        return names.setdefault(part.name, Var(f"_{len(names)}"))
+
+    return transformed((rule.head.without_annots(), rule.body), number)
 
 
 @dataclass(frozen=True, repr=False)
@@ -363,8 +380,22 @@ class RuleTerm(Quoted):
         """Return it with everything inside replaced for which `change` returns not None."""
         return RuleTerm(transformed(self.rule, change))
 
+    def annotated(self, annots: tuple[Term, ...]) -> RuleTerm:
+        """Return it with these annotations of its head beside those it has."""
+        return RuleTerm(replace(self.rule, head=with_more_annots(self.rule.head, *annots)))
+
     def __str__(self) -> str:
         return f"{{ {self.rule} }}"
+
+
+def plan_change(operator: str, plan: PlanTerm) -> Literal | None:
+    """Return the internal action for `+{ +!g }` or `-{ +!g }`; None for other operators."""
+    if operator == "-":
+        return Literal(".remove_plan", (plan,))
+    if operator not in ("+", "+<", "+>"):
+        return None
+    at = Literal("end" if operator == "+>" else "begin")
+    return Literal(".add_plan", (plan, Literal("self"), at))
 
 
 # ---- what all runs share, and what belongs to one

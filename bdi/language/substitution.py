@@ -187,7 +187,7 @@ def _substitute_annotated(term: AnnotatedVar, u: Unifier) -> Term:
         )
     if isinstance(value, Var):
         return AnnotatedVar(value.name, annots) if annots else value
-    return value
+    return value.annotated(annots) if isinstance(value, Quoted) else value
 
 
 def value_of(term: Term, u: Unifier) -> Term:

@@ -575,6 +575,10 @@ class Quoted:
         """Return it with everything inside replaced for which `change` returns not None."""
         return self
 
+    def annotated(self, annots: tuple[Term, ...]) -> Quoted:
+        """Return it with these annotations beside those it has, if it may have any."""
+        return self
+
 
 Term: TypeAlias = "float | str | Literal | Var | Nil | Cons | Operation | TriggerTerm | Quoted"
 """Everything that can stand in a literal or a context; numbers and strings are Python's own."""
@@ -670,6 +674,11 @@ def namespace_of(functor: str) -> str:
     """Return the namespace in front of a functor, `default` if there is none."""
     prefix, separator, _ = functor.rpartition("::")
     return prefix if separator else "default"
+
+
+def is_placed(term: Term) -> bool:
+    """Return True for a literal in a namespace, for which a variable without one cannot stand."""
+    return term.__class__ is Literal and "::" in term.functor
 
 
 def placed(literal: Literal, namespace: str, negated: bool | None = None) -> Literal:

@@ -11,6 +11,7 @@ from .body import Achieve, Act, BodyFormula, BodyTerm, Constraint, Test, Update
 from .program import PlanTerm, RuleTerm
 from .substitution import Unifier, substitute, walk
 from .terms import (
+    DEFAULT,
     AnnotatedVar,
     Arithmetic,
     Cons,
@@ -23,6 +24,7 @@ from .terms import (
     Term,
     TriggerTerm,
     Var,
+    is_placed,
     make_list,
     namespace_of,
     placed,
@@ -57,7 +59,10 @@ def unify(one: Term, other: Term, u: Unifier) -> bool:
     if one.__class__ is float or one.__class__ is str:
         if other.__class__ is Arithmetic or other.__class__ is Function:
             other = substitute(other, u)
-        return one == other or (isinstance(other, Var) and unify(other, one, u))
+        if one == other:
+            return True
+        is_open = other.__class__ is not one.__class__ and isinstance(other, Var | Qualified)
+        return is_open and unify(other, one, u)
     return _unify_others(one, other, u)
 
 
@@ -71,6 +76,11 @@ def try_unify(one: Term, other: Term, u: Unifier) -> bool:
 
 
 def _bind(var: Var, value: Term, u: Unifier) -> bool:
+    if is_placed(value):
+        return False  # the variable has no namespace, so what it stands for has none
+    if value.__class__ is Qualified:
+        namespace, inner = value.operands
+        return not value.negated and unify(namespace, DEFAULT, u) and unify(var, inner, u)
     if value.__class__ is Arithmetic or value.__class__ is Function:
         value = substitute(value, u)
     if value.__class__ is Var and value.name == var.name:
@@ -296,9 +306,12 @@ def _unify_qualified(one: Term, other: Term, u: Unifier) -> bool:
     value = substitute(qualified, u)
     if not isinstance(value, Qualified):
         return unify(value, other, u) if qualified is one else unify(one, value, u)
-    if not isinstance(literal, Literal) or (value.negated and not literal.negated):
-        return False
     namespace, inner = value.operands
+    if not isinstance(literal, Literal):
+        # Numbers, strings and lists are in no namespace, and a variable in one may stand for them.
+        return inner.__class__ is Var and not value.negated and unify(inner, literal, u)
+    if value.negated and not literal.negated:
+        return False
     bare = placed(literal, "default", False if value.negated else None)
     if not unify(namespace, Literal(namespace_of(literal.functor)), u):
         return False
@@ -327,6 +340,8 @@ def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
             while value.__class__ is Var:
                 mine, value = value, result.get(value.name)
             if value is None:
+                if is_placed(theirs):
+                    return None
                 if result is u:
                     result = u.copy()
                 result[mine.name] = theirs

@@ -98,13 +98,13 @@ class Finish:
         dropped = intention.drop_goal(self._goals, u)
         if dropped is None:
             return 0
-        self._note(dropped.literal, "failed")
+        self._note_failure(dropped.literal)
         goal = self._goals.goal
         wanted = dropped.literal if goal is None else substitute(goal, u)
         failed = Event("+!", wanted if isinstance(wanted, Literal) else dropped.literal, intention)
-        event = find_failure_event(agent, intention, failed)
+        event = find_failure_event(agent, intention, failed, has_plan=False)
         if event is None:
-            self._note(dropped.literal, "unachieved", "finished")
+            self._note(dropped.literal, "finished")
             end(agent, intention)
             return _IS_OVER
         event.literal = with_more_annots(substitute_literal(event.literal, u), *self._annots)
@@ -117,22 +117,28 @@ class Finish:
             for state in states:
                 noted.note(state, "+!", goal)
 
+    def _note_failure(self, goal: Literal) -> None:
+        noted = self._agent.circumstance.states
+        if noted is not None:
+            noted.note("failed", "+!", goal, Literal("drop_by_fail_goal"))
+
     def _run_on(self, intention: Intention | None, done: int) -> None:
         if done == _RUNS_ON and intention is not None and intention.stack:
-            self._agent.circumstance.add_running(intention)
+            # Spelt as Jason spells it.
+            self._agent.circumstance.resume(intention, Literal("suceed_internal_action"))
 
     def _finish_event(self, event: Event) -> None:
         """Finish a goal that no plan has been chosen for yet."""
         if self._failed:
-            self._note(event.literal, "failed")
+            self._note_failure(event.literal)
             event.sort = "-!"
             if self._annots:
                 event.literal = with_more_annots(event.literal, *self._annots)
             return
         circumstance, intention = self._agent.circumstance, event.intention
         circumstance.remove_event(event)
+        self._note(event.literal, "achieved", "finished")
         if intention is not None and intention.stack:
-            self._note(event.literal, "achieved", "finished")
             if intention.top.step is not None:
                 intention.top.step = intention.top.step.next
             clear(self._agent, intention)

@@ -150,23 +150,31 @@ class InternalActions(dict[str, InternalAction]):
 # ---- the calls in a program
 
 
-def check_actions(program: Program, actions: Mapping[str, object]) -> None:
+def check_actions(
+    program: Program, actions: Mapping[str, object], *, strict: bool
+) -> tuple[Problem, ...]:
     """Check that the internal actions of a program exist and are allowed where they stand.
 
+    Return the calls of those that do not exist, unless that is an error.
+
     Raises:
-        ProgramError: some are not; it has all of them.
+        ProgramError: some are not allowed or, if `strict`, do not exist; it has all of them.
     """
     problems: dict[Problem, None] = {}
+    unknown: dict[Problem, None] = {}
     for place, action, in_context in _calls(program):
         name = action.functor
         if name not in actions:
             near = get_close_matches(name, actions, n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
-            problems[place.problem(f"there is no internal action {name}{hint}")] = None
+            unknown[place.problem(f"there is no internal action {name}{hint}")] = None
         elif in_context and not getattr(actions[name], "in_context", True):
             problems[place.problem(f"{name} cannot be used in a context or query")] = None
+    if strict:
+        problems |= unknown
     if problems:
         raise ProgramError(list(problems))
+    return tuple(unknown)
 
 
 @made_once

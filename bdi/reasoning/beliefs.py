@@ -18,6 +18,7 @@ from ..language.terms import (
     ONLY_PERCEPT,
     ONLY_SELF,
     Literal,
+    Qualified,
     Term,
     Var,
 )
@@ -88,6 +89,21 @@ class BeliefBase:
         """Add a rule before the clauses of its functor and arity, or after them."""
         self._shelf(rule.head.key).add(rule, at_end=at_end)
         self._find_out_anew()
+
+    def remove_rule(self, rule: Rule) -> None:
+        """Remove the first rule that is the same and has the annotations, if there is one."""
+        shelf = self.shelves.get(rule.head.key)
+        if shelf is None:
+            return
+        for known in shelf.all():
+            if (
+                isinstance(known, Rule)
+                and known.is_same(rule)
+                and _among(rule.head.annots, known.head.annots)
+            ):
+                shelf.remove_rule(known)
+                self._find_out_anew()
+                return
 
     def has_plain_rules(self, key: Key) -> bool:
         """Return whether the rules of that key are plain, and those that they ask (`basis_of`)."""
@@ -175,7 +191,7 @@ class BeliefBase:
             return None
         known = shelf.find(literal.args)
         if known is not None and _among(literal.annots, known.annots):
-            if not literal.annots:
+            if not literal.annots and has_source(known):
                 return None
             self._strip(shelf, known, literal.annots)
             return literal
@@ -239,7 +255,7 @@ class BeliefBase:
         shelf.remove(belief.args)
         return True
 
-    def matching(self, pattern: Literal | Var, u: Unifier) -> list[Literal]:
+    def matching(self, pattern: Literal | Var | Qualified, u: Unifier) -> list[Literal]:
         """Return the beliefs that unify with a pattern, each on its own."""
         clauses: tuple[Literal | Rule, ...]
         if isinstance(pattern, Literal):

@@ -15,7 +15,7 @@ from ..language.body import (
     Update,
     While,
 )
-from ..language.substitution import Unifier
+from ..language.program import Rule, RuleTerm
 from ..language.terms import TRUE, Literal, Term
 from .beliefs import with_source
 from .builders import Build, builder
@@ -101,18 +101,17 @@ def _compile_loop(name: str, formula: While | For, term: Term, following: Step |
     return first
 
 
-def _sourced(literal: Event) -> Event:
-    return with_source(literal) if isinstance(literal, Literal) else literal
+def _sourced(term: Term) -> Term:
+    """Return a literal or a rule with a source; anything else as it is."""
+    if isinstance(term, RuleTerm):
+        rule = term.rule
+        return RuleTerm(Rule(with_source(rule.head), rule.body, rule.place))
+    return with_source(term) if isinstance(term, Literal) else term
 
 
 def _with_source(build: Build) -> Build:
-    """Return the function that gives a source to the literal for which a variable stands."""
-
-    def build_literal(u: Unifier) -> Term:
-        value = build(u)
-        return with_source(value) if isinstance(value, Literal) else value
-
-    return build_literal
+    """Return the function that gives a source to what a variable stands for."""
+    return lambda u: _sourced(build(u))
 
 
 def _kind(action: Event) -> str:

@@ -68,7 +68,7 @@ def call(
     """
     internal = agent.actions.get(action.functor)
     if internal is None:
-        raise ActionError(f"there is no internal action {action.functor}", "unknown")
+        raise ActionError(f"there is no internal action {action.functor}", "action_failed")
     internal.check(action.functor, len(action.args))
     args = tuple([substitute(arg, u) for arg in action.args])
     answer: Answer | Waiting = internal.function(Call(agent, u, intention), *args)

@@ -110,8 +110,8 @@ class Circumstance:
             self.atomic_event = event
         else:
             self.events.append(event)
-        if self.states is not None and event.sort == "+!":
-            self.states.note("pending", event.sort, event.literal)
+        if self.states is not None and event.sort in ("+!", "+?"):
+            self.states.note("pending", "+!", event.literal)
         if self.waits:
             self._notice(event)
 
@@ -200,11 +200,7 @@ class Circumstance:
     def take_pending(self, intention: Intention, kind: str) -> bool:
         """Take an intention out of those pending for a kind of thing; True if it was there."""
         found = self.pending.get(intention.number)
-        if found is None or found[0] != kind:
-            return False
-        if self.states is not None:
-            self.states.note_top("resumed", intention, intention.reason)
-        return self.unpend(intention)
+        return found is not None and found[0] == kind and self.unpend(intention)
 
     def unpend(self, intention: Intention) -> bool:
         """Take an intention out of those pending for whatever it is; True if it was there."""
@@ -212,6 +208,12 @@ class Circumstance:
             return False
         self._release(intention)
         return True
+
+    def resume(self, intention: Intention, reason: Term | None = None) -> None:
+        """Put an intention that was pending back among those that run."""
+        self.add_running(intention)
+        if self.states is not None:
+            self.states.note_top("executing", intention, reason)
 
     def _release(self, intention: Intention) -> None:
         if intention is self.atomic:
@@ -226,6 +228,8 @@ class Circumstance:
             self.atomic_waits = True
         self.pending_actions[intention.number] = action
         intention.reason = action.action
+        if self.states is not None:
+            self.states.note_top("waiting", intention, Literal("action", (action.action,)))
 
     def take_action(self, intention: Intention) -> PendingAction | None:
         """Take an intention out of those pending for an action; return the action."""

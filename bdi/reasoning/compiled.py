@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from ..language.program import Rule, made_once
 from ..language.substitution import Unifier, rename, value_of
-from ..language.terms import TRUE, And, Literal, Not, Relation, Term, Var, is_ground
+from ..language.terms import TRUE, And, Literal, Not, Relation, Term, Var, is_ground, is_placed
 from ..language.unification import matched, unify
 from .builders import builder
 from .lasting import KeptAnswers, Question, Values
@@ -276,8 +276,10 @@ def _proved(logic: Logic, query: Literal, question: Question, u: Unifier) -> Ite
         asked = []
         for inside, value in zip(clause.head.args, question, strict=True):
             if value is None:
+                if is_placed(inside):
+                    break
                 asked.append(inside)
-            elif inside.__class__ is Var:
+            elif inside.__class__ is Var and not is_placed(value):
                 scope[inside.name] = value
             elif not unify(inside, value, scope):
                 break

@@ -223,10 +223,12 @@ class ReasoningCycle:
                 continue
             circumstance.take_action(intention)
             if success:
+                move_on(state, intention, intention.top)
                 if circumstance.states is not None:
                     done = Literal("action_executed", (pending.action,))
-                    circumstance.states.note_top("executing", intention, done)
-                move_on(state, intention, intention.top)
+                    for means in intention.downwards():
+                        if means.is_goal:
+                            circumstance.states.note("executing", means.sort, means.literal, done)
             else:
                 fail(state, intention, error_annots("action_failed", ""))
             return

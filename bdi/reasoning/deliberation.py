@@ -190,6 +190,10 @@ def _forget_tail_call(agent: AgentState, intention: Intention, means: Means) -> 
     if top.sort not in ("+!", "+?") or means.sort not in ("+!", "+?"):
         return
     intention.pop()
+    states = agent.circumstance.states
+    if states is not None:
+        states.note("achieved", top.sort, top.literal)
+        states.note("finished", top.sort, top.literal)
     if intention.stack:
         _hand_over(agent, intention.top.awaited, top.u, means.u)
 

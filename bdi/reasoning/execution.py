@@ -11,8 +11,9 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from ..language.body import BodyTerm
-from ..language.substitution import Unifier, rename, substitute, variable_names, walk
-from ..language.terms import ONLY_SELF, Literal, Relation, Var, text
+from ..language.program import PlanTerm, RuleTerm, plan_change
+from ..language.substitution import Unifier, rename, substitute, variable_names
+from ..language.terms import ONLY_SELF, Literal, Relation, Term, Var, text
 from .achievement import set_deadline
 from .actions import ActionError, error_annots
 from .beliefs import with_source
@@ -37,7 +38,7 @@ def _literal(agent: AgentState, intention: Intention, means: Means, step: Step) 
 
 
 def _not_a_literal(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    value = walk(step.term, means.u)
+    value = substitute(step.term, means.u)
     if isinstance(value, Var):
         message = f"{step.formula.place.line}: Variable '{value}' must be ground."
         fail(agent, intention, error_annots("body_var_without_value", message))
@@ -128,9 +129,25 @@ def _bindings(u: Unifier) -> str:
 
 
 def _add(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    literal = _literal(agent, intention, means, step)
-    if literal is not None:
-        _believe(agent, intention, means, step, literal)
+    changed = step.build(means.u)
+    if isinstance(changed, Literal):
+        _believe(agent, intention, means, step, changed)
+    elif isinstance(changed, RuleTerm):
+        agent.beliefs.add_rule(changed.rule, at_end=step.operation == "+>")
+        move_on(agent, intention, means)
+    else:
+        _change_plan(agent, intention, means, step, changed)
+
+
+def _change_plan(
+    agent: AgentState, intention: Intention, means: Means, step: Step, value: Term
+) -> None:
+    """Add or remove the plan for which a variable stands."""
+    action = plan_change(step.operation, value) if isinstance(value, PlanTerm) else None
+    if action is None:
+        _not_a_literal(agent, intention, means, step)
+    else:
+        _call(agent, intention, means, action)
 
 
 def _believe(
@@ -161,12 +178,17 @@ def _post(
 
 
 def _delete(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    """Remove a belief; after `--b` nothing waits for its event."""
-    literal = _literal(agent, intention, means, step)
-    if literal is None:
+    """Remove a belief or a rule; after `--b` nothing waits for its event."""
+    changed = step.build(means.u)
+    if isinstance(changed, RuleTerm):
+        agent.beliefs.remove_rule(changed.rule)
+        move_on(agent, intention, means)
+        return
+    if not isinstance(changed, Literal):
+        _change_plan(agent, intention, means, step, changed)
         return
     means.awaited = ()
-    removed = agent.beliefs.remove(literal, means.u)
+    removed = agent.beliefs.remove(changed, means.u)
     _post(agent, intention, means, "-", removed, waits=step.operation != "--")
 
 

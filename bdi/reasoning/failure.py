@@ -19,16 +19,25 @@ DEAR = 10
 """Cost, in goals, of one step of the search through the goals of an intention."""
 
 
-def find_failure_event(agent: AgentState, intention: Intention, event: Event) -> Event | None:
+def find_failure_event(
+    agent: AgentState, intention: Intention, event: Event, *, has_plan: bool
+) -> Event | None:
     """Return the `-!g` (or `-?g`) event of the nearest goal with a plan for it, or None.
 
-    The search goes from `event`, which failed, through the goals below it. In a fork, a failure
-    that reaches below the fork ends the other branches (`|&|`) or only its own (`|||`).
+    The search goes from `event`, which failed, through the goals below it; `has_plan` is True if
+    the plan of that goal is the one on top of the intention. In a fork, a failure that reaches
+    below the fork ends the other branches (`|&|`) or only its own (`|||`).
     """
     found, height = _search(agent, intention, event.sort, event.literal)
+    # A goal without a plan stands above the one that called it: its failure plan is inside the
+    # branch. As in Jason, `|||` has no use for that.
+    above = found is not None and found.literal is event.literal and not has_plan
     # Nested forks are left one after another, from the inside out.
-    while intention.fork is not None and height <= intention.fork_point:
-        if not intention.fork.all_of:
+    while intention.fork is not None:
+        all_of = intention.fork.all_of
+        if height + (above and all_of) > intention.fork_point:
+            break
+        if not all_of:
             return None
         end_fork(agent, intention)
     return found
@@ -82,7 +91,8 @@ def fail(agent: AgentState, intention: Intention, annots: tuple[Term, ...]) -> N
     """Fail the current step of an intention: post the failure event, or end the intention."""
     means = intention.top
     step = means.step
-    event = find_failure_event(agent, intention, Event(means.sort, means.literal, intention))
+    failed = Event(means.sort, means.literal, intention)
+    event = find_failure_event(agent, intention, failed, has_plan=True)
     code: Term = Literal("no_code")
     place: Place | None = None
     if step is not None:
@@ -115,7 +125,7 @@ def fail_event(agent: AgentState, event: Event, annots: tuple[Term, ...], why: s
     failure: Event | None = None
     if event.sort[0] == "+":
         if event.intention is not None:
-            failure = find_failure_event(agent, event.intention, event)
+            failure = find_failure_event(agent, event.intention, event, has_plan=False)
         elif agent.plans.candidates("-" + event.sort[1:], event.literal):
             failure = Event("-" + event.sort[1:], event.literal)
     if agent.circumstance.states is not None and event.sort[0] == "+":
@@ -144,14 +154,29 @@ def _note_failure(
     """Note the states of a goal that has failed, and of those it was for."""
     states = agent.circumstance.states
     assert states is not None  # called where there are some
-    errors = [a.args[0] for a in annots if isinstance(a, Literal) and a.functor == "error"]
-    states.note("failed", sort, goal, errors[0] if errors else None)
+    states.note("failed", sort, goal, _reason(annots))
     if failure is not None:
         states.note("executing", sort, goal, Literal("has_failure_plan"))
         return
     states.note("finished", sort, goal)
     if intention is not None:
         states.note_all("failed", intention, but=goal)
+
+
+_REASONS = ("action_failed", "ask_failed", "constraint_failed", "test_goal_failed", "wait_timeout")
+
+
+def _reason(annots: tuple[Term, ...]) -> Literal | None:
+    """Return the reason of the state `failed`: what has failed, whatever its error."""
+    for annot in annots:
+        error = annot.args[0] if isinstance(annot, Literal) and annot.functor == "error" else None
+        if isinstance(error, Literal):
+            if error.functor.startswith("body_var"):
+                return None
+            if error.functor.startswith("no_"):
+                return Literal(f"{error.functor}_plan")
+            return error if error.functor in _REASONS else Literal("ia_failed")
+    return None
 
 
 def end(agent: AgentState, intention: Intention) -> None:

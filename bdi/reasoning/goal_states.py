@@ -34,15 +34,15 @@ class GoalStates:
 
     def note_top(self, state: str, intention: Intention, reason: Term | None = None) -> None:
         """Note the state of the goal for which an intention carries out a plan."""
-        if intention.stack and intention.top.sort == "+!":
-            self.note(state, "+!", intention.top.literal, reason)
+        if intention.stack and intention.top.sort in ("+!", "+?"):
+            self.note(state, intention.top.sort, intention.top.literal, reason)
 
     def note_all(self, state: str, intention: Intention, *, but: Literal | None = None) -> None:
         """Note that all goals of an intention have ended, but one that is noted already."""
         for means in intention.downwards():
-            if means.sort == "+!" and means.literal is not but:
-                self.note(state, "+!", means.literal)
-                self.note("finished", "+!", means.literal)
+            if means.sort in ("+!", "+?") and means.literal is not but:
+                self.note(state, means.sort, means.literal)
+                self.note("finished", means.sort, means.literal)
 
     def post(self) -> None:
         """Post the events of the goals that have changed."""

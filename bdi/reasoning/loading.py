@@ -25,10 +25,10 @@ def start(agent: AgentState, beliefs: Sequence[Belief] = ()) -> None:
     """Load the program that an agent starts with; more `beliefs` come before its own.
 
     Raises:
-        ProgramError: it uses internal actions that do not exist, or one label twice.
+        ProgramError: it uses internal actions where they are not allowed, or one label twice.
     """
     program = agent.program
-    check_actions(program, {**agent.actions, **agent.functions})
+    _check(agent, program)
     if _functions_of_plans(program).isdisjoint(agent.functions):
         agent.plans.take(_library(program))
     else:
@@ -41,9 +41,9 @@ def add_program(agent: AgentState, program: Program) -> None:
     """Add plans after those there are, then beliefs and goals, which raise events.
 
     Raises:
-        ProgramError: it uses internal actions that do not exist, or a label that is taken.
+        ProgramError: it uses internal actions where they are not allowed, or a label that is taken.
     """
-    check_actions(program, {**agent.actions, **agent.functions})
+    _check(agent, program)
     _file(with_run_functions(program.plans, agent.functions), agent.plans)
     _note_plans(agent)
     _begin(agent, program)
@@ -53,14 +53,21 @@ def add_plan(agent: AgentState, plan: Plan, source: Literal, *, first: bool = Fa
     """Add one plan while the agent runs.
 
     Raises:
-        ProgramError: it uses internal actions that do not exist.
+        ProgramError: it uses internal actions where they are not allowed.
         ValueError: another plan has its label.
     """
     whole = Program(agent.program.source, plans=(plan,))
-    check_actions(whole, {**agent.actions, **agent.functions})
+    _check(agent, whole)
     (bound,) = with_run_functions(whole.plans, agent.functions)
     agent.plans.add(bound, source, first=first)
     _note_plans(agent)
+
+
+def _check(agent: AgentState, program: Program) -> None:
+    """Check the internal actions of a program, with a warning for each that does not exist."""
+    actions = {**agent.actions, **agent.functions}
+    for problem in check_actions(program, actions, strict=agent.strict):
+        agent.warn(f"{problem} (plans that call it fail)")
 
 
 def learn(agent: AgentState, program: Program) -> None:

@@ -42,6 +42,7 @@ from ..language.terms import (
     TriggerTerm,
     Var,
     is_ground,
+    is_placed,
     make_list,
     namespace_of,
     placed,
@@ -98,6 +99,9 @@ class _Question:
     def put_to(self, rule: Rule) -> Unifier | None:
         """Return the bindings with which the rule's body is to be proved, None if it has none."""
         if rule.parameters is not None and not self.query.annots:
+            for arg in self.args:
+                if is_placed(arg):
+                    return None
             return dict(zip(rule.parameters, self.args))  # noqa: B905 - equal lengths, and often
         scope: Unifier = {}
         query = self.query if self.query.args is self.args else self.query.with_args(self.args)
@@ -361,8 +365,6 @@ class Logic:
         inner = pattern.operands[1] if isinstance(pattern, Qualified) else pattern
         for clause in self.beliefs.all_clauses():
             if isinstance(clause, Literal):
-                if inner is pattern and "::" in clause.functor:
-                    continue  # a variable alone stands for what has no namespace
                 solution = unified(pattern, clause, u)
                 if solution is not None:
                     yield solution, goals

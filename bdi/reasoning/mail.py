@@ -20,7 +20,6 @@ from ..language.terms import FALSE, FROM_SELF, Cons, Literal, Nil, RestVar, Term
 from ..language.unification import unify
 from .actions import error_annots
 from .beliefs import with_source
-from .deliberation import move_on
 from .failure import fail
 from .intentions import Event, Intention
 from .loading import learn
@@ -60,7 +59,7 @@ def read(agent: AgentState, message: Message) -> None:
     learn(agent, protocol())
     number = Literal(f"mid{message.question}")
     args = (Literal(sender), Literal(message.force), content, number)
-    agent.circumstance.post(Event("+!", with_source(Literal("kqml_received", args))))
+    agent.circumstance.post(Event("+!", Literal("kqml_received", args)))
 
 
 @overload
@@ -151,7 +150,7 @@ class Question:
         self._receivers = receivers
         self._answers: list[Term] = []
         agent.questions[number] = self
-        agent.circumstance.suspend("ask", intention, Literal("ask", (float(number),)))
+        agent.circumstance.suspend("ask", intention, Literal("waiting_ask"))
         if timeout is not None:
             agent.after(timeout, self._time_out)
 
@@ -164,28 +163,33 @@ class Question:
         elif message.force == "tellHow" or isinstance(content, Literal | Nil | Cons):
             content = nested_source(content, sender)
         self._answers.append(content)
+        answered = Literal("ask_answer", (f"mid{self._number}",))
         if self._receivers is None:
-            self._end(content)
+            self._end(content, answered)
         elif len(self._answers) == self._receivers:
-            self._end(make_list(self._answers))
+            self._end(make_list(self._answers), answered)
 
     def _time_out(self) -> None:
         if self._number in self._agent.questions:
-            self._end(Literal("timeout") if self._receivers is None else make_list(self._answers))
+            none = self._receivers is None
+            answer = Literal("timeout") if none else make_list(self._answers)
+            self._end(answer, Literal("send_ask_msg_timeout"))
 
-    def _end(self, answer: Term) -> None:
+    def _end(self, answer: Term, reason: Literal) -> None:
         agent, intention = self._agent, self._intention
         del agent.questions[self._number]
         if not agent.circumstance.take_pending(intention, "ask"):
             return
         means = intention.top
         if unify(self._pattern, answer, means.u):
-            move_on(agent, intention, means)
+            if means.step is not None:
+                means.step = means.step.next
+            agent.circumstance.resume(intention, reason)
         else:
             pattern = substitute(self._pattern, means.u)
             shown = pattern if isinstance(pattern, Var) else self._pattern
-            reason = (
+            message = (
                 f"reply of an ask message ('{answer}') does not unify with fourth argument of"
                 f" .send ('{shown}')"
             )
-            fail(agent, intention, error_annots("ask_failed", reason))
+            fail(agent, intention, error_annots("ask_failed", message))

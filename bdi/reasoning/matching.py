@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from ..language.substitution import Unifier
-from ..language.terms import Literal, Qualified, Term, Var
+from ..language.terms import Literal, Qualified, Term, Var, is_placed
 from ..language.unification import matched, unify
 
 Match: TypeAlias = "Callable[[Literal], Unifier | None]"
@@ -27,12 +27,24 @@ def matcher(pattern: Literal | Var | Qualified) -> Match:
     if not args:
         return lambda literal: {}
     names = [arg.name for arg in args if arg.__class__ is Var]
-    if len(names) == len(args) == len(set(names)):
-        if len(names) == 1:
-            name = names[0]
-            return lambda literal: {name: literal.args[0]}
-        return lambda literal: dict(zip(names, literal.args))  # noqa: B905 - equal lengths
-    return lambda literal: matched(pattern, literal, {})
+    if len(names) < len(args) or len(set(names)) < len(names):
+        return lambda literal: matched(pattern, literal, {})
+    if len(names) == 1:
+        name = names[0]
+
+        def match_one(literal: Literal) -> Unifier | None:
+            (one,) = literal.args
+            return None if is_placed(one) else {name: one}
+
+        return match_one
+
+    def match_all(literal: Literal) -> Unifier | None:
+        for arg in literal.args:
+            if is_placed(arg):
+                return None
+        return dict(zip(names, literal.args))  # noqa: B905 - equal lengths
+
+    return match_all
 
 
 def _unified(pattern: Term, literal: Literal) -> Unifier | None:
@@ -53,7 +65,8 @@ def belief_matcher(query: Literal) -> Callable[[Literal, Unifier], Unifier | Non
 
         def match_one(belief: Literal, u: Unifier) -> Unifier | None:
             if belief.ground and first not in u:
-                return {**u, first: belief.args[0]}
+                (one,) = belief.args
+                return None if is_placed(one) else {**u, first: one}
             return matched(query, belief, u)
 
         return match_one
@@ -63,9 +76,11 @@ def belief_matcher(query: Literal) -> Callable[[Literal, Unifier], Unifier | Non
         def match_two(belief: Literal, u: Unifier) -> Unifier | None:
             if belief.ground and second not in u:
                 value, (one, two) = u.get(first), belief.args
+                if is_placed(two):
+                    return None
                 if value is one:
                     return {**u, second: two}
-                if value is None:
+                if value is None and not is_placed(one):
                     return {**u, first: one, second: two}
             return matched(query, belief, u)
 
@@ -75,9 +90,11 @@ def belief_matcher(query: Literal) -> Callable[[Literal, Unifier], Unifier | Non
     def match_three(belief: Literal, u: Unifier) -> Unifier | None:
         if belief.ground and second not in u and third not in u:
             value, (one, two, three) = u.get(first), belief.args
+            if is_placed(two) or is_placed(three):
+                return None
             if value is one:
                 return {**u, second: two, third: three}
-            if value is None:
+            if value is None and not is_placed(one):
                 return {**u, first: one, second: two, third: three}
         return matched(query, belief, u)
 

@@ -211,7 +211,7 @@ class PlanLibrary:
     def _new_label(self) -> str:
         while True:
             self._made_labels += 1
-            label = f"l__{self._made_labels}"
+            label = f"p__{self._made_labels}"
             if label not in self._by_label:
                 return label
 

@@ -145,6 +145,16 @@ class Shelf:
         else:
             del self._loose[args]
 
+    def remove_rule(self, rule: Rule) -> None:
+        """Remove a rule, the very one."""
+        key = next(key for key, (_, clause) in self._entries.items() if clause is rule)
+        del self._entries[key]
+        self.rules -= 1
+        self._changed()
+        if self._by_first is not None:
+            self._known.clear()
+            del self._loose[key]
+
     def _file(self, key: object, entry: _Entry) -> None:
         _, clause = entry
         if isinstance(clause, Literal) and clause.args and is_ground(clause.args[0]):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import Protocol
 
-from ..language.terms import Term
+from ..language.terms import Literal, Term
 from .actions import ActionError
 
 
@@ -46,10 +46,6 @@ class Member(Protocol):
     @property
     def next_wakeup(self) -> float | None:
         """Time at which it has something to do (s), or None."""
-
-    @property
-    def has_mail(self) -> bool:
-        """True if it has messages to read."""
 
     def advance(self, time: float) -> None:
         """Run until nothing is left to do at `time` (s)."""
@@ -107,6 +103,9 @@ class Society:
     def __init__(self) -> None:
         self._members: dict[str, Member] = {}
         self._numbers = count(1)
+        self._seeds: dict[int, str] = {}
+        #: Time up to which its agents have been advanced (s).
+        self.now = 0.0
         #: Numbers of the questions whose answers are waited for.
         self.awaited: set[int] = set()
         self.directory = Directory()
@@ -132,6 +131,11 @@ class Society:
         self._members.pop(name, None)
         self.directory.leave(name)
 
+    def own_seed(self, name: str, seed: int) -> int | str:
+        """Return the seed with which the agent of a name begins, no two of them the same."""
+        first = self._seeds.setdefault(seed, name)
+        return seed if first == name else f"{seed} {name}"
+
     def names(self) -> list[str]:
         """Return the names of all agents, in the order in which they joined."""
         return list(self._members)
@@ -156,13 +160,20 @@ class Society:
             # way to them.
             due = [a.next_wakeup for a in self._members.values() if a.next_wakeup is not None]
             soonest = min((at for at in due if at < time), default=time)
-            for agent in self._members.values():
-                if agent.now <= soonest:
+            self.now = max(self.now, soonest)
+            # A copy: an action of one of them may add agents, or have some leave.
+            for agent in [*self._members.values()]:
+                if agent.now <= soonest and self._members.get(agent.name) is agent:
                     agent.advance(soonest)
             # Those who were advanced first may have been written to by the others since, at the
-            # same time.
-            if soonest >= time and not any(a.has_mail for a in self._members.values()):
+            # same time, and some may have joined.
+            if soonest >= time and not any(self._is_due(a, time) for a in self._members.values()):
                 return
+
+    @staticmethod
+    def _is_due(agent: Member, time: float) -> bool:
+        wakeup = agent.next_wakeup
+        return agent.now <= time and wakeup is not None and wakeup <= time
 
     def deliver(self, name: str, message: Message) -> None:
         """Give `message` to the agent called `name`.
@@ -171,5 +182,6 @@ class Society:
             ActionError: there is no such agent.
         """
         if name not in self._members:
-            raise ActionError(f"there is no agent '{name}'", "unknown_receiver")
+            missing = Literal("agent_not_found", (Literal(name),))
+            raise ActionError(f"there is no agent '{name}'", "receiver_not_found", (missing,))
         self._members[name].receive(message)

@@ -78,6 +78,7 @@ class AgentState:
         clock: time (ns).
         now: the same time (s), as the caller gave it.
         max_depth: largest number of plans in an intention.
+        strict: True to refuse programs that call internal actions that do not exist.
         is_stopped: True when the program has ended itself.
         is_observed: True if somebody is told of percepts, plans or actions (`note`).
     """
@@ -89,8 +90,9 @@ class AgentState:
         query: Query,
         *,
         actions: Mapping[str, InternalAction],
+        strict: bool,
         live: LiveBeliefs,
-        seed: int,
+        seed: int | str,
         start: float,
         act: Perform | None,
         print: Callable[[str], None] | None,
@@ -105,6 +107,7 @@ class AgentState:
         self.name = name
         self.program = program
         self.actions = actions
+        self.strict = strict
         self.act = act
         self.names = Names()
         self.beliefs = BeliefBase(live)
@@ -147,9 +150,13 @@ class AgentState:
 
     # ---- beliefs
 
-    def believe(self, literal: Literal, *, at_end: bool = False) -> None:
+    def believe(self, literal: Literal) -> None:
         """Add a belief, with source `self` if it names none, and raise its event."""
-        added = self.beliefs.add(with_source(literal), at_end=at_end)
+        self.add_belief(with_source(literal))
+
+    def add_belief(self, literal: Literal, *, at_end: bool = False) -> None:
+        """Add a belief with the annotations that it has, and raise its event."""
+        added = self.beliefs.add(literal, at_end=at_end)
         if added is not None:
             self.circumstance.post(Event("+", added))
 

@@ -100,7 +100,7 @@ class ActiveWait:
             if intention.is_suspended:
                 # The failure comes when it is resumed.
                 self._means.step = compile_body((Act(Literal(".fail")),))
-                circumstance.suspend("suspended", intention)
+                self._suspend()
             else:
                 fail(self._agent, intention, error_annots("wait_timeout", "timeout in .wait"))
             return
@@ -111,6 +111,11 @@ class ActiveWait:
         if self._elapsed is not None:
             unify(self._elapsed, float((ended - self._began) // MILLISECOND), self._means.u)
         if intention.is_suspended:
-            circumstance.suspend("suspended", intention)
+            self._suspend()
         else:
-            circumstance.add_running(intention)
+            circumstance.resume(intention)
+
+    def _suspend(self) -> None:
+        """Leave the intention, which `.suspend` has suspended, to `.resume`."""
+        reason = Literal(f"suspended-{self._intention.number}")
+        self._agent.circumstance.suspend("suspended", self._intention, reason)

@@ -123,6 +123,7 @@ def make_agent(
     return bdi.Agent(
         program,
         actions=actions,
+        strict=True,
         beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules, leader), *kept],
         act=act,
         name=entry.name,

@@ -131,4 +131,4 @@ def _try_out(program: bdi.Program, own: frozenset[str]) -> None:
     """
     actions = bdi.InternalActions({name: bdi.InternalAction(lambda call, *a: True) for name in own})
     actions.functions.update(dict.fromkeys(own, lambda *numbers: 0.0))
-    bdi.Agent(program, actions=actions)
+    bdi.Agent(program, actions=actions, strict=True)

@@ -242,7 +242,7 @@ def test_own_internal_actions():
     agent.advance(0.0)
     assert log == [(0.0, "25")]
     with pytest.raises(bdi.ProgramError, match=r"floor\.distance"):
-        bdi.Agent(bdi.parse("!go. +!go <- floor.distanc(1,2,D)."), actions=actions)
+        bdi.Agent(bdi.parse("!go. +!go <- floor.distanc(1,2,D)."), actions=actions, strict=True)
     with pytest.raises(ValueError, match="dot"):
         actions.add("nodot")
     with pytest.raises(ValueError, match="already"):
@@ -252,11 +252,27 @@ def test_own_internal_actions():
 def test_unknown_internal_actions_are_found_when_loaded():
     source = "r :- .membr(1,[]). +!a : .atm(x) <- .drop_desir(x); if (.listt([])) { .prnt }."
     with pytest.raises(bdi.ProgramError) as wrong:
-        bdi.Agent(bdi.parse(source, "x.asl"))
+        bdi.Agent(bdi.parse(source, "x.asl"), strict=True)
     text = str(wrong.value)
     for hint in (".member?", ".atom?", ".drop_desire?", ".list?", ".print?"):
         assert hint in text
     assert len(wrong.value.problems) == 5
+
+
+def test_unknown_internal_actions_are_warnings_unless_an_agent_is_strict():
+    source = "!go. +!go <- .add_plan({ +!x <- .nosuch(1) }); !x. -!go[error(E)] <- .print(E)."
+    warnings, lines = [], []
+    program = bdi.parse("+!y <- .prnt.\n" + source, "x.asl")
+    bdi.Agent(program, on_event=warnings.append, kinds=["warning"], print=lines.append).advance(0.0)
+    assert lines == ["action_failed"]
+    # That of the added plan is a warning where it is written, and again when it is added.
+    assert [entry.text.partition(" (")[0] for entry in warnings] == [
+        "x.asl:1:8: there is no internal action .prnt; did you mean .print?",
+        "x.asl:2:14: there is no internal action .nosuch",
+        "x.asl:2:33: there is no internal action .nosuch",
+    ]
+    with pytest.raises(bdi.ProgramError, match=r"x\.asl:1:8: there is no internal action \.prnt"):
+        bdi.Agent(program, strict=True)
 
 
 def test_waiting_cannot_be_in_a_context():

@@ -51,6 +51,27 @@ def test_telling_and_asking():
     assert agents["ann"].now == 1.0
 
 
+def test_what_is_said_may_be_in_a_namespace():
+    society, _, log = make(
+        {
+            "ann": """!go. +!go <- .send(bob, tell, [sea::blue, sea::deep(3)]); .wait(5);
+                .send(bob, achieve, [sea::swim(1)]); .send(bob, askOne, sea::boat(_), N::A);
+                .print(N, " ", A); .send(bob, askAll, sea::boat(_), L); .print(L);
+                .send(bob, askOne, sea::colour(_), sea::C); .print(C);
+                .send(bob, untell, sea::blue); .send(bob, signal, sea::ping).""",
+            "bob": """{ begin namespace(sea) } boat(1). +?colour(X) <- X = grey.
+                +!swim(N) <- .print("swims ", N). +blue <- .print(blue). -blue <- .print(grey).
+                +deep(X)[source(S)] <- .print(X, " from ", S). +ping <- .print(ping). { end }""",
+        }
+    )
+    society.advance(1.0)
+    assert log == [
+        *(("bob", "blue"), ("bob", "3 from ann"), ("bob", "swims 1")),
+        *(("ann", "sea boat(1)[source(bob)]"), ("ann", "[sea::boat(1)[source(bob)]]")),
+        *(("ann", "colour(grey)[source(bob)]"), ("bob", "grey"), ("bob", "ping")),
+    ]
+
+
 def test_taking_back_a_goal():
     society, _, log = make(
         {
@@ -73,6 +94,54 @@ def test_a_question_may_find_no_answer_in_time():
     assert log == [("ann", "timeout")]
 
 
+def test_agents_may_be_added_and_removed_while_the_others_run():
+    society, log = bdi.Society(), []
+    actions = bdi.InternalActions()
+
+    def say(name):
+        return lambda line: log.append((society.now, f"{name}: {line}"))
+
+    @actions.add("floor.hire", least=1, most=1)
+    def hire(call, name):
+        program = bdi.parse("""!go. +!go <- .my_name(N); .send(ann, tell, here(N)); .wait(1000).
+            +!stop <- .print(never). +bye <- .print(bye).""")
+        bdi.Agent(program, name=str(name), society=society, print=say(name))
+        return True
+
+    @actions.add("floor.dismiss", least=1, most=1)
+    def dismiss(call, name):
+        society.leave(str(name))
+        return True
+
+    program = bdi.parse("""!go. +!go <- .wait(2000); floor.hire(bob); floor.hire(cyd); .wait(500);
+            .broadcast(tell, bye); floor.dismiss(bob); .all_names(L); .print(L).
+        +here(N) <- .print(N).""")
+    bdi.Agent(program, name="ann", society=society, actions=actions, print=say("ann"))
+    society.advance(2.0)
+    assert log == [(2.0, "ann: bob"), (2.0, "ann: cyd")]
+    assert [(agent.name, agent.now) for agent in society] == [
+        *(("ann", 2.0), ("bob", 2.0), ("cyd", 2.0)),
+    ]
+    society.advance(9.0)
+    assert log[2:] == [(2.5, "ann: [ann,cyd]"), (2.5, "cyd: bye")]
+
+
+def test_agents_draw_numbers_of_their_own():
+    def drawn(names, seed=0):
+        society, log = bdi.Society(), []
+        for name in names:
+            program = bdi.parse("!go. +!go <- .random(X); Y = math.random; .print(X, Y).")
+            bdi.Agent(program, name=name, society=society, seed=seed, print=log.append)
+        society.advance(0.0)
+        return log
+
+    three = drawn(["ann", "bob", "cyd"])
+    assert len(set(three)) == 3
+    assert three == drawn(["ann", "bob", "cyd"]) != drawn(["ann", "bob", "cyd"], seed=1)
+    # Alone, and as the first of a society, an agent draws what its seed says.
+    assert drawn(["ann"]) == drawn(["bob"]) == three[:1]
+
+
 def test_mail_wakes_up():
     society, agents, _ = make({"ann": "a.", "bob": "+hi <- .print(hi)."})
     society.advance(1.0)
@@ -84,7 +153,7 @@ def test_mail_wakes_up():
 @pytest.mark.parametrize(
     ("message", "failure"),
     [
-        ("send(dan, tell, x)", "unknown_receiver: there is no agent 'dan'"),
+        ("send(dan, tell, x)", "receiver_not_found: there is no agent 'dan'"),
         ("send(f(bob), tell, x)", "internal_action: The TO parameter ('f(bob)') ... not an atom"),
         ("send(bob, tell, x, now)", "internal_action: The Message ID ('now') ... a message"),
         (
@@ -123,14 +192,14 @@ def test_messages_to_many_to_oneself_and_of_what_nobody_can_do():
     )
     society.advance(1.0)
     error = "Communication error -- "
-    told = '+!kqml_received(ann,tell,"text",mid3)[source(self)]'
+    told = '+!kqml_received(ann,tell,"text",mid3)'
     nothing = f"Found a goal for which there is no applicable plan: {told}"
     assert log == [
         ("ann", "[ann,bob,cyd]"),
         ("ann", "self"),
         ("bob", "ann"),
         ("cyd", "ann"),
-        ("bob", f"{error}body_var_not_literal: Variable 'Goal' must be a Literal and not '3'"),
+        ("bob", f"{error}body_var_not_literal: Variable 'NS::Goal' must be a Literal and not '3'"),
         ("bob", f"{error}no_applicable: {nothing}"),
         ("ann", "on"),
     ]
