@@ -324,3 +324,40 @@ people:
     run = sim.run(sim.Trial.parse(text))
     assert any(e["person"] == "tourist" for e in events(run, "violation"))
     assert run.summary["left"] == 2
+
+
+@pytest.mark.parametrize(
+    ("people", "between"),
+    [
+        (
+            "{name: v, personality: visitor, source: {at: gate, rate: 0.001, count: 3}, sink: out}",
+            0,
+        ),
+        (
+            "{name: a, personality: external, at: [1, 5]}\n"
+            "  - {name: b, personality: external, at: [11, 1]}\n"
+            "  - {name: v, personality: visitor, source: {at: gate, rate: 0.001, count: 3}}",
+            {"a", "b"},
+        ),
+        (
+            "{name: a, personality: external, at: [1, 5]}\n"
+            "  - {name: v, personality: visitor, source: {at: gate, rate: 9, count: 1}, sink: out}",
+            {"a", "v1"},
+        ),
+    ],
+)
+def test_only_those_on_the_floor_are_near_each_other(people, between):
+    """The absent stand 10 m from each other: on a large floor that is nearer than anybody else."""
+    run = sim.run(sim.Trial.parse(f"{HALL.split('people:')[0]}people:\n  - {people}\n"))
+    nearest = run.summary["nearest_people"]
+    assert run.summary["overlaps"] == 0
+    if between is None:
+        assert nearest is None
+        return
+    assert set(nearest["between"]) == between
+    ends = [run.presence[name] for name in nearest["between"]]
+    begin, end = max(a for a, _ in ends), min(b for _, b in ends)
+    motions = [run.motions[name] for name in nearest["between"]]
+    t, apart = navigation.minimum_separation(*motions, begin, end - 1e-9)
+    assert nearest["distance"] == pytest.approx(apart - 0.6, abs=1e-6)
+    assert nearest["time"] == pytest.approx(t, abs=1e-3)
