@@ -20,11 +20,11 @@ CLEARANCE = 1e-4
 DEVIATION = 1e-5
 """Metres. How far a motion may be from its chords."""
 
-AROUND = 5.0
-"""Metres. The floor ends in a wall so thick."""
+LEAVES = 5.0
+"""Seconds within which somebody is out of a door that closed on them."""
 
-LEAVES = 15.0
-"""Seconds within which somebody leaves a door that closed on them."""
+NEARLY = 0.01
+"""Metres. Whoever could have stopped by less before what closes ahead of them could not."""
 
 SLOW = 1e-9
 """m/s. A motion that turns back no faster than this does not turn back."""
@@ -37,15 +37,21 @@ def judge_faults(run):
         for entry in run.trial.people
         if entry.recorded is None
     }
-    swept = {name: _chords(_pieces(run, name)) for name in bodies}
-    touch = _Touch()
-    for barrier in _barriers(run):
-        for entry in run.trial.people:
-            if entry.name in bodies:
-                chords, radius = swept[entry.name], bodies[entry.name]
-                for t in barrier.rejected(touch, chords, radius, _braking(run, entry)):
-                    yield f"FCL rejects {entry.name} at t = {t:.4f} s: {barrier.name} is there"
-                    break
+    touch, barriers = _Touch(), list(_barriers(run))
+    changes = sorted({t for one in barriers for t in (one.begin, one.end) if 0.0 < t < math.inf})
+    for entry in run.trial.people:
+        if entry.name not in bodies:
+            continue
+        pieces = _cut(_pieces(run, entry.name), changes)
+        chords, radius = _chords(pieces), bodies[entry.name]
+        for barrier in barriers:
+            begin = barrier.begin
+            if begin > 0.0:
+                speed = _speed_before(pieces, begin)
+                reach = speed**2 / (2 * _deceleration(run, entry)) + NEARLY
+                begin = barrier.left(touch, chords, radius, reach)
+            if (t := barrier.rejected(touch, chords, radius, begin)) is not None:
+                yield f"FCL rejects {entry.name} at t = {t:.4f} s: {barrier.name} is there"
     for one, other in itertools.combinations(bodies, 2):
         t = _meeting(run, touch, (one, bodies[one]), (other, bodies[other]))
         if t is not None:
@@ -56,9 +62,9 @@ def _radius(run, entry):
     return run.trial.floorplan.human.radius if entry.radius is None else entry.radius
 
 
-def _braking(run, entry):
-    """The deceleration with which somebody stops (m/s²)."""
-    most = run.scene.person(entry.name).max_acceleration
+def _deceleration(run, entry):
+    """Return how fast somebody can slow down (m/s²)."""
+    most = entry.max_acceleration
     return run.trial.floorplan.human.max_acceleration if most is None else most
 
 
@@ -66,7 +72,7 @@ def _braking(run, entry):
 
 
 class _Chords(NamedTuple):
-    """Chords of a motion: instants (N,) in seconds, ends (N, 2) in metres, speeds at the begin."""
+    """Chords of a motion: begins and ends (N,) in seconds, where these are (N, 2) in metres."""
 
     begin: np.ndarray
     end: np.ndarray
@@ -87,6 +93,25 @@ def _pieces(run, name):
     return begin, end, np.array([(p.x, p.y) for p in rows]).reshape(-1, 2, 4)
 
 
+def _cut(pieces, instants):
+    """Return pieces that are also cut at some instants (s)."""
+    begin, end, _ = pieces
+    within = [t for t in instants if len(begin) and begin[0] < t < end[-1]]
+    if not within:
+        return pieces
+    begins = np.unique(np.concatenate([begin, within]))
+    return begins, np.append(begins[1:], end[-1]), _later(pieces, begins)
+
+
+def _speed_before(pieces, t):
+    """Return the speed (m/s) at the end of the piece that ends at `t` (s); 0 if there is none."""
+    begin, end, c = pieces
+    if not (row := np.flatnonzero(end == t)).size:
+        return 0.0
+    u = t - begin[row[-1]]
+    return math.hypot(*(c[row[-1], :, 1] + u * (2 * c[row[-1], :, 2] + u * 3 * c[row[-1], :, 3])))
+
+
 def _at(cubics, u):
     """Return places (N, 2) on cubics (N, 2, 4), `u` (N,) seconds after each began."""
     u = u[:, None]
@@ -101,8 +126,8 @@ def _chords(pieces):
     way = _at(c, h) - c[..., 0]
     length = np.hypot(*way.T)
     along = np.divide(way, length[:, None], out=np.zeros_like(way), where=length[:, None] > 0)
-    # Half the acceleration is linear in time, so greatest at an end; that across the chord counts
-    # alone, unless the piece turns back: its velocity is within its control points.
+    # The acceleration is linear in time, so greatest at an end; that across the chord counts alone,
+    # unless the piece turns back. Its velocity is within that of its control points.
     bends = np.stack([2 * c[..., 2], 2 * c[..., 2] + 6 * c[..., 3] * h[:, None]])
     across = np.abs(bends[..., 0] * along[:, 1] - bends[..., 1] * along[:, 0]).max(axis=0)
     whole = np.hypot(bends[..., 0], bends[..., 1]).max(axis=0)
@@ -149,7 +174,7 @@ def _prisms(area):
     """Return FCL's objects for an area (shapely), 2 m high: convex parts, or its triangles."""
     parts = []
     for polygon in shapely.get_parts(area):
-        if not isinstance(polygon, shapely.Polygon):
+        if not isinstance(polygon, shapely.Polygon) or polygon.is_empty:
             continue
         whole = not polygon.interiors and polygon.convex_hull.area - polygon.area < 1e-9
         cut = [polygon] if whole else shapely.get_parts(_triangles(polygon))
@@ -171,6 +196,17 @@ def _prism(corners):
     return fcl.CollisionObject(fcl.Convex(points, n + 2, faces))
 
 
+def _sides(area):
+    """Return FCL's objects for all that is beyond the bounds of an area: four half spaces."""
+    west, south, east, north = area.bounds
+    anywhere = np.full(2, math.inf)
+    sides = ((1.0, 0.0, west), (0.0, 1.0, south), (-1.0, 0.0, -east), (0.0, -1.0, -north))
+    return [
+        (-anywhere, anywhere, fcl.CollisionObject(fcl.Halfspace(np.array([x, y, 0.0]), d)))
+        for x, y, d in sides
+    ]
+
+
 # ---- what is in the way
 
 
@@ -182,51 +218,50 @@ class _Barrier(NamedTuple):
     end: float
     prisms: list
 
-    def rejected(self, touch, chords, radius, braking):
-        """Yield when chords lead through it (s), but those of somebody on whom it closed."""
-        begin = self.begin
-        if begin > 0.0:
-            begin = self._left(touch, chords, radius, braking)
+    def rejected(self, touch, chords, radius, begin):
+        """Return when chords first lead through it from `begin` (s) on, None if they never do."""
         near = chords.within(begin, self.end)
-        for k in self._hits(touch, near, radius):
-            yield max(float(near.begin[k]), begin)
+        hits = self._hits(touch, near, radius)
+        return max(float(near.begin[min(hits)]), begin) if hits else None
+
+    def left(self, touch, chords, radius, reach):
+        """Return from when on (s) nobody may touch it.
+
+        Who was in it when it came, or no farther from it than `reach` metres on their path, gets
+        out of it first.
+        """
+        after = chords.within(self.begin, min(self.end, self.begin + LEAVES))
+        hits = self._hits(touch, after, radius)
+        if not hits:
+            return self.begin
+        first = min(hits)
+        way, length = after.b[first] - after.a[first], math.dist(after.a[first], after.b[first])
+        gone = float(np.hypot(*(after.b[:first] - after.a[:first]).T).sum())
+        if gone > reach:
+            return self.begin
+        last = after.a[first] + way * min(1.0, (reach - gone) / length if length else 1.0)
+        if not any(touch(after.a[first], last, radius, prism) for _, _, prism in self.prisms):
+            return self.begin
+        out = [k for k in range(first, len(after.begin)) if k not in hits]
+        return float(after.begin[out[0]]) if out else self.begin + LEAVES
 
     def _hits(self, touch, chords, radius):
-        """Yield the numbers of chords that lead through it."""
-        # Places at which somebody stands are asked about once.
+        """Return the numbers of chords that lead through it."""
         low, high = np.minimum(chords.a, chords.b) - radius, np.maximum(chords.a, chords.b) + radius
-        for least, most, prism in self.prisms:
-            near = np.flatnonzero(((high >= least) & (low <= most)).all(axis=1))
-            for k in near.tolist():
-                if touch(chords.a[k], chords.b[k], radius, prism):
-                    yield k
-
-    def _left(self, touch, chords, radius, braking):
-        """Return from when on nobody may touch it who could not stop before it as it closed."""
-        before = chords.within(-math.inf, self.begin)
-        after = chords.within(self.begin, min(self.end, self.begin + LEAVES))
-        if not len(before.begin) or not len(after.begin):
-            return self.begin
-        k = len(before.begin) - 1
-        seconds = max(before.end[k] - before.begin[k], 1e-9)
-        speed = math.dist(before.a[k], before.b[k]) / seconds
-        lengths = np.hypot(*(after.b - after.a).T)
-        gone = np.cumsum(lengths) - lengths
-        # A chord has its mean speed: what it was at the instant may be a little more.
-        reach = (speed + 0.1) ** 2 / (2 * braking)
-        hits = sorted(set(self._hits(touch, after, radius)))
-        if not hits or gone[hits[0]] > reach:
-            return self.begin
-        free = [k for k in range(hits[0], len(after.begin)) if k not in set(hits)]
-        return float(after.begin[free[0]]) if free else self.begin + LEAVES
+        return {
+            k
+            for least, most, prism in self.prisms
+            for k in np.flatnonzero(((high >= least) & (low <= most)).all(axis=1)).tolist()
+            if touch(chords.a[k], chords.b[k], radius, prism)
+        }
 
 
 def _barriers(run):
-    """Return all that stands, hangs, closes or comes where people walk, and the end of the floor."""
+    """Yield all that stands, hangs, closes or comes where people walk, and the floor's end."""
     trial, plan = run.trial, run.trial.floorplan
     tall = plan.human.height
-    around = plan.boundary.envelope.buffer(AROUND, join_style="mitre")
-    yield _Barrier("the end of the floor", -1.0, math.inf, _prisms(around.difference(plan.boundary)))
+    beyond = [*_prisms(plan.boundary.envelope.difference(plan.boundary)), *_sides(plan.boundary)]
+    yield _Barrier("the end of the floor", -1.0, math.inf, beyond)
     for one in plan.obstacles:
         if one.bottom < tall and one.top > 0.0:
             yield _Barrier(one.name, -1.0, math.inf, _prisms(one.footprint))
