@@ -24,6 +24,9 @@ WINDOW = 512
 """Number of instants that are looked at together: who is far from others all through is left out,
 and a long run takes no more memory than a short one."""
 
+AWAY = 1e8
+"""Metres. Those who are not there are moved so far off, and as far from each other."""
+
 _HAIR = 1e-9
 
 _Window: TypeAlias = "tuple[int, list[float], tuple[array[float], array[float], array[float]]]"
@@ -47,15 +50,22 @@ def nearest_pair(
     top_speeds: Sequence[float],
     begin: float,
     end: float,
+    spans: Sequence[tuple[float, float]] | None = None,
 ) -> Nearest | None:
     """Return the nearest that two of several discs came from `begin` to `end` (seconds).
 
     `motions` are those of their centres, `radii` in metres, `top_speeds` in m/s, which none of them
-    exceeds but where it is put elsewhere. None for fewer than two. Exact as `minimum_separation`:
-    between two instants that are looked at, a pair comes no nearer than its distance at both and
-    its speeds allow; wherever that is nearer than the nearest pair known, the kernel says whether
-    it comes nearer, and if so it is solved for.
+    exceeds but where it is put elsewhere. With `spans` each is there only from one instant to
+    another (seconds). None if no two are there at once. Exact as `minimum_separation`: between two
+    instants that are looked at, a pair comes no nearer than its distance at both and its speeds
+    allow; wherever that is nearer than the nearest pair known, the kernel says whether it comes
+    nearer, and if so it is solved for.
     """
+    if spans is not None:
+        motions = [
+            _present(motion, max(since, begin), min(until, end), begin, end, AWAY * (k + 1))
+            for k, (motion, (since, until)) in enumerate(zip(motions, spans, strict=True))
+        ]
     if len(motions) < 2:
         return None
     count = max(math.ceil((end - begin) / STEP), 1)
@@ -90,7 +100,25 @@ def nearest_pair(
         if centres - least < -_HAIR:
             overlapping.add((i, j))
         best = min(best, (centres - least, when, (i, j)))
+    if spans is not None and best[0] > AWAY / 2:
+        return None
     return Nearest(*best, len(overlapping))
+
+
+def _present(
+    motion: Motion, since: float, until: float, begin: float, end: float, away: float
+) -> Motion:
+    """Return a motion from `begin` to `end` that is `away` metres off but from `since` to `until`.
+
+    All instants are in seconds.
+    """
+    if since <= begin and until >= end:
+        return motion
+    off = (away, away)
+    there = [motion.cut(since, until)] if since < until else []
+    before = [standing(off, start=begin)] if since > begin or not there else []
+    after = [standing(off, start=until)] if there and until < end else []
+    return join([*before, *there, *after], end=end)
 
 
 def _reaching_back(motion: Motion, begin: float) -> Motion:

@@ -96,6 +96,8 @@ class Simulation:
         self.machines = self._stage.machines
         for name, model in models_of(trial).items():
             self.machines[name] = made_by(model, name, self._stage)
+        # Before anybody's place is drawn: the floorplan knows where AGVs stand, and no other kind.
+        self._stage.place_machines()
         check_own_events(trial)
         self.referee = Referee(self._stage)
         self.dispatcher = self._make_dispatcher()

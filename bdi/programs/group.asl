@@ -19,7 +19,7 @@ behind(together, together).
 +!rejoin <- .wait(1000); !!walk_to(together).
 
 // Without their leader they leave as well, or walk on alone.
-+has_left(Who, _) : leader(Who) & exit(X, Y)
-  <- .drop_all_desires; .abolish(leader(Who)); move(X, Y, 0).
++has_left(Who, _) : leader(Who) & exit(_, _)
+  <- .drop_all_desires; .abolish(leader(Who)); !walk_to(exit).
 +has_left(Who, _) : leader(Who) & first(S)
   <- .drop_all_desires; .abolish(leader(Who)); .abolish(bound_for(_)); !walk_to(S).

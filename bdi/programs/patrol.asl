@@ -28,6 +28,8 @@ most_tries(3) :- not tries(_).
 lingering_time(Ms) :- linger(Ms).
 lingering_time(8000) :- not linger(_).
 
+// After a violation they start again at the first station, or go to the exit if they were leaving.
+first(exit) :- bound_for(exit).
 first(S) :- .findall(N, station(N, _, _), [S|_]).
 
 away(S, Steps, T) :-
@@ -46,6 +48,7 @@ now(T) :- T = system.time.
 +human_start : first(S) <- !walk_to(S).
 
 +!walk_to(S) : station(S, X, Y) <- -+bound_for(S); move(X, Y, 0).
++!walk_to(exit) : exit(X, Y) <- -+bound_for(exit); move(X, Y, 0).
 
 +work_completed(_) : bound_for(S) & not errand(_) & ahead(S, Next)
   <- .abolish(tried(_)); !walk_to(Next).

@@ -290,7 +290,7 @@ def _shift(
 
 
 def walked_and_stood(table: Numbers, since: float, until: float) -> tuple[float, float]:
-    """Return how far a walk goes (metres), and how long it stands from `since` to `until` (s).
+    """Return how far a walk goes from `since` on (m), and how long it stands until `until` (s).
 
     The pieces of its `table` are straight and never turn back: each is as long as its chord.
     """
@@ -302,9 +302,15 @@ def walked_and_stood(table: Numbers, since: float, until: float) -> tuple[float,
         o: cython.Py_ssize_t = k * _WIDTH
         begin: float = c[o]
         end: float = c[o + 1]
+        if end < since:
+            continue
         u: float = end - begin
         dx: float = u * (c[o + 3] + u * (c[o + 4] + u * c[o + 5]))
         dy: float = u * (c[o + 7] + u * (c[o + 8] + u * c[o + 9]))
+        if begin < since:
+            u = since - begin
+            dx -= u * (c[o + 3] + u * (c[o + 4] + u * c[o + 5]))
+            dy -= u * (c[o + 7] + u * (c[o + 8] + u * c[o + 9]))
         if (
             c[o + 3] != 0.0
             or c[o + 4] != 0.0

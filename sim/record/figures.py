@@ -435,7 +435,7 @@ FIGURES: dict[str, SummaryFigure] = {
         ),
         _of_several(
             path="overlaps",
-            of=lambda run: run.among_people.overlaps,
+            of=lambda run: run.overlaps,
             label="overlaps",
             meaning="pairs of people whose bodies overlapped",
             measure="rare",

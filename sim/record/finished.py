@@ -171,24 +171,42 @@ class Finished:
         return found
 
     @cached_property
-    def among_people(self) -> Nearest:
-        """The nearest that two of several people came to each other."""
-        found = nearest_pair(
+    def among_people(self) -> Nearest | None:
+        """The nearest that two people came to each other; None if no two were there at once."""
+        return nearest_pair(
             [self.motions[person.name] for person in self.people],
             [person.walker.human.radius for person in self.people],
             [person.walker.human.max_speed for person in self.people],
             0.0,
             self.duration,
+            self._presence() if self.trial.has_traffic else None,
         )
-        assert found is not None  # nobody asks where there is only one
-        return found
 
     @property
-    def nearest_people(self) -> dict[str, Any]:
-        """The least distance between the bodies of two people (m), when it was (s), and of whom."""
+    def nearest_people(self) -> dict[str, Any] | None:
+        """The least distance between the bodies of two people (m), when it was (s), and of whom.
+
+        None if no two were on the floor at once.
+        """
         found = self.among_people
+        if found is None:
+            return None
         between = [self.people[k].name for k in found.pair]
         return {"distance": found.distance, "time": found.time, "between": between}
+
+    @property
+    def overlaps(self) -> int:
+        """Number of pairs of people whose bodies overlapped."""
+        return 0 if self.among_people is None else self.among_people.overlaps
+
+    def _presence(self) -> list[tuple[float, float]]:
+        """Return from when to when each person was on the floor (s): never, if that is no time."""
+        found = []
+        for person, entry in zip(self.people, self.trial.people, strict=True):
+            came = 0.0 if entry.source is None else person.started_at
+            left = self.duration if person.left_at is None else person.left_at
+            found.append((left if came is None else came, left))
+        return found
 
     @property
     def zones(self) -> dict[str, dict[str, float]]:

@@ -81,6 +81,8 @@ def order(value: Any, beside: Mapping[str, Any]) -> str:
 
 def nearest_people(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a distance between two people, who they are, and when it was."""
+    if value is None:
+        return ""
     one, other = value["between"]
     return f"{value['distance']:.2f} m ({one} and {other}) at {value['time']:.1f} s"
 

@@ -37,6 +37,9 @@ Cause = str
 CLEARANCE = 0.05
 """Metres. What a machine in a protective stop waits for beyond the required distance."""
 
+AFTERWARDS = 1.0
+"""Seconds. So much of the rest after two motions is looked at; all of it is the same."""
+
 GLANCE = 0.1
 """Seconds. Who can't see a machine that they would notice looks again after so long."""
 
@@ -107,13 +110,16 @@ class Pair:
         return self.machine.shape.kind if self.machine.body.state.speed > MOVES else PERSON
 
     def horizon(self) -> float:
-        """Return the instant from which on both stand, or the trial's end (seconds)."""
+        """Return an instant from which on nothing changes any more, or the trial's end (seconds).
+
+        A motion that ends at speed stops at its end, so the first state of rest is seen after it.
+        """
         last, one, other = self.clock.now, self._one.motion.end, self._other.motion.end
         if last < one:
             last = one
         if last < other:
             last = other
-        # When both stand nothing changes any more: a condition that does not hold then never will.
+        last += AFTERWARDS
         return last if last < self.end else self.end
 
 

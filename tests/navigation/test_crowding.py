@@ -40,3 +40,28 @@ def test_nearest_pair_sees_what_an_oracle_sees(length, width, jumps):
             assert found.distance == pytest.approx(min(apart.values()), abs=1e-8)
             assert apart[found.pair] == pytest.approx(found.distance, abs=1e-8)
         assert found.overlaps == sum(gap < -1e-9 for gap in apart.values())
+
+
+def test_those_who_are_not_there_are_near_nobody():
+    rng = np.random.default_rng(8)
+    together = 0
+    for _ in range(40):
+        count = int(rng.integers(2, 6))
+        motions = [wandering(rng, 6.0, jumps=True, length=20.0) for _ in range(count)]
+        spans = [tuple(np.sort(rng.uniform(-5.0, 25.0, 2)).tolist()) for _ in range(count)]
+        spans[0] = (9.0, 9.0)
+        args = (motions, [0.0] * count, [1.5] * count, 0.0, 20.0)
+        found = navigation.nearest_pair(*args, spans)
+        apart = {}
+        for i, j in itertools.combinations(range(count), 2):
+            begin, end = max(spans[i][0], spans[j][0], 0.0), min(spans[i][1], spans[j][1], 20.0)
+            if begin < end:
+                both = navigation.minimum_separation(motions[i], motions[j], begin, end)
+                apart[i, j] = both[1]
+        together += bool(apart)
+        if not apart:
+            assert found is None
+            continue
+        assert found.distance == pytest.approx(min(apart.values()), abs=1e-6)
+        assert apart[found.pair] == pytest.approx(found.distance, abs=1e-6)
+    assert 5 < together < 40

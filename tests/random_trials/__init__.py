@@ -1,23 +1,37 @@
 """Random trials, and what must hold of each run: `python -m tests.random_trials --trials 1000`.
 
 A trial follows from its number alone. What must hold is worked out anew from the motions and
-events of the finished run, with shapely and NumPy, and without the parts that made them.
+events of the finished run, with shapely, NumPy and FCL, and without the parts that made them.
 """
 
 from .contact import contact_faults
+from .fcl_judge import judge_faults
 from .floors import random_floor
 from .movement import movement_faults
 from .rules import rule_faults
 from .separation import separation_faults
+from .tracks import tracked_trial
 from .trials import random_trial
 
-CHECKS = (movement_faults, separation_faults, contact_faults, rule_faults)
+CHECKS = (movement_faults, separation_faults, contact_faults, rule_faults, judge_faults)
 """Each yields, of a run, all that should not be."""
+
+CHECKS_OF_TRACKS = (separation_faults, judge_faults)
+"""Those that hold where people walk as measured, and machines are of any kind."""
 
 
 def faults(run):
     """All that is wrong with a run, in words."""
-    return [fault for check in CHECKS for fault in check(run)]
+    tracked = any(entry.recorded is not None for entry in run.trial.people)
+    checks = CHECKS_OF_TRACKS if tracked else CHECKS
+    return [fault for check in checks for fault in check(run)]
 
 
-__all__ = ["CHECKS", "faults", "random_floor", "random_trial"]
+__all__ = [
+    "CHECKS",
+    "CHECKS_OF_TRACKS",
+    "faults",
+    "random_floor",
+    "random_trial",
+    "tracked_trial",
+]

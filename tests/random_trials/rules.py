@@ -259,14 +259,16 @@ def _person_faults(run, person, figures):
         if figures[name] != value:
             yield f"the summary says {name}: {figures[name]}, the events {value}"
     walked = standing = 0.0
+    since = math.inf if started is None else started
     for piece in run.motions[person].pieces:
-        at = [state_of(piece, u)[0][:2] for u in instants(piece, 0.05)]
+        if piece.end <= since:
+            continue
+        late = max(since - piece.begin, 0.0)
+        offsets = [late, *(u for u in instants(piece, 0.05) if u > late)]
+        at = [state_of(piece, u)[0][:2] for u in offsets]
         way = sum(map(math.dist, at, at[1:]))
         walked += way
-        if way < 1e-12 and started is not None:
-            standing += max(0.0, piece.end - max(piece.begin, started))
-    if started is None:
-        walked = 0.0
+        standing += piece.end - piece.begin - late if way < 1e-12 else 0.0
     if abs(figures["distance_walked"] - walked) > 1e-6 * (1 + walked):
         yield f"walked {walked} m, and the summary says {figures['distance_walked']} m"
     if abs(figures["time_standing"] - standing) > 1e-4:

@@ -6,7 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from navigation import is_of_speeds
+import sim
+from navigation import Both, Moving, TooClose, is_of_speeds, when
 
 from .movement import sampled, state_of
 
@@ -19,6 +20,9 @@ SLACK = 1e-6
 LOOSE = 0.03
 """Metres. The same where the requirement is known from a curve only."""
 
+RESOLUTION = 1e-6
+"""Seconds. Intervals that last no longer than this are none, nor are such gaps between two."""
+
 AGV_STANDS = 0.01
 """m/s. An AGV that is no faster never counts."""
 
@@ -28,6 +32,7 @@ def separation_faults(run):
     for (person, machine), intervals in run.violations.items():
         for fault in _pair_faults(run, person, machine, intervals):
             yield f"{person} and {machine}: {fault}"
+    yield from _referee_faults(run)
     for entry in run.trial.people:
         yield from (f"{entry.name}: {fault}" for fault in _nearest_faults(run, entry.name))
 
@@ -40,7 +45,69 @@ def measured_point(run, machine):
 def law_of(run, machine):
     """The law that holds beside a machine."""
     rules = run.trial.rules
-    return rules.gantry_law if machine == "gantry" else rules.agv_law
+    if machine in rules.laws:
+        return rules.laws[machine]
+    return rules.agv_law if _drives(run, machine) else rules.gantry_law
+
+
+def _drives(run, machine):
+    return run.scene.machine(machine).category == "vehicle"
+
+
+def _referee_faults(run):
+    """The intervals of a run are those of the exact monitor, on the finished motions.
+
+    A law that looks ahead is asked about what the two were about to do: then on their plans, which
+    the same trial makes again.
+    """
+    plans = None
+    for (person, machine), intervals in run.violations.items():
+        law = law_of(run, machine)
+        condition = TooClose(law)
+        if _drives(run, machine):
+            condition = Both(Moving(AGV_STANDS), condition)
+        if is_of_speeds(law):
+            spans = [(0.0, run.duration, run.motions[person], run.motions[machine])]
+        else:
+            plans = plans or _plans_of(run.trial)
+            spans = _agreed(plans[person], plans[machine], run.duration)
+        to = measured_point(run, machine)
+        found = [
+            interval
+            for begin, end, one, other in spans
+            for interval in when(condition, one, other.translated(*to), begin, end)
+        ]
+        expected, recorded = _lasting(found), _lasting(intervals)
+        if len(expected) != len(recorded) or not np.allclose(
+            expected, recorded, rtol=0.0, atol=RESOLUTION
+        ):
+            yield f"{person} and {machine}: {recorded} are violations, and should be {expected}"
+
+
+def _plans_of(trial):
+    """Return the plans of every body in a run of a trial, by its name."""
+    simulation = sim.Simulation(trial)
+    plans = {body.name: body.remember_plans() for body in simulation.bodies}
+    simulation.advance(trial.duration)
+    return plans
+
+
+def _agreed(one, other, end):
+    """Yield from when to when two bodies kept to a plan, and the plans (motions) of both."""
+    changes = sorted({t for t in (*one.changes, *other.changes) if t < end} | {end})
+    for a, b in pairwise(changes):
+        yield a, b, one.at(a), other.at(a)
+
+
+def _lasting(intervals):
+    """Return intervals as one where they touch, without those that last for no time."""
+    joined = []
+    for begin, end in intervals:
+        if joined and begin - joined[-1][1] <= RESOLUTION:
+            joined[-1] = (joined[-1][0], max(end, joined[-1][1]))
+        else:
+            joined.append((begin, end))
+    return [(a, b) for a, b in joined if b - a > RESOLUTION]
 
 
 def _pair_faults(run, person, machine, intervals):
@@ -50,8 +117,9 @@ def _pair_faults(run, person, machine, intervals):
         required, slack = np.vectorize(law.distance, otypes=[float])(human, robot), SLACK
     else:
         required, slack = run.required(person, machine, t), LOOSE
-    counts = np.full(len(t), machine == "gantry") | (robot > AGV_STANDS + 1e-9)
-    may_count = np.full(len(t), machine == "gantry") | (robot > AGV_STANDS - 1e-9)
+    always = np.full(len(t), not _drives(run, machine))
+    counts = always | (robot > AGV_STANDS + 1e-9)
+    may_count = always | (robot > AGV_STANDS - 1e-9)
     too_close = counts & (distance < required - slack)
     may_be = may_count & (distance < required + slack)
     ends = np.array(intervals).reshape(-1, 2)

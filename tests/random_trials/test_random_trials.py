@@ -1,4 +1,4 @@
-"""Random trials: clearance, continuity, limits, the monitor's intervals and the rules all hold."""
+"""Random trials: clearance, limits, intervals, rules and the verdicts of FCL all hold."""
 
 from dataclasses import replace
 
@@ -6,8 +6,9 @@ import pytest
 
 import navigation
 import sim
+from floorplan import Door
 
-from . import faults, random_trial
+from . import faults, random_trial, tracked_trial
 
 
 @pytest.mark.parametrize("number", range(15))
@@ -15,11 +16,17 @@ def test_nothing_is_broken(number):
     assert faults(sim.run(random_trial(number))) == []
 
 
+@pytest.mark.parametrize("number", range(15))
+def test_nothing_is_broken_where_people_walk_as_measured(number):
+    assert faults(sim.run(tracked_trial(number))) == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(100, 200, 10))
 def test_nothing_is_broken_in_many_more(first):
-    found = {n: faults(sim.run(random_trial(n))) for n in range(first, first + 10)}
-    assert {n: wrong for n, wrong in found.items() if wrong} == {}
+    numbers, kinds = range(first, first + 10), (random_trial, tracked_trial)
+    found = {(n, kind.__name__): faults(sim.run(kind(n))) for n in numbers for kind in kinds}
+    assert {key: wrong for key, wrong in found.items() if wrong} == {}
 
 
 def test_what_is_broken_is_found():
@@ -38,7 +45,12 @@ def test_what_is_broken_is_found():
         for event in run.events
     )
     stayed = tuple(event for event in run.events if event["kind"] != "teleport")
-    pair = (first["person"], first["with"])
+    pair, always = (first["person"], first["with"]), ((0.0, run.duration),)
+    other, solid = run.trial.people[1].name, run.floorplan.obstacles[0]
+    inside = navigation.standing(solid.footprint.centroid.coords[0]).cut(0.0, run.duration)
+    x, y = next(p for p in run.motions[one].pieces if p.moves)[2:4]
+    door = Door("shut", ((x[0] - 0.5, y[0]), (x[0] + 0.5, y[0])), is_open=False)
+    shut = replace(run.floorplan, doors=(door,))
     tampered = {
         "what never moves": {"motions": run.motions | {one: away}},
         "the monitor does not know": {"violations": run.violations | {pair: ()}},
@@ -46,6 +58,11 @@ def test_what_is_broken_is_found():
         "be a penalty": {"events": flipped},
         "jumps by": {"events": stayed},
         "the summary says penalties": {"summary": run.summary | {"penalties": 99}},
+        "are violations, and should be": {"violations": run.violations | {pair: always}},
+        "the end of the floor is there": {"motions": run.motions | {one: away}},
+        f"{solid.name} is there": {"motions": run.motions | {one: inside}},
+        f"{other} is there": {"motions": run.motions | {one: run.motions[other]}},
+        "the closed door shut is there": {"trial": replace(run.trial, floorplan=shut)},
     }
     for fault, change in tampered.items():
         assert any(fault in found for found in faults(replace(run, **change))), fault

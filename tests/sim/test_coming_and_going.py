@@ -271,3 +271,93 @@ def test_who_comes_when_depends_on_their_number_alone():
     gaps = [a - b for a, b in itertools.pairwise(arrivals)]
     assert statistics.mean(gaps) == pytest.approx(2.0, rel=0.15)  # 1 / rate
     assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.15)  # as an exponential has it
+
+
+VISITORS = """
+floorplan: ariac2023
+duration: 120.0
+seed: {seed}
+people:
+  - name: visitor
+    personality: visitor
+    source: {{at: station1, rate: 0.2, count: 10}}
+    sink: [-10.0, 3.75]
+    beliefs: ["calls({calls})"]
+gantry: {{controller: {controller}}}
+"""
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_visitors_leave_whatever_the_gantry_does_to_them(seed):
+    """After a violation they go on to what is left to do, and never begin anew."""
+    run = sim.run(sim.Trial.parse(VISITORS.format(seed=seed, calls=1, controller="parked")))
+    assert run.summary["penalties"] > 0
+    assert run.summary["entered"] == run.summary["left"] == 10
+    for name in run.summary["people"]:
+        goals = [e["at"] for e in events(run, "goal") if e["person"] == name]
+        assert len(goals) == 2 and tuple(goals[1]) == (-10.0, 3.75)
+
+
+def test_visitors_call_on_stations_that_they_have_not_seen_yet():
+    """Each of four stations once, cut short by the gantry or not, and the fifth is one again."""
+    run = sim.run(sim.Trial.parse(VISITORS.format(seed=1, calls=5, controller="parked")))
+    stations = {tuple(s.position) for s in run.floorplan.stations}
+    toured = 0
+    for name in run.summary["people"]:
+        goals = [tuple(e["at"]) for e in events(run, "goal") if e["person"] == name]
+        first = [goal for goal in goals if goal in stations][:4]
+        assert len(set(first)) == len(first)
+        toured += len(first) == 4
+    assert toured > 0
+
+
+def test_those_whom_a_leader_leaves_behind_leave_after_a_violation_too():
+    """They are put home on their way out, and set out again for the exit, not for a station."""
+    text = (
+        VISITORS.format(seed=1, calls=0, controller="parked").split("people:")[0]
+        + """
+people:
+  - {name: guide, personality: visitor, at: [-10.0, 2.5], sink: [-10.0, 3.75], group: tour}
+  - {name: tourist, group: tour, at: [-10.8, 3.0], sink: station3}
+"""
+    )
+    run = sim.run(sim.Trial.parse(text))
+    assert any(e["person"] == "tourist" for e in events(run, "violation"))
+    assert run.summary["left"] == 2
+
+
+@pytest.mark.parametrize(
+    ("people", "between"),
+    [
+        (
+            "{name: v, personality: visitor, source: {at: gate, rate: 0.001, count: 3}, sink: out}",
+            0,
+        ),
+        (
+            "{name: a, personality: external, at: [1, 5]}\n"
+            "  - {name: b, personality: external, at: [11, 1]}\n"
+            "  - {name: v, personality: visitor, source: {at: gate, rate: 0.001, count: 3}}",
+            {"a", "b"},
+        ),
+        (
+            "{name: a, personality: external, at: [1, 5]}\n"
+            "  - {name: v, personality: visitor, source: {at: gate, rate: 9, count: 1}, sink: out}",
+            {"a", "v1"},
+        ),
+    ],
+)
+def test_only_those_on_the_floor_are_near_each_other(people, between):
+    """The absent stand 10 m from each other: on a large floor that is nearer than anybody else."""
+    run = sim.run(sim.Trial.parse(f"{HALL.split('people:')[0]}people:\n  - {people}\n"))
+    nearest = run.summary["nearest_people"]
+    assert run.summary["overlaps"] == 0
+    if between is None:
+        assert nearest is None
+        return
+    assert set(nearest["between"]) == between
+    ends = [run.presence[name] for name in nearest["between"]]
+    begin, end = max(a for a, _ in ends), min(b for _, b in ends)
+    motions = [run.motions[name] for name in nearest["between"]]
+    t, apart = navigation.minimum_separation(*motions, begin, end - 1e-9)
+    assert nearest["distance"] == pytest.approx(apart - 0.6, abs=1e-6)
+    assert nearest["time"] == pytest.approx(t, abs=1e-3)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from run_events import record
 
 import floorplan
@@ -412,3 +413,24 @@ def test_nothing_happens_before_the_start():
     assert heard == [simulation.scene, "trial_started"]
     simulation.start()
     assert len(heard) == 2
+
+
+def test_nobody_starts_anywhere_within_a_machine_of_another_kind(tmp_path):
+    """The train covers most of a short hall, and stands where its course begins."""
+    shutil.copy(EXAMPLES / "tugger.py", tmp_path)
+    text = """
+floorplan:
+  boundary: [[0, 0], [4, 0], [4, 3], [0, 3]]
+duration: 0.01
+people: [{name: p, count: 3, radius: 0.2, at: anywhere, personality: external}]
+machines:
+  train: {kind: "tugger:Tugger", course: [[1.2, 1], [2.8, 1], [2.8, 2]]}
+"""
+    trial = sim.Trial.parse(text, folder=tmp_path)
+    for seed in range(10):
+        run = sim.run(replace(trial, seed=seed))
+        x, y, turned = run.motions["train"].state(0.0).position
+        body = run.scene.machine("train").footprint((x, y), turned)
+        for k in (1, 2, 3):
+            at = shapely.Point(run.motions[f"p{k}"].position(0.0))
+            assert body.distance(at) >= 0.2

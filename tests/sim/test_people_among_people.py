@@ -470,6 +470,29 @@ def test_the_summary_has_the_nearest_that_people_came(walks):
     assert run.summary["overlaps"] == run.summary["deadlocks"] == 0
 
 
+NICHE = """
+floorplan:
+  boundary: [[0, 0], [12, 0], [12, 1.2], [7.5, 1.2], [7.5, 2.4], [6, 2.4], [6, 1.2], [0, 1.2]]
+  stations: {{west: [1, 0.6], east: [11, 0.6]}}
+duration: 60
+people:
+  - {{name: ada, at: [1, 0.6], beliefs: ["bound_for(east)"]}}
+  - {{name: late, at: [6.75, 0.6], start: {{time: {start}}}, personality: external}}
+"""
+
+
+@pytest.mark.parametrize("start", [50.0, 7.0])
+def test_steps_before_the_start_are_not_walked(start):
+    """Somebody gives way before they start, or starts in the middle of the step aside."""
+    run = sim.run(sim.Trial.parse(NICHE.format(start=start)))
+    (aside,) = (e["t"] for e in run.events if e["kind"] == "gave_way")
+    before, after = run.motions["late"].position([start, run.duration])
+    assert aside < start and (start > 10.0 or math.dist(before, after) > 0.2)
+    figures = run.summary["people"]["late"]
+    assert figures["distance_walked"] == pytest.approx(math.dist(before, after), abs=1e-6)
+    assert figures["distance_walked"] == run.metrics["people"]["late"]["path_length"]
+
+
 def test_people_who_can_go_nowhere_say_so_and_are_a_deadlock(walks):
     # Two at the ends of a closed aisle for one want to change places; three stand between them.
     floor, y = hall(7, 0.7), 0.35

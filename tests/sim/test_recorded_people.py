@@ -82,6 +82,67 @@ gantry: {controller: parked, at: [-5.0, 2.0, 0.0]}
     assert not [event for event in run.events if event["kind"] == "teleport"]
 
 
+ENDS_IN_MOTION = """\
+floorplan: ariac2023
+duration: 30
+people: [{name: eve, recorded: tracks.csv}]
+"""
+
+OWN_LAWS = """\
+from navigation import Enclosure
+
+class OfSpeeds:
+    def distance(self, human_speed, robot_speed):
+        return 0.5 + 2.0 * human_speed + robot_speed
+
+class OfMotions:
+    def required(self, encounter, begin, end):
+        human = encounter.human_speed(begin, end)
+        return Enclosure(0.5 + 2.0 * human.value, 2.0 * human.slope, 2.0 * human.slack)
+"""
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        "iso_ts_15066: {t1: 1.0, t2: 1.5, intrusion: 1.0}",
+        "own_laws:OfSpeeds: {}",
+        "own_laws:OfMotions: {}",
+    ],
+)
+def test_a_violation_ends_with_a_track_that_ends_in_motion(tmp_path, law):
+    """Beside who stands, each of these laws requires less than the 1.7 m that are left."""
+    (tmp_path / "own_laws.py").write_text(OWN_LAWS)
+    tracks(tmp_path, *straight("eve", (-12.0, 0.0), 1.0, 4.0))
+    given = trial(
+        tmp_path,
+        f"rules: {{based_on: observe, name: ours, gantry_law: {{{law}}}}}\n"
+        "gantry: {controller: parked, at: [-6.3, 0, 0]}\n",
+        ENDS_IN_MOTION,
+    )
+    run = sim.run(given)
+    expected = navigation.violations(
+        run.motions["eve"], run.motions["gantry"], given.rules.gantry_law, 0.0, 30.0
+    )
+    assert expected[-1][1] == 4.0
+    assert np.allclose(run.violations["eve", "gantry"], expected, rtol=0.0, atol=1e-6)
+
+
+def test_a_protective_stop_ends_with_a_track_that_ends_in_motion(tmp_path):
+    tracks(tmp_path, *straight("eve", (-12.0, 0.0), 1.0, 3.0))
+    run = sim.run(
+        trial(
+            tmp_path,
+            "rules: protective_stop\ngantry: {controller: parked, at: [-6.4, 0, 0]}\n",
+            ENDS_IN_MOTION,
+        )
+    )
+    stops = [
+        (e["kind"], round(e["t"], 6)) for e in run.events if e["kind"].startswith("protective_stop")
+    ]
+    assert stops == [("protective_stop", 2.1), ("protective_stop_ended", 3.0)]
+
+
 def test_others_walk_round_them_and_step_aside(tmp_path):
     tracks(tmp_path, *straight("eve"), *straight("max", (1.0, 6.5), 0.9))
     (tmp_path / "go.asl").write_text("+human_start <- move(1.0, 5.2, 0).")
