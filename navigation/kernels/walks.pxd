@@ -2,6 +2,8 @@ cdef Py_ssize_t _WIDTH
 cdef double _NOWHERE
 cdef double _DEVIATION
 cdef double _HAIR
+cdef double _STANDS
+cdef double _STRAIGHT
 
 cpdef bint is_place(object point) except -1
 cdef bint _apart(tuple a, tuple b, double least) except -1

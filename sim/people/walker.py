@@ -250,7 +250,7 @@ class Walker:
             return motion
         # Too fast for this errand, or for the first turn: then they come to rest first.
         goes_on = state.speed <= top and (
-            len(points) < 2 or can_go_on(state, points[1], acceleration)
+            len(points) < 2 or can_go_on(state, points[1], acceleration, self.body.leg)
         )
         if goes_on:
             motion = None
@@ -294,7 +294,7 @@ class Walker:
                 max_acceleration=acceleration,
             )
 
-        if len(course) > 1 and can_go_on(state, course[1], acceleration):
+        if len(course) > 1 and can_go_on(state, course[1], acceleration, self.body.leg):
             motion = walked(course, tops, now, state.speed)
             if motion is not None:
                 return motion
