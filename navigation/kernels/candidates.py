@@ -60,8 +60,9 @@ class Candidates:
 
     They set out at `speed` (m/s), and come on the straight leg `leg_x`, `leg_y` (metres). `course`
     are its corners (metres); the `lead` is a table without its final standing, `lead_box` its
-    bounds, and both are empty for who sets out `now`. Where limits of speed hold, walks are those that `slowed(corners, top_speed,
-    delay)` makes: a table and its bounds, or None; the corners are x and y of each in turn.
+    bounds, and both are empty for who sets out `now`. Where limits of speed hold, walks are those
+    that `slowed(corners, top_speed, delay)` makes: a table and its bounds, or None; the corners are
+    x and y of each in turn.
     """
 
     def __init__(

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 
 from floorplan import Point
 from navigation import (
@@ -90,7 +91,6 @@ class Crowd:
         me.body.on_change.append(lambda: self._whereabouts.put(me))
         self._parties[me] = Party(
             me,
-            self._ground_in(me.world, me.radius),
             reroute,
             arrive,
             blocked,
@@ -113,8 +113,12 @@ class Crowd:
         world = self._stage.world if me is None else me.world
         vehicles = {machine.name for machine in self._stage.vehicles}
         places = places_at(world, place, radius, vehicles)
-        ground, floor = self._ground_in(world, radius), self._whereabouts
-        rooms = (room_near(at, ground, floor, self._clock.now, me, taken) for at in places)
+        ground, floor, now = (
+            partial(self._ground_in, world, radius),
+            self._whereabouts,
+            self._clock.now,
+        )
+        rooms = (room_near(at, radius, ground, floor, now, me, taken) for at in places)
         return next((at for at in rooms if at is not None), None)
 
     def set_out(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:
@@ -125,6 +129,38 @@ class Crowd:
         self._whereabouts.send(me, goal, route)
         me.top_speed, me.goes_round = top_speed, False
         self._decide(me)
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether there are several people on the floor, now or at other times."""
+        return len(self._parties) > 1
+
+    def is_free(self, me: Traveller, ahead: Swath) -> bool:
+        """Return whether somebody who goes `ahead` conflicts with nobody, as far as is known."""
+        return self._whereabouts.others(me, ahead.box, self._clock.now).free(ahead)
+
+    def walk_alone(
+        self,
+        me: Traveller,
+        goal: Point,
+        motion: Motion,
+        ahead: Swath,
+        top_speed: float,
+        arrives: float,
+    ) -> None:
+        """Let somebody follow a free `motion`, which goes `ahead`, all the way to `goal`.
+
+        They decide anew if a vehicle gets in its way; else they arrive there at `arrives` (s).
+        """
+        party = self._parties[me]
+        if me.goal != goal:
+            me.since, party.least_left = self._clock.now, math.inf
+        self._whereabouts.send(me, goal, [goal])
+        me.top_speed, me.goes_round = top_speed, False
+        party.goes_on(self._clock.now)
+        party.deciding.set(None)
+        party.arriving.set(arrives)
+        me.follow(motion, ahead)
 
     def make_way_for(self, me: Traveller) -> None:
         """Let others mind the new motion of somebody who walks as they were measured."""
@@ -438,10 +474,10 @@ class Crowd:
 
     def _outlook(self, me: Traveller) -> Outlook:
         party = self._parties[me]
-        return Outlook(me, self._clock.now, self._whereabouts, party.ground, party.reroute)
+        return Outlook(me, self._clock.now, self._whereabouts, self._ground(me), party.reroute)
 
     def _ground(self, me: Traveller) -> Ground:
-        return self._parties[me].ground
+        return self._ground_in(me.world, me.radius)
 
     def _ground_in(self, world: CollisionWorld, radius: float) -> Ground:
         if (world, radius) not in self._grounds:
