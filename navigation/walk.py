@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
 import numpy as np
@@ -108,15 +107,7 @@ def leg_to(
     last turn on, along x and y, and no longer than their velocity makes in a second.
     At a corner it is the leg that ends there.
     """
-    x, y, whole = walks.leg_before(motion.table, since, t)
-    if whole:
-        return x, y
-    length, longer = math.hypot(x, y), math.hypot(*before)
-    straight = abs(x * before[1] - y * before[0]) <= 1e-6 * length * longer
-    if length == 0.0 or not straight or x * before[0] + y * before[1] <= 0.0:
-        return x, y
-    share = min(length + longer, motion.state_before(t).speed) / length
-    return x * share, y * share
+    return walks.leg_before(motion.table, since, t, *before)
 
 
 def can_go_on(

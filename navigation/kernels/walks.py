@@ -179,38 +179,33 @@ def ends_after(table: Numbers, t: float) -> list[Corner]:
     return ends
 
 
-def leg_before(table: Numbers, since: float, t: float) -> tuple[float, float, bool]:
-    """Return the straight leg on which a body comes to where it is at `t` (s): along x and y (m).
-
-    It begins at the last turn after `since` (s), and is no longer than the velocity just before `t`
-    makes in a second. The third is whether that is all of the leg, and it does not reach back
-    to `since`. Without length if the body stands.
-    """
+def leg_before(
+    table: Numbers, since: float, t: float, before_x: float, before_y: float
+) -> tuple[float, float]:
+    """Return the straight leg on which a body comes to where it is at `t` (s); see `leg_to`."""
     c: Doubles = at(table)
     k: cython.Py_ssize_t = len(table) // _WIDTH - 1
     while k > 0 and c[k * _WIDTH] >= t:
         k -= 1
     o: cython.Py_ssize_t = k * _WIDTH
     if not c[o] < t <= c[o + 1]:
-        return 0.0, 0.0, True
+        return 0.0, 0.0
     u: float = t - c[o]
     vx: float = c[o + 3] + u * (2 * c[o + 4] + u * 3 * c[o + 5])
     vy: float = c[o + 7] + u * (2 * c[o + 8] + u * 3 * c[o + 9])
     speed: float = sqrt(vx * vx + vy * vy)
     if speed < _STANDS:
-        return 0.0, 0.0, True
+        return 0.0, 0.0
     end: float = t
     length: float = 0.0
-    while k >= 0 and end > since:
+    while k >= 0 and end > since and length < speed:
         o = k * _WIDTH
         begin: float = c[o] if c[o] > since else since
         u = (begin + end) / 2 - c[o]
         wx: float = c[o + 3] + u * (2 * c[o + 4] + u * 3 * c[o + 5])
         wy: float = c[o + 7] + u * (2 * c[o + 8] + u * 3 * c[o + 9])
-        walks: float = sqrt(wx * wx + wy * wy)
-        along: float = (wx * vx + wy * vy) / speed
-        if along <= 0.0 or abs(wx * vy - wy * vx) > _STRAIGHT * speed * walks:
-            return vx / speed * length, vy / speed * length, True
+        if not _same_way(wx, wy, vx, vy):
+            break
         u = begin - c[o]
         w: float = end - c[o]
         x: float = w * (c[o + 3] + w * (c[o + 4] + w * c[o + 5]))
@@ -218,11 +213,18 @@ def leg_before(table: Numbers, since: float, t: float) -> tuple[float, float, bo
         y: float = w * (c[o + 7] + w * (c[o + 8] + w * c[o + 9]))
         y -= u * (c[o + 7] + u * (c[o + 8] + u * c[o + 9]))
         length += sqrt(x * x + y * y)
-        if length >= speed:
-            return vx, vy, True
         end = begin
         k -= 1
-    return vx / speed * length, vy / speed * length, False
+    if end <= since and _same_way(before_x, before_y, vx, vy):
+        length += sqrt(before_x * before_x + before_y * before_y)
+    share: float = min(length / speed, 1.0)
+    return share * vx, share * vy
+
+
+def _same_way(wx: float, wy: float, vx: float, vy: float) -> bool:
+    """Return whether two velocities, or legs, have the same direction."""
+    along: float = wx * vx + wy * vy
+    return along > 0.0 and abs(wx * vy - wy * vx) <= _STRAIGHT * along
 
 
 def first_metres(corners: list[Corner], length: float) -> list[Corner]:

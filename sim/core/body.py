@@ -31,9 +31,9 @@ class Body:
         self._track = Track()
         self._since = clock.now
         self._turned = clock.now
-        """When it began to follow its motion, seconds."""
+        """When it was last asked on which leg it came, seconds."""
         self._leg = (0.0, 0.0)
-        """The leg on which it came there, metres."""
+        """That leg, metres."""
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name}>"
@@ -55,9 +55,10 @@ class Body:
         However often their course changes at one instant, it is the leg before all of that.
         """
         now = self.clock.now
-        return (
-            self._leg if now == self._turned else leg_to(self.motion, self._turned, now, self._leg)
-        )
+        if now != self._turned:
+            self._leg = leg_to(self.motion, self._turned, now, self._leg)
+            self._turned = now
+        return self._leg
 
     def follow(self, motion: Motion) -> None:
         """Follow `motion` from now on, in place of the motion before it.
@@ -69,7 +70,7 @@ class Body:
         now = self.clock.now
         before, after = self.motion.state(now).position, motion.state(now).position
         if self.kind == PERSON:
-            self._leg, self._turned = self.leg, now
+            _ = self.leg  # what leads here belongs to the old motion as well
         self.motion = motion
         if before != after and math.dist(before[:2], after[:2]) > JUMP:
             self._leg = (0.0, 0.0)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from floorplan import Human
 from navigation import (
+    Box,
     Cylinder,
     FixedDistance,
     Motion,
@@ -89,5 +92,11 @@ def _mover(machine: Machine, motion: Motion) -> Mover:
 
 
 def _touches(mover: Mover, motion: Motion, human: Human, now: float) -> bool:
-    shapes = Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(mover.solid,))
+    shapes = _shapes(human, mover.solid)
     return first_time(TOUCHING, motion, mover.motion, now, motion.end, shapes=shapes) is not None
+
+
+@lru_cache
+def _shapes(human: Human, vehicle: Box | Cylinder) -> Shapes:
+    """Return the solids of a person and of a vehicle; most people are alike."""
+    return Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(vehicle,))
