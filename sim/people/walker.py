@@ -19,7 +19,6 @@ from navigation import (
     paced,
     remaining_path,
     standing,
-    swath,
     walk,
 )
 
@@ -127,8 +126,7 @@ class Walker:
         if crowd.is_shared:
             return False
         motion, now = self._motion_to(goal), self._clock.now
-        ahead = swath(motion, now)
-        if not crowd.is_free(self.traveller, ahead):
+        if not crowd.is_free(self.traveller, motion):
             return False
         if any_touches(self._stage, self.human, motion):
             return False
@@ -136,7 +134,7 @@ class Walker:
         self._setting_out.set(None)
         arrives = max(motion.end, now + REPORT_DELAY)
         top = self.human.max_speed * self.speed_share
-        crowd.walk_alone(self.traveller, goal, motion, ahead, top, arrives)
+        crowd.walk_alone(self.traveller, goal, motion, top, arrives)
         return True
 
     def _set_out_among_others(self, goal: Point) -> None:

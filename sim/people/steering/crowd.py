@@ -71,8 +71,9 @@ class Crowd:
         self._coming: dict[Traveller, None] = {}
         """Parts of vehicles that have just changed what they are about to do."""
         self._minding = Alarm(stage.clock, self._mind_vehicles, Turn.MOTION_ENDS)
-        for machine in stage.vehicles:
-            Vehicle(stage, machine, self._whereabouts, self._notice)
+        self._vehicles = [
+            Vehicle(stage, machine, self._whereabouts, self._notice) for machine in stage.vehicles
+        ]
 
     def enter(
         self,
@@ -88,7 +89,7 @@ class Crowd:
         goal, `blocked` when they could not go on for as long as their patience lasts.
         """
         self._whereabouts.put(me)
-        me.body.on_change.append(lambda: self._whereabouts.put(me))
+        me.body.on_change.append(lambda: self._moved(me))
         self._parties[me] = Party(
             me,
             reroute,
@@ -135,20 +136,32 @@ class Crowd:
         """Whether there are several people on the floor, now or at other times."""
         return len(self._parties) > 1
 
-    def is_free(self, me: Traveller, ahead: Swath) -> bool:
-        """Return whether somebody who goes `ahead` conflicts with nobody, as far as is known."""
+    @property
+    def is_empty(self) -> bool:
+        """Whether a person alone can meet nothing: no vehicle drives, or will soon."""
+        return not (self.is_shared or any(vehicle.is_there for vehicle in self._vehicles))
+
+    def is_free(self, me: Traveller, motion: Motion) -> bool:
+        """Return whether a motion of somebody conflicts with nobody, as far as is known."""
+        if self.is_empty:
+            return True
+        ahead = swath(motion, self._clock.now)
         return self._whereabouts.others(me, ahead.box, self._clock.now).free(ahead)
+
+    def _moved(self, me: Traveller) -> None:
+        """Take note that somebody has committed themselves to something else."""
+        if not self.is_empty:
+            self._whereabouts.put(me)
 
     def walk_alone(
         self,
         me: Traveller,
         goal: Point,
         motion: Motion,
-        ahead: Swath,
         top_speed: float,
         arrives: float,
     ) -> None:
-        """Let somebody follow a free `motion`, which goes `ahead`, all the way to `goal`.
+        """Let somebody follow a free `motion` all the way to `goal`.
 
         They decide anew if a vehicle gets in its way; else they arrive there at `arrives` (s).
         """
@@ -160,7 +173,7 @@ class Crowd:
         party.goes_on(self._clock.now)
         party.deciding.set(None)
         party.arriving.set(arrives)
-        me.follow(motion, ahead)
+        me.body.follow(motion)
 
     def make_way_for(self, me: Traveller) -> None:
         """Let others mind the new motion of somebody who walks as they were measured."""
@@ -186,6 +199,9 @@ class Crowd:
     def _notice(self, discs: Sequence[Traveller]) -> None:
         """Let people mind what a vehicle is about to do, as soon as all of it is known."""
         if self._parties:
+            if not self.is_shared:
+                for me in self._parties:
+                    self._whereabouts.put(me)
             self._coming.update(dict.fromkeys(discs))
             self._minding.set(self._clock.now)
 
@@ -228,6 +244,8 @@ class Crowd:
     def braking(self, me: Traveller) -> Motion:
         """Return the earliest stop of somebody on their own course that is free."""
         now, motion = self._clock.now, me.body.motion
+        if self.is_empty:
+            return stop_walking(motion, now, max_acceleration=me.human.max_acceleration)
         others = self._whereabouts.others(me, me.swath.box, now)
         t = now
         while t < motion.end:

@@ -46,7 +46,7 @@ class Vehicle:
         self._whereabouts = whereabouts
         self._changed = changed
         self._stage = stage
-        self._is_there = False
+        self.is_there = False
         """Whether the discs are in people's way."""
         self._alarm = Alarm(stage.clock, self._look, Turn.MOTION_ENDS)
         machine.body.on_change.append(self._look)
@@ -88,11 +88,11 @@ class Vehicle:
                 disc.body.motion = _shifted(motion, place)
                 self._whereabouts.put(disc)
             self._changed(self.discs)
-            self._is_there = True
-        elif self._is_there:
+            self.is_there = True
+        elif self.is_there:
             for disc in self.discs:
                 self._whereabouts.take_away(disc)
-            self._is_there = False
+            self.is_there = False
         due = min(motion.end if motion.end > now else math.inf, announced)
         self._alarm.set(None if due == math.inf else max(due, now))
 
