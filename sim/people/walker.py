@@ -198,6 +198,7 @@ class Walker:
         braking = self.braking()
         self._forget_goal()
         self.body.follow(braking)
+        self._step_out_of_closures()
 
     def turn_to(self, point: Point) -> None:
         """Brake, stand, and look towards `point`."""
@@ -206,6 +207,7 @@ class Walker:
         x, y = braking.state(braking.end).at
         heading = math.atan2(point[1] - y, point[0] - x)
         self.body.follow(join([braking, standing((x, y), heading=heading, start=braking.end)]))
+        self._step_out_of_closures()
 
     def put(self, at: Point, heading: float) -> None:
         """Be at `at` from one instant to the next, standing."""
@@ -215,16 +217,20 @@ class Walker:
     def check_path(self, came: Collection[str]) -> PlanningError | None:
         """Replan if the path is no longer free; where there is none, stop and return the reason.
 
-        `came` are the names of what stands since now where it did not before.
+        `came` are the names of what stands since now where it did not before. Whoever has no goal,
+        and will stand where something has closed, steps out of it.
         """
-        if self.goal is None:
+        if self.traveller.recorded:
             return None
         path = remaining_path(self.body.motion, self._clock.now)
-        if self._is_free(path):
-            if self._is_free(self.traveller.route) and not self._is_cut_off(path[-1], came):
-                return None
-        elif self._crowd.is_shared:
-            self.body.follow(self.braking())
+        is_free = self._is_free(path)
+        if not is_free and not self._crowd.is_empty:
+            self._crowd.halt(self.traveller, self._is_clear)
+        if self.goal is None:
+            self._step_out_of_closures()
+            return None
+        if is_free and self._is_free(self.traveller.route) and not self._is_cut_off(path[-1], came):
+            return None
         self._record(PathBlocked(person=self.body.name, goal=self.goal))
         try:
             self.go(self.goal)
@@ -238,6 +244,27 @@ class Walker:
     def _is_free(self, path: list[Point]) -> bool:
         world, radius = self.world, self.human.radius
         return all(world.segment_free(a, b, radius) for a, b in itertools.pairwise(path))
+
+    def _is_clear(self, motion: Motion) -> bool:
+        """Return whether nothing stands in the way of a motion of theirs from now on."""
+        return self._is_free(remaining_path(motion, self._clock.now))
+
+    def _step_out_of_closures(self) -> None:
+        """Walk to the nearest free place if the motion ends where a door, or the like, is closed.
+
+        People do not foresee that it closes: they may be too near to stop before it.
+        """
+        if not self._stage.there:
+            return
+        rest, radius = self.body.motion.state(self.body.motion.end).at, self.human.radius
+        touched = {body.name for body in self.world.hits(rest, rest, radius)}
+        if touched.isdisjoint(self._stage.there):
+            return
+        exits = self.world.exits(rest, radius)
+        if exits:
+            free = (place for place in exits if self._crowd.has_room(self.traveller, place))
+            place = next(free, exits[0])
+            self._crowd.set_out(self.traveller, place, [place], self.human.max_speed)
 
     def _is_cut_off(self, end: Point, came: Collection[str]) -> bool:
         """Return whether what `came` closes the leg from the `end` of the motion to the route.
@@ -341,7 +368,11 @@ class Walker:
         self._crowd.rest(self.traveller)
 
     def _arrive(self) -> None:
-        goal = self._bound_for()
+        if self.goal is None:  # they have stepped out of a place that closed
+            self._crowd.rest(self.traveller)
+            self._step_out_of_closures()
+            return
+        goal = self.goal
         if self.traveller.goal != goal:
             self._wait_here()
             return

@@ -21,6 +21,7 @@ from navigation import (
     Swath,
     first_conflict,
     join,
+    standing,
     stop_walking,
     swath,
     walked,
@@ -50,6 +51,9 @@ ALL_AROUND = 4.0
 
 WORTH = 0.6
 """Metres. Who would lose more than this on their own looks whether both could shift aside."""
+
+LATER = 0.1
+"""Seconds from one stop to the next that are looked at before a place that has closed."""
 
 LOOK = 0.5
 """Seconds from point to point of a recorded course that others step off."""
@@ -241,6 +245,59 @@ class Crowd:
         party.deciding.set(None)
         party.arriving.set(None)
 
+    def has_room(self, me: Traveller, place: Point) -> bool:
+        """Return whether somebody who stands at `place` for good is in nobody's way."""
+        return self.is_shared is False or self.is_free(me, standing(place, start=self._clock.now))
+
+    def halt(self, me: Traveller, is_clear: Callable[[Motion], bool]) -> None:
+        """Let somebody stop whose course has been closed: before that place, as far as they can.
+
+        `is_clear` returns whether a motion of theirs stays out of it. Others in the way of the stop
+        stop too.
+        """
+        # Whatever keeps this rule may come second to the other one: bodies never overlap.
+        now, motion = self._clock.now, me.body.motion
+        t = now
+        while t < motion.end:
+            stop = self._stop(me, t)
+            if t > now and not is_clear(stop):
+                break
+            drafts = self._all_stop(me, stop)
+            if drafts is not None:
+                for who, (slower, ahead) in drafts.items():
+                    self._commit(self._parties[who], slower, ahead)
+                return
+            t += LATER
+        me.body.follow(self.braking(me))
+
+    def _stop(self, me: Traveller, t: float) -> Motion:
+        """Return the motion of somebody who goes on as they do until `t` (s), and stops then."""
+        now, motion = self._clock.now, me.body.motion
+        stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
+        return join([motion.cut(now, t), stop]) if t > now else stop
+
+    def _all_stop(
+        self, me: Traveller, stop: Motion
+    ) -> dict[Traveller, tuple[Motion, Swath]] | None:
+        """Return the motions of all who stop at once, so that `me` can; None if somebody can't."""
+        now = self._clock.now
+        drafts = {me: (stop, swath(stop, now))}
+        left = [me]
+        while left:
+            one = left.pop()
+            mine = drafts[one][1]
+            for other in self._whereabouts.others(one, mine.box, now):
+                known = drafts.get(other)
+                theirs = other.swath if known is None else known[1]
+                if not _conflict(one, mine, other, theirs, now):
+                    continue
+                if known is not None or other.recorded or other.body.motion.end <= now:
+                    return None
+                slower = self._stop(other, now)
+                drafts[other] = (slower, swath(slower, now))
+                left.append(other)
+        return drafts
+
     def braking(self, me: Traveller) -> Motion:
         """Return the earliest stop of somebody on their own course that is free."""
         now, motion = self._clock.now, me.body.motion
@@ -249,9 +306,7 @@ class Crowd:
         others = self._whereabouts.others(me, me.swath.box, now)
         t = now
         while t < motion.end:
-            stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
-            if t > now:
-                stop = join([motion.cut(now, t), stop])
+            stop = self._stop(me, t)
             # Braking at once may end where somebody else is to pass; the motion they follow is free
             # all along, so that a later stop on it is found, or its own end.
             if others.free(swath(stop, now)):
