@@ -85,7 +85,7 @@ from .separation import (
 )
 from .surfaces import Box, Cylinder, Shapes, agv_box, folded_arm, torso_box
 from .track import Track
-from .walk import can_go_on, corner_speed, remaining_path, stop_walking, walk
+from .walk import can_go_on, corner_speed, leg_to, remaining_path, stop_walking, walk
 from .world import CollisionWorld
 
 __all__ = [
@@ -173,6 +173,7 @@ __all__ = [
     "is_of_speeds",
     "join",
     "lane_state",
+    "leg_to",
     "legs_of",
     "longest_stop",
     "middles",

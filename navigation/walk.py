@@ -98,15 +98,35 @@ def corner_speed(
     return walks.corner_speed(before, corner, after, max_acceleration)
 
 
-def can_go_on(state: State, towards: tuple[float, float], max_acceleration: float) -> bool:
+def leg_to(
+    motion: Motion, since: float, t: float, before: tuple[float, float] = (0.0, 0.0)
+) -> tuple[float, float]:
+    """Return the straight leg on which a person comes to where they are at `t` (s), metres.
+
+    They follow `motion` since `since` (s), where they came on the leg `before`. It is from their
+    last turn on, along x and y, and no longer than their velocity makes in a second.
+    At a corner it is the leg that ends there.
+    """
+    return walks.leg_before(motion.table, since, t, *before)
+
+
+def can_go_on(
+    state: State,
+    towards: tuple[float, float],
+    max_acceleration: float,
+    leg: tuple[float, float] | None = None,
+) -> bool:
     """Return whether a person in `state` may turn `towards` a point without slowing down first.
 
-    That is so where the turn takes no more than `max_acceleration` (m/s²).
+    That is so where the turn takes no more than `max_acceleration` (m/s²). `leg` is the straight
+    leg on which they come here, along x and y (metres); left out it is what their velocity makes
+    in a second.
     """
     if state.speed == 0.0:
         return True
     x, y = state.at
-    before = (x - state.velocity[0], y - state.velocity[1])
+    dx, dy = state.velocity[:2] if leg is None else leg
+    before = (x - dx, y - dy)
     return state.speed <= corner_speed(before, (x, y), towards, max_acceleration)
 
 

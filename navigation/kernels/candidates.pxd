@@ -17,8 +17,8 @@ cdef class Candidates:
     cdef readonly double begin
     cdef readonly double now
     cdef readonly double speed
-    cdef double vx
-    cdef double vy
+    cdef double leg_x
+    cdef double leg_y
     cdef double max_speed
     cdef double acceleration
     cdef Numbers lead

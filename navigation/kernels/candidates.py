@@ -58,10 +58,11 @@ Slowed = Callable[["Numbers", float, float], "tuple[Numbers, Numbers] | None"]
 class Candidates:
     """Walks of one person from `begin` (seconds) on, who has been on the `lead` until then.
 
-    They set out at `speed` with the velocity `vx`, `vy` (m/s). `course` are its corners (metres);
-    the `lead` is a table without its final standing, `lead_box` its bounds, and both are empty for
-    who sets out `now`. Where limits of speed hold, walks are those that `slowed(corners, top_speed,
-    delay)` makes: a table and its bounds, or None; the corners are x and y of each in turn.
+    They set out at `speed` (m/s), and come on the straight leg `leg_x`, `leg_y` (metres). `course`
+    are its corners (metres); the `lead` is a table without its final standing, `lead_box` its
+    bounds, and both are empty for who sets out `now`. Where limits of speed hold, walks are those
+    that `slowed(corners, top_speed, delay)` makes: a table and its bounds, or None; the corners are
+    x and y of each in turn.
     """
 
     def __init__(
@@ -70,8 +71,8 @@ class Candidates:
         begin: float,
         now: float,
         speed: float,
-        vx: float,
-        vy: float,
+        leg_x: float,
+        leg_y: float,
         max_speed: float,
         acceleration: float,
         lead: Numbers,
@@ -82,8 +83,8 @@ class Candidates:
         self.begin = begin
         self.now = now
         self.speed = speed
-        self.vx = vx
-        self.vy = vy
+        self.leg_x = leg_x
+        self.leg_y = leg_y
         self.max_speed = max_speed
         self.acceleration = acceleration
         self.lead = lead
@@ -414,13 +415,11 @@ class Candidates:
         dx: float = corners[2] - corners[0]
         dy: float = corners[3] - corners[1]
         length: float = sqrt(dx * dx + dy * dy)
-        speed: float = sqrt(self.vx * self.vx + self.vy * self.vy)
-        if length == 0.0 or speed == 0.0:
+        before: float = sqrt(self.leg_x * self.leg_x + self.leg_y * self.leg_y)
+        if length == 0.0 or before == 0.0:
             return True
-        cosine: float = (dx * self.vx + dy * self.vy) / (length * speed)
-        # As `can_go_on` has it, where the leg before is what the present velocity makes in a
-        # second.
-        shorter: float = length if length < speed else speed
+        cosine: float = (dx * self.leg_x + dy * self.leg_y) / (length * before)
+        shorter: float = length if length < before else before
         return self.speed <= bend_speed(cosine, shorter, self.acceleration)
 
     def _go_along(self) -> cython.int:

@@ -7,6 +7,7 @@ cdef Py_ssize_t _PHASES
 cdef double _SHORT
 cdef double _DEVIATION
 cdef double _HAIR
+cdef double _ROUNDING
 
 cpdef Numbers walk_table(
     Numbers corners,

@@ -47,6 +47,7 @@ _PHASES: cython.Py_ssize_t = 4  # of a leg, at most
 _SHORT: float = NOWHERE
 _DEVIATION: float = DEVIATION
 _HAIR: float = 1e-9  # m/s
+_ROUNDING: float = 1e-12  # of a cosine
 
 
 def walk_table(
@@ -223,7 +224,7 @@ def bend_speed(cosine: float, shorter: float, acceleration: float) -> float:
     follow from cos φ, which is at hand here. The last bits differ.
     """
     half: float = sqrt(max((1 + cosine) / 2, 0.0))  # the cosine of half the turn
-    if half >= 1.0:
+    if half > 1.0 - _ROUNDING:
         return INFINITY
     by_deviation: float = _DEVIATION * half / (1 - half)
     by_length: float = shorter / 2 * half / sqrt(1 - half * half)

@@ -2,8 +2,11 @@ cdef Py_ssize_t _WIDTH
 cdef double _NOWHERE
 cdef double _DEVIATION
 cdef double _HAIR
+cdef double _STANDS
+cdef double _STRAIGHT
 
 cpdef bint is_place(object point) except -1
 cdef bint _apart(tuple a, tuple b, double least) except -1
+cdef bint _same_way(double wx, double wy, double vx, double vy) except -1
 cdef bint _straight(tuple a, tuple b, tuple c) except -1
 cpdef double corner_speed(tuple before, tuple corner, tuple after, double acceleration) except? -1

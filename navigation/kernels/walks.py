@@ -49,6 +49,9 @@ HAIR = 1e-6
 """Speeds are planned with this share less of the acceleration, so that rounding can't make a
 profile infeasible."""
 
+_STANDS: float = 1e-9  # m/s
+_STRAIGHT: float = 1e-6  # sine of a turn that is none
+
 _NOWHERE: float = NOWHERE
 _DEVIATION: float = DEVIATION
 _HAIR: float = HAIR
@@ -174,6 +177,54 @@ def ends_after(table: Numbers, t: float) -> list[Corner]:
             y: float = c[o + 6] + u * (c[o + 7] + u * (c[o + 8] + u * c[o + 9]))
             ends.append((x, y))
     return ends
+
+
+def leg_before(
+    table: Numbers, since: float, t: float, before_x: float, before_y: float
+) -> tuple[float, float]:
+    """Return the straight leg on which a body comes to where it is at `t` (s); see `leg_to`."""
+    c: Doubles = at(table)
+    k: cython.Py_ssize_t = len(table) // _WIDTH - 1
+    while k > 0 and c[k * _WIDTH] >= t:
+        k -= 1
+    o: cython.Py_ssize_t = k * _WIDTH
+    if not c[o] < t <= c[o + 1]:
+        return 0.0, 0.0
+    u: float = t - c[o]
+    vx: float = c[o + 3] + u * (2 * c[o + 4] + u * 3 * c[o + 5])
+    vy: float = c[o + 7] + u * (2 * c[o + 8] + u * 3 * c[o + 9])
+    speed: float = sqrt(vx * vx + vy * vy)
+    if speed < _STANDS:
+        return 0.0, 0.0
+    end: float = t
+    length: float = 0.0
+    while k >= 0 and end > since and length < speed:
+        o = k * _WIDTH
+        begin: float = c[o] if c[o] > since else since
+        u = (begin + end) / 2 - c[o]
+        wx: float = c[o + 3] + u * (2 * c[o + 4] + u * 3 * c[o + 5])
+        wy: float = c[o + 7] + u * (2 * c[o + 8] + u * 3 * c[o + 9])
+        if not _same_way(wx, wy, vx, vy):
+            break
+        u = begin - c[o]
+        w: float = end - c[o]
+        x: float = w * (c[o + 3] + w * (c[o + 4] + w * c[o + 5]))
+        x -= u * (c[o + 3] + u * (c[o + 4] + u * c[o + 5]))
+        y: float = w * (c[o + 7] + w * (c[o + 8] + w * c[o + 9]))
+        y -= u * (c[o + 7] + u * (c[o + 8] + u * c[o + 9]))
+        length += sqrt(x * x + y * y)
+        end = begin
+        k -= 1
+    if end <= since and _same_way(before_x, before_y, vx, vy):
+        length += sqrt(before_x * before_x + before_y * before_y)
+    share: float = min(length / speed, 1.0)
+    return share * vx, share * vy
+
+
+def _same_way(wx: float, wy: float, vx: float, vy: float) -> bool:
+    """Return whether two velocities, or legs, have the same direction."""
+    along: float = wx * vx + wy * vy
+    return along > 0.0 and abs(wx * vy - wy * vx) <= _STRAIGHT * along
 
 
 def first_metres(corners: list[Corner], length: float) -> list[Corner]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from navigation import Motion, State, Track
+from navigation import Motion, State, Track, leg_to
 
 from .clock import Clock
 from .plans import Plans
@@ -30,6 +30,10 @@ class Body:
         self.clock = clock
         self._track = Track()
         self._since = clock.now
+        self._turned = clock.now
+        """When it was last asked on which leg it came, seconds."""
+        self._leg = (0.0, 0.0)
+        """That leg, metres."""
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name}>"
@@ -44,6 +48,18 @@ class Body:
         """Position now: x, y in metres."""
         return self.state.at
 
+    @property
+    def leg(self) -> tuple[float, float]:
+        """The straight leg on which a person comes to where they are now: see `leg_to`.
+
+        However often their course changes at one instant, it is the leg before all of that.
+        """
+        now = self.clock.now
+        if now != self._turned:
+            self._leg = leg_to(self.motion, self._turned, now, self._leg)
+            self._turned = now
+        return self._leg
+
     def follow(self, motion: Motion) -> None:
         """Follow `motion` from now on, in place of the motion before it.
 
@@ -53,8 +69,11 @@ class Body:
         # Settled first: what was carried out until now belongs to the old motion.
         now = self.clock.now
         before, after = self.motion.state(now).position, motion.state(now).position
+        if self.kind == PERSON:
+            _ = self.leg  # what leads here belongs to the old motion as well
         self.motion = motion
         if before != after and math.dist(before[:2], after[:2]) > JUMP:
+            self._leg = (0.0, 0.0)
             for jumped in self.on_jump:
                 jumped()
         for changed in self.on_change:

@@ -514,12 +514,11 @@ class RobotMalfunction(EventKind):
 
 
 class PathBlocked(EventKind):
-    """A person's path is not free: `message` says why there is none, `by` which AGV is let pass."""
+    """A person's path is not free: `message` says why there is none."""
 
     person: _Person
     goal: Point
     message: str | None = None
-    by: _Agv | None = None
 
 
 class GoalOccupied(EventKind):

@@ -51,7 +51,7 @@ class Actions:
         errand: Errand,
         attention: Attention,
         home: SafeZone,
-        crowd: Crowd | None,
+        crowd: Crowd,
         worker: Worker | None = None,
     ) -> None:
         self.put_home_at: float | None = None
@@ -114,12 +114,8 @@ class Actions:
     def _place_at_home(self) -> Point | None:
         """Return home, or the nearest free place beside the vehicle that stands there, if any."""
         self._stage.place_machines()
-        home, radius, world = self._home.position, self._walker.human.radius, self._walker.world
-        if self._crowd is not None:
-            return self._crowd.room(home, radius, self._walker.traveller)
-        if not world.hits(home, home, radius):
-            return home
-        return next(iter(world.exits(home, radius)), None)
+        home, radius = self._home.position, self._walker.human.radius
+        return self._crowd.room(home, radius, self._walker.traveller)
 
     def _move(self, x: float, y: float, z: float = 0.0) -> bool:
         return self._errand.go((x, y))

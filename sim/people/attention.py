@@ -56,7 +56,7 @@ class Attention:
         stage: Stage,
         walker: Walker,
         errand: Errand,
-        crowd: Crowd | None,
+        crowd: Crowd,
         slot: int | None = None,
     ) -> None:
         self._stage = stage
@@ -83,7 +83,7 @@ class Attention:
         if not any(one.name == who for one in others):
             hint = suggestion(who, [one.name for one in others]) if others else "they are alone"
             raise NobodyError(f"nobody else is called {who!r}; {hint}")
-        found = None if self._crowd is None else self._crowd.find(who)
+        found = self._crowd.find(who)
         return None if found is None or self._is_away(found) else found
 
     def _is_away(self, other: Traveller) -> bool:

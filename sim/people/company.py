@@ -80,7 +80,7 @@ class Company:
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
         self._board = board
         self.people: list[Person] = []
-        self._crowd = crowd = self._make_crowd() if len(scenario.people) > 1 else None
+        self._crowd = crowd = self._make_crowd()
         scenario = replace(scenario, people=with_places(scenario, walks))
         starts = starting_places(scenario, stage.world, crowd)
         scenario = replace(scenario, people=with_homes(scenario, starts))
@@ -117,7 +117,7 @@ class Company:
 
     def begin(self) -> None:
         """Let people wait for their start, and work appear."""
-        if self._crowd is not None:
+        if self._crowd.is_shared:
             self._stage.triggers.each("met", self._perceive_meeting)
             self._stage.triggers.each("gave_way", self._perceive_request)
             self._stage.triggers.each("left", self._perceive_leaving)
@@ -153,7 +153,7 @@ class Company:
     @property
     def deadlocks(self) -> int:
         """Number of times that nobody under way could go on because of the others."""
-        return 0 if self._crowd is None else self._crowd.deadlocks
+        return self._crowd.deadlocks
 
     def _planner(self, person: str, radius: float, choice: PlannerChoice) -> PathPlanner:
         """Return the one planner for all people of a size who plan alike: to share its paths."""

@@ -10,7 +10,6 @@ from navigation import PlanningError
 
 from ..core.events import Arrived, Goal, GoalFree, GoalOccupied, PathBlocked, Replanned
 from ..core.stage import Stage
-from .crossing import CrossingWatch
 from .percepts import Senses
 from .waiting_place import WaitingPlaces
 from .walker import Walker
@@ -22,8 +21,8 @@ BESIDE = 1e-3
 class Errand:
     """Takes a person to a goal: around obstacles, and waiting where nothing else helps.
 
-    A vehicle that stands on the goal is waited for beside it, one that drives across the path is
-    let pass, and a path that something blocks is replanned. What comes of it is perceived:
+    A vehicle that stands on the goal is waited for beside it, and a path that something blocks is
+    replanned. What comes of it is perceived:
     `work_completed`, `path_blocked`, `goal_blocked` or `goal_occupied`.
     """
 
@@ -39,7 +38,6 @@ class Errand:
         self._name = walker.body.name
         self._waiting_places = WaitingPlaces(stage, walker.world, walker.human)
         self._waits_for: Point | None = None
-        self._lets_pass_on_way_to: Point | None = None
 
     def go(self, goal: Point) -> bool:
         """Set out for `goal`; return True if there is a path to it, or to a place to wait."""
@@ -65,13 +63,13 @@ class Errand:
             self._record(Replanned(person=self._name, goal=goal))
 
     def give_up(self) -> None:
-        """Stop waiting, for a goal to be free or for a vehicle to pass."""
-        self._waits_for = self._lets_pass_on_way_to = None
+        """Stop waiting for a goal to be free."""
+        self._waits_for = None
 
     def interrupt(self) -> Point | None:
         """Stop, and return the goal to `go_on` to; None if they are not on the way to one."""
         goal = self._walker.goal
-        if goal is None or self._waits_for is not None or self._lets_pass_on_way_to is not None:
+        if goal is None or self._waits_for is not None:
             return None
         self._walker.stop()
         return goal
@@ -95,10 +93,6 @@ class Errand:
         if self._waits_for is not None:
             self._check_wait(self._waits_for, came)
             return
-        if self._lets_pass_on_way_to is not None:
-            onwards, self._lets_pass_on_way_to = self._lets_pass_on_way_to, None
-            self.resume(onwards)
-            return
         goal = self._walker.goal
         trouble = self._walker.check_path(came)
         if trouble is None or goal is None:
@@ -106,21 +100,6 @@ class Errand:
         at_the_goal = trouble.reason == "goal_blocked"
         if not (at_the_goal and self._wait_beside(goal)):
             self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
-
-    def let_pass(self, crossing: CrossingWatch) -> None:
-        """Stop for a vehicle that drives across the path, and go on when it has come to rest.
-
-        Where stopping would not help, walk on.
-        """
-        goal = self._walker.goal
-        if goal is None or self._waits_for is not None:
-            return
-        # Who would be touched where they come to rest as well had better walk on.
-        if crossing.touches(self._walker.braking()) is None:
-            machine = crossing.pair.machine.name
-            self._record(PathBlocked(person=self._name, goal=goal, by=machine))
-            self._walker.stop()
-            self._lets_pass_on_way_to = goal
 
     def arrived(self, goal: Point) -> None:
         """Take note that the walker has reached `goal`, or the place to wait for it."""

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from floorplan import Human
 from navigation import (
+    Box,
     Cylinder,
+    FixedDistance,
     Motion,
     Mover,
     Passage,
     PathPlanner,
     PlanningError,
     Shapes,
+    TooClose,
     first_time,
     plan_among,
 )
@@ -18,7 +23,12 @@ from navigation import (
 from ..core.body import Body
 from ..core.machine import Machine
 from ..core.stage import Stage
-from .crossing import GAP, TOUCHING
+
+GAP = 0.1
+"""Metres. Nearer than this to the surface of an AGV that drives, a person counts as touched."""
+
+TOUCHING = TooClose(FixedDistance(GAP))
+"""The condition under which somebody counts as touched."""
 
 
 def among_vehicles(
@@ -29,7 +39,7 @@ def among_vehicles(
     goal: tuple[float, float],
     motion: Motion,
     top: float,
-    gap: float = GAP,
+    gap: float,
 ) -> Passage | None:
     """Return the passage of somebody who stands to `goal`, at up to `top` m/s, among vehicles.
 
@@ -37,16 +47,15 @@ def among_vehicles(
     `motion`, neither one under way nor one that is known to set out before they arrive. None, too,
     if there is no passage: they set out all the same then, and let the vehicle pass when it comes.
     """
-    now = stage.clock.now
-    moving = _moving(stage, now, motion.end)
-    if not any(_touches(mover, motion, human, now) for mover in moving):
+    if not any_touches(stage, human, motion):
         return None
+    now = stage.clock.now
     try:
         return plan_among(
             planner,
             body.at,
             goal,
-            moving,
+            _moving(stage, now, motion.end),
             at=now,
             heading=body.state.position[2],
             max_speed=top,
@@ -56,6 +65,15 @@ def among_vehicles(
         )
     except PlanningError:
         return None
+
+
+def any_touches(stage: Stage, human: Human, motion: Motion) -> bool:
+    """Return whether a vehicle touches somebody on `motion`, as far as it is known how it drives.
+
+    That is, under way or known to set out before they arrive.
+    """
+    now = stage.clock.now
+    return any(_touches(mover, motion, human, now) for mover in _moving(stage, now, motion.end))
 
 
 def any_moves(stage: Stage, until: float) -> bool:
@@ -74,5 +92,11 @@ def _mover(machine: Machine, motion: Motion) -> Mover:
 
 
 def _touches(mover: Mover, motion: Motion, human: Human, now: float) -> bool:
-    shapes = Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(mover.solid,))
+    shapes = _shapes(human, mover.solid)
     return first_time(TOUCHING, motion, mover.motion, now, motion.end, shapes=shapes) is not None
+
+
+@lru_cache
+def _shapes(human: Human, vehicle: Box | Cylinder) -> Shapes:
+    """Return the solids of a person and of a vehicle; most people are alike."""
+    return Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(vehicle,))

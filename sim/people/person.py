@@ -24,10 +24,8 @@ from ..core.noticing import ALL_ROUND
 from ..core.scenario import PersonEntry
 from ..core.stage import Stage
 from ..safety.referee import Referee
-from ..safety.watches import BesideVehicles, Pair
 from .actions import Actions, MindError
 from .attention import Attention
-from .crossing import CrossingWatch
 from .errand import Errand
 from .eyes import Eyes
 from .minds import Mind, as_term
@@ -67,7 +65,7 @@ class Person:
         planner: PathPlanner,
         *,
         at: Point,
-        crowd: Crowd | None,
+        crowd: Crowd,
         index: int,
         manners: Manners,
         referee: Referee,
@@ -145,10 +143,8 @@ class Person:
         self._regard.belong_to(self.mind)
         for machine in stage.machines.values():
             referee.watch(self, machine)
-        beside, let_pass = BesideVehicles(self.body), self._errand.let_pass
         for machine in stage.vehicles:
             machine.look_out_for(self.body, human.max_speed)
-            beside.add(machine.body, CrossingWatch(Pair(stage, self, machine), human, let_pass))
 
     def begin(self) -> None:
         """Wait for what lets them start, and for what changes their personality."""
@@ -166,9 +162,7 @@ class Person:
         """Come in, as soon as there is room at the entrance."""
         self._stage.place_machines()
         entrance, radius, source = self._entrance, self.walker.human.radius, self._entry.source
-        at: Point | None = entrance if self.walker.world.free(entrance, radius) else None
-        if self._crowd is not None:
-            at = self._crowd.room(entrance, radius, self.walker.traveller)
+        at = self._crowd.room(entrance, radius, self.walker.traveller)
         if source is not None and source.at in self._stage.there:  # the door is closed
             at = None
         if at is None or math.dist(at, entrance) > AT_THE_DOOR:
@@ -261,12 +255,9 @@ class Person:
         `waits_for(Who)`: who keeps them from going on now.
         """
         found = {} if self.worker is None else self.worker.beliefs()
-        crowd = self._crowd
-        if crowd is None:
-            return found
 
         def waits_for() -> list[tuple[bdi.Term, ...]]:
-            who = crowd.waits_for(self.walker.traveller)
+            who = self._crowd.waits_for(self.walker.traveller)
             return [] if who is None else [(as_term(who),)]
 
         return {**found, ("waits_for", 1): waits_for}

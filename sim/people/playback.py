@@ -27,7 +27,7 @@ class Playback:
     """
 
     def __init__(
-        self, stage: Stage, traveller: Traveller, walk: RecordedWalk, crowd: Crowd | None
+        self, stage: Stage, traveller: Traveller, walk: RecordedWalk, crowd: Crowd
     ) -> None:
         self._clock = stage.clock
         self._traveller = traveller
@@ -45,8 +45,7 @@ class Playback:
     def _go_on(self) -> None:
         now = self._clock.now
         self._traveller.body.follow(self._part(now, now + AHEAD))
-        if self._crowd is not None:
-            self._crowd.make_way_for(self._traveller)
+        self._crowd.make_way_for(self._traveller)
         if self._begun_at + self._walk.motion.end > now + EVERY:
             self._next.set(now + EVERY)
 

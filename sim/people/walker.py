@@ -19,7 +19,6 @@ from navigation import (
     paced,
     remaining_path,
     standing,
-    stop_walking,
     walk,
 )
 
@@ -27,8 +26,7 @@ from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
 from ..core.events import PathBlocked, Replanned
 from ..core.stage import Stage
-from .crossing import GAP
-from .foreseen import among_vehicles, any_moves
+from .foreseen import GAP, among_vehicles, any_moves, any_touches
 from .steering.crowd import Crowd
 from .steering.manners import Manners
 from .steering.speed_zones import SpeedZones
@@ -47,9 +45,10 @@ SLOWER = 10.0
 class Walker:
     """One person's legs. `arrived(goal)` is called whenever a goal is reached.
 
-    Alone on the floor somebody walks the planned path. In a `crowd` they follow it as others allow;
-    `blocked` is called when these have kept them from going on for too long, `late(goal)` when a
-    vehicle has passed that they let pass before they set out, and they stand elsewhere by then.
+    They follow the planned path as the `crowd` allows: other people, and vehicles that drive. A
+    person alone whom no vehicle will meet walks all of it at once. `blocked` is called when others
+    have kept them from going on for too long, `late(goal)` when a vehicle has passed that they let
+    pass before they set out, and they stand elsewhere by then.
     """
 
     def __init__(
@@ -62,7 +61,7 @@ class Walker:
         at: Point,
         heading: float,
         arrived: Callable[[Point], None],
-        crowd: Crowd | None = None,
+        crowd: Crowd,
         manners: Manners | None = None,
         index: int = 0,
         recorded: bool = False,
@@ -81,7 +80,6 @@ class Walker:
         self._planner = planner
         self._record = stage.record
         self._arrived = arrived
-        self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
         self._late = late
         self._onward: list[Point] = []
         self._goes_on_at = 0.0
@@ -96,13 +94,12 @@ class Walker:
             SpeedZones(stage.floorplan.zones, name),
             recorded,
         )
-        if crowd is not None:
-            crowd.enter(
-                self.traveller,
-                reroute=lambda at: self._path(at, self.traveller.goal or self._bound_for())[1:],
-                arrive=self._arrive,
-                blocked=blocked,
-            )
+        crowd.enter(
+            self.traveller,
+            reroute=lambda at: self._path(at, self.traveller.goal or self._bound_for())[1:],
+            arrive=self._arrive,
+            blocked=blocked,
+        )
 
     @property
     def world(self) -> CollisionWorld:
@@ -120,16 +117,29 @@ class Walker:
 
     def go(self, goal: Point) -> None:
         """Walk to `goal` from now on; `PlanningError`, and no change, if there is no path."""
-        if self._crowd is not None:
-            self._set_out_among_others(self._crowd, goal)
-            return
-        motion = self._motion_to(goal)
-        self.goal = goal
-        self._arrival.set(max(motion.end, self._clock.now + REPORT_DELAY))
-        self.body.follow(motion)
+        if not self._walks_alone(goal):
+            self._set_out_among_others(goal)
 
-    def _set_out_among_others(self, crowd: Crowd, goal: Point) -> None:
+    def _walks_alone(self, goal: Point) -> bool:
+        """Walk all of the path to `goal` if nobody can be met on it; return whether it is so."""
+        crowd = self._crowd
+        if crowd.is_shared:
+            return False
+        motion, now = self._motion_to(goal), self._clock.now
+        if not crowd.is_free(self.traveller, motion):
+            return False
+        if any_touches(self._stage, self.human, motion):
+            return False
+        self.goal = goal
+        self._setting_out.set(None)
+        arrives = max(motion.end, now + REPORT_DELAY)
+        top = self.human.max_speed * self.speed_share
+        crowd.walk_alone(self.traveller, goal, motion, top, arrives)
+        return True
+
+    def _set_out_among_others(self, goal: Point) -> None:
         """Walk to `goal` as others allow, waiting for a vehicle where that is quickest."""
+        crowd = self._crowd
         points = self._path(self.body.at, goal)
         self.goal = goal
         self._setting_out.set(None)
@@ -149,11 +159,11 @@ class Walker:
             crowd.set_out(self.traveller, points[-1], points[1:], top)
         else:
             self._goes_on_at = now + delay
-            self._wait_here(crowd)
+            self._wait_here()
 
-    def _wait_here(self, crowd: Crowd) -> None:
+    def _wait_here(self) -> None:
         """Stand until the vehicle that one waits for has passed."""
-        crowd.rest(self.traveller)
+        self._crowd.rest(self.traveller)
         self._setting_out.set(max(self._goes_on_at, self._clock.now))
 
     def _passage_from_rest(self, goal: Point, points: list[Point], top: float) -> Passage | None:
@@ -168,12 +178,14 @@ class Walker:
             motion = walk(points, now, max_speed=top, max_acceleration=acceleration)
         except ValueError:  # they are there
             return None
-        return self._among_vehicles(goal, motion, top, GAP + LEEWAY)
+        return among_vehicles(
+            self._stage, self._planner, self.human, self.body, goal, motion, top, GAP + LEEWAY
+        )
 
     def _go_on(self) -> None:
         """Walk the rest of a path on which one has waited; plan anew where one was put aside."""
         goal = self._bound_for()
-        if self._crowd is not None and self.body.at == self._onward[0]:
+        if self.body.at == self._onward[0]:
             top = self.human.max_speed * self.speed_share
             self._crowd.set_out(self.traveller, goal, self._onward[1:], top)
         else:
@@ -186,6 +198,7 @@ class Walker:
         braking = self.braking()
         self._forget_goal()
         self.body.follow(braking)
+        self._step_out_of_closures()
 
     def turn_to(self, point: Point) -> None:
         """Brake, stand, and look towards `point`."""
@@ -194,6 +207,7 @@ class Walker:
         x, y = braking.state(braking.end).at
         heading = math.atan2(point[1] - y, point[0] - x)
         self.body.follow(join([braking, standing((x, y), heading=heading, start=braking.end)]))
+        self._step_out_of_closures()
 
     def put(self, at: Point, heading: float) -> None:
         """Be at `at` from one instant to the next, standing."""
@@ -203,16 +217,20 @@ class Walker:
     def check_path(self, came: Collection[str]) -> PlanningError | None:
         """Replan if the path is no longer free; where there is none, stop and return the reason.
 
-        `came` are the names of what stands since now where it did not before.
+        `came` are the names of what stands since now where it did not before. Whoever has no goal,
+        and will stand where something has closed, steps out of it.
         """
-        if self.goal is None:
+        if self.traveller.recorded:
             return None
         path = remaining_path(self.body.motion, self._clock.now)
-        if self._is_free(path):
-            if self._is_free(self.traveller.route) and not self._is_cut_off(path[-1], came):
-                return None
-        elif self._crowd is not None:
-            self.body.follow(self.braking())
+        is_free = self._is_free(path)
+        if not is_free and not self._crowd.is_empty:
+            self._crowd.halt(self.traveller, self._is_clear)
+        if self.goal is None:
+            self._step_out_of_closures()
+            return None
+        if is_free and self._is_free(self.traveller.route) and not self._is_cut_off(path[-1], came):
+            return None
         self._record(PathBlocked(person=self.body.name, goal=self.goal))
         try:
             self.go(self.goal)
@@ -226,6 +244,27 @@ class Walker:
     def _is_free(self, path: list[Point]) -> bool:
         world, radius = self.world, self.human.radius
         return all(world.segment_free(a, b, radius) for a, b in itertools.pairwise(path))
+
+    def _is_clear(self, motion: Motion) -> bool:
+        """Return whether nothing stands in the way of a motion of theirs from now on."""
+        return self._is_free(remaining_path(motion, self._clock.now))
+
+    def _step_out_of_closures(self) -> None:
+        """Walk to the nearest free place if the motion ends where a door, or the like, is closed.
+
+        People do not foresee that it closes: they may be too near to stop before it.
+        """
+        if not self._stage.there:
+            return
+        rest, radius = self.body.motion.state(self.body.motion.end).at, self.human.radius
+        touched = {body.name for body in self.world.hits(rest, rest, radius)}
+        if touched.isdisjoint(self._stage.there):
+            return
+        exits = self.world.exits(rest, radius)
+        if exits:
+            free = (place for place in exits if self._crowd.has_room(self.traveller, place))
+            place = next(free, exits[0])
+            self._crowd.set_out(self.traveller, place, [place], self.human.max_speed)
 
     def _is_cut_off(self, end: Point, came: Collection[str]) -> bool:
         """Return whether what `came` closes the leg from the `end` of the motion to the route.
@@ -250,23 +289,17 @@ class Walker:
             return motion
         # Too fast for this errand, or for the first turn: then they come to rest first.
         goes_on = state.speed <= top and (
-            len(points) < 2 or can_go_on(state, points[1], acceleration)
+            len(points) < 2 or can_go_on(state, points[1], acceleration, self.body.leg)
         )
         if goes_on:
-            motion = None
             with suppress(ValueError):  # too short to come to rest on
-                motion = walk(
+                return walk(
                     points,
                     now,
                     max_speed=top,
                     max_acceleration=acceleration,
                     initial_speed=state.speed,
                 )
-            if motion is not None:
-                # Passages begin at rest. Who walks on already lets a vehicle pass when it comes
-                # (`CrossingWatch`).
-                passage = None if state.speed > 0 else self._among_vehicles(goal, motion, top)
-                return motion if passage is None else passage.motion
         braking = self.braking()
         points = self._path(braking.state(braking.end).at, goal)
         onwards = walk(points, braking.end, max_speed=top, max_acceleration=acceleration)
@@ -294,7 +327,7 @@ class Walker:
                 max_acceleration=acceleration,
             )
 
-        if len(course) > 1 and can_go_on(state, course[1], acceleration):
+        if len(course) > 1 and can_go_on(state, course[1], acceleration, self.body.leg):
             motion = walked(course, tops, now, state.speed)
             if motion is not None:
                 return motion
@@ -303,13 +336,6 @@ class Walker:
         points = self._path(rested, points[-1])
         onwards = walked(*self.traveller.zones.along(points, top), braking.end, 0.0)
         return braking if onwards is None else join([braking, onwards])
-
-    def _among_vehicles(
-        self, goal: Point, motion: Motion, top: float, gap: float = GAP
-    ) -> Passage | None:
-        return among_vehicles(
-            self._stage, self._planner, self.human, self.body, goal, motion, top, gap
-        )
 
     def _path(self, start: Point, goal: Point) -> list[Point]:
         try:
@@ -334,22 +360,21 @@ class Walker:
 
     def braking(self) -> Motion:
         """Return the motion that `stop` would make from here and now."""
-        if self._crowd is not None:
-            return self._crowd.braking(self.traveller)
-        acceleration = self.human.max_acceleration
-        return stop_walking(self.body.motion, self._clock.now, max_acceleration=acceleration)
+        return self._crowd.braking(self.traveller)
 
     def _forget_goal(self) -> None:
         self.goal = None
-        self._arrival.set(None)
         self._setting_out.set(None)
-        if self._crowd is not None:
-            self._crowd.rest(self.traveller)
+        self._crowd.rest(self.traveller)
 
     def _arrive(self) -> None:
-        goal = self._bound_for()
-        if self._crowd is not None and self.traveller.goal != goal:
-            self._wait_here(self._crowd)
+        if self.goal is None:  # they have stepped out of a place that closed
+            self._crowd.rest(self.traveller)
+            self._step_out_of_closures()
+            return
+        goal = self.goal
+        if self.traveller.goal != goal:
+            self._wait_here()
             return
         self._forget_goal()
         self._arrived(goal)

@@ -1,19 +1,28 @@
 """Random trials, and what must hold of each run: `python -m tests.random_trials --trials 1000`.
 
-A trial follows from its number alone. What must hold is worked out anew from the motions and
-events of the finished run, with shapely, NumPy and FCL, and without the parts that made them.
+A trial follows from its number alone; with `--doors` it is one of a second family. What must hold
+is worked out again from the motions and events of the finished run, with shapely, NumPy and FCL,
+and without the parts that made them.
 """
 
 from .contact import contact_faults
+from .doors import door_faults
 from .fcl_judge import judge_faults
 from .floors import random_floor
 from .movement import movement_faults
 from .rules import rule_faults
 from .separation import separation_faults
 from .tracks import tracked_trial
-from .trials import random_trial
+from .trials import random_trial, random_trial_with_doors
 
-CHECKS = (movement_faults, separation_faults, contact_faults, rule_faults, judge_faults)
+CHECKS = (
+    movement_faults,
+    separation_faults,
+    contact_faults,
+    door_faults,
+    rule_faults,
+    judge_faults,
+)
 """Each yields, of a run, all that should not be."""
 
 CHECKS_OF_TRACKS = (separation_faults, judge_faults)
@@ -24,6 +33,8 @@ def faults(run):
     """All that is wrong with a run, in words."""
     tracked = any(entry.recorded is not None for entry in run.trial.people)
     checks = CHECKS_OF_TRACKS if tracked else CHECKS
+    # The rules are worked out for the machines of the floor alone.
+    checks = [check for check in checks if check is not rule_faults or not run.trial.machines]
     return [fault for check in checks for fault in check(run)]
 
 
@@ -33,5 +44,6 @@ __all__ = [
     "faults",
     "random_floor",
     "random_trial",
+    "random_trial_with_doors",
     "tracked_trial",
 ]

@@ -3,10 +3,11 @@
 import argparse
 import sys
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import sim
 
-from . import faults, random_trial
+from . import faults, random_trial, random_trial_with_doors
 
 
 def main():
@@ -15,11 +16,15 @@ def main():
     parser.add_argument("--trials", type=int, default=1000, help="how many")
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--jobs", type=int, default=1, help="how many at once")
+    parser.add_argument("--doors", action="store_true", help="those with doors and vehicles")
     asked = parser.parse_args()
+    make = random_trial_with_doors if asked.doors else random_trial
     numbers = range(asked.first, asked.first + asked.trials)
     broken = 0
     with ProcessPoolExecutor(asked.jobs) as pool:
-        for number, wrong in zip(numbers, pool.map(tried, numbers, chunksize=4), strict=True):
+        for number, wrong in zip(
+            numbers, pool.map(partial(tried, make), numbers, chunksize=4), strict=True
+        ):
             broken += bool(wrong)
             for fault in wrong:
                 print(f"{number}: {fault}", flush=True)
@@ -27,10 +32,10 @@ def main():
     sys.exit(1 if broken else 0)
 
 
-def tried(number):
-    """Return the faults of the trial of this number, in words; an error is one."""
+def tried(make, number):
+    """Return the faults of the trial that is made of this number, in words; an error is one."""
     try:
-        return faults(sim.run(random_trial(number)))
+        return faults(sim.run(make(number)))
     except Exception as why:
         return [f"{type(why).__name__}: {why}"]
 

@@ -1,4 +1,4 @@
-"""People and AGVs: nobody walks into one, and one that yields runs into nobody."""
+"""People and vehicles: nobody walks into one, and one that yields runs into nobody."""
 
 from navigation import Cylinder, FixedDistance, Shapes, TooClose, first_time
 
@@ -13,13 +13,15 @@ STANDS = 1e-3
 
 
 def contact_faults(run):
-    """Return who touches an AGV, but for who stands before one that drives and does not yield."""
+    """Return who touches a vehicle, but for who stands where one drives that does not yield."""
     human = run.trial.floorplan.human
     for entry in run.trial.people:
         person = run.motions[entry.name]
         solid = Cylinder(radius=(entry.radius or human.radius) - SLACK, top=human.height)
-        for lane in run.trial.floorplan.lanes:
-            agv, box = run.motions[lane.name], run.scene.machine(lane.name).box
+        for vehicle in run.scene.machines:
+            if vehicle.category != "vehicle":
+                continue
+            agv, box = run.motions[vehicle.name], vehicle.box
             shapes = Shapes(person=solid, machine=(box,))
             touch = TooClose(FixedDistance(HAIR))
             t = first_time(touch, person, agv, 0.0, run.duration, shapes=shapes)
@@ -29,5 +31,11 @@ def contact_faults(run):
                 continue
             before = max(t - HAIR, 0.0)
             walks, drives = (one.state(before).speed > STANDS for one in (person, agv))
-            if walks or not drives or lane.name in run.trial.yielding:
-                yield f"{entry.name} touches {lane.name} at t = {t:.6f} s"
+            if walks or not drives or yields(run.trial, vehicle.name):
+                yield f"{entry.name} touches {vehicle.name} at t = {t:.6f} s"
+
+
+def yields(trial, name):
+    """Return whether an AGV stops for people."""
+    machine = trial.machines.get(name)
+    return name in trial.yielding if machine is None else machine.keys.get("yield", False)

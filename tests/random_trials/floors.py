@@ -8,6 +8,7 @@ from shapely import affinity
 
 from floorplan import (
     Axis,
+    Door,
     Floorplan,
     FloorplanError,
     Gantry,
@@ -34,6 +35,62 @@ def random_floor(random):
     while hall is None:
         hall = _hall(random)
     return hall
+
+
+def divided_floor(random):
+    """A hall of two rooms with one or two doors between, and what else stands in a hall."""
+    plan = None
+    while plan is None:
+        width, depth = random.uniform(12, 26), random.uniform(6, 14)
+        at, thick = width * random.uniform(0.35, 0.65), random.choice([0.1, 0.2, 0.4])
+        gaps = [random.uniform(0.8, 2.0) for _ in range(random.choice([1, 1, 2]))]
+        room = depth / len(gaps)
+        ends = []
+        for k, gap in enumerate(gaps):
+            low = k * room + random.uniform(0.3, room - gap - 0.3)
+            ends.append((low, low + gap))
+        doors = tuple(
+            Door(f"door{k}", ((at, low), (at, high)), thickness=thick)
+            for k, (low, high) in enumerate(ends)
+        )
+        sides = [0.0, *(y for pair in ends for y in pair), depth]
+        wall = tuple(
+            Obstacle(f"wall.{k}", shapely.box(at - thick / 2, a, at + thick / 2, b), 0.0, 2.5)
+            for k, (a, b) in enumerate(zip(sides[::2], sides[1::2], strict=True))
+        )
+        keep = shapely.union_all([door.footprint.buffer(1.0) for door in doors])
+        things = tuple(
+            one
+            for one in _obstacles(random, width, depth)
+            if random.random() < 0.4 and not one.footprint.intersects(keep)
+        )
+        plan = _furnished(random, width, depth, (*wall, *things), doors)
+    return plan
+
+
+def _furnished(random, width, depth, obstacles, doors):
+    """A hall with stations in both rooms; None if there is no room for them."""
+    boundary = shapely.box(0, 0, width, depth)
+    human = Human(
+        radius=random.choice([0.2, 0.25, 0.3]),
+        height=1.75,
+        max_speed=random.uniform(0.6, 1.8),
+        max_acceleration=random.uniform(1.0, 4.0),
+    )
+    gantry = _gantry(random, width, depth) if random.random() < 0.3 else None
+    plan = Floorplan(
+        "rooms", boundary, obstacles=obstacles, doors=doors, human=human, gantry=gantry
+    )
+    for k in range(random.choice([0, 0, 1, 2])):
+        plan = _with_lane(random, plan, f"agv{k}")
+    x = doors[0].ends[0][0]
+    rooms = [shapely.box(0, 0, x, depth), shapely.box(x, 0, width, depth)]
+    places = [standing_place(random, plan, within=room) for room in (*rooms, *rooms, rooms[0])]
+    if not all(places):
+        return None
+    zone = SafeZone(places.pop(), 0.0)
+    stations = tuple(Station(f"s{k}", place) for k, place in enumerate(places))
+    return replace(plan, safe_zone=zone, stations=stations)
 
 
 def _hall(random):

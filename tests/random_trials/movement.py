@@ -15,6 +15,12 @@ JUMP = 1e-6
 ROUNDING = 1e-6
 """Metres, or m/s. What figures may be off by."""
 
+STANDS = 1e-3
+"""m/s. Who is no faster than this may turn as they like."""
+
+STRAIGHT = 1e-4
+"""Radians. A smaller turn is none."""
+
 SHARE = 1e-4
 """Speeds and accelerations may be over a limit by this share of it."""
 
@@ -69,6 +75,35 @@ def _person_faults(run, entry):
             yield f"jumps by {math.dist(at, to):.4f} m at t = {t:.6f} s"
         if not put and abs(math.hypot(*before[:2]) - math.hypot(*after[:2])) > 1e-5:
             yield f"changes speed at once at t = {t:.6f} s: {before[:2]} to {after[:2]}"
+    yield from _corner_faults(motion, most)
+
+
+def _corner_faults(motion, most):
+    """Corners that a person takes faster than an arc beside them allows, leg by leg.
+
+    The arc leaves the corner by 0.05 m at most, and takes up to half of the leg that led there.
+    """
+    leg = 0.0
+    for piece, (t, at, to, before, after) in zip(motion.pieces, _seams(motion), strict=False):
+        leg += math.dist(state_of(piece, 0.0)[0][:2], at)
+        speed = math.hypot(*before[:2])
+        if math.dist(at, to) > JUMP or min(speed, math.hypot(*after[:2])) < STANDS:
+            leg = 0.0
+            continue
+        (vx, vy), (wx, wy) = before[:2], after[:2]
+        turn = abs(math.atan2(vx * wy - vy * wx, vx * wx + vy * wy))
+        if turn < STRAIGHT:
+            continue
+        half = turn / 2
+        radius = min(0.05 / (1 / math.cos(half) - 1), leg / 2 / math.tan(half))
+        limit = math.sqrt(most * max(radius, 0.0))
+        if speed > limit * (1 + SHARE) + STANDS:
+            angle = math.degrees(turn)
+            yield (
+                f"turns by {angle:.1f}° at {speed:.4f} m/s, {leg:.4f} m after the last turn, at"
+                f" t = {t:.6f} s: {limit:.4f} m/s at most"
+            )
+        leg = 0.0
 
 
 def _agv_faults(motion, lane):

@@ -1,15 +1,22 @@
 """Random trials: people, machines and rules on a random floor."""
 
+import importlib.util
 import math
+import sys
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
 from random import Random
+
+import shapely
 
 import bdi
 import navigation
 import sim
 from floorplan import starting_fault
+from sim.core.closures import DoorTimes
 
-from .floors import random_floor, standing_place
+from .floors import divided_floor, random_floor, standing_place
 
 PERSONALITIES = [name for name in bdi.programs() if name not in ("visitor", "worker")]
 CONTROLLERS = ("parked", "oblivious", "pausing", "avoiding")
@@ -41,6 +48,131 @@ def random_trial(number):
         agvs={name: _moves(random, lane, duration) for name, lane in lanes.items()},
         yielding=frozenset(name for name in lanes if random.random() < 0.3),
     )
+
+
+def random_trial_with_doors(number):
+    """The trial of this number of the second family: doors that close at random, and vehicles.
+
+    Half of them have one person alone.
+    """
+    random = Random(f"doors {number}")
+    plan = divided_floor(random)
+    lanes = {lane.name: lane for lane in plan.lanes}
+    duration = random.uniform(20.0, 60.0)
+    machines = {
+        f"bot{k}": bot
+        for k in range(random.choice([0, 1, 1, 2]))
+        if (bot := _vehicle(random, plan, duration)) is not None
+    }
+    count = random.choice([1, 1, 1, 2, 4, 8])
+    people = [_visitor(random, plan, machines, k) for k in range(count)]
+    return sim.Trial(
+        plan,
+        name=f"doors{number}",
+        duration=duration,
+        seed=number,
+        rules=random.choice([sim.RULE_SETS["observe"], *sim.RULE_SETS.values()]),
+        people=_apart(people, plan),
+        gantry=sim.GantryEntry() if plan.gantry is None else _gantry(random, plan),
+        agvs={name: _moves(random, lane, duration) for name, lane in lanes.items()},
+        yielding=frozenset(name for name in lanes if random.random() < 0.3),
+        machines=machines,
+        doors={
+            door.name: DoorTimes(closed=tuple(_intervals(random, duration))) for door in plan.doors
+        },
+    )
+
+
+def _intervals(random, duration):
+    """Intervals in order; most doors close while somebody goes through."""
+    t = random.choice([0.0, random.uniform(1.0, 15.0)])
+    while t < duration:
+        end = t + random.choice([0.5, 3.0, random.uniform(1.0, 30.0)])
+        yield (t, end)
+        t = end + random.uniform(1.0, 15.0)
+
+
+def _visitor(random, plan, machines, k):
+    """Somebody who patrols, or wanders, and starts away from vehicles of other kinds."""
+    parked = [at for machine in machines.values() for at in _course(machine)]
+    at = standing_place(random, plan)
+    while at is not None and any(math.dist(at, place) < 2.5 for place in parked[:1]):
+        at = standing_place(random, plan)
+    home = None
+    if _crowded(plan, plan.safe_zone.position, None):
+        home = at
+    return sim.PersonEntry(
+        f"p{k}",
+        start=_start(random),
+        at=at,
+        home=home,
+        beliefs=("reversed",) if random.random() < 0.5 else (),
+        max_speed=random.choice([None, None, 0.6, 1.5, 2.0]),
+        max_acceleration=random.choice([None, None, 0.8, 2.5]),
+        personality=random.choice(["indifferent", "helpful", _personality(random, plan)]),
+    )
+
+
+def _course(machine):
+    """Where a vehicle starts, and where it turns."""
+    keys = machine.keys
+    return keys["course"] if "course" in keys else [keys["origin"]]
+
+
+def _vehicle(random, plan, duration):
+    """A vehicle that the floor does not have: an AGV head-on, or a tugger; None for no room."""
+    solid = shapely.union_all(
+        [
+            plan.boundary.exterior,
+            *(one.footprint for one in plan.obstacles),
+            *(door.footprint for door in plan.doors),
+            *(lane.footprint(q) for lane in plan.lanes for q in lane.limits),
+        ]
+    )
+    west, south, east, north = plan.boundary.bounds
+    for _ in range(20):
+        x, y = random.uniform(west, east), random.uniform(south, north)
+        if random.random() < 0.5:
+            heading, length = random.choice([0.0, math.pi / 2, math.pi]), random.uniform(3, 10)
+            end = (x + length * math.cos(heading), y + length * math.sin(heading))
+            line = shapely.LineString([(x, y), end])
+            if not plan.boundary.contains(line) or line.distance(solid) < 1.3:
+                continue
+            times = sorted(random.uniform(0.0, duration) for _ in range(random.randint(1, 4)))
+            moves = [{"time": t, "to": length * ((k + 1) % 2)} for k, t in enumerate(times)]
+            keys = {
+                "origin": (x, y),
+                "heading": heading,
+                "limits": (0.0, length),
+                "size": (random.uniform(0.8, 1.6), random.uniform(0.5, 0.9)),
+                "max_speed": random.uniform(0.5, 2.0),
+                "max_acceleration": random.uniform(0.4, 2.0),
+                "moves": moves,
+                "yield": random.random() < 0.2,
+            }
+            return sim.MachineEntry("agv", keys)
+        across, along = random.uniform(2, 5), random.uniform(2, 5)
+        corners = [(x, y), (x + across, y), (x + across, y + along), (x, y + along)]
+        ring = shapely.LinearRing(corners)
+        if not plan.boundary.contains(ring) or ring.distance(solid) < 1.4:
+            continue
+        keys = {
+            "course": tuple(corners),
+            "speed": random.uniform(0.5, 1.5),
+            "stop": random.uniform(1.0, 10.0),
+        }
+        return sim.MachineEntry(_tugger(), keys)
+    return None
+
+
+@cache
+def _tugger():
+    """The machine of the examples that the library does not know."""
+    file = Path(__file__).parents[2] / "examples" / "tugger.py"
+    spec = importlib.util.spec_from_file_location("tugger", file)
+    module = sys.modules["tugger"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.Tugger
 
 
 def _rules(random, number):

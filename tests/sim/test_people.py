@@ -297,3 +297,26 @@ def test_a_simulation_goes_on_to_times_that_are_still_to_come():
     assert simulation.finish().events == sim.run(trial).events
     with pytest.raises(ValueError, match="give seconds"):
         simulation.advance(math.nan)
+
+
+@pytest.mark.parametrize("other", ["", "- {name: q, at: [1, 9], personality: external}\n"])
+@pytest.mark.parametrize("later", [0.0, 0.04])
+def test_two_turns_in_one_place_are_one_turn(other, later):
+    """Each of 80° may be taken at 0.5 m/s, both in one place may not: then they come to rest."""
+    floor = "floorplan: {boundary: [[0, 0], [10, 0], [10, 10], [0, 10]], stations: {a: [1, 1]}}\n"
+    people = "people:\n- {name: p, at: [2, 5], max_speed: 0.5, personality: external}\n"
+    simulation = sim.Simulation(sim.Trial.parse(floor + "duration: 60\n" + people + other))
+    person = simulation.person("p")
+    simulation.advance(1.0)
+    assert person.send((8.0, 5.0))
+    simulation.advance(5.0)
+    x, y = person.body.at
+    for turn in (80, 160):
+        assert person.body.state.speed == pytest.approx(0.5)
+        angle = math.radians(turn)
+        assert person.send((x + 3 * math.cos(angle), y + 3 * math.sin(angle)))
+        simulation.advance(simulation.clock.now + later)
+    simulation.advance(40.0)
+    track = person.body.track()
+    assert track.position(40.0) == pytest.approx((x + 3 * math.cos(angle), y + 3 * math.sin(angle)))
+    assert any(track.state(piece.end).speed < 1e-6 for piece in track.pieces if 5 < piece.end < 6)

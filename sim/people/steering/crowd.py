@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 
 from floorplan import Point
 from navigation import (
@@ -20,6 +21,7 @@ from navigation import (
     Swath,
     first_conflict,
     join,
+    standing,
     stop_walking,
     swath,
     walked,
@@ -50,6 +52,9 @@ ALL_AROUND = 4.0
 WORTH = 0.6
 """Metres. Who would lose more than this on their own looks whether both could shift aside."""
 
+LATER = 0.1
+"""Seconds from one stop to the next that are looked at before a place that has closed."""
+
 LOOK = 0.5
 """Seconds from point to point of a recorded course that others step off."""
 
@@ -70,8 +75,9 @@ class Crowd:
         self._coming: dict[Traveller, None] = {}
         """Parts of vehicles that have just changed what they are about to do."""
         self._minding = Alarm(stage.clock, self._mind_vehicles, Turn.MOTION_ENDS)
-        for machine in stage.vehicles:
-            Vehicle(stage, machine, self._whereabouts, self._notice)
+        self._vehicles = [
+            Vehicle(stage, machine, self._whereabouts, self._notice) for machine in stage.vehicles
+        ]
 
     def enter(
         self,
@@ -87,10 +93,9 @@ class Crowd:
         goal, `blocked` when they could not go on for as long as their patience lasts.
         """
         self._whereabouts.put(me)
-        me.body.on_change.append(lambda: self._whereabouts.put(me))
+        me.body.on_change.append(lambda: self._moved(me))
         self._parties[me] = Party(
             me,
-            self._ground_in(me.world, me.radius),
             reroute,
             arrive,
             blocked,
@@ -113,8 +118,12 @@ class Crowd:
         world = self._stage.world if me is None else me.world
         vehicles = {machine.name for machine in self._stage.vehicles}
         places = places_at(world, place, radius, vehicles)
-        ground, floor = self._ground_in(world, radius), self._whereabouts
-        rooms = (room_near(at, ground, floor, self._clock.now, me, taken) for at in places)
+        ground, floor, now = (
+            partial(self._ground_in, world, radius),
+            self._whereabouts,
+            self._clock.now,
+        )
+        rooms = (room_near(at, radius, ground, floor, now, me, taken) for at in places)
         return next((at for at in rooms if at is not None), None)
 
     def set_out(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:
@@ -125,6 +134,50 @@ class Crowd:
         self._whereabouts.send(me, goal, route)
         me.top_speed, me.goes_round = top_speed, False
         self._decide(me)
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether there are several people on the floor, now or at other times."""
+        return len(self._parties) > 1
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether a person alone can meet nothing: no vehicle drives, or will soon."""
+        return not (self.is_shared or any(vehicle.is_there for vehicle in self._vehicles))
+
+    def is_free(self, me: Traveller, motion: Motion) -> bool:
+        """Return whether a motion of somebody conflicts with nobody, as far as is known."""
+        if self.is_empty:
+            return True
+        ahead = swath(motion, self._clock.now)
+        return self._whereabouts.others(me, ahead.box, self._clock.now).free(ahead)
+
+    def _moved(self, me: Traveller) -> None:
+        """Take note that somebody has committed themselves to something else."""
+        if not self.is_empty:
+            self._whereabouts.put(me)
+
+    def walk_alone(
+        self,
+        me: Traveller,
+        goal: Point,
+        motion: Motion,
+        top_speed: float,
+        arrives: float,
+    ) -> None:
+        """Let somebody follow a free `motion` all the way to `goal`.
+
+        They decide anew if a vehicle gets in its way; else they arrive there at `arrives` (s).
+        """
+        party = self._parties[me]
+        if me.goal != goal:
+            me.since, party.least_left = self._clock.now, math.inf
+        self._whereabouts.send(me, goal, [goal])
+        me.top_speed, me.goes_round = top_speed, False
+        party.goes_on(self._clock.now)
+        party.deciding.set(None)
+        party.arriving.set(arrives)
+        me.body.follow(motion)
 
     def make_way_for(self, me: Traveller) -> None:
         """Let others mind the new motion of somebody who walks as they were measured."""
@@ -150,6 +203,9 @@ class Crowd:
     def _notice(self, discs: Sequence[Traveller]) -> None:
         """Let people mind what a vehicle is about to do, as soon as all of it is known."""
         if self._parties:
+            if not self.is_shared:
+                for me in self._parties:
+                    self._whereabouts.put(me)
             self._coming.update(dict.fromkeys(discs))
             self._minding.set(self._clock.now)
 
@@ -189,15 +245,68 @@ class Crowd:
         party.deciding.set(None)
         party.arriving.set(None)
 
+    def has_room(self, me: Traveller, place: Point) -> bool:
+        """Return whether somebody who stands at `place` for good is in nobody's way."""
+        return self.is_shared is False or self.is_free(me, standing(place, start=self._clock.now))
+
+    def halt(self, me: Traveller, is_clear: Callable[[Motion], bool]) -> None:
+        """Let somebody stop whose course has been closed: before that place, as far as they can.
+
+        `is_clear` returns whether a motion of theirs stays out of it. Others in the way of the stop
+        stop too.
+        """
+        # Whatever keeps this rule may come second to the other one: bodies never overlap.
+        now, motion = self._clock.now, me.body.motion
+        t = now
+        while t < motion.end:
+            stop = self._stop(me, t)
+            if t > now and not is_clear(stop):
+                break
+            drafts = self._all_stop(me, stop)
+            if drafts is not None:
+                for who, (slower, ahead) in drafts.items():
+                    self._commit(self._parties[who], slower, ahead)
+                return
+            t += LATER
+        me.body.follow(self.braking(me))
+
+    def _stop(self, me: Traveller, t: float) -> Motion:
+        """Return the motion of somebody who goes on as they do until `t` (s), and stops then."""
+        now, motion = self._clock.now, me.body.motion
+        stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
+        return join([motion.cut(now, t), stop]) if t > now else stop
+
+    def _all_stop(
+        self, me: Traveller, stop: Motion
+    ) -> dict[Traveller, tuple[Motion, Swath]] | None:
+        """Return the motions of all who stop at once, so that `me` can; None if somebody can't."""
+        now = self._clock.now
+        drafts = {me: (stop, swath(stop, now))}
+        left = [me]
+        while left:
+            one = left.pop()
+            mine = drafts[one][1]
+            for other in self._whereabouts.others(one, mine.box, now):
+                known = drafts.get(other)
+                theirs = other.swath if known is None else known[1]
+                if not _conflict(one, mine, other, theirs, now):
+                    continue
+                if known is not None or other.recorded or other.body.motion.end <= now:
+                    return None
+                slower = self._stop(other, now)
+                drafts[other] = (slower, swath(slower, now))
+                left.append(other)
+        return drafts
+
     def braking(self, me: Traveller) -> Motion:
         """Return the earliest stop of somebody on their own course that is free."""
         now, motion = self._clock.now, me.body.motion
+        if self.is_empty:
+            return stop_walking(motion, now, max_acceleration=me.human.max_acceleration)
         others = self._whereabouts.others(me, me.swath.box, now)
         t = now
         while t < motion.end:
-            stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
-            if t > now:
-                stop = join([motion.cut(now, t), stop])
+            stop = self._stop(me, t)
             # Braking at once may end where somebody else is to pass; the motion they follow is free
             # all along, so that a later stop on it is found, or its own end.
             if others.free(swath(stop, now)):
@@ -438,10 +547,10 @@ class Crowd:
 
     def _outlook(self, me: Traveller) -> Outlook:
         party = self._parties[me]
-        return Outlook(me, self._clock.now, self._whereabouts, party.ground, party.reroute)
+        return Outlook(me, self._clock.now, self._whereabouts, self._ground(me), party.reroute)
 
     def _ground(self, me: Traveller) -> Ground:
-        return self._parties[me].ground
+        return self._ground_in(me.world, me.radius)
 
     def _ground_in(self, world: CollisionWorld, radius: float) -> Ground:
         if (world, radius) not in self._grounds:

@@ -166,14 +166,14 @@ class Outlook:
             self.at, self.t, self.speed = end.at, self.lead.end, 0.0
             self.course = [self.at, *self._taut(self.at)]
         human, lead, manners = me.human, self._lead, me.manners
-        vx, vy, _ = self._state.velocity
+        leg_x, leg_y = me.body.leg
         self.walks = Candidates(
             self.course,
             self.t,
             now,
             self.speed,
-            vx,
-            vy,
+            leg_x,
+            leg_y,
             human.max_speed,
             human.max_acceleration,
             NOTHING if lead is None else lead.walk,
@@ -214,7 +214,8 @@ class Outlook:
         """Return whether they may set out on `course` from here without slowing down first."""
         if len(course) < 2 or self.speed < 1e-6:
             return True
-        return can_go_on(self._state, course[1], self.me.human.max_acceleration)
+        most = self.me.human.max_acceleration
+        return can_go_on(self._state, course[1], most, self.me.body.leg)
 
     def walk(
         self,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from floorplan import Point
 from navigation import CollisionWorld, first_conflict, standing, swath
@@ -24,16 +24,20 @@ def places_at(
 ) -> list[Point]:
     """Return `place` and those beside what stands there, for a body of `radius` metres.
 
-    Without `place` itself where one of these `vehicles` stands on it.
+    Those beside come first where something stands on it that is not a wall, and `place` itself is
+    left out where that is one of these `vehicles`.
     """
     exits = [] if world.free(place, radius) else [*world.exits(place, radius)]
-    touched = any(body.name in vehicles for body in world.hits(place, place, radius))
-    return exits if touched else [place, *exits]
+    touching = {body.name for body in world.hits(place, place, radius)}
+    if not touching:
+        return [place, *exits]
+    return exits if touching & set(vehicles) else [*exits, place]
 
 
 def room_near(
     place: Point,
-    ground: Ground,
+    radius: float,
+    ground: Callable[[], Ground],
     floor: Whereabouts,
     now: float,
     me: Traveller | None,
@@ -41,10 +45,10 @@ def room_near(
 ) -> Point | None:
     """Return the free place nearest to `place`, where nothing but people stands; None for none.
 
+    `ground` returns the floor as people of this `radius` (metres) see it.
     Those on the `floor` but `me` are minded, and those who are about to stand where it is `taken`.
     The order of the places that are tried is fixed.
     """
-    radius = ground.radius
     for ring in range(RINGS + 1):
         away = 0.5 * ring * (radius + GAP)
         for k in range(ANGLES if ring else 1):
@@ -56,7 +60,7 @@ def room_near(
             near = [floor.people[k] for k in floor.throng.near(stand.box, radius)]
             # The place itself was found fit by whoever chose it, however close to a wall.
             if (
-                (ring == 0 or ground.free_and_back(place, at))
+                (ring == 0 or ground().free_and_back(place, at))
                 and all(math.dist(at, other) >= radius + r + GAP for other, r in taken)
                 and not any(
                     first_conflict(stand, other.swath, radius + other.radius + GAP, now) is not None

@@ -28,7 +28,7 @@ Standing = tuple[Point, float]
 """The place and the radius of somebody (metres)."""
 
 
-def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None) -> list[Point]:
+def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd) -> list[Point]:
     """Return where the people of a trial start, so that none of them overlap.
 
     First come those with places of their own, then the others in their order. `TrialError` says
@@ -46,7 +46,7 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
             continue
         leader = trial.leader(entry)
         at: Point | None
-        if entry.anywhere and crowd is not None and _is_there(leader):
+        if entry.anywhere and _is_there(leader):
             beside = places[trial.people.index(leader)]
             assert beside is not None  # leaders come before those whom they lead
             at = crowd.room(beside, radii[k], taken=taken)
@@ -55,11 +55,7 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd | None)
         else:
             home = entry.home_on(plan)
             assert home is not None  # else the trial is refused
-            at = home.position
-            if crowd is not None:
-                at = crowd.room(home.position, radii[k], taken=taken)
-            elif world.hits(home.position, home.position, radii[k]):
-                at = next(iter(world.exits(home.position, radii[k])), home.position)
+            at = crowd.room(home.position, radii[k], taken=taken)
         if at is None:
             found = "on the floor" if entry.anywhere else "at home; give at: [x, y]"
             message = f"people[{k}]: there is no room for {entry.name} {found}"

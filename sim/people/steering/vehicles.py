@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 from floorplan import Point
 from navigation import Motion, Piece, standing
@@ -13,7 +14,7 @@ from ...core.body import Body
 from ...core.clock import Alarm, Turn
 from ...core.machine import Machine
 from ...core.stage import Stage
-from ..crossing import GAP
+from ..foreseen import GAP
 from .manners import Manners
 from .speed_zones import SpeedZones
 from .traveller import Traveller
@@ -44,13 +45,28 @@ class Vehicle:
         self._machine = machine
         self._whereabouts = whereabouts
         self._changed = changed
-        self._places, radius = cover(machine)
-        human = replace(stage.floorplan.human, radius=radius + GAP + LEEWAY)
-        self.discs = [
+        self._stage = stage
+        self.is_there = False
+        """Whether the discs are in people's way."""
+        self._alarm = Alarm(stage.clock, self._look, Turn.MOTION_ENDS)
+        machine.body.on_change.append(self._look)
+        self._look()
+
+    @cached_property
+    def _places(self) -> list[Point]:
+        """The middles of the discs, from the vehicle's axis."""
+        return cover(self._machine)[0]
+
+    @cached_property
+    def discs(self) -> list[Traveller]:
+        """Those who move like the vehicle's parts; most vehicles never drive."""
+        stage, machine = self._stage, self._machine
+        radius = cover(machine)[1] + GAP + LEEWAY
+        return [
             Traveller(
                 -1,
                 Body(stage.clock, machine.name, machine.shape.kind, standing(machine.body.at)),
-                human,
+                replace(stage.floorplan.human, radius=radius),
                 Manners(steps_aside=False),
                 stage.world,
                 SpeedZones((), machine.name),
@@ -59,9 +75,6 @@ class Vehicle:
             )
             for _ in self._places
         ]
-        self._alarm = Alarm(stage.clock, self._look, Turn.MOTION_ENDS)
-        machine.body.on_change.append(self._look)
-        self._look()
 
     def _look(self) -> None:
         """Take note of what the vehicle does from now on, as far as that is known."""
@@ -75,9 +88,11 @@ class Vehicle:
                 disc.body.motion = _shifted(motion, place)
                 self._whereabouts.put(disc)
             self._changed(self.discs)
-        else:
+            self.is_there = True
+        elif self.is_there:
             for disc in self.discs:
                 self._whereabouts.take_away(disc)
+            self.is_there = False
         due = min(motion.end if motion.end > now else math.inf, announced)
         self._alarm.set(None if due == math.inf else max(due, now))
 

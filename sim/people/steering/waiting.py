@@ -12,7 +12,7 @@ from navigation import Motion, Swath
 from ...core.clock import Alarm
 from .course import length_of
 from .detour import AROUND
-from .outlook import Ground, Outlook
+from .outlook import Outlook
 from .traveller import AT_THE_DOOR, Traveller
 from .whereabouts import Hit, Sight, Whereabouts
 
@@ -45,7 +45,6 @@ class Party:
     """A traveller in the crowd: how their path is planned, and whom they wait for."""
 
     me: Traveller
-    ground: Ground
     reroute: Callable[[Point], list[Point]]
     arrive: Callable[[], None]
     blocked: Callable[[], None]

@@ -1,0 +1,40 @@
+"""Closed doors: nobody goes in or through, and who could not stop in time leaves at once."""
+
+import numpy as np
+import shapely
+
+from .movement import sampled
+
+STEP = 0.01
+"""Seconds. How finely motions are sampled."""
+
+SLACK = 2e-3
+"""Metres. Who is no farther in than this is beside it."""
+
+OUT = 5.0
+"""Seconds from standing until somebody has left a door that closed on them."""
+
+
+def door_faults(run):
+    """Return who is in a closed door, but those who come out of it as soon as they can."""
+    human = run.trial.floorplan.human
+    for door in run.trial.floorplan.doors:
+        shape, times = door.closed.footprint, run.trial.doors.get(door.name)
+        for begin, end in () if times is None else times.closed or ():
+            t = np.arange(begin, min(end, run.duration), STEP)
+            for entry in run.trial.people if len(t) else ():
+                radius = entry.radius or human.radius
+                most = entry.max_acceleration or human.max_acceleration
+                x, y, vx, vy = sampled(run.motions[entry.name], t)
+                depth = radius - shapely.distance(shapely.points(x, y), shape)
+                inside = depth > SLACK
+                if not inside.any():
+                    continue
+                speed = float(np.hypot(vx[0], vy[0]))
+                where = f"{entry.name}: {door.name}, closed at t = {begin:.3f} s"
+                first, last = t[inside][0], t[inside][-1]
+                # Straight on they stop so far from where they are as it closes.
+                if depth[0] + speed**2 / (2 * most) < -SLACK:
+                    yield f"{where}: is in it at t = {first:.3f} s, and could have stopped"
+                elif last > begin + speed / most + OUT:
+                    yield f"{where}: is still, or again, in it at t = {last:.3f} s"
