@@ -37,7 +37,7 @@ from .model import (
 from .movingai import CELL, load_movingai
 from .named import Named
 from .plan import Floorplan
-from .problems import FloorplanError, InputError, Problem, shown, suggestion
+from .problems import FloorplanError, InputError, Problem, UserError, shown, suggestion
 from .reading import (
     LARGEST_RECORDED,
     is_file,
@@ -87,6 +87,7 @@ __all__ = [
     "SafeZone",
     "Station",
     "Strictly",
+    "UserError",
     "Zone",
     "build",
     "builtin",

@@ -109,19 +109,18 @@ def require_readable(path: Path, error: type[InputError], most: int) -> None:
 def _opened(path: Path, error: type[InputError]) -> Iterator[BinaryIO]:
     try:
         kind = stat.S_IFMT(path.stat().st_mode)
+    except (FileNotFoundError, ValueError):  # or a name that no file can have
+        raise error.of(path, "there is no such file") from None
+    except OSError as why:
+        raise error.of(path, f"can't be read: {why.strerror}") from None
+    try:
         if kind != stat.S_IFREG and not _HANDED_OVER.fullmatch(str(path)):
             what = _KINDS.get(kind, "something else")
             raise error.of(path, f"is {what}; give a regular file")
         with path.open("rb") as file:
             yield file
-    except FileNotFoundError:
-        raise error.of(path, "there is no such file") from None
     except OSError as why:
         raise error.of(path, f"can't be read: {why.strerror}") from None
-    except InputError:
-        raise
-    except ValueError:  # a name that no file can have
-        raise error.of(path, "there is no such file") from None
 
 
 def _decoded(data: bytes, path: Path, error: type[InputError], line: int | None = None) -> str:

@@ -12,7 +12,16 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from floorplan import Floorplan, InputError, Point, Problem, is_there, read_text, suggestion
+from floorplan import (
+    Floorplan,
+    InputError,
+    Point,
+    Problem,
+    UserError,
+    is_there,
+    read_text,
+    suggestion,
+)
 
 from ..obstruction import blocked_place
 from ..world import CollisionWorld
@@ -175,7 +184,7 @@ def _read_table(text: str, plan: Floorplan, found: _Found) -> None:
             place = fields.get(name, "") or lane.start
             try:
                 agvs.append((name, lane.lane_position(_figure(place, place))))
-            except ValueError as why:
+            except UserError as why:
                 found.wrong(str(why), number, name)
         if None not in ends and len(agvs) == len(lanes):
             x0, y0, x1, y1 = (end for end in ends if end is not None)
@@ -291,4 +300,4 @@ def _drawn(
                 return other, at
         found += [(at, int(piece)) for piece in within]
     name = world.plan.name
-    raise ValueError(f"{name} has no two places for a radius of {radius:g} m with a path between")
+    raise UserError(f"{name} has no two places for a radius of {radius:g} m with a path between")

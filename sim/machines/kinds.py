@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from floorplan import Fault, Floorplan, Gantry, field_name, misfits, shown, suggestion
+from floorplan import Fault, Floorplan, Gantry, UserError, field_name, misfits, shown, suggestion
 
 from ..core.machine import Category, Machine, MachineShape
 from ..core.machine_model import MachineEntry, MachineModel
@@ -26,7 +26,7 @@ KINDS: dict[str, type[MachineModel]] = {"gantry": GantryModel, "agv": AgvModel}
 """The kinds of machines by name. A package adds its own by `KINDS["tugger"] = TuggerModel`."""
 
 
-class MachineError(ValueError):
+class MachineError(UserError):
     """A machine of a trial that can't be found, or whose keys are wrong."""
 
 

@@ -218,7 +218,9 @@ class Company:
 def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
     """Return the place of somebody among those who walk with the same one, if they do."""
     leader = scenario.leader(entry)
-    return None if leader is None else scenario.led_by(leader).index(entry)
+    if leader is None:
+        return None
+    return [led.name for led in scenario.led_by(leader)].index(entry.name)
 
 
 def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None = None) -> Human:

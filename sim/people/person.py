@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 
 import bdi
-from floorplan import Human, Point
+from floorplan import Human, Point, UserError
 from navigation import PathPlanner
 
 from ..core.body import Body
@@ -231,7 +231,7 @@ class Person:
         the person has no mind of their own.
         """
         if not isinstance(self.mind, bdi.Agent):
-            raise ValueError(f"{self.name} is told from outside what to do")
+            raise UserError(f"{self.name} is told from outside what to do")
         if not isinstance(personality, bdi.Program):
             personality = bdi.load(find_program(str(personality), self._stage.folder))
         change = partial(self._become, personality)

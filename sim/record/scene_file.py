@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from shapely import GEOSException
 from shapely.geometry import Polygon, mapping, shape
 
-from floorplan import LEFT_OUT_IF_EMPTY, Floorplan, Obstacle
+from floorplan import LEFT_OUT_IF_EMPTY, Floorplan, Obstacle, UserError
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
 from ..core.machine import MachineShape
@@ -42,7 +42,7 @@ _LAWS = {
 }
 
 
-class SceneError(ValueError):
+class SceneError(UserError):
     """A text that is not a scene."""
 
 

@@ -6,6 +6,8 @@ from typing import Any
 
 from pydantic_core import from_json
 
+from floorplan import UserError
+
 LARGEST = 1e30
 """No figure of a run is larger; with much larger ones nothing could be worked out."""
 
@@ -24,4 +26,4 @@ def _require_figures(value: Any) -> None:
         for inner in value:
             _require_figures(inner)
     elif isinstance(value, int | float) and abs(value) > LARGEST:
-        raise ValueError(f"a number is larger than {LARGEST:g}")
+        raise UserError(f"a number is larger than {LARGEST:g}")

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, Field, FiniteFloat, ValidationError, model_validator
 
-from floorplan import LARGEST_RECORDED, InputError, Problem, read_lines, read_text
+from floorplan import LARGEST_RECORDED, InputError, Problem, UserError, read_lines, read_text
 from navigation import Motion, Piece, join, standing, when
 
 from ..core.events import EVENT_KINDS, Form, has_form
@@ -46,7 +46,7 @@ class _Event(BaseModel, extra="allow", defer_build=True):
         forms: Mapping[str, Form] = getattr(EVENT_KINDS.get(self.kind), "forms", {})
         for name, value in (self.model_extra or {}).items():
             if name in forms and not has_form(value, forms[name]):
-                raise ValueError(f"{name} of {self.kind} can't be {str(value)[:60]!r}")
+                raise UserError(f"{name} of {self.kind} can't be {str(value)[:60]!r}")
         return self
 
 
@@ -202,9 +202,9 @@ def _motion(line: _Motion, before: Sequence[Motion]) -> Motion:
     """Return the motion of a line after those `before` it; `ValueError` if it can't be."""
     motion = Motion(tuple(Piece(*piece) for piece in line.pieces))
     if before and motion.start < before[-1].start:
-        raise ValueError(f"a motion from t = {motion.start} s on stands below a later one")
+        raise UserError(f"a motion from t = {motion.start} s on stands below a later one")
     if any(_reach(piece) > LARGEST for piece in motion.pieces):
-        raise ValueError(f"a motion goes further than {LARGEST:g} m")
+        raise UserError(f"a motion goes further than {LARGEST:g} m")
     return motion
 
 

@@ -8,6 +8,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from floorplan import UserError
+
 from ..core.output import replacing
 from ..record.lines import csv_line
 from ..record.strict_json import LARGEST
@@ -24,7 +26,7 @@ DIGITS = 19
 """A whole number of so many characters may not fit into 64 bits; it is taken for a float."""
 
 
-class TableError(ValueError):
+class TableError(UserError):
     """A file that holds no results, or damaged ones."""
 
 
@@ -129,7 +131,7 @@ def _number(text: str) -> float:
             return int(text)
     value = float(text)
     if not abs(value) <= LARGEST:
-        raise ValueError(f"{text} is no figure")
+        raise UserError(f"{text} is no figure")
     return value
 
 

@@ -17,6 +17,7 @@ from floorplan import (
     Fault,
     Place,
     Point,
+    UserError,
     refuse,
     require_fields,
     size_fault,
@@ -380,7 +381,7 @@ def _name_faults(
 ) -> Iterator[Fault]:
     try:
         checked_name(name, kind, known)
-    except ValueError as why:
+    except UserError as why:
         yield str(why), place
 
 

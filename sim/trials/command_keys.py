@@ -12,6 +12,7 @@ from floorplan import (
     Pair,
     Range,
     Strictly,
+    UserError,
     footprint,
     read_yaml,
 )
@@ -54,7 +55,7 @@ class _Release(_Keys):
 
 def _one_command(value: Any) -> Any:
     if isinstance(value, dict) and len(value.keys() & {*COMMANDS}) != 1:
-        raise ValueError(f"give a time and one of {', '.join(COMMANDS)}")
+        raise UserError(f"give a time and one of {', '.join(COMMANDS)}")
     return value
 
 

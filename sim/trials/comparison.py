@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
+from floorplan import UserError
+
 from ..core.numbers import is_number
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
@@ -48,7 +50,7 @@ class Comparison:
             bounds = tuple((bound[1], float(bound[2])) for bound in found if bound)
             if len(bounds) == len(found):
                 return Comparison(wanted.strip(), bounds)
-        raise ValueError(
+        raise UserError(
             "expected a number or a comparison such as '>= 1.0', '> 1, < 2' or '8.0 ± 0.1',"
             f" found {wanted!r}"
         )

@@ -2,7 +2,18 @@
 
 from pydantic import Field, model_validator
 
-from floorplan import Angle, Flag, Lane, NotNegative, Number, Pair, Positive, Range, Strictly
+from floorplan import (
+    Angle,
+    Flag,
+    Lane,
+    NotNegative,
+    Number,
+    Pair,
+    Positive,
+    Range,
+    Strictly,
+    UserError,
+)
 
 from ...core.keys import Keys
 from ...core.scenario import AgvMove
@@ -42,7 +53,7 @@ class AgvKeys(Strictly):
         try:
             for move in given:
                 lane.lane_position(move.to)
-        except ValueError:
+        except UserError:
             return given
         return repeated(given, end)
 

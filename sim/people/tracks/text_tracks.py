@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from floorplan import Problem, read_lines
+from floorplan import Problem, UserError, read_lines
 
 from .samples import Samples, TrackError, Tracks
 
@@ -71,7 +71,7 @@ def read_text_tracks(path: Path) -> Tracks:
         try:
             figures = [_number(cells, columns[name], name) for name in wanted]
             body = cells[columns["body"]].strip()
-        except ValueError as why:
+        except UserError as why:
             problems.append(Problem(str(why), line=number))
             if len(problems) == MOST_PROBLEMS:
                 break
@@ -137,11 +137,11 @@ def _is_number(cell: str) -> bool:
 
 def _number(cells: list[str], column: int, name: str) -> float:
     if column >= len(cells):
-        raise ValueError(f"has {len(cells)} columns, and none for {name}")
+        raise UserError(f"has {len(cells)} columns, and none for {name}")
     try:
         value = float(cells[column])
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ValueError(f"{name} must be a number, found {cells[column][:40]!r}")
+        raise UserError(f"{name} must be a number, found {cells[column][:40]!r}")
     return value

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from floorplan import Obstacle
+from floorplan import Obstacle, UserError
 
 from ...core.machine import Category
 from ...core.output import OutputError, replacing, writing
@@ -141,7 +141,7 @@ def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None
     """Raise if `path` has none of the `endings`, or lies in no folder; `what` it is in words."""
     path = Path(path)
     if path.suffix.lower() not in endings:
-        raise ValueError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
+        raise UserError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
     if not path.parent.is_dir():
         raise OutputError(f"can't write {path}: there is no folder {path.parent}")
 
@@ -149,7 +149,7 @@ def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None
 def inches(width: Width) -> float:
     """Return the width of a picture; `ValueError` if it is not that of one column or two."""
     if width not in WIDTHS:
-        raise ValueError(f"a picture is {' or '.join(WIDTHS)} column wide, not {width!r}")
+        raise UserError(f"a picture is {' or '.join(WIDTHS)} column wide, not {width!r}")
     return WIDTHS[width]
 
 
