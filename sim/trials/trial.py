@@ -23,6 +23,7 @@ from ..machines.gantry.controllers import ControllerError, controller_source
 from ..orders import reading
 from ..people.own_actions import modules_of
 from ..people.programs import load_program
+from .budget import people_fault
 from .checks import faults
 from .command_keys import commands_of, load_commands
 from .keys import TrialKeys
@@ -128,10 +129,14 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
     if other := _something_else(document):
         raise TrialError(document.file, [Problem(f"is {other}")])
     schema = document.checked(TrialKeys, TrialError)
+    _refuse_crowds(schema, document)
     home, folder = folder, folder / schema.folder
     name = Path(document.file).name.split(".")[0] if schema.name is None else schema.name
     plan = _floorplan(schema.floorplan, folder, document, name)
     lanes = {lane.name: lane for lane in plan.lanes}
+    moves = sum(number_of(agv.values(), schema.duration) for agv in schema.agvs.values())
+    if moves > MOST_MOVES:
+        lanes = {}  # so that they stay as given, to be refused
     rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
     trial = form(
         floorplan=plan,
@@ -169,11 +174,6 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
         commands=_commands(schema.commands, folder, document),
         sources=schema.sources,
     )
-    rule_problems += [
-        document.problem(f"makes more than {MOST_MOVES:,} moves in the trial", "agvs", name)
-        for name, agv in schema.agvs.items()
-        if number_of(agv.values(), schema.duration) > MOST_MOVES
-    ]
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
     problems = [*rule_problems, *_problems(trial, document)]
@@ -182,6 +182,15 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
     if problems:
         raise TrialError(document.file, problems)
     return replace(trial, notices=(*trial.notices, *likely_slips(trial, document)))
+
+
+def _refuse_crowds(schema: TrialKeys, document: Document) -> None:
+    """Raise `TrialError` where there are more people than the budget has, before they are made."""
+    if found := people_fault(person.many or 1 for person in schema.people):
+        k, message = found
+        person = schema.people[k]
+        key = ("count",) if person.count else ("source", "count") if person.source else ()
+        raise TrialError(document.file, [document.problem(message, "people", k, *key)])
 
 
 def _something_else(document: Document) -> str:

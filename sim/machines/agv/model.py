@@ -15,7 +15,7 @@ from ...core.scenario import AgvMove
 from ...core.stage import Stage
 from .agv import Agv, agv_shape
 from .keys import CartKeys
-from .moves import MOST_MOVES, number_of, repeated
+from .moves import repeated
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,6 @@ class AgvModel(MachineModel):
 
     def make(self, name: str, stage: Stage) -> Agv:
         """Return the AGV; `ValueError` if it moves too often."""
-        if number_of(self.moves, stage.end) > MOST_MOVES:
-            raise UserError(f"{name} makes more than {MOST_MOVES:,} moves in the trial")
         return Agv(stage, self.lane, repeated(self.moves, stage.end), yields=self.yields)
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
