@@ -2,7 +2,6 @@
 
 from .building import footprint
 from .checks import (
-    LARGEST,
     SMALLEST,
     check,
     height_fault,
@@ -39,7 +38,11 @@ from .named import Named
 from .plan import Floorplan
 from .problems import FloorplanError, InputError, Problem, UserError, shown, suggestion
 from .reading import (
+    LARGEST,
     LARGEST_RECORDED,
+    are_figures,
+    figure,
+    is_figure,
     is_file,
     is_there,
     no_garbage,
@@ -89,14 +92,17 @@ __all__ = [
     "Strictly",
     "UserError",
     "Zone",
+    "are_figures",
     "build",
     "builtin",
     "check",
     "field_name",
+    "figure",
     "floor_keys",
     "footprint",
     "free_area",
     "height_fault",
+    "is_figure",
     "is_file",
     "is_there",
     "load",

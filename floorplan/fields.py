@@ -13,8 +13,9 @@ from pydantic_core.core_schema import (
     tuple_schema,
 )
 
-from .checks import LARGEST, size_fault
+from .checks import size_fault
 from .problems import UserError
+from .reading import LARGEST
 
 LARGEST_ANGLE = 2 * tau
 """Radians. Larger ones in a file are taken for degrees."""

@@ -14,7 +14,7 @@ def is_number(value: Any) -> bool:
 
 
 def times_until(end: float, begin: float, every: float | None) -> int:
-    """Return how often something is there until `end` that is there at `begin` and `every` so often.
+    """Return how often something is there until `end` being there at `begin` and `every` so often.
 
     All are seconds. It is there at least once, and only once where a figure can't be.
     """

@@ -12,7 +12,7 @@ from floorplan import UserError
 
 from ..core.output import replacing
 from ..record.lines import csv_line
-from ..record.strict_json import LARGEST
+from ..record.strict_json import LARGEST_OF_ALL
 from .digests import Digests, digest_of
 from .measuring import Record
 
@@ -130,7 +130,7 @@ def _number(text: str) -> float:
         with suppress(ValueError):
             return int(text)
     value = float(text)
-    if not abs(value) <= LARGEST:
+    if not abs(value) <= LARGEST_OF_ALL:
         raise UserError(f"{text} is no figure")
     return value
 
