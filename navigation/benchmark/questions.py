@@ -18,8 +18,10 @@ from floorplan import (
     Point,
     Problem,
     UserError,
+    figure,
     is_there,
     read_text,
+    shown,
     suggestion,
 )
 
@@ -193,18 +195,15 @@ def _read_table(text: str, plan: Floorplan, found: _Found) -> None:
 
 
 def _figure(text: str, otherwise: str) -> float | str:
-    try:
-        number = float(text)
-    except ValueError:
-        return otherwise
-    return number if math.isfinite(number) else otherwise
+    number = figure(text)
+    return otherwise if math.isnan(number) else number
 
 
 def _number(text: str, line: int, name: str, found: _Found) -> float | None:
     number = _figure(text, "")
     if isinstance(number, float):
         return number
-    found.wrong(f"must be a finite number, found {text!r}", line, name)
+    found.wrong(f"must be a finite number, found {shown(text)}", line, name)
     return None
 
 

@@ -7,9 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import bdi
-from floorplan import InputError, UserError, read_lines
-
-from ..core.numbers import is_number
+from floorplan import InputError, UserError, is_figure, read_lines
 
 
 class Change(NamedTuple):
@@ -36,13 +34,13 @@ def read_percepts(path: Path) -> list[Change]:
 def _change(line: str, place: str, earliest: float) -> Change:
     try:
         entry = json.loads(line)
-    except (json.JSONDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         raise UserError(f"{place}: not a line of JSON: {line[:60]}") from None
     changes = [key for key in ("add", "remove") if isinstance(entry, dict) and key in entry]
     if len(changes) != 1 or set(entry) != {"t", changes[0]}:
         raise UserError(f'{place}: a line has "t" and either "add" or "remove"')
     time, what = entry["t"], entry[changes[0]]
-    if not is_number(time):
+    if not is_figure(time):
         raise UserError(f'{place}: "t" is a number of seconds, not {json.dumps(time)[:60]}')
     if time < 0:
         raise UserError(f'{place}: "t" is {time:g}, and the run begins at 0')

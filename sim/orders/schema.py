@@ -6,7 +6,18 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
 
-from floorplan import Flag, NotNegative, Number, Positive, Strictly, UserError, whole
+from floorplan import (
+    LARGEST,
+    Flag,
+    NotNegative,
+    Number,
+    Positive,
+    Strictly,
+    UserError,
+    is_figure,
+    shown,
+    whole,
+)
 
 Text = Annotated[str, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
 """Text that may look like a number: an order's id."""
@@ -33,6 +44,9 @@ Vector = tuple[Number, Number, Number]
 def _angle(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise UserError("expected radians, as a number or as text like 'pi/2'")
+    radians = angle(value)
+    if radians is not None and not is_figure(radians):
+        raise UserError(f"expected radians, from -{LARGEST:g} to {LARGEST:g}, found {shown(value)}")
     return value
 
 
@@ -45,7 +59,7 @@ _ANGLE = r"(-?)\s*(?:(\d+(?:\.\d+)?)\s*\*?\s*)?pi(?:\s*/\s*(\d+(?:\.\d+)?))?"
 def angle(value: float | str) -> float | None:
     """Return an angle in radians, or None for a text that is none."""
     if not isinstance(value, str):
-        return float(value)
+        return value
     found = re.fullmatch(_ANGLE, value.strip())
     if found is not None:
         sign, factor, divisor = found.groups()

@@ -6,11 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from floorplan import UserError, suggestion
+from floorplan import UserError, is_figure, suggestion
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
 from ..core.events import EVENT_KINDS, Form
-from ..core.numbers import is_number
 from ..core.recorder import Event
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
@@ -138,7 +137,7 @@ def read_state(written: Any, trial: Scenario) -> Near | Moves:
             first, second = (_body(name, trial) for name in pair)
             if first == second:
                 raise UserError(f"{key}: expected two bodies, found {first!r} twice")
-            if not (is_number(metres) and metres > 0):
+            if not (is_figure(metres) and metres > 0):
                 raise UserError(f"metres: expected a number of more than 0, found {metres!r}")
             return Near((first, second), float(metres), apart)
     for key in ("moving", "standing"):
@@ -159,7 +158,7 @@ def _value(kind: str, key: str, form: Form, wanted: Any, trial: Scenario) -> Any
         return wanted
     if form in ("point", "list"):
         raise UserError(f"{key} of an event {kind!r} is a {form}; only single values are compared")
-    if form == "location" and is_number(wanted):
+    if form == "location" and is_figure(wanted):
         return wanted
     known = known_names(trial, form)
     if known is not None:
@@ -175,5 +174,5 @@ def _body(name: Any, trial: Scenario) -> str:
 
 def _is(found: Any, wanted: Any) -> bool:
     if isinstance(wanted, Comparison):
-        return is_number(found) and wanted.passes(found)
+        return is_figure(found) and wanted.passes(found)
     return bool(found == wanted)

@@ -12,9 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from floorplan import UserError, suggestion
+from floorplan import UserError, is_figure, suggestion
 
-from ..core.numbers import is_number
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
 from .comparison import Comparison, Verdict
@@ -197,7 +196,7 @@ def _scope(key: str, written: Any, trial: Scenario) -> float | EventPattern:
 
 
 def _seconds(key: str, written: Any) -> float:
-    if not (is_number(written) and written >= 0):
+    if not (is_figure(written) and written >= 0):
         raise UserError(f"{key}: expected seconds, found {written!r}")
     return float(written)
 

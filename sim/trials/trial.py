@@ -12,7 +12,6 @@ import bdi
 import floorplan
 from floorplan import Document, Floorplan, Place, Problem, suggestion
 
-from ..core.commands import Command
 from ..core.machine_model import MachineEntry
 from ..core.output import write_whole
 from ..core.own_source import OwnCodeError
@@ -25,7 +24,7 @@ from ..people.own_actions import modules_of
 from ..people.programs import load_program
 from .budget import people_fault
 from .checks import faults
-from .command_keys import commands_of, load_commands
+from .command_keys import commanded, commands_of
 from .keys import TrialKeys
 from .likely_slips import likely_slips
 from .own_names import out_of_reach
@@ -171,11 +170,13 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
             keys.value_at(name, schema.begins) for name, keys in schema.obstacles.items()
         ),
         blackouts=tuple(keys.value() for keys in schema.blackouts),
-        commands=_commands(schema.commands, folder, document),
+        commands=() if isinstance(schema.commands, str) else commands_of(schema.commands),
         sources=schema.sources,
     )
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
+    if isinstance(schema.commands, str):
+        trial = commanded(trial, _named_file(folder, schema.commands, document, "commands"))
     problems = [*rule_problems, *_problems(trial, document)]
     if fault := out_of_reach(trial, home):
         problems.append(document.problem(fault, "folder"))
@@ -253,12 +254,6 @@ def _timed(person: PersonEntry, begins: float) -> PersonEntry:
 
 def _machine(keys: dict[str, Any]) -> MachineEntry:
     return MachineEntry(str(keys.get("kind", "")), {k: v for k, v in keys.items() if k != "kind"})
-
-
-def _commands(given: str | list[Any], folder: Path, document: Document) -> tuple[Command, ...]:
-    if not isinstance(given, str):
-        return commands_of(given)
-    return load_commands(_named_file(folder, given, document, "commands"))
 
 
 def _named_file(folder: Path, name: str, document: Document, key: str) -> Path:
