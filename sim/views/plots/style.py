@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -89,8 +91,17 @@ _SETTINGS: dict[str, Any] = {
 }
 
 
-styled = partial(matplotlib.style.context, _SETTINGS, after_reset=True)
-"""Context, or decorator, in which all looks so, whatever the user's settings."""
+@contextmanager
+def styled(**more: Any) -> Iterator[None]:
+    """Let everything look so in this context, or function, whatever the user's settings.
+
+    `more` are further settings of Matplotlib's. Its warnings about characters that the font lacks,
+    one for each time that a name is measured or drawn, are not shown: they are drawn as boxes.
+    """
+    looks = matplotlib.style.context({**_SETTINGS, **more}, after_reset=True)
+    with warnings.catch_warnings(), looks:
+        warnings.filterwarnings("ignore", r"Glyph \d+ ", UserWarning)
+        yield
 
 
 def new_figure(width: Width, height: float) -> Figure:
@@ -111,7 +122,7 @@ def _as_png(figure: Figure) -> bytes:
 def as_svg(figure: Figure, name: str) -> str:
     """Return a figure as the text of an SVG file; its `name` is that of no other on its page."""
     text = io.StringIO()
-    with matplotlib.style.context({**_SETTINGS, "svg.hashsalt": name}, after_reset=True):
+    with styled(**{"svg.hashsalt": name}):
         figure.savefig(text, format="svg", metadata=_METADATA[".svg"])
     return text.getvalue()
 
