@@ -2,7 +2,6 @@
 
 from .building import footprint
 from .checks import (
-    LARGEST,
     SMALLEST,
     check,
     height_fault,
@@ -37,9 +36,13 @@ from .model import (
 from .movingai import CELL, load_movingai
 from .named import Named
 from .plan import Floorplan
-from .problems import FloorplanError, InputError, Problem, shown, suggestion
+from .problems import FloorplanError, InputError, Problem, UserError, shown, suggestion
 from .reading import (
+    LARGEST,
     LARGEST_RECORDED,
+    are_figures,
+    figure,
+    is_figure,
     is_file,
     is_there,
     no_garbage,
@@ -87,15 +90,19 @@ __all__ = [
     "SafeZone",
     "Station",
     "Strictly",
+    "UserError",
     "Zone",
+    "are_figures",
     "build",
     "builtin",
     "check",
     "field_name",
+    "figure",
     "floor_keys",
     "footprint",
     "free_area",
     "height_fault",
+    "is_figure",
     "is_file",
     "is_there",
     "load",

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .checks import WIDEST
 from .layers import Drawn
-from .strokes import Hatched, Name, Shape, Stroke, Traced, Unread, shapes
+from .reading import are_figures
+from .strokes import OUTSIZED, Hatched, Name, Shape, Stroke, Traced, Unread, shapes
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
 
 SAGITTA = 1e-3
 """Metres. How far a drawn arc may be from the corners that stand for it."""
+
+MOST_COPIES = 10_000
+"""Copies of a block that one insert puts in rows and columns."""
 
 SILENT = frozenset(
     (
@@ -195,6 +200,11 @@ class Reader:
             return
         if name not in self._blocks:
             self._blocks[name] = [_Entity(entity) for entity in block]
+        if insert.mcount > MOST_COPIES:
+            yield refuse(
+                f"puts {insert.mcount:,} copies of a block, more than {MOST_COPIES:,}", True
+            )
+            return
         place = f"{within.named(one)} ({name})"
         for step, matrix in one.steps:
             inserted = within.block(name, layer, place, step, matrix)
@@ -238,7 +248,10 @@ class Reader:
         if corners is None:
             from ezdxf.path import make_path
 
-            corners = self._flat(make_path(entity))
+            path = make_path(entity)
+            if why := self._unfit(path):
+                return refuse(why=why)
+            corners = self._flat(path)
         if len(corners) < 2:
             return refuse(why="has no length")
         return Stroke(layer, name, corners, one.closed, one.thickness)
@@ -249,8 +262,24 @@ class Reader:
             return Unread(layer, name, why, False)
         from ezdxf.path import from_hatch
 
-        outlines = map(self._flat, from_hatch(hatch))
+        paths = [*from_hatch(hatch)]
+        if why := next(filter(None, map(self._unfit, paths)), ""):
+            return Unread(layer, name, why, True)
+        outlines = map(self._flat, paths)
         return Hatched(layer, name, [outline for outline in outlines if len(outline) >= 3])
+
+    def _unfit(self, path: Any) -> str:
+        """Return why a path of ezdxf's can't be drawn out, which takes for ever at any size.
+
+        A curve stays within its control points.
+        """
+        points = map(_XYZ, path.control_vertices())
+        places = np.fromiter(chain.from_iterable(points), float).reshape(-1, 3) * self._metre
+        if not are_figures(places).all():
+            return OUTSIZED
+        if len(places) and np.ptp(places, axis=0).max() > WIDEST:
+            return f"is more than {WIDEST:,.0f} m long"
+        return ""
 
     def _flat(self, path: Any) -> NDArray[np.float64]:
         """Return the corners (N, 3) that stand for a path of ezdxf's, in units of the drawing."""

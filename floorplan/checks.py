@@ -17,11 +17,8 @@ from .document import refuse
 from .kinds import SOUND, require, require_fields
 from .model import Floor, Gate, Lane, Obstacle, Zone
 from .problems import FloorplanError
+from .reading import LARGEST
 from .validation import Fault, Place
-
-LARGEST = 1e9
-"""Largest figure of a floor, a trial or a rule set, in its unit: beyond, steps of a millimetre or a
-millisecond are soon lost to rounding, and in the end distances can't be recorded."""
 
 SMALLEST = 1e-6
 """Smallest figure of those that must be above 0, in its unit: at less, nothing ever arrives."""

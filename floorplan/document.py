@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from .problems import InputError, Problem
+from .problems import InputError, Problem, UserError
 from .reading import no_garbage, read_text
 from .validation import MOST_MISFITS, Fault, Place, field_name, misfits
 from .yaml_loader import MOST_VALUES, safe_loader, too_many
@@ -123,7 +123,7 @@ def _survey(
     if id(node) in above:
         return [Problem("an alias (*) to something that contains it", field_name(place))]
     if len(lines) > MOST_VALUES:
-        raise ValueError(too_many())  # aliases count each time
+        raise UserError(too_many())  # aliases count each time
     lines.setdefault(place, node.start_mark.line + 1)
     if isinstance(node, yaml.ScalarNode) and (odd := UNWRITABLE.search(node.value)):
         problem = f"a text can't have the character U+{ord(odd.group()):04X}"

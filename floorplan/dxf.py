@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
@@ -54,12 +55,13 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     shapes: dict[str, list[Shape]] = {}
     problems: list[Problem] = []
     try:
-        for found in reader.shapes():
-            if isinstance(found, Shape):
-                shapes.setdefault(str(reader.group_of(found.layer)), []).append(found)
-            else:
-                to = problems if found.wanted else notices
-                to.append(Problem(found.why, _place(found)))
+        with np.errstate(all="ignore"):  # figures that nothing comes of are refused
+            for found in reader.shapes():
+                if isinstance(found, Shape):
+                    shapes.setdefault(str(reader.group_of(found.layer)), []).append(found)
+                else:
+                    to = problems if found.wanted else notices
+                    to.append(Problem(found.why, _place(found)))
     except DAMAGED as why:
         raise FloorplanError.of(path, f"has a damaged entity: {why}") from None
     areas: list[_Area] = []

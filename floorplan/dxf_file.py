@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .problems import FloorplanError
+from .problems import FloorplanError, UserError
 from .reading import require_readable
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def _without_texts(path: Path) -> Drawing:
     from ezdxf.lldxf.validator import is_dxf_file
 
     if not is_dxf_file(str(path)):
-        raise ValueError("is not a DXF file in text")
+        raise UserError("is not a DXF file in text")
     encoding = dxf_file_info(path).encoding
     lines = path.read_text(encoding=encoding, errors="surrogateescape").split("\n")
     tags = lines[: len(lines) // 2 * 2]

@@ -13,7 +13,9 @@ from pydantic_core.core_schema import (
     tuple_schema,
 )
 
-from .checks import LARGEST, size_fault
+from .checks import size_fault
+from .problems import UserError
+from .reading import LARGEST
 
 LARGEST_ANGLE = 2 * tau
 """Radians. Larger ones in a file are taken for degrees."""
@@ -21,13 +23,13 @@ LARGEST_ANGLE = 2 * tau
 
 def _checked_size(value: float) -> float:
     if fault := size_fault(value):
-        raise ValueError(fault)
+        raise UserError(fault)
     return value
 
 
 def _checked_angle(value: float) -> float:
     if abs(value) > LARGEST_ANGLE:
-        raise ValueError(f"expected radians, found {value:g}: {value:g}° are {radians(value):.4f}")
+        raise UserError(f"expected radians, found {value:g}: {value:g}° are {radians(value):.4f}")
     return value
 
 
@@ -76,7 +78,7 @@ Pair = Annotated[tuple[float, float], Reads(_PAIR)]
 
 def _rising(pair: tuple[float, float]) -> tuple[float, float]:
     if pair[0] >= pair[1]:
-        raise ValueError(f"must be [low, high] with low < high, found {list(pair)}")
+        raise UserError(f"must be [low, high] with low < high, found {list(pair)}")
     return pair
 
 

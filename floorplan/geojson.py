@@ -18,19 +18,22 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from shapely.geometry import Polygon
 from shapely.geometry import shape as shape_of
 
-from .checks import LARGEST, polygon_fault
+from .checks import polygon_fault
 from .fields import Angle, Number
 from .layers import BOUNDARY, Drawn
 from .model import DEFAULT_HEIGHT, Obstacle, SafeZone, Station
 from .outlines import pieces_of
 from .plan import Floorplan
 from .problems import FloorplanError, Problem, shown
-from .reading import read_text
+from .reading import LARGEST, are_figures, read_text
 from .validation import field_name, misfits
 from .wkt import joined
 
 DEGREES = ("CRS84", "4326")
 """Parts of the names of systems whose coordinates are degrees."""
+
+OUTSIZED = f"has coordinates that are not numbers of at most {LARGEST:g} m"
+"""What is wrong with a geometry that nothing can be worked out with."""
 
 KINDS = ("boundary", "obstacle", "station", "safe_zone")
 
@@ -189,12 +192,14 @@ def _geometry(data: Any, drawn: Drawn) -> Any:
         with np.errstate(all="ignore"):
             shape = shapely.force_2d(shape_of(data))
             scaled = shapely.transform(shape, lambda at: at * (drawn.metre or 1.0))
+    except OverflowError:  # of a whole number that no float can hold
+        return OUTSIZED
     except (shapely.GEOSException, AttributeError, LookupError, TypeError, ValueError) as why:
         return f"is no geometry: {why}"
     if scaled.is_empty:
         return "is empty"
-    if not (np.abs(shapely.get_coordinates(scaled)) <= LARGEST).all():
-        return f"has coordinates that are not numbers of at most {LARGEST:g} m"
+    if not are_figures(shapely.get_coordinates(scaled)).all():
+        return OUTSIZED
     return scaled
 
 

@@ -18,7 +18,7 @@ from .movingai import load_drawn_map
 from .overlay import corrected, correction_faults, laid_over
 from .placing import put, scaled
 from .plan import Floorplan
-from .problems import FloorplanError, Problem, suggestion
+from .problems import FloorplanError, Problem, UserError, suggestion
 from .reading import is_there
 from .ros_map import build_ros_map, is_ros_map
 from .schema import METRE, OF_DRAWINGS, FloorplanSchema
@@ -115,7 +115,7 @@ def _build(document: Document, folder: Path, above: tuple[Path, ...], name: str 
     try:
         x, y = schema.origin
         plan = put(plan, (x * schema.metre, y * schema.metre), schema.rotation)
-    except ValueError as why:
+    except UserError as why:
         problems.append(document.problem(str(why), "rotation"))
     problems += [_problem(document, *fault) for fault in faults(plan)]
     if problems and schema.units is None and schema.base and _is_far_out(plan):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .image import MOST_CELLS
 from .model import Floor
+from .problems import UserError
 from .writing import walkable
 from .yaml_writing import yaml_text
 
@@ -37,7 +38,7 @@ def write_map(plan: Floor, path: Path, resolution: float) -> None:
     columns = math.ceil((east - west) / resolution) + 2 * _MARGIN
     rows = math.ceil((north - south) / resolution) + 2 * _MARGIN
     if columns * rows > MOST_CELLS:
-        raise ValueError(
+        raise UserError(
             f"{path}: a map of {columns:,} × {rows:,} cells is too large (at most {MOST_CELLS:,}"
             " cells); give a coarser resolution"
         )

@@ -17,7 +17,7 @@ from shapely.geometry import Polygon
 from typing_extensions import Self
 
 from .named import NamedField
-from .problems import Problem
+from .problems import Problem, UserError
 
 DEFAULT_HEIGHT = 3.0
 """Metres. Height of obstacles from formats that have no heights."""
@@ -230,11 +230,11 @@ class Lane:
             location = self.serves.get(to, to)
             if location not in self.locations:
                 known = ", ".join([*self.locations, *self.serves])
-                raise ValueError(f"{self.name} has no location {to!r} (there are: {known})")
+                raise UserError(f"{self.name} has no location {to!r} (there are: {known})")
             return self.locations[location]
         low, high = self.limits
         if not low <= to <= high:
-            raise ValueError(
+            raise UserError(
                 f"{self.name} can't be at {to:g} m: its lane runs from {low:g} to {high:g}"
             )
         return to

@@ -20,7 +20,7 @@ from shapely.geometry import box
 from .layers import Drawn
 from .model import DEFAULT_HEIGHT, Obstacle
 from .plan import Floorplan
-from .problems import FloorplanError, Problem, shown
+from .problems import FloorplanError, Problem, UserError, shown
 from .reading import read_text
 from .trace import IntricateError, trace
 
@@ -52,7 +52,7 @@ def load_movingai(path: Path, cell: float = CELL) -> Floorplan:
     `FloorplanError` lists all that is wrong with the file.
     """
     if not 1e-3 <= cell <= 1000:
-        raise ValueError(f"a cell must be from 0.001 to 1000 m wide, found {cell:g}")
+        raise UserError(f"a cell must be from 0.001 to 1000 m wide, found {cell:g}")
     free = _cells(read_text(path, FloorplanError), str(path))
     height, width = free.shape
     whole = box(0, 0, width, height)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .model import Axis, Gantry, Lane, Point
 from .plan import Floorplan
+from .problems import UserError
 
 _Floats = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ def put(plan: Floorplan, origin: Point, rotation: float) -> Floorplan:
     if origin == (0.0, 0.0) and rotation == 0.0:
         return plan
     if plan.gantry is not None and rotation != 0.0:
-        raise ValueError(
+        raise UserError(
             "a gantry can't be turned, its axes are those of the floor: put it into a floor of its"
             " own whose base is this file without the gantry"
         )

@@ -9,6 +9,7 @@ from .checks import check
 from .document import MOST_TEXT
 from .map_writing import FINEST, USUAL, write_map
 from .model import Floor
+from .problems import UserError
 from .writing import TEXTS
 
 
@@ -40,17 +41,17 @@ class Floorplan(Floor):
         is_map = suffix == ".pgm" or (suffix in (".yaml", ".yml") and resolution is not None)
         if resolution is not None and not (is_map and resolution >= FINEST):
             reason = f"a ROS map (.pgm, .yaml), of at least {FINEST:g} m"
-            raise ValueError(f"{path}: a resolution belongs to {reason}")
+            raise UserError(f"{path}: a resolution belongs to {reason}")
         if is_map:
             write_map(self, path, USUAL if resolution is None else resolution)
             return
         if suffix not in TEXTS:
             known = ", ".join((*TEXTS, ".pgm"))
-            raise ValueError(f"{path}: a floor can be written to files that end in one of {known}")
+            raise UserError(f"{path}: a floor can be written to files that end in one of {known}")
         text = TEXTS[suffix](self)
         if suffix in (".yaml", ".yml") and len(text) > MOST_TEXT:
             reason = f"{len(text):,} characters, and one of more than {MOST_TEXT:,} can't be read"
-            raise ValueError(f"{path}: the floor would take {reason}; .geojson holds its shapes")
+            raise UserError(f"{path}: the floor would take {reason}; .geojson holds its shapes")
         path.write_text(text, encoding="utf-8", newline="\n")
 
     def to_yaml(self) -> str:

@@ -41,7 +41,15 @@ def shown(value: object) -> str:
     return clipped(repr(value), 60)
 
 
-class InputError(ValueError):
+class UserError(ValueError):
+    """A mistake of the user's; its text says what is wrong, where, and what would be right.
+
+    Only errors of this kind, and the system's, reach a user as a sentence. A plain `ValueError`
+    that gets as far as the command line is a defect.
+    """
+
+
+class InputError(UserError):
     """A file that can't be used: `file` and all of its `problems`, in order of their lines."""
 
     def __init__(self, file: str, problems: Iterable[Problem]) -> None:

@@ -7,6 +7,7 @@ or `/dev/fd/63` for `<(command)`) is read like a file.
 from __future__ import annotations
 
 import gc
+import math
 import os
 import re
 import stat
@@ -15,7 +16,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from .problems import InputError, Problem
+
+LARGEST = 1e9
+"""Largest figure of a file, in its unit: every reader rejects larger ones on entry. Beyond, steps
+of a millimetre or a millisecond are lost to rounding, and in the end distances can't be written."""
 
 LARGEST_DOCUMENT = 16_000_000
 """Bytes of a document that people write: a floor of 10,000 obstacles takes 1 MB or so."""
@@ -37,6 +45,28 @@ _KINDS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
 }
+
+
+def is_figure(value: object) -> bool:
+    """Return whether `value` is a number from -`LARGEST` to `LARGEST`, and not true or false."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and abs(value) <= LARGEST
+
+
+def are_figures(values: ArrayLike) -> NDArray[np.bool_]:
+    """Return which of some floats are from -`LARGEST` to `LARGEST`, in their shape."""
+    with np.errstate(invalid="ignore"):
+        fit: NDArray[np.bool_] = np.abs(np.asarray(values, dtype=float)) <= LARGEST
+    return fit
+
+
+def figure(text: str) -> float:
+    """Return the number in `text`, NaN if it is none from -`LARGEST` to `LARGEST`."""
+    try:
+        value = float(text)
+    except ValueError:
+        return math.nan
+    return value if is_figure(value) else math.nan
 
 
 def is_there(path: Path) -> bool:
@@ -109,19 +139,18 @@ def require_readable(path: Path, error: type[InputError], most: int) -> None:
 def _opened(path: Path, error: type[InputError]) -> Iterator[BinaryIO]:
     try:
         kind = stat.S_IFMT(path.stat().st_mode)
+    except (FileNotFoundError, ValueError):  # or a name that no file can have
+        raise error.of(path, "there is no such file") from None
+    except OSError as why:
+        raise error.of(path, f"can't be read: {why.strerror}") from None
+    try:
         if kind != stat.S_IFREG and not _HANDED_OVER.fullmatch(str(path)):
             what = _KINDS.get(kind, "something else")
             raise error.of(path, f"is {what}; give a regular file")
         with path.open("rb") as file:
             yield file
-    except FileNotFoundError:
-        raise error.of(path, "there is no such file") from None
     except OSError as why:
         raise error.of(path, f"can't be read: {why.strerror}") from None
-    except InputError:
-        raise
-    except ValueError:  # a name that no file can have
-        raise error.of(path, "there is no such file") from None
 
 
 def _decoded(data: bytes, path: Path, error: type[InputError], line: int | None = None) -> str:

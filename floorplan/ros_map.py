@@ -20,7 +20,7 @@ from .document import Document
 from .fields import Angle, Number
 from .image import GreyImage, read_image
 from .plan import Floorplan
-from .problems import FloorplanError, shown
+from .problems import FloorplanError, UserError, shown
 from .trace import IntricateError, trace
 
 TOLERANCE = 0.45
@@ -48,7 +48,7 @@ class RosMapSchema(BaseModel):
     @model_validator(mode="after")
     def _thresholds_rise(self) -> "RosMapSchema":
         if self.free_thresh > self.occupied_thresh:
-            raise ValueError(
+            raise UserError(
                 f"free_thresh ({self.free_thresh:g}) must not be above"
                 f" occupied_thresh ({self.occupied_thresh:g})"
             )

@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from .fields import Angle, Flag, Number, Pair, Positive, Range, Strictly
 from .model import DEFAULT_HEIGHT, EVERYBODY
+from .problems import UserError
 
 Size = tuple[Positive, Positive]
 
@@ -38,12 +39,12 @@ class FootprintSchema(Strictly):
         keys = ("x", "y", "center", "size", "radius", "polygon")
         given = {key for key in keys if getattr(self, key) is not None}
         if given not in ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}):
-            raise ValueError(
+            raise UserError(
                 "give the footprint as x and y ranges, as center and size, as center and radius,"
                 f" or as polygon; found {', '.join(sorted(given)) or 'none of them'}"
             )
         if self.holes and self.polygon is None:
-            raise ValueError("only a polygon has holes")
+            raise UserError("only a polygon has holes")
         return self
 
 
@@ -73,7 +74,7 @@ class ZoneSchema(FootprintSchema):
     @model_validator(mode="after")
     def _one_rule(self) -> "ZoneSchema":
         if self.forbidden == (self.max_speed is not None or self.one_way is not None):
-            raise ValueError("give forbidden: true, or max_speed (m/s) and one_way (x, y)")
+            raise UserError("give forbidden: true, or max_speed (m/s) and one_way (x, y)")
         return self
 
 
@@ -239,7 +240,7 @@ class FloorplanSchema(Strictly):
     @classmethod
     def _of_a_base(cls, value: Any, info: ValidationInfo) -> Any:
         if info.data.get("base", "") is None:
-            raise ValueError("belongs to a floor on top of another; give its base")
+            raise UserError("belongs to a floor on top of another; give its base")
         return value
 
     @property

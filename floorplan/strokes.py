@@ -11,11 +11,15 @@ import shapely
 from numpy.typing import NDArray
 
 from .outlines import polygons_of
+from .reading import LARGEST, are_figures
 
 Floats = NDArray[np.float64]
 
 Name = Callable[[], str]
 """Gives the name of an entity: few are ever told."""
+
+OUTSIZED = f"has coordinates that are not numbers of at most {LARGEST:g} m"
+"""Why an entity is not read with which nothing can be worked out."""
 
 TOUCHING = 1e-9
 """Metres. Ends of an outline that are nearer to each other are one corner: arcs end by rounding."""
@@ -91,7 +95,8 @@ def _lines(strokes: Sequence[Stroke], metre: float) -> Iterator[Shape | Unread]:
     corners = np.concatenate([stroke.corners for stroke in strokes]) * metre
     begin = np.cumsum(count) - count
     last = begin + count - 1
-    finite = np.logical_and.reduceat(np.isfinite(corners).all(axis=1), begin)
+    thick = np.array([stroke.thickness for stroke in strokes]) * metre
+    fit = np.logical_and.reduceat(are_figures(corners).all(axis=1), begin) & are_figures(thick)
     with np.errstate(invalid="ignore"):
         apart = np.abs(corners[begin, :2] - corners[last, :2])
     long = count > 3
@@ -103,16 +108,16 @@ def _lines(strokes: Sequence[Stroke], metre: float) -> Iterator[Shape | Unread]:
     corners[last[twice], 2] = np.inf
     bottom = np.minimum.reduceat(corners[:, 2], begin).tolist()
     parts = zip(begin.tolist(), (begin + count).tolist(), strict=True)
-    closed, finite = closed.tolist(), finite.tolist()
+    closed, fit = closed.tolist(), fit.tolist()
     for k, (stroke, (start, stop)) in enumerate(zip(strokes, parts, strict=True)):
         layer, name = stroke.layer, stroke.name
-        if not finite[k]:
-            yield Unread(layer, name, "has coordinates that are not numbers", True)
+        if not fit[k]:
+            yield Unread(layer, name, OUTSIZED, True)
         elif closed[k] and stop - start < 3:
             yield Unread(layer, name, "has fewer than three corners", True)
         else:
-            thickness = stroke.thickness * metre
-            yield Shape(layer, name, corners[start:stop, :2], closed[k], bottom[k], thickness)
+            at, thickness = bottom[k], float(thick[k])
+            yield Shape(layer, name, corners[start:stop, :2], closed[k], at, thickness)
 
 
 def _areas(hatches: Sequence[Hatched], metre: float) -> Iterator[list[Shape | Unread]]:

@@ -8,6 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from .problems import UserError
+
 MOST_CORNERS = 1_000_000
 """Most corners of all outlines together: the walls of a large hall have some 10,000."""
 
@@ -23,7 +25,7 @@ Ring: TypeAlias = shapely.Geometry
 """A closed line."""
 
 
-class IntricateError(ValueError):
+class IntricateError(UserError):
     """Cells with more outlines than can be handled."""
 
 

@@ -14,11 +14,11 @@ import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
-from .checks import LARGEST, polygon_fault
+from .checks import polygon_fault
 from .layers import Drawn
 from .plan import Floorplan
 from .problems import FloorplanError, Problem
-from .reading import read_text
+from .reading import LARGEST, are_figures, read_text
 
 
 def load_wkt(path: Path, drawn: Drawn) -> Floorplan:
@@ -74,7 +74,7 @@ def _problems(geometry: shapely.Geometry) -> Iterator[Problem]:
             yield Problem(f"expected a POLYGON, found a {kind}; only areas can be walked on", place)
         elif part.is_empty:
             yield Problem("is empty", place)
-        elif not (np.abs(shapely.get_coordinates(part)) <= LARGEST).all():
+        elif not are_figures(shapely.get_coordinates(part)).all():
             yield Problem(f"has coordinates that are not numbers of at most {LARGEST:g} m", place)
         elif fault := polygon_fault(part):
             yield Problem(fault, place)

@@ -11,6 +11,7 @@ import shapely
 from shapely.geometry import Point, Polygon, box, mapping
 
 from .model import EVERYBODY, Axis, Door, Floor, Gantry, Gate, Human, Lane, Obstacle, Zone
+from .problems import UserError
 from .yaml_writing import yaml_text
 
 Data = dict[str, Any]
@@ -61,7 +62,7 @@ def walkable(plan: Floor) -> shapely.Geometry:
     """Return the area that people can walk on: `ValueError` if there is none."""
     area = shapely.force_2d(plan.free(0.0, plan.human.height))
     if area.is_empty:
-        raise ValueError(f"people can walk nowhere on the floor {plan.name!r}")
+        raise UserError(f"people can walk nowhere on the floor {plan.name!r}")
     return area
 
 
@@ -73,7 +74,7 @@ def to_wkt(plan: Floor) -> str:
     area = walkable(plan)
     if area.geom_type != "Polygon":
         count = len(area.geoms)
-        raise ValueError(
+        raise UserError(
             f"people on the floor {plan.name!r} walk on {count} separate areas; a WKT file has one"
         )
     return f"{shapely.to_wkt(area, rounding_precision=-1)}\n"

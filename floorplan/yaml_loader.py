@@ -13,6 +13,8 @@ from yaml.reader import Reader
 from yaml.resolver import Resolver
 from yaml.scanner import Scanner
 
+from .problems import UserError
+
 
 def safe_loader(text: str) -> Any:
     """Return a safe loader of `text`: PyYAML's, with LibYAML's parser where PyYAML has it.
@@ -42,7 +44,7 @@ class _Counting(Composer):
         index."""
         self._values += index is not None
         if self._values > MOST_VALUES:
-            raise ValueError(too_many())
+            raise UserError(too_many())
 
     def ascend_resolver(self) -> None:
         """Called after each node."""

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import ompl.base as ob
 import ompl.geometric as og
 
-from floorplan import suggestion
+from floorplan import UserError, suggestion
 
 from .path import PlannerInfo
 
@@ -68,11 +68,11 @@ def planner_info(name: str) -> PlannerInfo:
         return _DEFAULT
     known = {info.name: info for info in planners()}
     if name == SPACE_TIME:
-        raise ValueError(f"{name} plans in space and time; navigation.plan_among answers for that")
+        raise UserError(f"{name} plans in space and time; navigation.plan_among answers for that")
     if ":" in name:
-        raise ValueError(f"the planner {name} is code of your own: import it, and give its class")
+        raise UserError(f"the planner {name} is code of your own: import it, and give its class")
     if name not in known:
-        raise ValueError(f"no planner is called {name!r}; {suggestion(name, known)}")
+        raise UserError(f"no planner is called {name!r}; {suggestion(name, known)}")
     return known[name]
 
 
@@ -92,12 +92,12 @@ def check_parameters(info: PlannerInfo, parameters: Mapping[str, Setting]) -> No
     """Raise `ValueError` for a parameter that planner `info` has not, or a value that is unfit."""
     if info.name == ROADMAP:
         if parameters:
-            raise ValueError(f"{ROADMAP} has no parameters, found {', '.join(parameters)}")
+            raise UserError(f"{ROADMAP} has no parameters, found {', '.join(parameters)}")
         return
     for name in parameters:
         if name not in info.parameters:
             hint = suggestion(name, info.parameters)
-            raise ValueError(f"{info.name} has no parameter {name!r}; {hint}")
+            raise UserError(f"{info.name} has no parameter {name!r}; {hint}")
     settings = without_every(parameters)
     if settings:
         space = ob.RealVectorStateSpace(2)
@@ -119,7 +119,7 @@ def check_own(kind: type, parameters: Mapping[str, Setting]) -> None:
         known = [*list(signature.parameters)[1:], *EVERY]
         unknown = [name for name in given if name not in known]
         hint = f"; {suggestion(unknown[0], known)}" if unknown else ""
-        raise ValueError(f"{kind.__qualname__}: {why}{hint}") from None
+        raise UserError(f"{kind.__qualname__}: {why}{hint}") from None
 
 
 def without_every(parameters: Mapping[str, Setting]) -> dict[str, Setting]:
@@ -151,7 +151,7 @@ def fit(parameter: str, value: object, like: Any) -> Any:
     if isinstance(like, bool):
         if isinstance(value, bool):
             return value
-        raise ValueError(f"parameter {parameter!r} must be true or false, found {value!r}")
+        raise UserError(f"parameter {parameter!r} must be true or false, found {value!r}")
     number = math.nan
     if isinstance(value, int | float) and not isinstance(value, bool):
         with suppress(OverflowError):
@@ -159,7 +159,7 @@ def fit(parameter: str, value: object, like: Any) -> Any:
     if isinstance(like, int):
         if number > 0 and number.is_integer():
             return int(number)
-        raise ValueError(f"parameter {parameter!r} must be a whole number above 0, found {value!r}")
+        raise UserError(f"parameter {parameter!r} must be a whole number above 0, found {value!r}")
     if 0 <= number < math.inf:
         return number
-    raise ValueError(f"parameter {parameter!r} must be a number, 0 or more, found {value!r}")
+    raise UserError(f"parameter {parameter!r} must be a number, 0 or more, found {value!r}")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from floorplan import InputError, field_name, parse_yaml
+from floorplan import InputError, UserError, field_name, parse_yaml
 
 from .catalog import (
     EVERY,
@@ -69,7 +69,7 @@ class PlannerChoice:
             if len(given) == 1:
                 ((name, inner),) = given.items()
                 return _chosen(name, {} if inner is None else inner)
-        raise ValueError(f"a planner is {_FORMS}; found {given!r}")
+        raise UserError(f"a planner is {_FORMS}; found {given!r}")
 
     def with_parameters(self, parameters: Mapping[str, Setting]) -> PlannerChoice:
         """Return this choice with further parameters, or others of the same names."""
@@ -94,7 +94,7 @@ def _in_text(text: str) -> PlannerChoice:
     try:
         value = parse_yaml(text, "planner", InputError).data
     except InputError as why:
-        raise ValueError(f"a planner is {_FORMS}; {text!r} is neither: {why}") from None
+        raise UserError(f"a planner is {_FORMS}; {text!r} is neither: {why}") from None
     if isinstance(value, Mapping):
         return PlannerChoice.of(value)
     return _chosen(text.strip(), {})
@@ -102,13 +102,13 @@ def _in_text(text: str) -> PlannerChoice:
 
 def _chosen(name: object, parameters: object) -> PlannerChoice:
     if not isinstance(name, str) or not name:
-        raise ValueError(f"a planner is {_FORMS}; found {name!r} as its name")
+        raise UserError(f"a planner is {_FORMS}; found {name!r} as its name")
     if not isinstance(parameters, Mapping):
-        raise ValueError(f"the parameters of {name} are {{name: value, …}}; found {parameters!r}")
+        raise UserError(f"the parameters of {name} are {{name: value, …}}; found {parameters!r}")
     for key, value in parameters.items():
         if not isinstance(value, bool | int | float | str):
             place = field_name((str(key),))
-            raise ValueError(f"parameter {place!r} of {name} must be a value, found {value!r}")
+            raise UserError(f"parameter {place!r} of {name} must be a value, found {value!r}")
     return PlannerChoice(name, tuple((str(key), value) for key, value in parameters.items()))
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import shapely
 
-from floorplan import Floorplan
+from floorplan import Floorplan, UserError
 
 from .bodies import Disc
 from .catalog import ROADMAP, Setting
@@ -49,7 +49,7 @@ class GantryPlanner:
 
     def __init__(self, plan: Floorplan, *, agvs: Mapping[str, float | str] | None = None) -> None:
         if plan.gantry is None:
-            raise ValueError(f"{plan.name} has no gantry")
+            raise UserError(f"{plan.name} has no gantry")
         self.gantry = plan.gantry
         length, width = plan.gantry.torso[:2]
         self.radius = max(plan.gantry.arm_reach, math.hypot(length, width) / 2)
@@ -122,10 +122,10 @@ class GantryPlanner:
 
     def _check_range(self, pose: Pose, end: str) -> None:
         if len(pose) != 3:
-            raise ValueError(f"the {end} must be x, y and a rotation, found {pose!r}")
+            raise UserError(f"the {end} must be x, y and a rotation, found {pose!r}")
         for name, axis, at in zip(("x", "y", "rotation"), self.gantry.axes, pose, strict=True):
             if not axis.low - HAIR <= at <= axis.high + HAIR:
-                raise ValueError(
+                raise UserError(
                     f"the {end}'s {name} = {at:g} is outside the gantry's range"
                     f" {axis.low:g} … {axis.high:g}"
                 )

@@ -10,6 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from floorplan import UserError
+
 Reason = Literal["start_blocked", "goal_blocked", "unreachable", "not_found"]
 
 
@@ -79,7 +81,7 @@ class PlanningError(Exception):
         return (type(self), (self.reason, self.message))
 
 
-class PlannerError(ValueError):
+class PlannerError(UserError):
     """A planner that can't be found, or that failed: its path may be no answer."""
 
 

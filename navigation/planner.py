@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from floorplan import Point, require
+from floorplan import Point, UserError, require
 
 from .catalog import ROADMAP, Setting
 from .choice import PlannerChoice
@@ -63,9 +63,9 @@ class PathPlanner:
         self.world = world
         self.radius = world.plan.human.radius if radius is None else float(radius)
         if not 0 < self.radius < math.inf:
-            raise ValueError(f"a radius must be positive and finite, found {self.radius:g}")
+            raise UserError(f"a radius must be positive and finite, found {self.radius:g}")
         if not STEP <= step <= math.pi / 2:
-            raise ValueError(f"bends must be from {STEP:.3g} to 1.57 radians, found {step:g}")
+            raise UserError(f"bends must be from {STEP:.3g} to 1.57 radians, found {step:g}")
         self.ignore = frozenset(ignore)
         self.step = step
         self.choice = PlannerChoice.of(planner)
@@ -263,5 +263,5 @@ def _place(at: ArrayLike, end: str) -> Point:
         return at
     found = np.asarray(at, dtype=float)
     if found.shape != (2,) or not np.isfinite(found).all():
-        raise ValueError(f"the {end} must be a finite x and y, found {at!r}")
+        raise UserError(f"the {end} must be a finite x and y, found {at!r}")
     return (float(found[0]), float(found[1]))

@@ -21,7 +21,7 @@ import ompl.base as ob
 import ompl.geometric as og
 import ompl.util as ou
 
-from floorplan import Point
+from floorplan import Point, UserError
 
 from .catalog import ITERATIONS, Setting, fit, planner_info, set_parameter
 from .choice import PlannerChoice
@@ -52,7 +52,7 @@ def sample_path(
     """
     choice.check()
     if not (isinstance(seed, Integral) and 0 <= seed < 2**32 - 1):
-        raise ValueError(f"a seed must be a whole number from 0 to 4294967294, found {seed}")
+        raise UserError(f"a seed must be a whole number from 0 to 4294967294, found {seed}")
     if choice.name in _LOST_IF_STRAIGHT and question.free(question.start, question.goal):
         return [question.start, question.goal]
     usual = planner_info(choice.name).iterations if choice.kind is None else ITERATIONS

@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Gate, Named, Point, check, suggestion
+from floorplan import Floorplan, Gate, Named, Point, UserError, check, suggestion
 
 from . import ground
 from .bodies import TOLERANCE, Body, Disc, Sweep, touch
@@ -57,7 +57,7 @@ class CollisionWorld:
         self.bottom = bottom
         self.top = plan.human.height if top is None else top
         if not self.bottom < self.top:
-            raise ValueError(f"heights must rise, found {self.bottom:g} … {self.top:g}")
+            raise UserError(f"heights must rise, found {self.bottom:g} … {self.top:g}")
         blocked = tuple(plan.blocked(self.bottom, self.top))
         self.floor, self.edges = ground.floor(plan.boundary, blocked)
         """The free floor between the things that never move, one polygon or several; its edges."""
@@ -112,7 +112,7 @@ class CollisionWorld:
         obstacles, lanes = self.plan.obstacles, self.plan.lanes
         fixed = {"boundary", *(o.name for o in obstacles), *(lane.name for lane in lanes)}
         if name in fixed:
-            raise ValueError(f"{name!r} belongs to the floorplan; choose another name for a body")
+            raise UserError(f"{name!r} belongs to the floorplan; choose another name for a body")
         self._put(name, shape, bottom, self.top if top is None else top)
 
     def remove(self, name: str) -> None:

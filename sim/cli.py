@@ -6,6 +6,7 @@ import copy
 import io
 import os
 import sys
+import traceback
 from typing import Annotated
 
 import typer
@@ -95,7 +96,10 @@ def _name(command: CommandInfo) -> str:
 
 
 def main() -> None:
-    """Run the command; say what is wrong in a sentence, and exit with 1, or 2 for wrong usage."""
+    """Run the command: exit with 1 and a sentence for a mistake of the user's, 2 for wrong usage.
+
+    Any other error is a defect: its traceback is printed, and a line that asks to report it.
+    """
     # Pydantic looks for plugins in all that is installed, of which a command uses none.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # numpy's BLAS starts a thread for each core, which first of all waits for work in a loop. No
@@ -107,9 +111,13 @@ def main() -> None:
         with put_off_while_loading():
             _of(sys.argv[1:])(prog_name="floorwalker")
     except Exception as why:
-        if not _is_for_user(why):
-            raise
-        say(f"floorwalker: {_sentence(why)}", err=True)
+        if _is_for_user(why):
+            say(f"floorwalker: {_sentence(why)}", err=True)
+        else:
+            from .core.own_source import DEFECT
+
+            traceback.print_exception(why)
+            say(f"floorwalker: this is {DEFECT} with the lines above", err=True)
         sys.exit(1)
     finally:
         _drop_unread_output()
@@ -140,10 +148,10 @@ def _sentence(why: Exception) -> str:
 
 
 def _is_for_user(why: Exception) -> bool:
-    """Return True if an error is for the user: one of ours, or of a kind that bad input raises."""
+    """Return True if an error is for the user: one of Floorwalker's own kinds, or the system's."""
     from .core.own_source import is_ours
 
-    return is_ours(why) or isinstance(why, ValueError | OSError)
+    return is_ours(why) or isinstance(why, OSError)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import takewhile
 
-from floorplan import no_garbage, refuse, require, suggestion
+from floorplan import UserError, no_garbage, refuse, require, suggestion
 from navigation import CollisionWorld
 
 from .core.body import Body
@@ -163,7 +163,7 @@ class Simulation:
             if person.name == name:
                 return person
         names = [person.name for person in self.people]
-        raise ValueError(f"there is no person {name!r}; {suggestion(name, names)}")
+        raise UserError(f"there is no person {name!r}; {suggestion(name, names)}")
 
     def advance(self, until: float) -> None:
         """Let everything happen that happens before `until` (seconds), if that is still to come.
@@ -171,7 +171,7 @@ class Simulation:
         `ValueError` if it is no time, `StandstillError` if simulated time does not go on.
         """
         if math.isnan(until):
-            raise ValueError("a simulation can't be advanced to nan: give seconds")
+            raise UserError("a simulation can't be advanced to nan: give seconds")
         self.start()
         if until > self.clock.now and not self.over:
             with supervised(self.clock):
@@ -185,7 +185,7 @@ class Simulation:
         """
         self.start()
         if rounded(command.time) < self.clock.now:
-            raise ValueError(f"a command for t = {command.time:g} s comes too late")
+            raise UserError(f"a command for t = {command.time:g} s comes too late")
         commanded = replace(self.trial, commands=(*self.commands, command))
         refuse("the command", command_faults(commanded), TrialError)
         self.commands.append(command)

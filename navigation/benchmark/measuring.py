@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from floorplan import Floorplan
+from floorplan import Floorplan, UserError
 
 from ..choice import PlannerChoice
 from ..world import CollisionWorld
@@ -50,14 +50,14 @@ def benchmark(
     """
     for name, count in (("queries", queries), ("runs", runs), ("iterations", iterations)):
         if count is not None and count < 1:
-            raise ValueError(f"{name} must be 1 or more, found {count}")
+            raise UserError(f"{name} must be 1 or more, found {count}")
     for name, figure in (("radius", radius), ("seconds", seconds), ("longest", longest)):
         least = 1 if name == "longest" else 0
         if figure is not None and not least < figure < math.inf:
-            raise ValueError(f"{name} must be above {least} and finite, found {figure:g}")
+            raise UserError(f"{name} must be above {least} and finite, found {figure:g}")
     names = [plan.name for plan in plans]
     if twice := [name for name in names if names.count(name) > 1]:
-        raise ValueError(f"two floors are called {twice[0]!r}: their answers would be mixed up")
+        raise UserError(f"two floors are called {twice[0]!r}: their answers would be mixed up")
     entries = {known(planner): planner for planner in planners}
     budget = Budget(iterations, seconds)
     attempts = []

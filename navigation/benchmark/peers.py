@@ -20,7 +20,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from floorplan import Point
+from floorplan import Point, UserError
 
 from ..world import CollisionWorld
 from .contenders import Answer, Progress
@@ -233,6 +233,6 @@ def peer_named(name: str) -> PeerInfo | None:
     for peer in PEERS:
         if peer.name == name:
             if not peer.installed:
-                raise ValueError(f"{name} is not installed: pip install {name.lower()}")
+                raise UserError(f"{name} is not installed: pip install {name.lower()}")
             return peer
     return None

@@ -12,7 +12,18 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from floorplan import Floorplan, InputError, Point, Problem, is_there, read_text, suggestion
+from floorplan import (
+    Floorplan,
+    InputError,
+    Point,
+    Problem,
+    UserError,
+    figure,
+    is_there,
+    read_text,
+    shown,
+    suggestion,
+)
 
 from ..obstruction import blocked_place
 from ..world import CollisionWorld
@@ -175,7 +186,7 @@ def _read_table(text: str, plan: Floorplan, found: _Found) -> None:
             place = fields.get(name, "") or lane.start
             try:
                 agvs.append((name, lane.lane_position(_figure(place, place))))
-            except ValueError as why:
+            except UserError as why:
                 found.wrong(str(why), number, name)
         if None not in ends and len(agvs) == len(lanes):
             x0, y0, x1, y1 = (end for end in ends if end is not None)
@@ -184,18 +195,15 @@ def _read_table(text: str, plan: Floorplan, found: _Found) -> None:
 
 
 def _figure(text: str, otherwise: str) -> float | str:
-    try:
-        number = float(text)
-    except ValueError:
-        return otherwise
-    return number if math.isfinite(number) else otherwise
+    number = figure(text)
+    return otherwise if math.isnan(number) else number
 
 
 def _number(text: str, line: int, name: str, found: _Found) -> float | None:
     number = _figure(text, "")
     if isinstance(number, float):
         return number
-    found.wrong(f"must be a finite number, found {text!r}", line, name)
+    found.wrong(f"must be a finite number, found {shown(text)}", line, name)
     return None
 
 
@@ -291,4 +299,4 @@ def _drawn(
                 return other, at
         found += [(at, int(piece)) for piece in within]
     name = world.plan.name
-    raise ValueError(f"{name} has no two places for a radius of {radius:g} m with a path between")
+    raise UserError(f"{name} has no two places for a radius of {radius:g} m with a path between")

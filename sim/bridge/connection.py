@@ -13,6 +13,8 @@ from typing import Any
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
+from floorplan import UserError
+
 from .message_types import MessageError, MessageType, conform, message_type
 from .protocol import encode
 
@@ -31,7 +33,7 @@ class LostError(ConnectError):
     """The connection broke off."""
 
 
-class ServiceError(ValueError):
+class ServiceError(UserError):
     """A service that is not there, or that could not do what it was asked for."""
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from floorplan import suggestion
+from floorplan import UserError, suggestion
 
 from . import protocol
 from .client import ADVERTISED, Client, Subscription
@@ -29,7 +29,7 @@ MOST_CALLS = 100
 """How many service calls of one client may be under way at once."""
 
 
-class RefusedError(ValueError):
+class RefusedError(UserError):
     """A request of a client that is refused; the client hears why."""
 
 

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from floorplan import suggestion
+from floorplan import UserError, suggestion
 
 _MESSAGES = """
 builtin_interfaces/Time: int32 sec, uint32 nanosec
@@ -58,11 +58,11 @@ _LONGEST_ARRAY = 10_000
 """Elements. The longest array in a message."""
 
 
-class UnknownTypeError(ValueError):
+class UnknownTypeError(UserError):
     """A message type that the bridge does not speak."""
 
 
-class MessageError(ValueError):
+class MessageError(UserError):
     """A message that is not of its type, with the field that is wrong."""
 
 

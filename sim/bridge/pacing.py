@@ -6,6 +6,8 @@ import asyncio
 from collections.abc import Callable
 from typing import Protocol
 
+from floorplan import UserError
+
 from ..core.tempo import Tempo, checked_speed
 from ..simulation import Simulation
 
@@ -39,7 +41,7 @@ class BridgeTempo:
     def change(self, *, speed: float | None = None, paused: bool | None = None) -> None:
         """Go on with another speed, pause, or go on; a run without a speed gets none."""
         if speed is not None and not self.speed:
-            raise ValueError("time goes on as soon as all clients can follow: it has no speed")
+            raise UserError("time goes on as soon as all clients can follow: it has no speed")
         if speed is not None:
             self.speed = checked_speed(speed)
         if paused is not None:

@@ -9,6 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic_core import from_json
 
+from floorplan import UserError
+
 from .ledger import Account, size_of
 
 LONGEST_MESSAGE = 1_000_000
@@ -31,7 +33,7 @@ LEVELS: tuple[Level, ...] = ("none", "error", "warning", "info")
 """Of status messages, from the level at which none is sent to that at which all are."""
 
 
-class ProtocolError(ValueError):
+class ProtocolError(UserError):
     """A message that is no operation of the protocol; `id` is its id, if it has one."""
 
     def __init__(self, message: str, id: str | int | None = None) -> None:

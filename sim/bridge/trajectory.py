@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from floorplan import Gantry
+from floorplan import Gantry, UserError
 from navigation import Cubic, Motion, Piece, State
 
 from .readings import JOINTS, joint_values, pose_of
@@ -23,7 +23,7 @@ Values = tuple[float, ...]
 """A value of each joint: m, rad, or m/s, rad/s."""
 
 
-class TrajectoryError(ValueError):
+class TrajectoryError(UserError):
     """A trajectory that the gantry can't follow, with the joint or point and the reason."""
 
 

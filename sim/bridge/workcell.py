@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 from simpy.core import StopSimulation
 
+from floorplan import UserError
+
 from ..core.body import Body
 from ..core.clock import Turn
 from ..core.recorder import Event, Listener
@@ -27,7 +29,7 @@ MOST_COMMANDS = 300
 _MOST_ORDERS = 1000
 
 
-class BridgeError(ValueError):
+class BridgeError(UserError):
     """A trial that can't be bridged, or a wrong setting of a bridge."""
 
 

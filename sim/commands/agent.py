@@ -92,12 +92,14 @@ _MOST_WAKEUPS = 1_000_000
 
 
 def _run_out(person: bdi.Agent) -> None:
+    from floorplan import UserError
+
     for _ in range(_MOST_WAKEUPS):
         wakeup = person.next_wakeup
         if wakeup is None:
             return
         person.advance(wakeup)
-    raise ValueError(
+    raise UserError(
         f"the program was still waking up at {person.now:g} s: say with --until when to stop"
     )
 

@@ -143,6 +143,7 @@ def benchmark(
 
 def _planner(text: str) -> str | PlannerChoice:
     """Return the peer, or the choice of a planner; one of the user's own is imported from here."""
+    from floorplan import UserError
     from navigation import PlannerChoice, planners
     from navigation.benchmark import PEERS
     from sim.people.planners import find_planner
@@ -154,11 +155,11 @@ def _planner(text: str) -> str | PlannerChoice:
     try:
         choice = PlannerChoice.of(text)
         return find_planner(choice, Path.cwd())
-    except ValueError as why:
+    except UserError as why:
         known = [info.name for info in planners()]
         unknown = choice is not None and not choice.is_own and choice.name not in known
         others = f" (peers: {', '.join(peers)})" if unknown else ""
-        raise ValueError(f"--planner {text}: {why}{others}") from None
+        raise UserError(f"--planner {text}: {why}{others}") from None
 
 
 def _floors(
@@ -171,11 +172,13 @@ def _floors(
     sources: list[str] = list(floorplan or [])
     if questions is not None and not sources:
         if questions.suffix.lower() != ".scen":
-            raise ValueError(f"--questions {questions} needs --floorplan: the floor they are about")
+            raise floors.UserError(
+                f"--questions {questions} needs --floorplan: the floor they are about"
+            )
         sources = [str(map_of(questions))]
     maps = [source for source in sources if source.lower().endswith(".map")]
     if cell is not None and not maps:
-        raise ValueError(f"--cell {cell:g} is of a MovingAI map, and there is none")
+        raise floors.UserError(f"--cell {cell:g} is of a MovingAI map, and there is none")
     return [
         floors.load_movingai(Path(source), floors.CELL if cell is None else cell)
         if source in maps

@@ -46,9 +46,12 @@ def check(
 
 def _fault(file: str, own_code: bool) -> str:
     """Return the faults of a file, or an empty text after printing its contents in words."""
+    import bdi
+    from floorplan import UserError
+
     try:
         content = _read(file, own_code)
-    except (ValueError, OSError) as why:
+    except (UserError, bdi.ProgramError, OSError) as why:
         return str(why)
     say(f"{file}: {content}")
     return ""

@@ -39,7 +39,9 @@ def convert(
     if Path(source).exists():
         for one in written:
             if one.exists() and one.samefile(source):
-                raise ValueError(f"{target}: {one} would take the place of IN; give another name")
+                raise floorplan.UserError(
+                    f"{target}: {one} would take the place of IN; give another name"
+                )
     plan.save(target, resolution=resolution)
     if lost := floorplan.lost(plan, suffix):
         say(f"{target} has no room for: {', '.join(lost)}", err=True)

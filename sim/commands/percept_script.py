@@ -7,9 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import bdi
-from floorplan import InputError, read_lines
-
-from ..core.numbers import is_number
+from floorplan import InputError, UserError, is_figure, read_lines
 
 
 class Change(NamedTuple):
@@ -36,20 +34,20 @@ def read_percepts(path: Path) -> list[Change]:
 def _change(line: str, place: str, earliest: float) -> Change:
     try:
         entry = json.loads(line)
-    except (json.JSONDecodeError, RecursionError):
-        raise ValueError(f"{place}: not a line of JSON: {line[:60]}") from None
+    except (ValueError, RecursionError):
+        raise UserError(f"{place}: not a line of JSON: {line[:60]}") from None
     changes = [key for key in ("add", "remove") if isinstance(entry, dict) and key in entry]
     if len(changes) != 1 or set(entry) != {"t", changes[0]}:
-        raise ValueError(f'{place}: a line has "t" and either "add" or "remove"')
+        raise UserError(f'{place}: a line has "t" and either "add" or "remove"')
     time, what = entry["t"], entry[changes[0]]
-    if not is_number(time):
-        raise ValueError(f'{place}: "t" is a number of seconds, not {json.dumps(time)[:60]}')
+    if not is_figure(time):
+        raise UserError(f'{place}: "t" is a number of seconds, not {json.dumps(time)[:60]}')
     if time < 0:
-        raise ValueError(f'{place}: "t" is {time:g}, and the run begins at 0')
+        raise UserError(f'{place}: "t" is {time:g}, and the run begins at 0')
     if time < earliest:
-        raise ValueError(f"{place}: {time:g} s comes after {earliest:g} s")
+        raise UserError(f"{place}: {time:g} s comes after {earliest:g} s")
     if not isinstance(what, str):
-        raise ValueError(f'{place}: "{changes[0]}" is a literal in quotes')
+        raise UserError(f'{place}: "{changes[0]}" is a literal in quotes')
     return Change(float(time), changes[0] == "add", literal(what, place))
 
 
@@ -58,4 +56,4 @@ def literal(text: str, place: str) -> bdi.Literal:
     try:
         return bdi.parse_literal(text)
     except bdi.ProgramError as error:
-        raise ValueError(f"{place}: {text[:100]}: {error.problems[0].message[:300]}") from None
+        raise UserError(f"{place}: {text[:100]}: {error.problems[0].message[:300]}") from None

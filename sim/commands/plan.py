@@ -79,10 +79,12 @@ def _pairs(texts: list[str], option: str) -> list[tuple[str, str]]:
 
 
 def _move(world: CollisionWorld, name: str, place: str) -> None:
+    from floorplan import UserError
+
     try:
         world.move_agv(name, float(_value(place)) if _is_number(place) else place)
     except KeyError as why:
-        raise ValueError(why.args[0]) from None
+        raise UserError(why.args[0]) from None
 
 
 def _is_number(text: str) -> bool:

@@ -68,13 +68,15 @@ def _serve(page: str, port: int, *, opened: bool) -> None:
 
 
 def _page(run: Path, other: Path | None) -> str:
+    from floorplan import UserError
+
     from ..views.replay import render
 
     recordings = _recordings(run)
     if other is not None:
         recordings += _recordings(other)
     if len(recordings) > 2:
-        raise ValueError("a page shows two runs at most: give two runs, or one page of two")
+        raise UserError("a page shows two runs at most: give two runs, or one page of two")
     if other is not None:
         for recording, name in zip(recordings, _told_apart(run, other), strict=True):
             recording["folder"] = name
@@ -110,7 +112,7 @@ def _page_file(run: Path) -> Path:
 
 def _check_page(file: Path) -> None:
     """Say what is wrong with a page; `ValueError` where it is none, or can't say so itself."""
-    from floorplan import LARGEST_RECORDED, InputError, read_text
+    from floorplan import LARGEST_RECORDED, InputError, UserError, read_text
 
     from ..views.replay import says_itself
 
@@ -118,7 +120,7 @@ def _check_page(file: Path) -> None:
         _recordings(file)
     except InputError:
         raise
-    except ValueError as why:
+    except UserError as why:
         if not file.exists() or not says_itself(read_text(file, InputError, LARGEST_RECORDED)):
             raise
         say(f"{why}; the page shows what there is of it", err=True)
@@ -126,14 +128,14 @@ def _check_page(file: Path) -> None:
 
 def _recordings(path: Path) -> list[dict[str, Any]]:
     """Return the data of a run from its folder, or those of a page, of one run or two."""
-    from floorplan import LARGEST_RECORDED, InputError, read_text
+    from floorplan import LARGEST_RECORDED, InputError, UserError, read_text
 
     from ..runs.run_folder import load_run
     from ..views.replay import recordings_in
     from ..views.replay_data import replay_data
 
     if not path.exists():
-        raise ValueError(f"{path}: there is no such folder or file")
+        raise UserError(f"{path}: there is no such folder or file")
     if path.is_dir():
         damages: list[str] = []
         recording = replay_data(load_run(path, damage=damages.append))
@@ -143,5 +145,5 @@ def _recordings(path: Path) -> list[dict[str, Any]]:
     page = read_text(path, InputError, LARGEST_RECORDED)
     try:
         return recordings_in(page)
-    except ValueError as why:
-        raise ValueError(f"{path}: {why}") from None
+    except UserError as why:
+        raise UserError(f"{path}: {why}") from None

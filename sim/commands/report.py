@@ -41,6 +41,7 @@ def report(
 
     It has the assumptions, laws, figures and limits of a run or a study.
     """
+    from floorplan import UserError
     from sim.commands.sources import is_study, run_from
     from sim.commands.study import carried_out
     from sim.studies import Study, safety_report
@@ -52,7 +53,7 @@ def report(
             if given is not None:
                 raise typer.BadParameter("is for studies only", param_hint=option)
         if (Path(source) / "results.csv").is_file():
-            raise ValueError(f"{source} has the results of a study: give its file, with --results")
+            raise UserError(f"{source} has the results of a study: give its file, with --results")
         safety_report(run_from(source, duration, own_code=not no_own_code), out)
         say(str(out))
         return

@@ -157,7 +157,7 @@ def changed(
     from ..machines.gantry.controllers import controller_source
     from ..people.planners import with_planner
     from ..trials.checks import check
-    from ..trials.command_keys import load_commands
+    from ..trials.command_keys import commanded
     from ..trials.rules_file import find_rules
     from ..trials.shortening import lasting
 
@@ -176,7 +176,7 @@ def changed(
     if rules is not None:
         trial = replace(trial, rules=find_rules(rules, own_code=trial.own_code))
     if commands is not None:
-        trial = replace(trial, commands=load_commands(commands))
+        trial = commanded(trial, commands)
     check(trial)
     return trial
 

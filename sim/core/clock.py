@@ -12,6 +12,8 @@ import simpy
 from simpy.core import StopSimulation
 from simpy.events import Event, EventPriority
 
+from floorplan import UserError
+
 
 class Turn(IntEnum):
     """Order of what happens at one instant; as with SimPy's priorities, the lowest goes first.
@@ -40,7 +42,7 @@ MOMENT = 1e-3
 """Seconds. Nothing on a factory floor happens more than a few times within one."""
 
 
-class StandstillError(ValueError):
+class StandstillError(UserError):
     """Simulated time does not go on: things happen again and again at an instant, or nearly so."""
 
 

@@ -11,6 +11,8 @@ import re
 from collections.abc import Iterable
 from urllib.parse import urlsplit
 
+from floorplan import UserError
+
 _LOOPBACK = re.compile(r"https?://(localhost|127(\.\d{1,3}){3}|\[::1\])(:\d{1,5})?")
 _ORIGIN = re.compile(r"null|[a-z][a-z0-9+.-]*://[^\s/?#@,]*")
 _USUAL_PORTS = {"http": ":80", "https": ":443"}
@@ -26,7 +28,7 @@ def is_own(origin: str, host: str) -> bool:
     return origin in ("", f"http://{host}")
 
 
-class OriginError(ValueError):
+class OriginError(UserError):
     """A text that is no origin of a web page."""
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from floorplan import InputError, is_file, read_bytes, suggestion
+from floorplan import InputError, UserError, is_file, read_bytes, suggestion
 
 Definition: TypeAlias = "ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef"
 
@@ -19,7 +19,11 @@ REFUSED = "code of your own is refused here (own_code: false, --no-own-code)"
 """The message where files may name nothing but built-in things."""
 
 
-class OwnCodeError(ValueError):
+DEFECT = "a defect of Floorwalker, not a mistake of yours; please report it"
+"""The words for an error that no input may cause."""
+
+
+class OwnCodeError(UserError):
     """Code of the user's own that can't be found, is not of the kind that is wanted, or fails."""
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from floorplan import Point, suggestion
+from floorplan import Point, UserError, suggestion
 from navigation import (
     AnyLaw,
     Both,
@@ -181,6 +181,6 @@ def rule_set(name: str) -> RuleSet:
     try:
         return RULE_SETS[name]
     except KeyError:
-        raise ValueError(
+        raise UserError(
             f"no rule set and no file is called {name!r}; {suggestion(name, RULE_SETS)}"
         ) from None

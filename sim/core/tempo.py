@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
+from floorplan import UserError
+
 
 class Tempo(Protocol):
     """Simulated time by real time: `speed` times as fast, or not at all while `paused`."""
@@ -27,5 +29,5 @@ class Tempo(Protocol):
 def checked_speed(speed: float) -> float:
     """Return a speed that can be; `ValueError` for another."""
     if not 0 < speed < math.inf:
-        raise ValueError(f"speed must be more than 0, not {speed:g}")
+        raise UserError(f"speed must be more than 0, not {speed:g}")
     return speed

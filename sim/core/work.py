@@ -25,6 +25,15 @@ class Duration:
     kind: Kind
     values: tuple[float, ...]
 
+    @property
+    def mean(self) -> float:
+        """The length (seconds) that is usual: the mean, or of a lognormal one the median."""
+        values = self.values
+        if self.kind == "fixed":
+            return values[0]
+        usual = sum(values) / len(values) if self.kind in ("uniform", "triangular") else values[0]
+        return max(usual, SHORTEST)
+
     def draw(self, random: Random) -> float:
         """Return a length (seconds), drawn from `random` unless it is fixed."""
         values = self.values

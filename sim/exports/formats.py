@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import cast
 
-from floorplan import require, suggestion
+from floorplan import UserError, require, suggestion
 
 from ..core.output import OutputError, replacing, writing
 from ..record.outcome import Outcome
@@ -44,7 +44,7 @@ class Format:
         except ImportError as why:
             if (why.name or "").partition(".")[0] not in self.parts:
                 raise
-            raise ValueError(
+            raise UserError(
                 f"{why.name} writes {self.title} and is missing;"
                 f" pip install 'floorwalker[{self.extra}]'"
             ) from None
@@ -115,7 +115,7 @@ def export(
 
 def _by_name(name: str) -> Format:
     if name not in FORMATS:
-        raise ValueError(f"no format is called {name!r}; {suggestion(name, FORMATS)}")
+        raise UserError(f"no format is called {name!r}; {suggestion(name, FORMATS)}")
     return FORMATS[name]
 
 
@@ -124,7 +124,7 @@ def _by_suffix(path: Path) -> Format:
         if path.suffix.lower() == entry.suffix:
             return entry
     ends = [f"{entry.suffix} ({entry.name})" for entry in FORMATS.values() if entry.suffix]
-    raise ValueError(
+    raise UserError(
         f"{path}: no format ends in {path.suffix}; there are {', '.join(ends)}, and names without"
         " an ending (rosbag)"
     )

@@ -16,6 +16,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from floorplan import UserError
 from navigation import Motion, standing
 
 from ..core.body import Body
@@ -158,7 +159,7 @@ class LiveRun(Listener):
             return {"problem": "; ".join(problem.message for problem in why.problems)}
         except ValidationError as why:
             return {"problem": why.errors()[0]["msg"].removeprefix("Value error, ")}
-        except ValueError as why:
+        except UserError as why:
             return {"problem": str(why)}
         return {"problem": f"expected a pace or a command: {', '.join(COMMANDS)}"}
 
@@ -184,7 +185,7 @@ def _checked(changes: Mapping[Any, Any]) -> dict[str, Any]:
     """Return changes of the pace; `ValueError` for values of other types."""
     speed, paused = changes.get("speed"), changes.get("paused")
     if not (speed is None or (isinstance(speed, int | float) and not isinstance(speed, bool))):
-        raise ValueError(f"speed must be a number, not {speed!r}")
+        raise UserError(f"speed must be a number, not {speed!r}")
     if not (paused is None or isinstance(paused, bool)):
-        raise ValueError(f"paused must be true or false, not {paused!r}")
+        raise UserError(f"paused must be true or false, not {paused!r}")
     return {"speed": speed, "paused": paused}

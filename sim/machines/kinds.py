@@ -4,13 +4,24 @@ from __future__ import annotations
 
 import ast
 import inspect
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from floorplan import Fault, Floorplan, Gantry, field_name, misfits, shown, suggestion
+from floorplan import (
+    Fault,
+    Floorplan,
+    Gantry,
+    Place,
+    UserError,
+    field_name,
+    misfits,
+    shown,
+    suggestion,
+)
 
 from ..core.machine import Category, Machine, MachineShape
 from ..core.machine_model import MachineEntry, MachineModel
@@ -26,7 +37,7 @@ KINDS: dict[str, type[MachineModel]] = {"gantry": GantryModel, "agv": AgvModel}
 """The kinds of machines by name. A package adds its own by `KINDS["tugger"] = TuggerModel`."""
 
 
-class MachineError(ValueError):
+class MachineError(UserError):
     """A machine of a trial that can't be found, or whose keys are wrong."""
 
 
@@ -165,6 +176,21 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
         else:
             for message, place in model.faults(plan, vehicles):
                 yield message, (name, *place)
+
+
+def moves_of(scenario: Scenario) -> Iterator[tuple[Place, Sequence[AgvMove]]]:
+    """Yield the moves of each AGV as they are given, and its place in the trial.
+
+    Machines that can't be are left out.
+    """
+    for name, moves in scenario.agvs.items():
+        yield ("agvs", name), moves
+    for name, entry in scenario.machines.items():
+        if not is_own(entry):
+            with suppress(MachineError, ValidationError):
+                model = _kind(name, entry, scenario).read(name, entry.keys)
+                if isinstance(model, AgvModel):
+                    yield ("machines", name), model.moves
 
 
 def own_kind(entry: MachineEntry, folder: Path, *, own_code: bool = True) -> Source:

@@ -6,7 +6,18 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
 
-from floorplan import Flag, NotNegative, Number, Positive, Strictly, whole
+from floorplan import (
+    LARGEST,
+    Flag,
+    NotNegative,
+    Number,
+    Positive,
+    Strictly,
+    UserError,
+    is_figure,
+    shown,
+    whole,
+)
 
 Text = Annotated[str, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
 """Text that may look like a number: an order's id."""
@@ -32,7 +43,10 @@ Vector = tuple[Number, Number, Number]
 
 def _angle(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError("expected radians, as a number or as text like 'pi/2'")
+        raise UserError("expected radians, as a number or as text like 'pi/2'")
+    radians = angle(value)
+    if radians is not None and not is_figure(radians):
+        raise UserError(f"expected radians, from -{LARGEST:g} to {LARGEST:g}, found {shown(value)}")
     return value
 
 
@@ -45,7 +59,7 @@ _ANGLE = r"(-?)\s*(?:(\d+(?:\.\d+)?)\s*\*?\s*)?pi(?:\s*/\s*(\d+(?:\.\d+)?))?"
 def angle(value: float | str) -> float | None:
     """Return an angle in radians, or None for a text that is none."""
     if not isinstance(value, str):
-        return float(value)
+        return value
     found = re.fullmatch(_ANGLE, value.strip())
     if found is not None:
         sign, factor, divisor = found.groups()
@@ -59,7 +73,7 @@ def angle(value: float | str) -> float | None:
 
 def _limit(seconds: float) -> float:
     if seconds != -1 and seconds <= 0:
-        raise ValueError(f"expected -1 (no limit) or seconds, more than 0, found {seconds:g}")
+        raise UserError(f"expected -1 (no limit) or seconds, more than 0, found {seconds:g}")
     return seconds
 
 
@@ -154,7 +168,7 @@ class Condition(Strictly):
     def _one_of_them(self) -> "Condition":
         given = [self.time_condition, self.part_place_condition, self.submission_condition]
         if sum(condition is not None for condition in given) != 1:
-            raise ValueError(
+            raise UserError(
                 "give one of time_condition, part_place_condition, submission_condition"
             )
         return self
@@ -218,7 +232,7 @@ class Challenge(Strictly):
     @model_validator(mode="after")
     def _one_kind(self) -> "Challenge":
         if len(self.model_fields_set) != 1 or getattr(self, self.kind) is None:
-            raise ValueError(
+            raise UserError(
                 f"a challenge has one of the keys {', '.join(type(self).model_fields)},"
                 " and its figures, indented, below"
             )
@@ -293,7 +307,7 @@ class OrderEntry(Strictly):
     def _its_task(self) -> "OrderEntry":
         keys = ("kitting_task", "assembly_task", "combined_task")
         if [key for key in keys if getattr(self, key) is not None] != [f"{self.type}_task"]:
-            raise ValueError(f"an order of the type {self.type} has a {self.type}_task, no other")
+            raise UserError(f"an order of the type {self.type} has a {self.type}_task, no other")
         return self
 
 

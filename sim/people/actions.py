@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import cache
 
 import bdi
-from floorplan import Point, SafeZone
+from floorplan import Point, SafeZone, UserError
 
 from ..core.events import Teleport
 from ..core.machine import Machine
@@ -34,7 +34,7 @@ BESIDE_WORK = ("walk_speed", "begin_task", "take", "refuse", "work_pace", "let_p
 """Actions that leave what a person does otherwise as it is."""
 
 
-class MindError(ValueError):
+class MindError(UserError):
     """A personality's program asks for something that no person can do."""
 
 

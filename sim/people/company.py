@@ -16,6 +16,7 @@ from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
 from ..safety.distancing import Distancing
 from ..safety.referee import Referee
+from .entrances import Entrances
 from .mind_inspector import STEPS, MindInspector
 from .minds import Mind, Mindless, Outside, kept_beliefs, live_beliefs, make_agent
 from .person import Person
@@ -82,6 +83,7 @@ class Company:
         self.people: list[Person] = []
         self._crowd = crowd = self._make_crowd()
         scenario = replace(scenario, people=with_places(scenario, walks))
+        entrances = Entrances(stage.clock)
         starts = starting_places(scenario, stage.world, crowd)
         scenario = replace(scenario, people=with_homes(scenario, starts))
         for index, named in enumerate(scenario.people):
@@ -103,6 +105,7 @@ class Company:
                 index=index,
                 manners=drawn(entry.manners, scenario.seed, entry.name),
                 referee=referee,
+                entrances=entrances,
                 make_mind=self._make_mind,
                 thought=self._thought,
                 board=board,
@@ -218,7 +221,9 @@ class Company:
 def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
     """Return the place of somebody among those who walk with the same one, if they do."""
     leader = scenario.leader(entry)
-    return None if leader is None else scenario.led_by(leader).index(entry)
+    if leader is None:
+        return None
+    return [led.name for led in scenario.led_by(leader)].index(entry.name)
 
 
 def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None = None) -> Human:

@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 
 import bdi
-from floorplan import Human, Point
+from floorplan import Human, Point, UserError
 from navigation import PathPlanner
 
 from ..core.body import Body
@@ -26,6 +26,7 @@ from ..core.stage import Stage
 from ..safety.referee import Referee
 from .actions import Actions, MindError
 from .attention import Attention
+from .entrances import LOOKS_AGAIN, Entrances
 from .errand import Errand
 from .eyes import Eyes
 from .minds import Mind, as_term
@@ -42,9 +43,6 @@ from .walker import Walker
 from .work_board import WorkBoard
 from .worker import Worker
 
-LOOKS_AGAIN = 0.5
-"""Seconds until somebody who finds no room to come in looks again."""
-
 MOST_AT_ONCE = 1000
 """Number of times a person may think or act at one instant; more count as an endless program."""
 
@@ -53,7 +51,8 @@ class Person:
     """One person of a stage, as `entry` has them.
 
     `make_mind` makes a mind of theirs that runs the program of an entry; `thought` is called when
-    a mind of theirs has thought, so that others can hear the messages it sent. Tasks are on the
+    a mind of theirs has thought, so that others can hear the messages it sent. Who comes in
+    later queues at one of the `entrances`. Tasks are on the
     `board`, if there are any. Somebody who was recorded walks their `walk`.
     """
 
@@ -69,6 +68,7 @@ class Person:
         index: int,
         manners: Manners,
         referee: Referee,
+        entrances: Entrances,
         make_mind: Callable[[Person, PersonEntry, Mind | None], Mind],
         thought: Callable[[Person], None],
         board: WorkBoard | None = None,
@@ -112,6 +112,7 @@ class Person:
             None if walk is None else Playback(stage, self.walker.traveller, walk, crowd)
         )
         self._referee = referee
+        self._entrances = entrances
         self._eyes = (
             None
             if entry.noticing == ALL_ROUND
@@ -153,25 +154,26 @@ class Person:
             triggers.add(entry.start, self.start, who=self.name)
         else:
             self._stage.record(Awaited(person=self.name, at=self._entrance))
-            self._clock.call_at(entry.source.time(self._seed), self._enter, Turn.NOTICE)
+            join = partial(self._entrances.join, self._entrance, self._enter)
+            self._clock.call_at(entry.source.time(self._seed), join, Turn.NOTICE)
         for change in entry.changes:
             become = partial(self.change_personality, change.personality)
             triggers.add(change.when, become, who=self.name)
 
-    def _enter(self) -> None:
-        """Come in, as soon as there is room at the entrance."""
+    def _enter(self) -> bool:
+        """Come in, if there is room at the entrance; return whether they did."""
         self._stage.place_machines()
         entrance, radius, source = self._entrance, self.walker.human.radius, self._entry.source
-        at = self._crowd.room(entrance, radius, self.walker.traveller)
+        at = self._crowd.room(entrance, radius, self.walker.traveller, within=AT_THE_DOOR)
         if source is not None and source.at in self._stage.there:  # the door is closed
             at = None
         if at is None or math.dist(at, entrance) > AT_THE_DOOR:
-            self._clock.call_at(self._clock.now + LOOKS_AGAIN, self._enter, Turn.NOTICE)
-            return
+            return False
         self.away = False
         self._stage.record(Entered(person=self.name, at=at))
         self.walker.put(at, 0.0)
         self.start()
+        return True
 
     def _arrived(self, goal: Point) -> None:
         """Take note that a goal is reached; at their sink people leave the floor."""
@@ -225,7 +227,7 @@ class Person:
         the person has no mind of their own.
         """
         if not isinstance(self.mind, bdi.Agent):
-            raise ValueError(f"{self.name} is told from outside what to do")
+            raise UserError(f"{self.name} is told from outside what to do")
         if not isinstance(personality, bdi.Program):
             personality = bdi.load(find_program(str(personality), self._stage.folder))
         change = partial(self._become, personality)

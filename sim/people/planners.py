@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import ompl.base as ob
 
-from floorplan import suggestion
+from floorplan import UserError, suggestion
 from navigation import PlannerChoice, PlannerError
 
 from ..core.own_code import import_own
@@ -53,7 +53,7 @@ def find_planner(choice: PlannerChoice, folder: Path, *, own_code: bool = True) 
         found.check()
     except OwnCodeError as why:
         raise PlannerError(f"the planner {why}") from why
-    except ValueError as why:
+    except UserError as why:
         raise PlannerError(str(why)) from why
     return found
 
@@ -65,7 +65,7 @@ def planner_source(choice: PlannerChoice, folder: Path, *, own_code: bool = True
     """
     try:
         choice.check()
-    except ValueError as why:
+    except UserError as why:
         raise PlannerError(str(why)) from why
     if not choice.is_own or choice.kind is not None:
         return None

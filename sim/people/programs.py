@@ -9,7 +9,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 import bdi
-from floorplan import Problem, is_file, is_there, suggestion
+from floorplan import Problem, UserError, is_file, is_there, suggestion
 
 from ..core.scenario import PersonEntry, Scenario, TrialError
 from .own_actions import import_actions, modules_of, names_of, sources_of
@@ -104,7 +104,7 @@ class Programs:
         modules = modules_of(actions, self._scenario.actions)
         program = load_program(personality, folder, modules, own_code=own_code)
         if program is None:
-            raise ValueError(f"who is {personality!r} runs no program")
+            raise UserError(f"who is {personality!r} runs no program")
         own = sources_of(program, modules, folder, own_code=own_code)
         return in_group(program) if is_led else program, import_actions(own) if own else None
 
@@ -118,7 +118,7 @@ def written_personality(personality: str | bdi.Program, folder: Path) -> str:
         return personality
     path = Path(personality.source)
     if not (is_file(path) and bdi.parse_file(path) == personality):
-        raise ValueError("is in no file; save it, and give the file as personality")
+        raise UserError("is in no file; save it, and give the file as personality")
     builtin = [name for name, file in bdi.programs().items() if file.resolve() == path.resolve()]
     return builtin[0] if builtin else Path(os.path.relpath(path, folder)).as_posix()
 

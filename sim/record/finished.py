@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from floorplan import UserError
 from navigation import (
     Cylinder,
     FixedDistance,
@@ -236,10 +237,10 @@ class Finished:
             try:
                 json.dumps(found[name], allow_nan=False)
             except (TypeError, ValueError) as why:
-                raise ValueError(f"the figures of the machine {name!r}: {why}") from why
+                raise UserError(f"the figures of the machine {name!r}: {why}") from why
             if not isinstance(found[name], dict):
                 message = f"expected a dict, found {found[name]!r}"
-                raise ValueError(f"the figures of the machine {name!r}: {message}")
+                raise UserError(f"the figures of the machine {name!r}: {message}")
         return found
 
     def of_robots(self, figure: str) -> Any:

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from floorplan import Point
+from floorplan import Point, UserError
 
 from ..core.recorder import rounded
 from .cells import Array, cells_of, spread
@@ -29,7 +29,7 @@ def risk(run: Outcome, of: Risk) -> Array:
     """
     if of not in _RISKS:
         *first, last = _RISKS
-        raise ValueError(f"a risk map is of {', '.join(first)} or {last}, not {of!r}")
+        raise UserError(f"a risk map is of {', '.join(first)} or {last}, not {of!r}")
     return _RISKS[of][0](run)
 
 

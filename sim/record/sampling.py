@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from floorplan import UserError
 from navigation import Motion
 
 Array = NDArray[np.float64]
@@ -50,13 +51,13 @@ def sample_all(motions: Mapping[str, Motion], times: Array) -> dict[str, Array]:
 def require_rate(rate: float) -> None:
     """`ValueError` if `rate` is nothing to sample at (Hz)."""
     if not (np.isfinite(rate) and rate > 0):
-        raise ValueError(f"rate must be more than 0 Hz, not {rate:g}")
+        raise UserError(f"rate must be more than 0 Hz, not {rate:g}")
 
 
 def require_instants(duration: float, rate: float) -> None:
     """`ValueError` if `duration` (seconds) at `rate` (Hz) is more than `MOST` instants."""
     if duration * rate > MOST:
-        raise ValueError(f"{duration:g} s at {rate:g} Hz are more than {MOST:,} instants")
+        raise UserError(f"{duration:g} s at {rate:g} Hz are more than {MOST:,} instants")
 
 
 def _count(duration: float, rate: float) -> int:

@@ -14,12 +14,19 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
 import numpy as np
-import shapely
 from pydantic import BaseModel, ConfigDict, ValidationError
 from shapely import GEOSException
 from shapely.geometry import Polygon, mapping, shape
 
-from floorplan import LEFT_OUT_IF_EMPTY, Floorplan, Obstacle
+from floorplan import (
+    LARGEST,
+    LEFT_OUT_IF_EMPTY,
+    Floorplan,
+    Obstacle,
+    UserError,
+    field_name,
+    polygon_fault,
+)
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
 from ..core.machine import MachineShape
@@ -27,7 +34,7 @@ from ..core.rules import Notice, RuleSet
 from ..core.scene import Figure, Pose, Scene
 from ..machines.kinds import machines_on
 from ..safety.own_law import OwnLaw
-from .strict_json import parse_json
+from .strict_json import parse_json, require_figures
 
 FORMAT = "floorwalker-scene/1"
 """Value of `format`, by which a reader knows the file."""
@@ -42,7 +49,7 @@ _LAWS = {
 }
 
 
-class SceneError(ValueError):
+class SceneError(UserError):
     """A text that is not a scene."""
 
 
@@ -90,6 +97,11 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
         data = parse_json(text)
     except ValueError as why:
         raise SceneError(f"is not JSON: {why}") from None
+    figures = data.items() if isinstance(data, dict) else ()
+    try:
+        require_figures([value for key, value in figures if key != "seed"], LARGEST)
+    except UserError as why:
+        raise SceneError(str(why)) from None
     data = _with_polygons(data)
     found = data.get("format") if isinstance(data, dict) else None
     if found != FORMAT:
@@ -146,21 +158,21 @@ def _fields(value: Any) -> dict[str, Any]:
     return {name: _plain(getattr(value, name)) for name in names}
 
 
-def _with_polygons(data: Any) -> Any:
-    """Return the data with polygons where they stand for one."""
+def _with_polygons(data: Any, *place: str | int) -> Any:
+    """Return the data at a place in the scene with polygons where they stand for one."""
     if isinstance(data, list):
-        return [_with_polygons(inner) for inner in data]
+        return [_with_polygons(inner, *place, k) for k, inner in enumerate(data)]
     if not isinstance(data, dict):
         return data
     if data.get("type") != "Polygon":
-        return {key: _with_polygons(inner) for key, inner in data.items()}
+        return {key: _with_polygons(inner, *place, key) for key, inner in data.items()}
     try:
         with np.errstate(invalid="ignore"):  # reported below
             polygon = shape(data)
     except (LookupError, OverflowError, TypeError, ValueError, GEOSException) as why:
-        raise SceneError(f"holds a polygon that is none: {why}") from None
-    if not np.isfinite(shapely.get_coordinates(polygon)).all():
-        raise SceneError("holds a polygon with an infinite corner")
+        raise SceneError(f"{field_name(place)}: is no polygon: {why}") from None
+    if fault := polygon_fault(polygon):
+        raise SceneError(f"{field_name(place)}: {fault}")
     return polygon
 
 

@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Protocol
 
-from floorplan import LARGEST, suggestion
+from floorplan import LARGEST, UserError, suggestion
 from navigation import Company, Courses, Motion
 
 from ..core.recorder import Event, rounded
@@ -80,10 +80,10 @@ def metrics(run: _Run, *, radii: Mapping[str, float] | None = None) -> dict[str,
     sizes = dict(radii or {})
     for name, radius in sizes.items():
         if name not in names:
-            raise ValueError(f"no body is called {name!r}; {suggestion(name, names)}")
+            raise UserError(f"no body is called {name!r}; {suggestion(name, names)}")
         if not 0 <= radius <= LARGEST:
             message = f"the radius of {name} must be from 0 to {LARGEST:g} m, not {radius}"
-            raise ValueError(message)
+            raise UserError(message)
     people = [person.name for person in run.scene.people]
     begins = dict.fromkeys(people, run.duration)
     begins |= {

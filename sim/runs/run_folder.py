@@ -7,9 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, Field, FiniteFloat, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
-from floorplan import LARGEST_RECORDED, InputError, Problem, read_lines, read_text
+from floorplan import (
+    LARGEST,
+    LARGEST_RECORDED,
+    InputError,
+    Problem,
+    UserError,
+    read_lines,
+    read_text,
+)
 from navigation import Motion, Piece, join, standing, when
 
 from ..core.events import EVENT_KINDS, Form, has_form
@@ -17,7 +25,7 @@ from ..core.plans import Plans
 from ..core.recorder import Event, Thought
 from ..core.scene import Pose, Scene
 from ..record.scene_file import ForeignLaw, SceneError, read_scene
-from ..record.strict_json import LARGEST, parse_json
+from ..record.strict_json import LARGEST_OF_ALL, parse_json
 from ..safety.requirement_curve import Curve, is_plain, requirement_curve
 from .run import Recorded
 
@@ -27,7 +35,9 @@ Requirements = dict[tuple[str, str], Curve]
 
 _Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
 
-_Cubic = tuple[_Number, _Number, _Number, _Number]
+_Coefficient = Annotated[float, Field(ge=-LARGEST_OF_ALL, le=LARGEST_OF_ALL, allow_inf_nan=False)]
+
+_Cubic = tuple[_Number, _Coefficient, _Coefficient, _Coefficient]
 
 
 _Line = TypeVar("_Line", bound=BaseModel)
@@ -38,7 +48,7 @@ class RecordingError(InputError):
 
 
 class _Event(BaseModel, extra="allow", defer_build=True):
-    t: FiniteFloat
+    t: _Number
     kind: str
 
     @model_validator(mode="after")
@@ -46,7 +56,7 @@ class _Event(BaseModel, extra="allow", defer_build=True):
         forms: Mapping[str, Form] = getattr(EVENT_KINDS.get(self.kind), "forms", {})
         for name, value in (self.model_extra or {}).items():
             if name in forms and not has_form(value, forms[name]):
-                raise ValueError(f"{name} of {self.kind} can't be {str(value)[:60]!r}")
+                raise UserError(f"{name} of {self.kind} can't be {str(value)[:60]!r}")
         return self
 
 
@@ -56,7 +66,7 @@ class _Intention(BaseModel, defer_build=True):
 
 
 class _Thought(BaseModel, extra="allow", defer_build=True):
-    t: FiniteFloat
+    t: _Number
     person: str
     steps: list[list[str]] = []
     believes: list[str] = []
@@ -66,6 +76,8 @@ class _Thought(BaseModel, extra="allow", defer_build=True):
 
 class _Motion(BaseModel, defer_build=True):
     body: str
+    start: _Number = 0.0
+    end: _Number = 0.0
     pieces: Annotated[list[tuple[_Number, _Number, _Cubic, _Cubic, _Cubic]], Field(min_length=1)]
 
 
@@ -202,9 +214,9 @@ def _motion(line: _Motion, before: Sequence[Motion]) -> Motion:
     """Return the motion of a line after those `before` it; `ValueError` if it can't be."""
     motion = Motion(tuple(Piece(*piece) for piece in line.pieces))
     if before and motion.start < before[-1].start:
-        raise ValueError(f"a motion from t = {motion.start} s on stands below a later one")
+        raise UserError(f"a motion from t = {motion.start} s on stands below a later one")
     if any(_reach(piece) > LARGEST for piece in motion.pieces):
-        raise ValueError(f"a motion goes further than {LARGEST:g} m")
+        raise UserError(f"a motion goes further than {LARGEST:g} m")
     return motion
 
 

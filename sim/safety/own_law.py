@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
+from floorplan import UserError
 from navigation import (
     Enclosure,
     Encounter,
@@ -53,7 +54,7 @@ LAW = Kind(
 """The kind of class that a rule set names."""
 
 
-class LawError(ValueError):
+class LawError(UserError):
     """A law that makes no sense, or that failed when it was asked."""
 
 

@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from floorplan import UserError
+
 if TYPE_CHECKING:
     from joblib import Parallel
 
@@ -91,7 +93,7 @@ def _dask_client(jobs: int) -> Iterator[None]:
         import dask
         from distributed import Client, LocalCluster, get_client
     except ImportError:
-        raise ValueError("the backend dask needs: pip install 'floorwalker[dask]'") from None
+        raise UserError("the backend dask needs: pip install 'floorwalker[dask]'") from None
     try:
         get_client()
     except ValueError:

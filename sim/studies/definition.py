@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
-from floorplan import InputError
+from floorplan import InputError, UserError
 
 from ..trials.trial import Trial
 from .draws import Distribution, derived_seed
@@ -74,7 +74,7 @@ class Design:
     def row(self, number: int) -> Row:
         """The row of that number; `ValueError` if there is none."""
         if not 0 <= number < len(self):
-            raise ValueError(f"{self.name} has rows 0 to {len(self) - 1}, but no row {number}")
+            raise UserError(f"{self.name} has rows 0 to {len(self) - 1}, but no row {number}")
         repetition, index = divmod(number, len(self.combinations))
         combination = self.combinations[index]
         chosen: dict[str, Value] = {"trial": combination.trial.name}

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
+from ..core.own_source import DEFECT, is_ours
 from ..record.figures import FIGURES
 from ..record.social_metrics import metrics
 from ..runs.run import Run
@@ -28,8 +31,15 @@ def figures_of(finished: Run, *, with_metrics: bool = False) -> Record:
 
 
 def error_in(why: Exception) -> Record:
-    """Return what stands in place of figures where a trial failed: what it raised, on one line."""
-    return {"error": " ".join(f"{type(why).__name__}: {why}".split())}
+    """Return what stands in place of figures where a trial failed: what it raised, on one line.
+
+    An error that no input may cause is told apart, and has the place where it arose.
+    """
+    words = f"{type(why).__name__}: {why}"
+    if not is_ours(why) and not isinstance(why, OSError):
+        at = traceback.extract_tb(why.__traceback__)[-1]
+        words = f"{DEFECT}: {words} ({Path(at.filename).name}, line {at.lineno})"
+    return {"error": " ".join(words.split())}
 
 
 def record_of(row: Row, figures: Record) -> Record:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
-from floorplan import check, require_fields, suggestion
+from floorplan import UserError, check, require_fields, suggestion
 
 from ..core.machine_model import MachineEntry
 from ..core.numbers import is_number
@@ -42,7 +42,7 @@ def put_at(trial: Trial, path: str, value: Any) -> Trial:
     try:
         require_fields(changed)
     except TypeError as why:
-        raise ValueError(str(why)) from None
+        raise UserError(str(why)) from None
     return changed
 
 
@@ -79,13 +79,13 @@ def _put(owner: Any, parts: Sequence[str], value: Any, path: str) -> Any:
         return tuple(
             _put(one, rest, value, path) if head in (EVERYBODY, one.name) else one for one in owner
         )
-    raise ValueError(f"there is no {'.'.join(parts)!r} at the end of {path!r}")
+    raise UserError(f"there is no {'.'.join(parts)!r} at the end of {path!r}")
 
 
 def _require(name: str, known: Sequence[str], path: str) -> None:
     if name not in known:
         hint = suggestion(name, known) if known else "there is nothing"
-        raise ValueError(f"there is no {name!r} in {path!r}; {hint}")
+        raise UserError(f"there is no {name!r} in {path!r}; {hint}")
 
 
 def _figure(before: Any, value: Any, path: str) -> Any:
@@ -95,11 +95,11 @@ def _figure(before: Any, value: Any, path: str) -> Any:
             return value
         if before is not None:
             form = "true or false" if isinstance(before, bool) else "a number"
-            raise ValueError(f"expected {form}")
+            raise UserError(f"expected {form}")
     if is_number(before) or (before is None and is_number(value)):
         if not is_number(value):
-            raise ValueError(f"expected a finite number, found {value!r}")
+            raise UserError(f"expected a finite number, found {value!r}")
         return float(value) if not isinstance(before, int) else value
     if is_dataclass(before) or isinstance(before, Mapping):
-        raise ValueError(f"{path!r} is no single figure")
+        raise UserError(f"{path!r} is no single figure")
     return value

@@ -18,6 +18,7 @@ from floorplan import (
     Positive,
     Problem,
     Strictly,
+    UserError,
     field_name,
     whole,
 )
@@ -48,7 +49,7 @@ class _Draw(Strictly):
         if isinstance(value, str):
             return {"word": value}
         if isinstance(value, Mapping) and "word" in value:
-            raise ValueError("unknown key 'word'")
+            raise UserError("unknown key 'word'")
         return value
 
 
@@ -150,7 +151,7 @@ class _Reader:
                 path = self._folder / source
                 found = path if path.suffix or floorplan.is_there(path) else source
                 trial = Trial.load(found, own_code=self._own_code)
-            except (ValueError, OSError) as why:
+            except (UserError, OSError) as why:
                 self._problem(str(why), "trials", k)
                 continue
             if trial.name in [other.name for other in trials]:
@@ -187,7 +188,7 @@ class _Reader:
                 self._problem("stands in the grid as well", "random", name)
             try:
                 distribution = _distribution(name, entry)
-            except ValueError as why:
+            except UserError as why:
                 self._problem(str(why), "random", name)
                 continue
             if what is None:
@@ -200,7 +201,7 @@ class _Reader:
     def _variable(self, name: str, section: str) -> Variable | None:
         try:
             return variable(name)
-        except ValueError as why:
+        except UserError as why:
             self._problem(str(why), section, name)
             return None
 
@@ -212,8 +213,8 @@ class _Reader:
             try:
                 changed = what.put(trial, value, self._folder)
                 for fault, field in faults(changed):
-                    raise ValueError(f"{field_name(field)}: {fault}")
-            except (ValueError, OSError) as why:
+                    raise UserError(f"{field_name(field)}: {fault}")
+            except (UserError, OSError) as why:
                 where = f"the trial {trial.name!r} can't have it: " if len(trials) > 1 else ""
                 self._problem(f"{where}{why}", *place)
                 return
@@ -229,10 +230,10 @@ def _distribution(name: str, entry: _Draw) -> Distribution:
         return Shuffled()
     if entry.word is not None:
         usual = "shuffled" if name == "job_order" else "uniform, normal or choice with values"
-        raise ValueError(f"expected {usual}, found {entry.word!r}")
+        raise UserError(f"expected {usual}, found {entry.word!r}")
     given = [one for one in (entry.uniform, entry.normal, entry.choice) if one is not None]
     if len(given) != 1 or (entry.within is not None and entry.normal is None):
-        raise ValueError("give one of uniform, choice, or normal (with within, if you like)")
+        raise UserError("give one of uniform, choice, or normal (with within, if you like)")
     if entry.uniform is not None:
         return _uniform(*entry.uniform)
     if entry.choice is not None:
@@ -241,7 +242,7 @@ def _distribution(name: str, entry: _Draw) -> Distribution:
     mean, sd = entry.normal
     low, high = entry.within or (mean - SIGMAS * sd, mean + SIGMAS * sd)
     if not low <= mean <= high or low == high:
-        raise ValueError(f"within has to be [low, high] around the mean {mean:g}")
+        raise UserError(f"within has to be [low, high] around the mean {mean:g}")
     return Normal(mean, sd, low, high)
 
 
@@ -253,7 +254,7 @@ def _uniform(low: Any, high: Any) -> Uniform:
         and all(map(is_number, [*lows, *highs]))
         and all(a <= b for a, b in zip(lows, highs, strict=True))
     ):
-        raise ValueError("uniform has to be [low, high]: two numbers, or two lists of numbers")
+        raise UserError("uniform has to be [low, high]: two numbers, or two lists of numbers")
     return Uniform(_value(low), _value(high))
 
 

@@ -8,9 +8,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from floorplan import UserError
+
 from ..core.output import replacing
 from ..record.lines import csv_line
-from ..record.strict_json import LARGEST
+from ..record.strict_json import LARGEST_OF_ALL
 from .digests import Digests, digest_of
 from .measuring import Record
 
@@ -24,7 +26,7 @@ DIGITS = 19
 """A whole number of so many characters may not fit into 64 bits; it is taken for a float."""
 
 
-class TableError(ValueError):
+class TableError(UserError):
     """A file that holds no results, or damaged ones."""
 
 
@@ -128,8 +130,8 @@ def _number(text: str) -> float:
         with suppress(ValueError):
             return int(text)
     value = float(text)
-    if not abs(value) <= LARGEST:
-        raise ValueError(f"{text} is no figure")
+    if not abs(value) <= LARGEST_OF_ALL:
+        raise UserError(f"{text} is no figure")
     return value
 
 

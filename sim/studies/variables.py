@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from floorplan import is_file, suggestion
+from floorplan import UserError, is_file, suggestion
 from navigation import PlannerChoice
 
 from ..core.numbers import is_number
@@ -69,9 +69,9 @@ def variable(name: str) -> Variable:
     if rest and group in ROOTS:
         return Variable(name, "path", name)
     if name == "seed":
-        raise ValueError("seeds are not varied: each of the runs of `repeat: N` has one of its own")
+        raise UserError("seeds are not varied: each of the runs of `repeat: N` has one of its own")
     known = [*KINDS, *(f"{g}.NAME.{last}" for g, parts in _PARTS.items() for last in parts)]
-    raise ValueError(f"nothing is called {name!r} to vary; {suggestion(name, known)}")
+    raise UserError(f"nothing is called {name!r} to vary; {suggestion(name, known)}")
 
 
 def _personality(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
@@ -94,7 +94,7 @@ def _max_speed(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 def _start_time(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
     time = _number(value)
     if not any(p.start.time is not None for p in trial.people if whose in ("", p.name)):
-        raise ValueError("no person in it starts at a time")
+        raise UserError("no person in it starts at a time")
     return _people(
         trial,
         whose,
@@ -121,7 +121,7 @@ def _job_order(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
     else:
         order = tuple(int(k) for k in _numbers(value, len(jobs), "the number of every job"))
     if sorted(order) != list(range(len(jobs))):
-        raise ValueError(
+        raise UserError(
             f"expected given, reversed, or an order of 0 to {len(jobs) - 1}, found {value!r}"
         )
     return replace(trial, gantry=replace(trial.gantry, jobs=tuple(jobs[k] for k in order)))
@@ -130,9 +130,9 @@ def _job_order(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 def _agv_delay(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
     delay = _number(value)
     if whose and whose not in trial.agvs:
-        raise ValueError(f"no AGV called {whose!r} moves in it")
+        raise UserError(f"no AGV called {whose!r} moves in it")
     if not trial.agvs:
-        raise ValueError("no AGV moves in it")
+        raise UserError("no AGV moves in it")
     agvs = {
         name: tuple(replace(move, time=max(move.time + delay, 0.0)) for move in moves)
         if whose in ("", name)
@@ -196,10 +196,10 @@ def reordered(jobs: tuple[Job, ...], arrange: Callable[[list[int]], list[int]]) 
 
 def _people(trial: Trial, whose: str, change: Callable[[PersonEntry], PersonEntry]) -> Trial:
     if not trial.people:
-        raise ValueError("there is no person in it")
+        raise UserError("there is no person in it")
     names = [person.name for person in trial.people]
     if whose not in ("", *names):
-        raise ValueError(f"no person in it is called {whose!r}; {suggestion(whose, names)}")
+        raise UserError(f"no person in it is called {whose!r}; {suggestion(whose, names)}")
     people = tuple(
         change(person) if whose in ("", person.name) else person for person in trial.people
     )
@@ -226,17 +226,17 @@ def _seen_from(trial_folder: Path, folder: Path, name: str) -> str:
 
 def _text(value: Any) -> str:
     if not isinstance(value, str):
-        raise ValueError(f"expected a name, found {value!r}")
+        raise UserError(f"expected a name, found {value!r}")
     return value
 
 
 def _number(value: Any) -> float:
     if not is_number(value):
-        raise ValueError(f"expected a finite number, found {value!r}")
+        raise UserError(f"expected a finite number, found {value!r}")
     return float(value)
 
 
 def _numbers(value: Any, count: int, what: str) -> list[float]:
     if not isinstance(value, list | tuple) or len(value) != count:
-        raise ValueError(f"expected {what}, found {value!r}")
+        raise UserError(f"expected {what}, found {value!r}")
     return [_number(one) for one in value]

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 import bdi
+from floorplan import UserError
 
 from ..core.rules import RULE_SETS, RuleSet
 from ..machines.gantry.controllers import CONTROLLERS, controller_source
@@ -126,7 +127,7 @@ def _choices(
     for value in values:
         try:
             found.append((_name(value), option.read(value, place)))
-        except (ValueError, OSError) as why:
+        except (UserError, OSError) as why:
             faults.append(f"@pytest.mark.{marker}: {why}")
     if faults:
         pytest.fail("\n".join(faults), pytrace=False)
@@ -143,7 +144,7 @@ def _name(value: Any) -> str:
 
 def _text(value: Any) -> str:
     if not isinstance(value, str | Path):
-        raise ValueError(f"expected a name or a file, found {value!r}")
+        raise UserError(f"expected a name or a file, found {value!r}")
     return str(value)
 
 
@@ -184,7 +185,7 @@ def _rules(value: Any, place: _Place) -> Change:
 
 def _seed(seed: Any, _: _Place) -> Change:
     if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
-        raise ValueError(f"expected whole numbers of at least 0, found {seed!r}")
+        raise UserError(f"expected whole numbers of at least 0, found {seed!r}")
     return lambda trial: replace(trial, seed=seed)
 
 

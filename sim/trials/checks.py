@@ -17,6 +17,7 @@ from floorplan import (
     Fault,
     Place,
     Point,
+    UserError,
     refuse,
     require_fields,
     size_fault,
@@ -48,6 +49,7 @@ from ..people.planners import planner_source
 from ..people.programs import EXTERNAL, find_program
 from ..people.steering.own_steering import steering_source
 from ..people.tracks.walks import track_faults
+from .budget import budget_faults
 from .command_checks import command_faults
 from .expectations import expectation_problems
 from .names import agvs, checked_name, machines, orders, parts, people, stations
@@ -88,7 +90,14 @@ def check_own_events(trial: Scenario) -> None:
 
 
 def faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield everything about `trial` that can't be; its controller is not looked for."""
+    """Yield everything about `trial` that can't be; its controller is not looked for.
+
+    That it asks for too much of something comes alone: with so much of it, all else would take
+    long.
+    """
+    if over := [*budget_faults(trial)]:
+        yield from over
+        return
     if fault := name_fault(trial.name):
         yield fault, ("name",)
     yield from _size(trial.duration, "duration")
@@ -250,6 +259,7 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
                 if place == there:
                     message += "; leave at out, or give anywhere, for a place of their own"
                 yield message, ("people", k, "at")
+                break
         placed.append((person, place))
 
 
@@ -380,7 +390,7 @@ def _name_faults(
 ) -> Iterator[Fault]:
     try:
         checked_name(name, kind, known)
-    except ValueError as why:
+    except UserError as why:
         yield str(why), place
 
 

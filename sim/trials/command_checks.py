@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from floorplan import LARGEST, Fault, height_fault, polygon_fault, suggestion, time_fault
+from floorplan import LARGEST, Fault, UserError, height_fault, polygon_fault, suggestion, time_fault
 
 from ..core.commands import COMMANDS, Command
 from ..core.scenario import Scenario, spot
@@ -39,7 +39,7 @@ def _faults(command: Command, trial: Scenario, placed: set[str]) -> Iterator[tup
         if (name := getattr(command, key)) is not None:
             try:
                 checked_name(name, "person" if key == "send" else "machine", names)
-            except ValueError as why:
+            except UserError as why:
                 yield str(why), key
     if (command.send is None) != (command.to is None):
         yield "a person is sent to a place: [x, y], or the name of a station or a door", "to"

@@ -1,7 +1,8 @@
 """The keys of commands: in a trial file, or in a file of their own."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
@@ -12,13 +13,17 @@ from floorplan import (
     Pair,
     Range,
     Strictly,
+    UserError,
     footprint,
     read_yaml,
 )
 
 from ..core.commands import COMMANDS, Command
 from ..core.keys import Keys
-from ..core.scenario import TrialError
+from ..core.scenario import Scenario, TrialError
+from .command_checks import command_faults
+
+_Made = TypeVar("_Made", bound=Scenario)
 
 
 class _Keys(Keys):
@@ -54,7 +59,7 @@ class _Release(_Keys):
 
 def _one_command(value: Any) -> Any:
     if isinstance(value, dict) and len(value.keys() & {*COMMANDS}) != 1:
-        raise ValueError(f"give a time and one of {', '.join(COMMANDS)}")
+        raise UserError(f"give a time and one of {', '.join(COMMANDS)}")
     return value
 
 
@@ -91,9 +96,18 @@ class _OneCommand(Strictly):
     command: _Command
 
 
-def load_commands(path: Path) -> tuple[Command, ...]:
-    """Return the commands in the file at `path`; `TrialError` says what is wrong with it."""
-    return commands_of(read_yaml(path, TrialError).checked(_CommandFile, TrialError).commands)
+def commanded(trial: _Made, path: Path) -> _Made:
+    """Return the trial with the commands in the file at `path`.
+
+    `TrialError` names the file, and the lines in it that can't be or can't be in this trial.
+    """
+    document = read_yaml(path, TrialError)
+    commands = commands_of(document.checked(_CommandFile, TrialError).commands)
+    made = replace(trial, commands=commands)
+    problems = [document.problem(said, "commands", *at) for said, at in command_faults(made)]
+    if problems:
+        raise TrialError(document.file, problems)
+    return made
 
 
 def commands_of(entries: list[Any]) -> tuple[Command, ...]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from ..core.numbers import is_number
+from floorplan import UserError, is_figure
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 _BOUND = rf"\s*(<=|>=|==|!=|<|>)\s*({_NUMBER})\s*"
@@ -34,21 +34,23 @@ class Comparison:
     @staticmethod
     def parse(wanted: Any) -> Comparison:
         """Return the comparison that `wanted`, a number or text, stands for; else `ValueError`."""
-        if is_number(wanted):
+        if is_figure(wanted):
             return Comparison(f"= {wanted}", (("==", wanted),))
         if isinstance(wanted, str):
             if tolerance := re.fullmatch(_TOLERANCE, wanted):
                 middle, more = Decimal(tolerance[1]), Decimal(tolerance[2])
-                if more >= 0:  # in decimals, for 0.7 + 0.1 is to be 0.8
+                if (
+                    more >= 0 and is_figure(float(middle)) and is_figure(float(more))
+                ):  # in decimals, for 0.7 + 0.1 is to be 0.8
                     return Comparison(
                         f"{tolerance[1]} ± {tolerance[2]}",
                         ((">=", float(middle - more)), ("<=", float(middle + more))),
                     )
             found = [re.fullmatch(_BOUND, part) for part in wanted.split(",")]
             bounds = tuple((bound[1], float(bound[2])) for bound in found if bound)
-            if len(bounds) == len(found):
+            if len(bounds) == len(found) and all(is_figure(bound) for _, bound in bounds):
                 return Comparison(wanted.strip(), bounds)
-        raise ValueError(
+        raise UserError(
             "expected a number or a comparison such as '>= 1.0', '> 1, < 2' or '8.0 ± 0.1',"
             f" found {wanted!r}"
         )

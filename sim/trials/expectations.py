@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from floorplan import Place, suggestion
+from floorplan import Place, UserError, suggestion
 
 from ..core.numbers import is_number
 from ..core.scenario import Scenario
@@ -60,7 +60,7 @@ def _checks(trial: Scenario) -> Iterator[tuple[Place, Check | ValueError]]:
         if key != TIMELINE:
             yield (key,), _attempt(_field_check, key, wanted, fields, trial)
         elif not isinstance(wanted, list):
-            yield (key,), ValueError(f"expected a list, found {wanted!r}")
+            yield (key,), UserError(f"expected a list, found {wanted!r}")
         else:
             for k, written in enumerate(wanted):
                 yield (key, k), _attempt(_statement_check, written, trial)
@@ -69,7 +69,7 @@ def _checks(trial: Scenario) -> Iterator[tuple[Place, Check | ValueError]]:
 def _attempt(read: Callable[..., Check], *arguments: Any) -> Check | ValueError:
     try:
         return read(*arguments)
-    except ValueError as why:
+    except UserError as why:
         return why
 
 
@@ -85,12 +85,12 @@ def _field_check(
         group, _, rest = key.partition(".")
         if group == "machines" and rest:
             names.checked_name(rest.partition(".")[0], "machine", names.machines(trial))
-        raise ValueError(f"a run has no such figure; {_hint(key, fields)}")
+        raise UserError(f"a run has no such figure; {_hint(key, fields)}")
     if field.figure.form == "visits":
         return _visits(key, wanted, field, trial)
     if field.figure.form == "flag":
         if not isinstance(wanted, bool):
-            raise ValueError(f"expected true or false, found {wanted!r}")
+            raise UserError(f"expected true or false, found {wanted!r}")
         return _FigureCheck(key, field, in_words(wanted), lambda found: found is wanted)
     comparison = Comparison.parse(wanted)
     return _FigureCheck(key, field, comparison.text, comparison.passes)
@@ -143,12 +143,12 @@ def _visits(key: str, wanted: Any, field: SummaryField, trial: Scenario) -> Chec
     if isinstance(wanted, list):
         wanted = {"begin_with": wanted}
     if not (isinstance(wanted, Mapping) and len(wanted) == 1 and set(wanted) <= set(_VISITS)):
-        raise ValueError(
+        raise UserError(
             f"expected a list of stations, or one of {', '.join(_VISITS)} with one: {wanted!r}"
         )
     ((how, stations),) = wanted.items()
     if not (isinstance(stations, list) and all(isinstance(one, str) for one in stations)):
-        raise ValueError(f"expected a list of stations, found {stations!r}")
+        raise UserError(f"expected a list of stations, found {stations!r}")
     known = names.stations(trial)
     found = tuple(names.checked_name(name, "station", known) for name in stations)
     return _VisitsCheck(key, field, how, found)

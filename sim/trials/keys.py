@@ -21,6 +21,7 @@ from floorplan import (
     Positive,
     Range,
     Strictly,
+    UserError,
     suggestion,
     whole,
 )
@@ -73,9 +74,9 @@ class _Start(Keys):
     def _one_condition(self) -> "_Start":
         given = self.model_fields_set
         if len(given & {*CONDITIONS}) != 1:
-            raise ValueError(f"give one of {', '.join(CONDITIONS)}")
+            raise UserError(f"give one of {', '.join(CONDITIONS)}")
         if self.event is None and given & {"count", "person"}:
-            raise ValueError("count and person belong to an event")
+            raise UserError("count and person belong to an event")
         return self
 
 
@@ -155,7 +156,7 @@ class _Source(Keys):
     @model_validator(mode="after")
     def _one_or_many(self) -> "_Source":
         if (self.count is None) == (not self.stream):
-            raise ValueError("give count, the number of people who come")
+            raise UserError("give count, the number of people who come")
         return self
 
     def value(self) -> Source:
@@ -191,7 +192,7 @@ class PersonKeys(WorkerKeys):
     def _recorded_or_not(self) -> "PersonKeys":
         needless = sorted(self.model_fields_set - OF_RECORDED)
         if self.recorded is not None and needless:
-            raise ValueError(
+            raise UserError(
                 f"somebody who is recorded walks as measured: leave out {', '.join(needless)}"
             )
         return self
@@ -201,7 +202,7 @@ class PersonKeys(WorkerKeys):
         if self.source is not None:
             for key in ("at", "count", "start"):
                 if key in self.model_fields_set:
-                    raise ValueError(f"{key} and source don't go together; leave it out")
+                    raise UserError(f"{key} and source don't go together; leave it out")
         return self
 
     @property
@@ -237,7 +238,7 @@ def _name_or_keys(value: Any) -> Any:
 
 def _begin(value: Any) -> TimeOfDay:
     if not isinstance(value, str):
-        raise ValueError(f"expected a time of day in quotes, as '09:00', found {value!r}")
+        raise UserError(f"expected a time of day in quotes, as '09:00', found {value!r}")
     return time_of_day(value)
 
 
@@ -250,7 +251,7 @@ class _BlackoutKeys(Keys):
 
 def _as_assumed(name: str) -> str:
     if name not in ASSUMED:
-        raise ValueError(f"{name!r} is nothing that has a source; {suggestion(name, ASSUMED)}")
+        raise UserError(f"{name!r} is nothing that has a source; {suggestion(name, ASSUMED)}")
     return name
 
 

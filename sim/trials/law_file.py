@@ -13,7 +13,7 @@ from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Any
 
-from floorplan import LARGEST, suggestion
+from floorplan import LARGEST, UserError, suggestion
 from navigation import AnyLaw, ApproachLaw, FixedDistance, IntegralLaw, SeparationLaw
 
 from ..core.own_parameters import parameters
@@ -32,7 +32,7 @@ Terms = dict[str, Any]
 """A law as it is written: its name, and with it its terms."""
 
 
-class WrittenLawError(ValueError):
+class WrittenLawError(UserError):
     """A law that is wrong, and the `place` among its keys."""
 
     def __init__(self, message: str, *place: str) -> None:
@@ -130,4 +130,4 @@ def written_law(law: AnyLaw) -> Terms:
     for name, form in LAWS.items():
         if type(law) is form:
             return {name: {term.name: getattr(law, term.name) for term in fields(LAWS[name])}}
-    raise ValueError(f"the law {law!r} can't be written: it came from no file")
+    raise UserError(f"the law {law!r} can't be written: it came from no file")

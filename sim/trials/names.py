@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import bdi
-from floorplan import suggestion
+from floorplan import UserError, suggestion
 
 from ..core.body import PERSON
 from ..core.events import Form
@@ -118,5 +118,5 @@ def checked_name(wanted: Any, form: str, known: Collection[str]) -> str:
     """Return `wanted`, if it is one of those `known`; `ValueError` names those there are."""
     if wanted not in known:
         hint = suggestion(str(wanted), known) if known else "there is none in this trial"
-        raise ValueError(f"no {form} is called {wanted!r}; {hint}")
+        raise UserError(f"no {form} is called {wanted!r}; {hint}")
     return str(wanted)

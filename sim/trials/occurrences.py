@@ -6,11 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from floorplan import suggestion
+from floorplan import UserError, is_figure, suggestion
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
 from ..core.events import EVENT_KINDS, Form
-from ..core.numbers import is_number
 from ..core.recorder import Event
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
@@ -103,7 +102,7 @@ def read_event(written: Any, trial: Scenario) -> EventPattern:
     if isinstance(written, str):
         written = {"kind": written}
     if not isinstance(written, Mapping) or "kind" not in written:
-        raise ValueError(f"expected a kind of event, or keys with kind among them: {written!r}")
+        raise UserError(f"expected a kind of event, or keys with kind among them: {written!r}")
     named = str(written["kind"])
     kind = checked_name(named, "kind of event", event_kinds(trial, named))
     if kind not in EVENT_KINDS:  # its fields are read once it is defined, as the run begins
@@ -115,7 +114,7 @@ def read_event(written: Any, trial: Scenario) -> EventPattern:
             continue
         if key not in forms:
             hint = suggestion(str(key), forms) if forms else "it has no fields"
-            raise ValueError(f"an event {kind!r} has no field {key!r}; {hint}")
+            raise UserError(f"an event {kind!r} has no field {key!r}; {hint}")
         fields.append((key, _value(kind, key, forms[key], wanted, trial)))
     return EventPattern(kind, tuple(fields))
 
@@ -134,17 +133,17 @@ def read_state(written: Any, trial: Scenario) -> Near | Moves:
         if keys == {key, "metres"}:
             pair, metres = written[key], written["metres"]
             if not (isinstance(pair, list) and len(pair) == 2):
-                raise ValueError(f"{key}: expected the names of two bodies, found {pair!r}")
+                raise UserError(f"{key}: expected the names of two bodies, found {pair!r}")
             first, second = (_body(name, trial) for name in pair)
             if first == second:
-                raise ValueError(f"{key}: expected two bodies, found {first!r} twice")
-            if not (is_number(metres) and metres > 0):
-                raise ValueError(f"metres: expected a number of more than 0, found {metres!r}")
+                raise UserError(f"{key}: expected two bodies, found {first!r} twice")
+            if not (is_figure(metres) and metres > 0):
+                raise UserError(f"metres: expected a number of more than 0, found {metres!r}")
             return Near((first, second), float(metres), apart)
     for key in ("moving", "standing"):
         if keys == {key}:
             return Moves(_body(written[key], trial), key == "moving")
-    raise ValueError(
+    raise UserError(
         "expected a state: {near: [BODY, BODY], metres: M}, {apart: [BODY, BODY], metres: M},"
         f" {{moving: BODY}} or {{standing: BODY}}, found {written!r}"
     )
@@ -155,17 +154,17 @@ def _value(kind: str, key: str, form: Form, wanted: Any, trial: Scenario) -> Any
         return Comparison.parse(wanted)
     if form == "flag":
         if not isinstance(wanted, bool):
-            raise ValueError(f"{key}: expected true or false, found {wanted!r}")
+            raise UserError(f"{key}: expected true or false, found {wanted!r}")
         return wanted
     if form in ("point", "list"):
-        raise ValueError(f"{key} of an event {kind!r} is a {form}; only single values are compared")
-    if form == "location" and is_number(wanted):
+        raise UserError(f"{key} of an event {kind!r} is a {form}; only single values are compared")
+    if form == "location" and is_figure(wanted):
         return wanted
     known = known_names(trial, form)
     if known is not None:
         return checked_name(wanted, form, known)
     if not isinstance(wanted, str):
-        raise ValueError(f"{key}: expected text, found {wanted!r}")
+        raise UserError(f"{key}: expected text, found {wanted!r}")
     return wanted
 
 
@@ -175,5 +174,5 @@ def _body(name: Any, trial: Scenario) -> str:
 
 def _is(found: Any, wanted: Any) -> bool:
     if isinstance(wanted, Comparison):
-        return is_number(found) and wanted.passes(found)
+        return is_figure(found) and wanted.passes(found)
     return bool(found == wanted)

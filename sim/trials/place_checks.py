@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from shapely.geometry import Point
 
-from floorplan import LARGEST, Fault, height_fault, polygon_fault, suggestion
+from floorplan import LARGEST, Fault, UserError, height_fault, polygon_fault, suggestion
 
 from ..core.closures import Closures, Interval
 from ..core.scenario import Scenario
@@ -83,7 +83,7 @@ def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
         for k, move in enumerate(trial.agvs.get(lane.name, ())):
             try:
                 to = lane.lane_position(move.to)
-            except ValueError:
+            except UserError:
                 break  # told already; where the lane goes on from is not known
             for zone in plan.zones:
                 if not (zone.forbidden and zone.is_about(lane.name)):

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from floorplan import Obstacle, ObstacleSchema, Strictly, footprint
+from floorplan import Obstacle, ObstacleSchema, Strictly, UserError, footprint
 
 from ..core.closures import DoorTimes, Interval, TimedObstacle
 from ..core.keys import Keys
@@ -44,7 +44,7 @@ class DoorKeys(Strictly):
     @model_validator(mode="after")
     def _one(self) -> "DoorKeys":
         if (self.closed is None) == (self.open is None):
-            raise ValueError("give one of closed and open: the times at which it is")
+            raise UserError("give one of closed and open: the times at which it is")
         return self
 
     def value_at(self, begins: float) -> DoorTimes:

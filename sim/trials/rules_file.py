@@ -17,6 +17,7 @@ from floorplan import (
     Positive,
     Problem,
     Strictly,
+    UserError,
     suggestion,
 )
 from navigation import AnyLaw, Scaled
@@ -40,7 +41,7 @@ class RulesError(InputError):
 
 def _lasting(seconds: float) -> float:
     if seconds == 0:
-        raise ValueError(NO_TIME)
+        raise UserError(NO_TIME)
     return seconds
 
 
@@ -94,7 +95,7 @@ class RuleKeys(Strictly):
         if isinstance(value, str):
             return {"source": value}
         if isinstance(value, Mapping) and "source" in value:
-            raise ValueError("unknown key 'source'; for a rule set of a file write rules: FILE")
+            raise UserError("unknown key 'source'; for a rule set of a file write rules: FILE")
         return value
 
 
@@ -137,7 +138,7 @@ def build_rules(
             return find_rules(keys.source, folder, own_code=own_code), []
         except RulesError:
             raise
-        except ValueError as why:
+        except UserError as why:
             return PAPER, [document.problem(str(why), *place)]
     problems: list[Problem] = []
     base = RULE_SETS.get(keys.based_on)

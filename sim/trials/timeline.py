@@ -12,9 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from floorplan import suggestion
+from floorplan import UserError, is_figure, suggestion
 
-from ..core.numbers import is_number
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
 from .comparison import Comparison, Verdict
@@ -57,18 +56,18 @@ class Window:
         if isinstance(self.after, EventPattern):
             first = next(self.after.found(run), None)
             if first is None:
-                raise ValueError(f"{self.after} never happened")
+                raise UserError(f"{self.after} never happened")
             begin: Moment = (first[1]["t"], float(first[0]))
         else:
             begin = (self.after, -1.0)
             if self.after >= run.duration:
-                raise ValueError(f"the run ended at t = {run.duration:.3f} s")
+                raise UserError(f"the run ended at t = {run.duration:.3f} s")
         end: Moment = (min(run.duration, begin[0] + self.within), math.inf)
         if isinstance(self.before, EventPattern):
             ends = ((e["t"], float(k)) for k, e in self.before.found(run))
             return begin, min(end, next((m for m in ends if m > begin), end))
         if self.before < begin[0]:
-            raise ValueError(f"{self.after} happened at t = {begin[0]:.3f} s only")
+            raise UserError(f"{self.after} happened at t = {begin[0]:.3f} s only")
         return begin, min(end, (self.before, math.inf))
 
     def __str__(self) -> str:
@@ -100,7 +99,7 @@ class Statement:
         """Return whether it holds in `run`."""
         try:
             window = self.window.of(run)
-        except ValueError as why:
+        except UserError as why:
             return Verdict(str(self), str(why), False)
         if self.form == "whenever":
             return self._answered(run, *window)
@@ -158,22 +157,22 @@ class Statement:
 def read_statement(written: Any, trial: Scenario) -> Statement:
     """The statement that `written` stands for; `ValueError` says what is wrong with it."""
     if not isinstance(written, Mapping):
-        raise ValueError(f"expected keys with one of {', '.join(_FORMS)} among them: {written!r}")
+        raise UserError(f"expected keys with one of {', '.join(_FORMS)} among them: {written!r}")
     (form, *others) = [key for key in _FORMS if key in written] or [""]
     if not form or others:
-        raise ValueError(f"expected exactly one of {', '.join(_FORMS)}, found {list(written)}")
+        raise UserError(f"expected exactly one of {', '.join(_FORMS)}, found {list(written)}")
     for key in written:
         if key != form and key not in _FORMS[form]:
             hint = suggestion(str(key), sorted(_FORMS[form]))
-            raise ValueError(f"{form!r} takes no {key!r}; {hint}")
+            raise UserError(f"{form!r} takes no {key!r}; {hint}")
     after = _scope("after", written.get("after", 0.0), trial)
     before = _scope("before", written.get("before", math.inf), trial)
     if isinstance(after, float) and isinstance(before, float) and after >= before:
-        raise ValueError(f"before: expected more than the {after:g} s of after, found {before:g}")
+        raise UserError(f"before: expected more than the {after:g} s of after, found {before:g}")
     within = _seconds("within", written["within"]) if "within" in written else math.inf
     if form == "whenever":
         if "then" not in written or "within" not in written:
-            raise ValueError("'whenever' needs then: what is to follow, and within: seconds")
+            raise UserError("'whenever' needs then: what is to follow, and within: seconds")
         what = read_occurrence(written["then"], trial)
         trigger = read_event(written["whenever"], trial)
         window = Window(after, before)
@@ -181,7 +180,7 @@ def read_statement(written: Any, trial: Scenario) -> Statement:
     window = Window(after, before, within)
     what = (read_state if form == "always" else read_occurrence)(written[form], trial)
     if within <= INSTANT and not isinstance(what, EventPattern):
-        raise ValueError(f"within: a state lasts; expected more than {INSTANT:g} s")
+        raise UserError(f"within: a state lasts; expected more than {INSTANT:g} s")
     if form == "always":
         return Statement("always", what, window)
     if form == "never":
@@ -197,8 +196,8 @@ def _scope(key: str, written: Any, trial: Scenario) -> float | EventPattern:
 
 
 def _seconds(key: str, written: Any) -> float:
-    if not (is_number(written) and written >= 0):
-        raise ValueError(f"{key}: expected seconds, found {written!r}")
+    if not (is_figure(written) and written >= 0):
+        raise UserError(f"{key}: expected seconds, found {written!r}")
     return float(written)
 
 

@@ -12,7 +12,6 @@ import bdi
 import floorplan
 from floorplan import Document, Floorplan, Place, Problem, suggestion
 
-from ..core.commands import Command
 from ..core.machine_model import MachineEntry
 from ..core.output import write_whole
 from ..core.own_source import OwnCodeError
@@ -23,8 +22,9 @@ from ..machines.gantry.controllers import ControllerError, controller_source
 from ..orders import reading
 from ..people.own_actions import modules_of
 from ..people.programs import load_program
+from .budget import people_fault
 from .checks import faults
-from .command_keys import commands_of, load_commands
+from .command_keys import commanded, commands_of
 from .keys import TrialKeys
 from .likely_slips import likely_slips
 from .own_names import out_of_reach
@@ -128,10 +128,14 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
     if other := _something_else(document):
         raise TrialError(document.file, [Problem(f"is {other}")])
     schema = document.checked(TrialKeys, TrialError)
+    _refuse_crowds(schema, document)
     home, folder = folder, folder / schema.folder
     name = Path(document.file).name.split(".")[0] if schema.name is None else schema.name
     plan = _floorplan(schema.floorplan, folder, document, name)
     lanes = {lane.name: lane for lane in plan.lanes}
+    moves = sum(number_of(agv.values(), schema.duration) for agv in schema.agvs.values())
+    if moves > MOST_MOVES:
+        lanes = {}  # so that they stay as given, to be refused
     rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
     trial = form(
         floorplan=plan,
@@ -166,22 +170,28 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
             keys.value_at(name, schema.begins) for name, keys in schema.obstacles.items()
         ),
         blackouts=tuple(keys.value() for keys in schema.blackouts),
-        commands=_commands(schema.commands, folder, document),
+        commands=() if isinstance(schema.commands, str) else commands_of(schema.commands),
         sources=schema.sources,
     )
-    rule_problems += [
-        document.problem(f"makes more than {MOST_MOVES:,} moves in the trial", "agvs", name)
-        for name, agv in schema.agvs.items()
-        if number_of(agv.values(), schema.duration) > MOST_MOVES
-    ]
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
+    if isinstance(schema.commands, str):
+        trial = commanded(trial, _named_file(folder, schema.commands, document, "commands"))
     problems = [*rule_problems, *_problems(trial, document)]
     if fault := out_of_reach(trial, home):
         problems.append(document.problem(fault, "folder"))
     if problems:
         raise TrialError(document.file, problems)
     return replace(trial, notices=(*trial.notices, *likely_slips(trial, document)))
+
+
+def _refuse_crowds(schema: TrialKeys, document: Document) -> None:
+    """Raise `TrialError` where there are more people than the budget has, before they are made."""
+    if found := people_fault(person.many or 1 for person in schema.people):
+        k, message = found
+        person = schema.people[k]
+        key = ("count",) if person.count else ("source", "count") if person.source else ()
+        raise TrialError(document.file, [document.problem(message, "people", k, *key)])
 
 
 def _something_else(document: Document) -> str:
@@ -244,12 +254,6 @@ def _timed(person: PersonEntry, begins: float) -> PersonEntry:
 
 def _machine(keys: dict[str, Any]) -> MachineEntry:
     return MachineEntry(str(keys.get("kind", "")), {k: v for k, v in keys.items() if k != "kind"})
-
-
-def _commands(given: str | list[Any], folder: Path, document: Document) -> tuple[Command, ...]:
-    if not isinstance(given, str):
-        return commands_of(given)
-    return load_commands(_named_file(folder, given, document, "commands"))
 
 
 def _named_file(folder: Path, name: str, document: Document, key: str) -> Path:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 import floorplan
+from floorplan import UserError
 from navigation import Motion, PlannerChoice
 
 from ..core.closures import DoorTimes, Interval, TimedObstacle
@@ -37,7 +38,7 @@ def to_yaml(trial: Scenario, folder: Path) -> str:
     """See `Trial.to_yaml`."""
     data = _trial(trial)
     if fault := out_of_reach(trial, folder):
-        raise ValueError(f"the trial {trial.name!r} can't be written into {folder}: {fault}")
+        raise UserError(f"the trial {trial.name!r} can't be written into {folder}: {fault}")
     if trial.folder.resolve() != folder.resolve():
         data["folder"] = Path(os.path.relpath(trial.folder, folder)).as_posix()
     return floorplan.yaml_text(data)
@@ -76,7 +77,7 @@ def _trial(trial: Scenario) -> Data:
 def _orders(trial: Scenario, workload: Workload) -> Data:
     """The orders, and what would otherwise be taken from their file as well."""
     if not workload.source:
-        raise ValueError(
+        raise UserError(
             f"the trial {trial.name!r} can't be written: its orders came from no file; give source"
         )
     return {
@@ -101,8 +102,8 @@ def _floorplan(trial: Scenario) -> str | Data:
 def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
     try:
         return written_personality(one.personality, trial.folder)
-    except ValueError as why:
-        raise ValueError(
+    except UserError as why:
+        raise UserError(
             f"the trial {trial.name!r} can't be written: the program {one.personality_name!r} {why}"
         ) from None
 
@@ -126,7 +127,7 @@ def _value(value: Any, trial: Scenario) -> Any:
         case RecordedTrack():
             return _fields(value, trial)
         case Motion():
-            raise ValueError(
+            raise UserError(
                 f"the trial {trial.name!r} can't be written: a recorded motion came from no file"
             )
         case Start():
@@ -180,7 +181,7 @@ def _agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:
 def _machine(name: str, entry: MachineEntry) -> Data:
     known = [kind for kind, model in KINDS.items() if entry.kind in (kind, model)]
     if not (known or isinstance(entry.kind, str)):
-        raise ValueError(f"the machine {name!r} can't be written: give its kind by name")
+        raise UserError(f"the machine {name!r} can't be written: give its kind by name")
     return {"kind": known[0] if known else entry.kind, **entry.keys}
 
 
@@ -214,7 +215,7 @@ def _found_again(made: Any, name: str, kind: str, trial: Scenario) -> str:
         path = path.parent if path.name == "__init__" else path
         if path.is_relative_to(folder):
             return f"{'.'.join(path.relative_to(folder).parts)}:{name}"
-    raise ValueError(
+    raise UserError(
         f"the trial {trial.name!r} can't be written: its {kind} {name} is in no module"
         f" in its folder, {folder}; put it into a file there, and give its name, as in"
         " 'mine:shy' for the function shy in mine.py"

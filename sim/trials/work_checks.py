@@ -37,11 +37,13 @@ def person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
             if task.duration.kind == "fixed" and task.every is None:
                 timed.append((task.time, task.time + task.duration.values[0], key, k))
     timed.sort()
-    for k, (begin, _, key, number) in enumerate(timed):
-        _, until, other, before = max(timed[:k], key=lambda one: one[1], default=(0, 0.0, "", 0))
+    last = (0.0, 0.0, "", 0)
+    for task in timed:
+        (begin, _, key, number), (_, until, other, before) = task, last
         if begin < until:
             message = f"begins at {begin:g} s, before {other}[{before}] ends at {until:g} s"
             yield message, (key, number)
+        last = max(last, task, key=lambda one: one[1])
     end = 0.0
     for k, (begin, until) in enumerate(person.shifts):
         if not 0 <= begin < until <= LARGEST:

@@ -13,7 +13,7 @@ from pydantic import (
     model_validator,
 )
 
-from floorplan import Flag, NotNegative, Number, Positive, whole
+from floorplan import Flag, NotNegative, Number, Positive, UserError, whole
 
 from ..core.keys import Keys
 from ..core.work import Duration, Shift, WorkList, WorkTask
@@ -40,14 +40,14 @@ def time_of_day(text: str) -> TimeOfDay:
     parts = [int(part) for part in text.split(":")] if re.fullmatch(_TIME, text) else [24]
     hours, minutes, seconds = (*parts, 0, 0)[:3]
     if not (hours < 24 and minutes < 60 and seconds < 60):
-        raise ValueError(f"expected a time of day as 09:00, found {text!r}")
+        raise UserError(f"expected a time of day as 09:00, found {text!r}")
     return TimeOfDay(3600 * hours + 60 * minutes + seconds)
 
 
 def _seconds(text: str) -> float:
     found = re.fullmatch(_LENGTH, text)
     if found is None:
-        raise ValueError(f"expected a length of time as 12 min, 90 s or 1.5 h, found {text!r}")
+        raise UserError(f"expected a length of time as 12 min, 90 s or 1.5 h, found {text!r}")
     return float(found[1]) * _UNITS[found[2]]
 
 
@@ -71,11 +71,11 @@ class DrawnKeys(Keys):
     @model_validator(mode="after")
     def _one(self) -> "DrawnKeys":
         if len(self.model_fields_set) != 1:
-            raise ValueError(f"give one of {', '.join(type(self).model_fields)}")
+            raise UserError(f"give one of {', '.join(type(self).model_fields)}")
         for name in ("uniform", "triangular"):
             given = getattr(self, name)
             if given is not None and list(given) != sorted(given):
-                raise ValueError(f"{name} must rise, found {list(given)}")
+                raise UserError(f"{name} must rise, found {list(given)}")
         return self
 
     def value(self) -> Duration:
@@ -104,7 +104,7 @@ class TaskKeys(Keys):
     @model_validator(mode="after")
     def _count_of_what(self) -> "TaskKeys":
         if self.count is not None and self.every is None:
-            raise ValueError("a count needs every: the seconds from one to the next")
+            raise UserError("a count needs every: the seconds from one to the next")
         return self
 
     def value(self) -> WorkTask:
@@ -120,7 +120,7 @@ def _entry(value: Any) -> Any:
         return value
     found = re.fullmatch(_ENTRY, value.strip())
     if found is None:
-        raise ValueError(f"expected keys, or text as '09:00 station2 for 12 min', found {value!r}")
+        raise UserError(f"expected keys, or text as '09:00 station2 for 12 min', found {value!r}")
     return {"time": found[1], "at": found[2], "duration": found[3]}
 
 
@@ -137,9 +137,7 @@ class WorkListKeys(Keys):
     @model_validator(mode="after")
     def _repeats_once(self) -> "WorkListKeys":
         if self.repeat and any(task.every is not None for task in self.tasks):
-            raise ValueError(
-                "tasks of a list that repeats come again when they are done, not every"
-            )
+            raise UserError("tasks of a list that repeats come again when they are done, not every")
         return self
 
 
@@ -155,7 +153,7 @@ def _shift(value: Any) -> Any:
         return value
     found = re.fullmatch(_SHIFT, value.strip())
     if found is None:
-        raise ValueError(f"expected [begin, end] in seconds or '06:00 - 14:00', found {value!r}")
+        raise UserError(f"expected [begin, end] in seconds or '06:00 - 14:00', found {value!r}")
     return [found[1], found[2]]
 
 

@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 from urllib.request import urlopen
 
+from floorplan import UserError
+
 from .extras import MissingExtraError
 
 NAMES = (
@@ -48,7 +50,7 @@ PATIENCE = 60.0
 """Seconds that the browser may take for one thing."""
 
 
-class BrowserError(ValueError):
+class BrowserError(UserError):
     """The browser does not do what it should."""
 
 

@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floorplan import UserError
+
 BLOCK = 512
 """Pieces in a block, but for the last one of a body."""
 
@@ -72,7 +74,7 @@ def unpack(index: Mapping[str, Any], blocks: bytes) -> dict[str, list[Any]]:
     try:
         return {name: _pieces_of(body, blocks) for name, body in index.items()}
     except (LookupError, TypeError, AttributeError, ValueError) as why:
-        raise ValueError(f"its motions can't be read: {why}") from None
+        raise UserError(f"its motions can't be read: {why}") from None
 
 
 def _packed(pieces: Sequence[Any]) -> tuple[_Integers, _Integers] | None:
@@ -180,7 +182,7 @@ def _pieces_of(body: Mapping[str, Any], blocks: bytes) -> list[Any]:
         count = min(BLOCK, body["count"] - len(pieces))
         pieces += _read(blocks[at : at + size], count)
     if len(pieces) != body["count"]:
-        raise ValueError("blocks are missing")
+        raise UserError("blocks are missing")
     return pieces
 
 
@@ -191,7 +193,7 @@ def _read(block: bytes, count: int) -> list[Any]:
     there = _written_ones(lengths)
     integers = _integers_in(np.frombuffer(block[count:], dtype=np.uint8))
     if len(integers) != there.sum():
-        raise ValueError("numbers are missing")
+        raise UserError("numbers are missing")
     table = np.zeros((count, 14), dtype=np.int64)
     table[there] = integers
     # As they follow from each other: times alone, velocities from these and from c₂ and c₃, which

@@ -10,6 +10,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from floorplan import UserError
+
 from ..record.outcome import Outcome
 from .chromium import Browser
 from .replay import render
@@ -46,7 +48,7 @@ class PageFilm:
     ) -> None:
         if follow and follow not in run.scene.starts:
             known = ", ".join(run.scene.starts)
-            raise ValueError(f"nobody is called {follow!r}, to be followed (there are: {known})")
+            raise UserError(f"nobody is called {follow!r}, to be followed (there are: {known})")
         self._run = run
         self._look = {"view": view, "speed": speed, "follow": follow}
         self._dark = dark

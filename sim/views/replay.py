@@ -17,6 +17,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from floorplan import UserError
+
 from ..record.strict_json import parse_json
 from .packed_motions import pack, unpack
 
@@ -115,12 +117,12 @@ def recordings_in(page: str) -> list[dict[str, Any]]:
         try:
             recording = _recording_in(page, name)
         except ValueError as why:
-            raise ValueError(f"the {name} in it is damaged: {why}") from None
+            raise UserError(f"the {name} in it is damaged: {why}") from None
         if recording is not None:
             _check_format(recording)
             recordings.append(recording)
     if not recordings:
-        raise ValueError("is no replay page: it holds no recording")
+        raise UserError("is no replay page: it holds no recording")
     return recordings
 
 
@@ -183,7 +185,7 @@ def _recording_in(page: str, name: str) -> dict[str, Any] | None:
                 who: mind["minds"][who] for who, mind in zip(recording["minds"], minds, strict=True)
             }
     except (LookupError, TypeError, ValueError) as why:
-        raise ValueError(f"its minds can't be read: {why}") from None
+        raise UserError(f"its minds can't be read: {why}") from None
     if motions:
         recording["motions"] = unpack(recording["motions"], motions)
     return recording
@@ -200,13 +202,13 @@ def _content_of(page: str, name: str) -> bytes | None:
     try:
         return zlib.decompress(base64.b64decode(text, validate=True))
     except zlib.error as why:
-        raise ValueError(str(why)) from None
+        raise UserError(str(why)) from None
 
 
 def _check_format(recording: Any) -> None:
     found = recording.get("format") if isinstance(recording, Mapping) else None
     if found != FORMAT:
-        raise ValueError(f"the replay page reads recordings of format {FORMAT!r}, not {found!r}")
+        raise UserError(f"the replay page reads recordings of format {FORMAT!r}, not {found!r}")
 
 
 def _embeddable(recording: Mapping[str, Any]) -> str:
@@ -217,5 +219,5 @@ def _embeddable(recording: Mapping[str, Any]) -> str:
     try:
         text = json.dumps(recording, allow_nan=False, separators=(",", ":"))
     except (TypeError, ValueError) as why:
-        raise ValueError(f"the recording cannot be written as JSON: {why}") from None
+        raise UserError(f"the recording cannot be written as JSON: {why}") from None
     return text.replace("<", "\\u003c")

@@ -482,3 +482,32 @@ def test_what_is_registered_for_the_end_is_done_at_the_end(words, code, tmp_path
     assert done.returncode == code
     assert done.stdout.endswith("the end\n")
     assert "leaked" not in done.stderr
+
+
+def test_an_error_that_no_input_may_cause_shows_its_traceback(monkeypatch, tmp_path, capsys):
+    def broken(*_):
+        return (1, 2).index(3)
+
+    monkeypatch.setattr(sim.simulation.Simulation, "advance", broken)
+    monkeypatch.setattr(sys, "argv", ["floorwalker", "run", "--out", str(tmp_path / "run")])
+    with pytest.raises(SystemExit) as ended:
+        sim.cli.main()
+    assert ended.value.code == 1
+    *_, error, last = capsys.readouterr().err.splitlines()
+    assert error == "ValueError: tuple.index(x): x not in tuple"
+    assert "defect of Floorwalker" in last
+    assert "report it" in last
+
+
+def test_check_does_not_list_a_defect_as_a_fault_of_the_file(monkeypatch, tmp_path, capsys):
+    def broken(*_, **__):
+        raise ValueError("inside")
+
+    (tmp_path / "one.trial.yaml").write_text("floorplan: ariac2023\n")
+    monkeypatch.setattr(sim.Trial, "load", broken)
+    monkeypatch.setattr(sys, "argv", ["floorwalker", "check", str(tmp_path / "one.trial.yaml")])
+    with pytest.raises(SystemExit) as ended:
+        sim.cli.main()
+    assert ended.value.code == 1
+    assert "Traceback" in (said := capsys.readouterr().err)
+    assert "defect of Floorwalker" in said

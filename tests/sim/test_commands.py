@@ -1,14 +1,13 @@
 """What is done from outside in a run is the same run again from the file it was recorded in."""
 
 import random
-from dataclasses import replace
 
 import pytest
 from shapely.geometry import box
 
 import sim
 from floorplan import Obstacle
-from sim.trials.command_keys import load_commands
+from sim.trials.command_keys import commanded
 
 TRIAL = """
 floorplan: ariac2023
@@ -54,7 +53,7 @@ def test_a_run_with_commands_repeats_byte_for_byte(tmp_path):
     interfere(simulation, random.Random(3))
     first.finish(simulation.finish())
     assert len(simulation.commands) > 20
-    again = replace(trial, commands=load_commands(first.folder / "commands.yaml"))
+    again = commanded(trial, first.folder / "commands.yaml")
     second.finish(sim.run(again, second))
     for file in first.folder.iterdir():
         if file.name != "summary.json":

@@ -169,3 +169,15 @@ def test_a_trial_with_changes_can_be_written_and_read_again():
         " {when: {event: arrived, person: operator, count: 2}, personality: scared}"
     )
     assert sim.Trial.parse(first.to_yaml(".")).people == first.people
+
+
+def test_the_personality_of_people_who_walk_together_changes():
+    text = """
+floorplan: warehouse
+duration: 5
+people:
+  - {name: a, count: 2, group: g, changes: [{when: {time: 2}, personality: helpful}]}
+"""
+    run = sim.run(sim.Trial.parse(text))
+    changed = events(run, "personality_changed")
+    assert [(one["t"], one["person"]) for one in changed] == [(2.0, "a1"), (2.0, "a2")]

@@ -225,3 +225,14 @@ def test_laws_of_all_kinds_have_a_sheet():
     for law in laws:
         sheet = law_sheet(law)
         assert "0.25" in sheet.formula + "".join(value for _, value, _ in sheet.terms)
+
+
+@pytest.mark.filterwarnings("error")
+def test_names_that_the_font_lacks_give_no_warning(tmp_path):
+    text = (
+        TRIAL.replace("RULES", "observe")
+        .replace("west", "組立")
+        .replace("duration: 30", "duration: 2")
+    )
+    sim.safety_report(sim.run(sim.Trial.parse(text)), tmp_path / "report.html")
+    assert "組立" in (tmp_path / "report.html").read_text(encoding="utf-8")

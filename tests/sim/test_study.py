@@ -395,3 +395,21 @@ def test_a_table_cut_anywhere_is_gone_on_with(cut, tmp_path_factory):
     assert columns["x"] == [1.5, None, 2.0, -1e-9]
     assert columns["y"] == [None, None, 7, None]
     assert columns["name"][1] == 'c"'
+
+
+def test_a_defect_in_a_row_is_told_apart_from_what_a_user_may_mend():
+    from sim.studies.measuring import error_in
+
+    def failing(cause):
+        try:
+            cause()
+        except Exception as why:
+            return error_in(why)["error"]
+
+    def mistake():
+        sim.Trial.load("no_such_trial")
+
+    assert failing(mistake).startswith("TrialError: no_such_trial: no such file")
+    defect = failing(lambda: (1, 2).index(3))
+    assert "defect of Floorwalker" in defect
+    assert "ValueError: tuple.index(x): x not in tuple (test_study.py, line " in defect

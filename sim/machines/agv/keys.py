@@ -2,11 +2,22 @@
 
 from pydantic import Field, model_validator
 
-from floorplan import Angle, Flag, Lane, NotNegative, Number, Pair, Positive, Range, Strictly
+from floorplan import (
+    Angle,
+    Flag,
+    Lane,
+    NotNegative,
+    Number,
+    Pair,
+    Positive,
+    Range,
+    Strictly,
+    UserError,
+)
 
 from ...core.keys import Keys
 from ...core.scenario import AgvMove
-from .moves import MOST_MOVES, number_of, repeated
+from .moves import repeated
 
 
 class _Move(Keys):
@@ -37,12 +48,12 @@ class AgvKeys(Strictly):
         If there is something wrong with one, they are as given, so that it is found at its place.
         """
         given = self.values()
-        if lane is None or number_of(given, end) > MOST_MOVES:
+        if lane is None:
             return given
         try:
             for move in given:
                 lane.lane_position(move.to)
-        except ValueError:
+        except UserError:
             return given
         return repeated(given, end)
 

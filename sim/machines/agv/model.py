@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from floorplan import Fault, Floorplan, Lane, size_fault, time_fault
+from floorplan import Fault, Floorplan, Lane, UserError, size_fault, time_fault
 from navigation import Stop, longest_stop
 
 from ...core.machine import MachineShape
@@ -15,7 +15,7 @@ from ...core.scenario import AgvMove
 from ...core.stage import Stage
 from .agv import Agv, agv_shape
 from .keys import CartKeys
-from .moves import MOST_MOVES, number_of, repeated
+from .moves import repeated
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,6 @@ class AgvModel(MachineModel):
 
     def make(self, name: str, stage: Stage) -> Agv:
         """Return the AGV; `ValueError` if it moves too often."""
-        if number_of(self.moves, stage.end) > MOST_MOVES:
-            raise ValueError(f"{name} makes more than {MOST_MOVES:,} moves in the trial")
         return Agv(stage, self.lane, repeated(self.moves, stage.end), yields=self.yields)
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
@@ -53,7 +51,7 @@ class AgvModel(MachineModel):
         for k, move in enumerate(self.moves):
             try:
                 self.lane.lane_position(move.to)
-            except ValueError as why:
+            except UserError as why:
                 yield str(why), (k, "to")
             if fault := time_fault(move.time):
                 yield fault, (k, "time")

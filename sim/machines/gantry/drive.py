@@ -9,7 +9,7 @@ from typing import Any
 
 from simpy.events import Event
 
-from floorplan import Gantry
+from floorplan import Gantry, UserError
 from navigation import (
     AxisLimits,
     Motion,
@@ -98,7 +98,7 @@ class Drive:
         if known is not None:
             return known
         if faults := self._gantry.faults(target):
-            raise ValueError("; ".join(faults))
+            raise UserError("; ".join(faults))
         limits = self._slower.get(speed_share)
         if limits is None:
             x, y, rotation = (_slower(axis, speed_share) for axis in self._limits)
@@ -155,7 +155,7 @@ class Drive:
     def follow(self, motion: Motion) -> Event:
         """Go along `motion`, which begins here and now; see `GantryRobot.follow`."""
         if self.disabled:
-            raise ValueError("the gantry is disabled")
+            raise UserError("the gantry is disabled")
         move = Move(self, self.begin(), None)
         self.body.follow(motion)
         self._begin_soon(move)
@@ -171,7 +171,7 @@ class Drive:
     def wait(self, seconds: float) -> Steps:
         """Let `seconds` go by in which it is not disabled."""
         if not 0 <= seconds < math.inf:
-            raise ValueError(f"can't wait {seconds} s")
+            raise UserError(f"can't wait {seconds} s")
         return self._enabled_for(seconds, None)
 
     def work(self, seconds: float, command: int) -> Steps:
@@ -331,5 +331,5 @@ class Move(Event):
 
 def _slower(axis: AxisLimits, share: float) -> AxisLimits:
     if not 0 < share <= 1:
-        raise ValueError(f"speed_share must be more than 0 and at most 1, not {share}")
+        raise UserError(f"speed_share must be more than 0 and at most 1, not {share}")
     return replace(axis, max_speed=axis.max_speed * share)

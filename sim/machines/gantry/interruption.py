@@ -11,7 +11,7 @@ from typing import Any, Literal
 from simpy.events import Event, Process
 from simpy.exceptions import Interrupt
 
-from floorplan import suggestion
+from floorplan import UserError, suggestion
 
 from ...core.clock import Clock
 from .drive import Steps
@@ -50,10 +50,10 @@ class Interrupts:
         """Interrupt for this reason from now on; see `GantryRobot.interrupt_on`."""
         if reason not in REASONS:
             hint = suggestion(str(reason), REASONS)
-            raise ValueError(f"nothing called {reason!r} interrupts a controller; {hint}")
+            raise UserError(f"nothing called {reason!r} interrupts a controller; {hint}")
         if reason == "person_close":
             if not 0 < distance < math.inf:
-                raise ValueError(f"give the distance for person_close in metres, not {distance}")
+                raise UserError(f"give the distance for person_close in metres, not {distance}")
             self.close_distance = distance
         self._wanted.add(reason)
 

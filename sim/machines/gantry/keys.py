@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import model_validator
 
-from floorplan import Flag, NotNegative, Positive, Range, whole
+from floorplan import Flag, NotNegative, Positive, Range, UserError, whole
 
 from ...core.keys import Keys, Pose
 from ...core.scenario import GantryEntry, Job
@@ -23,7 +23,7 @@ class _Job(Keys):
     def _one_kind(self) -> "_Job":
         given = self.model_fields_set - {"part"}
         if given not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
-            raise ValueError("a job is one of move, wait, pick with place, or submit")
+            raise UserError("a job is one of move, wait, pick with place, or submit")
         return self
 
     def value(self) -> Job:

@@ -9,7 +9,7 @@ from typing import Any
 
 from simpy.events import Event, Process
 
-from floorplan import Gantry
+from floorplan import Gantry, UserError
 from navigation import Motion, State
 
 from ...core.clock import MOMENT, Turn
@@ -133,7 +133,7 @@ class GantryRobot(Machine):
         The value is a tuple of `Sighting`s: `people = yield gantry.look()`.
         """
         if not 0 <= after < math.inf:
-            raise ValueError(f"can't wait {after} s")
+            raise UserError(f"can't wait {after} s")
         self._interrupts.command_given()
         earliest = (self.now + after) * OBSERVATION_RATE
         at = math.ceil(earliest - 1e-9) / OBSERVATION_RATE
@@ -498,5 +498,5 @@ def _not_done() -> Steps:
 def _next_step(task: Task) -> Step:
     step = task.next_step
     if step is None:
-        raise ValueError(f"{task} is done already")
+        raise UserError(f"{task} is done already")
     return step

@@ -9,7 +9,7 @@ from typing import Any
 
 from simpy.events import Event
 
-from floorplan import Point
+from floorplan import Point, UserError
 from navigation import Motion
 
 from ...core.clock import Clock
@@ -107,7 +107,7 @@ class Task:
         self.announced = False
         self._count(0)
         if not self.steps:
-            raise ValueError("a task needs at least one step")
+            raise UserError("a task needs at least one step")
 
     def __repr__(self) -> str:
         return f"<task {self.kind} {self.fields}>"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from floorplan import Floorplan, Gantry, Point
+from floorplan import Floorplan, Gantry, Point, UserError
 from navigation import Motion
 
 from ...core.clock import MOMENT
@@ -108,7 +108,7 @@ class Worksites:
             within = not self._gantry.faults((x, y, 0.0))
             return at if within and vehicle.body.motion.end <= self._clock.now else None
         if place not in self._places:
-            raise ValueError(f"no obstacle, station or AGV is called {place!r}")
+            raise UserError(f"no obstacle, station or AGV is called {place!r}")
         return self._places[place]
 
 

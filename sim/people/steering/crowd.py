@@ -109,21 +109,23 @@ class Crowd:
         radius: float,
         me: Traveller | None = None,
         taken: Sequence[Place] = (),
+        within: float = math.inf,
     ) -> Point | None:
         """Return the free place nearest to `place` for somebody to stand at for good.
 
-        None if there is none near. Besides those of the crowd but `me`, others are about to stand
-        where it is `taken`. Where something stands on `place`, it is one beside that.
+        None if there is none near, `within` so many metres. Besides those of the crowd but `me`,
+        others are about to stand where it is `taken`. Where something stands on `place`, it is one
+        beside that.
         """
         world = self._stage.world if me is None else me.world
         vehicles = {machine.name for machine in self._stage.vehicles}
         places = places_at(world, place, radius, vehicles)
-        ground, floor, now = (
-            partial(self._ground_in, world, radius),
-            self._whereabouts,
-            self._clock.now,
+        ground, floor = partial(self._ground_in, world, radius), self._whereabouts
+        now = self._clock.now
+        rooms = (
+            room_near(at, radius, ground, floor, now, me, taken, within + math.dist(at, place))
+            for at in places
         )
-        rooms = (room_near(at, radius, ground, floor, now, me, taken) for at in places)
         return next((at for at in rooms if at is not None), None)
 
     def set_out(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from math import dist
 from pathlib import Path
 
-from floorplan import Problem, require
+from floorplan import Problem, UserError, require
 from navigation import Motion
 
 from ...core.own_code import import_own, own_line
@@ -32,7 +32,7 @@ NEAR = 1e-6
 """Metres. So near to where somebody is, a motion of theirs begins."""
 
 
-class SteeringError(ValueError):
+class SteeringError(UserError):
     """A steering of the user's own goes wrong."""
 
 

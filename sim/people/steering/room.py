@@ -42,8 +42,11 @@ def room_near(
     now: float,
     me: Traveller | None,
     taken: Sequence[Place],
+    within: float = math.inf,
 ) -> Point | None:
-    """Return the free place nearest to `place`, where nothing but people stands; None for none.
+    """Return the free place nearest to `place`, where nothing but people stands.
+
+    None if there is none `within` so many metres.
 
     `ground` returns the floor as people of this `radius` (metres) see it.
     Those on the `floor` but `me` are minded, and those who are about to stand where it is `taken`.
@@ -51,6 +54,8 @@ def room_near(
     """
     for ring in range(RINGS + 1):
         away = 0.5 * ring * (radius + GAP)
+        if away > within:
+            return None
         for k in range(ANGLES if ring else 1):
             angle = 2 * math.pi * k / ANGLES
             at = (place[0] + away * math.cos(angle), place[1] + away * math.sin(angle))

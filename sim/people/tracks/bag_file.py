@@ -16,6 +16,8 @@ from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from floorplan import are_figures
+
 from .samples import Samples, TrackError, Tracks
 
 _PERSON = """\
@@ -157,7 +159,7 @@ def _decoded(
 
 def _fault(track: _Track, topic: str, frame: str, place: tuple[float, float]) -> str:
     """Return what keeps a pose from being one of the track, if anything."""
-    if not np.isfinite(place).all():
+    if not are_figures(place).all():
         return f"({place[0]:g}, {place[1]:g}) is no place"
     if topic != track.topic:
         return f"the topic {track.topic} has a body of that name as well"

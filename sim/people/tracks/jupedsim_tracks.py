@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from floorplan import LARGEST_RECORDED, require_readable
+from floorplan import LARGEST, LARGEST_RECORDED, are_figures, require_readable
 
-from .samples import Samples, TrackError, Tracks
+from .samples import Samples, TrackError, Tracks, frame_rate
 
 _ROWS = "SELECT id, frame, pos_x, pos_y, ori_x, ori_y FROM trajectory_data ORDER BY id, frame"
 
@@ -27,13 +27,15 @@ def read_jupedsim_tracks(path: Path) -> Tracks:
         with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as database:
             about = dict(database.execute("SELECT key, value FROM metadata"))
             rows = np.array(database.execute(_ROWS).fetchall(), dtype=float).reshape(-1, 6)
-        rate = float(about["fps"])
+        rate = frame_rate(float(about["fps"]), path)
         names = _names(about.get("floorwalker_agents", "[]"))
-    except (sqlite3.Error, KeyError, TypeError, ValueError) as why:
+    except TrackError:
+        raise
+    except (sqlite3.Error, LookupError, OverflowError, TypeError, ValueError) as why:
         raise TrackError.of(path, f"is no recording of JuPedSim: {why}") from None
-    if not np.isfinite(rows).all():
-        frame = rows[~np.isfinite(rows).all(axis=1)][0, 1]
-        raise TrackError.of(path, f"frame {frame:.0f} has a figure that is not finite")
+    if not (fit := are_figures(rows).all(axis=1)).all():
+        frame = rows[~fit][0, 1]
+        raise TrackError.of(path, f"frame {frame:.0f} has a figure that is not within ±{LARGEST:g}")
     bodies = {}
     for agent in np.unique(rows[:, 0]):
         t, x, y, ori_x, ori_y = rows[rows[:, 0] == agent].T[1:]

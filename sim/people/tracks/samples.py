@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floorplan import InputError
+from floorplan import LARGEST, SMALLEST, InputError
 
 Array = NDArray[np.float64]
 
 
 class TrackError(InputError):
     """A file of tracks that can't be used."""
+
+
+def frame_rate(given: float, path: Path, line: int | None = None) -> float:
+    """Return the number of frames a second that a file gives; `TrackError` if it can't be."""
+    if not SMALLEST <= given <= LARGEST:
+        message = f"the frame rate must be a number from {SMALLEST:g} to {LARGEST:g}"
+        raise TrackError.of(path, message, line)
+    return given
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from floorplan import Problem, read_lines
+from floorplan import Problem, UserError, figure, read_lines
 
-from .samples import Samples, TrackError, Tracks
+from .samples import Samples, TrackError, Tracks, frame_rate
 
 NAMES = {
     "t": ("t", "time"),
@@ -56,7 +56,8 @@ def read_text_tracks(path: Path) -> Tracks:
         if not text:
             continue
         if text.startswith("#"):
-            rate = float(told[1]) if (told := re.search(_RATE, text)) else rate
+            if told := re.search(_RATE, text):
+                rate = frame_rate(figure(told[1]), path, number)
             metre = METRE[told[1].lower()] if (told := re.search(_UNIT, text)) else metre
             continue
         if not columns:
@@ -71,7 +72,7 @@ def read_text_tracks(path: Path) -> Tracks:
         try:
             figures = [_number(cells, columns[name], name) for name in wanted]
             body = cells[columns["body"]].strip()
-        except ValueError as why:
+        except UserError as why:
             problems.append(Problem(str(why), line=number))
             if len(problems) == MOST_PROBLEMS:
                 break
@@ -137,11 +138,8 @@ def _is_number(cell: str) -> bool:
 
 def _number(cells: list[str], column: int, name: str) -> float:
     if column >= len(cells):
-        raise ValueError(f"has {len(cells)} columns, and none for {name}")
-    try:
-        value = float(cells[column])
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ValueError(f"{name} must be a number, found {cells[column][:40]!r}")
+        raise UserError(f"has {len(cells)} columns, and none for {name}")
+    value = figure(cells[column])
+    if math.isnan(value):
+        raise UserError(f"{name} must be a number, found {cells[column][:40]!r}")
     return value

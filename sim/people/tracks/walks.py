@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from floorplan import Floorplan, Problem, suggestion
+from floorplan import Floorplan, Problem, is_there, suggestion
 from navigation import Motion
 
 from ...core.recorded_track import RecordedTrack
@@ -109,12 +109,14 @@ def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, 
                 f"the name of a file of tracks ends in one of {known}, or it is a bag's folder"
             )
             raise TrackError.of(recorded.file, message)
+        if not is_there(path):
+            raise TrackError.of(recorded.file, "there is no such file")
         stamps = [(file.stat().st_mtime_ns, file.stat().st_size) for file in files_of(path)]
         tracks = _read(path, tuple(stamps))
     except TrackError as why:
         raise TrackError(recorded.file, why.problems) from None
-    except (OSError, ValueError):  # a name that no file can have
-        raise TrackError.of(recorded.file, "there is no such file") from None
+    except OSError as why:
+        raise TrackError.of(recorded.file, f"can't be read: {why.strerror}") from None
     bodies = tracks.bodies
     wanted = name if recorded.body is None else recorded.body
     if wanted not in bodies and recorded.body is None and len(bodies) == 1:

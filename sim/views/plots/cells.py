@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from floorplan import Floorplan
+from floorplan import Floorplan, UserError
 
 from ...core.machine import MachineShape
 from ...record.outcome import Outcome
@@ -30,9 +30,9 @@ def on_one_floor(runs: Outcome | Sequence[Outcome], what: str) -> list[Outcome]:
     """
     several = [runs] if isinstance(runs, Outcome) else list(runs)
     if not several:
-        raise ValueError(f"a {what} needs at least one run")
+        raise UserError(f"a {what} needs at least one run")
     if any(run.floorplan != several[0].floorplan for run in several):
-        raise ValueError(f"the runs are not on the same floor, so that they make no common {what}")
+        raise UserError(f"the runs are not on the same floor, so that they make no common {what}")
     return several
 
 

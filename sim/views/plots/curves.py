@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from floorplan import UserError
 from navigation import Motion
 
 from ...record.outcome import Outcome
@@ -34,7 +35,7 @@ def span_of(run: Outcome, within: Span | None) -> Span:
     begin, end = within or (0.0, run.duration)
     begin, end = max(begin, 0.0), min(end, run.duration)
     if not begin < end:
-        raise ValueError(
+        raise UserError(
             f"there is nothing between {begin:g} and {end:g} s: the run goes from 0 to"
             f" {run.duration:g} s"
         )

@@ -10,6 +10,8 @@ import numpy as np
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
+from floorplan import UserError
+
 from ...record.cells import cells_of
 from ...record.outcome import Outcome
 from .cells import draw_cells, on_one_floor
@@ -52,7 +54,7 @@ def density_map(
     different floors, or it is `of` something else.
     """
     if of not in ("density", "speed"):
-        raise ValueError(f"a density map is of density or speed, not {of!r}")
+        raise UserError(f"a density map is of density or speed, not {of!r}")
     several = on_one_floor(runs, "density map")
     plan = several[0].floorplan
     profiles = [profiles_of(run, within) for run in several]

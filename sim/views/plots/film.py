@@ -19,7 +19,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 from PIL import Image
 
-from floorplan import Point
+from floorplan import Point, UserError
 
 from ...core.machine import MachineShape
 from ...core.output import replacing, writing
@@ -112,9 +112,9 @@ def render(
     path = Path(path)
     require_renderable(path, view)
     if view == "plot" and (follow or dark):
-        raise ValueError("only a film of the page can follow somebody, or be dark: give its view")
+        raise UserError("only a film of the page can follow somebody, or be dark: give its view")
     if not 200 <= width <= 4000:
-        raise ValueError(f"a film is 200 to 4000 pixels wide, not {width}")
+        raise UserError(f"a film is 200 to 4000 pixels wide, not {width}")
     times = _times(run, speed, fps, within)
     write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
     with styled(), writing(path), replacing(path) as unfinished:
@@ -384,13 +384,13 @@ AnyFilm = Film | PageFilm
 
 def _times(run: Outcome, speed: float, fps: int, within: Span | None) -> list[float]:
     if not (math.isfinite(speed) and speed > 0):
-        raise ValueError(f"a film's speed is more than 0, not {speed:g}")
+        raise UserError(f"a film's speed is more than 0, not {speed:g}")
     if not 1 <= fps <= 50:
-        raise ValueError(f"a film has 1 to 50 pictures a second, not {fps}")
+        raise UserError(f"a film has 1 to 50 pictures a second, not {fps}")
     begin, end = span_of(run, within)
     count = int((end - begin) * fps / speed + 1e-9) + 1
     if count > MOST_PICTURES:
-        raise ValueError(
+        raise UserError(
             f"that would be {count:,} pictures, more than {MOST_PICTURES:,};"
             " choose a higher speed or a shorter stretch of time"
         )

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.colors import LogNorm, Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 
-from floorplan import Floorplan
+from floorplan import Floorplan, UserError
 
 from ...core.machine import MachineShape
 from ...record.outcome import Outcome
@@ -36,7 +36,7 @@ def risk_map(
     """
     several = on_one_floor(runs, "risk map")
     if not any(run.scene.people and run.scene.machines for run in several):
-        raise ValueError("a risk map needs a person and a machine; there is no such pair")
+        raise UserError("a risk map needs a person and a machine; there is no such pair")
     plan = several[0].floorplan
     found = risk_of_all([risk(run, of) for run in several], of)
     return drawn_risk(plan, several[0].scene.machines, found, of=of, width=width)

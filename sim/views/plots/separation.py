@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from floorplan import UserError
 from navigation import STANDING_SPEED
 
 from ...record.outcome import Outcome
@@ -86,12 +87,12 @@ def _pairs(run: Outcome, named: Sequence[str] | None, machine: str | None) -> li
     people = [one.name for one in run.scene.people]
     machines = [machine.name for machine in run.scene.machines]
     if not (people and machines):
-        raise ValueError("a separation needs a person and a machine; this run has no such pair")
+        raise UserError("a separation needs a person and a machine; this run has no such pair")
     asked = [(name, people, "person") for name in named or ()]
     asked += [(name, machines, "machine") for name in (machine,) if name is not None]
     for name, known, what in asked:
         if name not in known:
-            raise ValueError(f"no {what} is called {name!r} (there are: {', '.join(known)})")
+            raise UserError(f"no {what} is called {name!r} (there are: {', '.join(known)})")
     chosen = [name for name in people if named is None or name in named]
     pairs = [[(name, body) for body in machines] for name in chosen]
     if machine is not None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -14,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from floorplan import Obstacle
+from floorplan import Obstacle, UserError
 
 from ...core.machine import Category
 from ...core.output import OutputError, replacing, writing
@@ -89,8 +91,17 @@ _SETTINGS: dict[str, Any] = {
 }
 
 
-styled = partial(matplotlib.style.context, _SETTINGS, after_reset=True)
-"""Context, or decorator, in which all looks so, whatever the user's settings."""
+@contextmanager
+def styled(**more: Any) -> Iterator[None]:
+    """Let everything look so in this context, or function, whatever the user's settings.
+
+    `more` are further settings of Matplotlib's. Its warnings about characters that the font lacks,
+    one for each time that a name is measured or drawn, are not shown: they are drawn as boxes.
+    """
+    looks = matplotlib.style.context({**_SETTINGS, **more}, after_reset=True)
+    with warnings.catch_warnings(), looks:
+        warnings.filterwarnings("ignore", r"Glyph \d+ ", UserWarning)
+        yield
 
 
 def new_figure(width: Width, height: float) -> Figure:
@@ -111,7 +122,7 @@ def _as_png(figure: Figure) -> bytes:
 def as_svg(figure: Figure, name: str) -> str:
     """Return a figure as the text of an SVG file; its `name` is that of no other on its page."""
     text = io.StringIO()
-    with matplotlib.style.context({**_SETTINGS, "svg.hashsalt": name}, after_reset=True):
+    with styled(**{"svg.hashsalt": name}):
         figure.savefig(text, format="svg", metadata=_METADATA[".svg"])
     return text.getvalue()
 
@@ -141,7 +152,7 @@ def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None
     """Raise if `path` has none of the `endings`, or lies in no folder; `what` it is in words."""
     path = Path(path)
     if path.suffix.lower() not in endings:
-        raise ValueError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
+        raise UserError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
     if not path.parent.is_dir():
         raise OutputError(f"can't write {path}: there is no folder {path.parent}")
 
@@ -149,7 +160,7 @@ def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None
 def inches(width: Width) -> float:
     """Return the width of a picture; `ValueError` if it is not that of one column or two."""
     if width not in WIDTHS:
-        raise ValueError(f"a picture is {' or '.join(WIDTHS)} column wide, not {width!r}")
+        raise UserError(f"a picture is {' or '.join(WIDTHS)} column wide, not {width!r}")
     return WIDTHS[width]
 
 

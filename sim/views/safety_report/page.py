@@ -6,6 +6,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from floorplan import UserError
+
 from ...core.output import OutputError
 from ..report_page import write_report_page
 from .parts import Section
@@ -22,7 +24,7 @@ def require_writable(path: Path) -> None:
     for a PDF, no browser to print it.
     """
     if path.suffix.lower() not in ENDINGS:
-        raise ValueError(f"{path}: the name of a report ends in {' or '.join(ENDINGS)}")
+        raise UserError(f"{path}: the name of a report ends in {' or '.join(ENDINGS)}")
     if not path.parent.is_dir():
         raise OutputError(f"can't write {path}: there is no folder {path.parent}")
     if path.suffix.lower() == ".pdf":

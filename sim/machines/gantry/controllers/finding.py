@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Callable
 from pathlib import Path
 
-from floorplan import suggestion
+from floorplan import UserError, suggestion
 
 from ....core.own_code import import_own
 from ....core.own_source import (
@@ -77,7 +77,7 @@ CONTROLLER = Kind(
 """The kind of function or class that a trial names as its controller."""
 
 
-class ControllerError(ValueError):
+class ControllerError(UserError):
     """A gantry controller that can't be found, or that failed while it ran."""
 
 

@@ -1,0 +1,163 @@
+"""The budget of a trial: what asks for too much is refused before any of it is made."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import sim
+from sim.core.clock import Clock
+from sim.people.entrances import LOOKS_AGAIN, Entrances
+from sim.trials import budget
+
+HALL = """
+floorplan:
+  name: hall
+  boundary: [[0, 0], [10, 0], [10, 8], [0, 8]]
+  stations: {a: [2, 2], b: [8, 6]}
+  safe_zone: {at: [5, 4]}
+duration: 60
+"""
+CART = "machines: {cart: {kind: agv, origin: [1, 1], limits: [0, 5], moves: [%s]}}"
+
+
+@pytest.mark.parametrize(
+    ("keys", "place", "words"),
+    [
+        (
+            "people: [{name: x, count: 100000000}]",
+            "line 8, people[0].count",
+            "100,000,000 people are more than the 5,000",
+        ),
+        (
+            "people: [{name: x}, {name: y, source: {at: a, rate: 1, count: 5000}, sink: b}]",
+            "people[1].source.count",
+            "5,001 people are more than the 5,000",
+        ),
+        ("duration: 1.0e+9", "line 7, duration", "at most 2,678,400 s (31 days), not 1e+09 s"),
+        (
+            "duration: 2.0e+6\npeople: [{name: x, count: 60, at: anywhere}]",
+            "duration",
+            "120,000,000 seconds of all people are more than the 100,000,000",
+        ),
+        (
+            "people: [{name: x, schedule: [{at: a, duration: 1, every: 1.0e-6}]}]",
+            "people[0].schedule[0].every",
+            "60,000,000 tasks are more than the 100,000",
+        ),
+        (
+            "people: [{name: x, count: 3, at: anywhere,"
+            " breaks: [{at: a, duration: 1, every: 0.001, count: 50000}]}]",
+            "people[0].breaks[0].every",
+            "150,000 tasks",
+        ),
+        (
+            "work: {l: [{at: a, duration: 1, every: 1.0e-6}]}\npeople: [{name: x, work: l}]",
+            "work.l[0].every",
+            "60,000,000 tasks",
+        ),
+        (
+            "work: {l: {repeat: true, tasks: [{at: a, duration: 1.0e-6}]}}\n"
+            "people: [{name: x, work: l}]",
+            "work.l.tasks[0].duration",
+            "60,000,000 tasks",
+        ),
+        (
+            "rules: {based_on: paper, report_every: 1.0e-6}\npeople: [{name: x}]",
+            "rules.report_every",
+            "60,000,000 reports to people are more than the 10,000,000",
+        ),
+        (
+            "rules: {based_on: paper, notice: {every: 1.0e-6}}\npeople: [{name: x}]",
+            "rules.notice.every",
+            "60,000,000 reports to people",
+        ),
+        (
+            CART % "{time: 0, to: 1, every: 1.0e-6}",
+            "machines.cart",
+            "60,000,000 moves of AGVs are more than the 100,000",
+        ),
+        (
+            "floorplan: ariac2023\nagvs: {agv1: [{time: 0, to: kitting, every: 0.001}],"
+            " agv2: [{time: 0, to: kitting, every: 0.001}]}",
+            "agvs.agv2",
+            "120,000 moves of AGVs",
+        ),
+        (
+            "floorplan: ariac2023\ngantry: {controller: oblivious, repeat: true,"
+            " jobs: [{wait: 1.0e-6}, {wait: 1.0e-6}]}",
+            "gantry.jobs",
+            "60,000,000 jobs",
+        ),
+    ],
+)
+def test_too_much_of_something_is_refused_at_its_place(keys, place, words):
+    given = {line.partition(":")[0] for line in keys.splitlines()}
+    head = HALL if "floorplan" not in given else "\n\n\n\n\nduration: 60\n"
+    text = head.replace("duration: 60\n", "") if "duration" in given else head
+    with pytest.raises(sim.TrialError) as refused:
+        sim.Trial.parse(f"{text}{keys}\n")
+    (problem,) = refused.value.problems
+    assert words in problem.message
+    assert place in str(problem)
+
+
+def test_what_a_command_makes_of_a_trial_is_within_the_budget_too():
+    trial = sim.Trial.parse(f"{HALL}people: [{{name: x}}]")
+    with pytest.raises(sim.TrialError, match="duration: must be at most 2,678,400 s"):
+        sim.run(replace(trial, duration=1e9))
+    people = tuple(sim.PersonEntry(f"x{k}") for k in range(budget.MOST_PEOPLE + 1))
+    with pytest.raises(sim.TrialError, match="people: 5,001 people are more"):
+        sim.run(replace(trial, people=people))
+
+
+def test_what_is_just_within_the_budget_is_accepted():
+    moves = CART % "{time: 0, to: 1, every: 0.00061}"
+    assert sim.Trial.parse(HALL + moves).machines["cart"].keys["moves"][0]["every"] == 0.00061
+    tasks = "people: [{name: x, schedule: [{at: a, duration: 1, every: 0.00061}]}]"
+    assert sim.Trial.parse(HALL + tasks).people[0].schedule[0].every == 0.00061
+
+
+def test_the_page_on_trial_files_has_the_budget():
+    page = (Path(__file__).parents[2] / "docs" / "trials.md").read_text(encoding="utf-8")
+    (section,) = [part for part in page.split("\n## ") if part.startswith("Limits\n")]
+    for most in (
+        budget.LONGEST,
+        budget.MOST_PEOPLE,
+        budget.MOST_PERSON_SECONDS,
+        budget.MOST_TASKS,
+        budget.MOST_JOBS,
+        budget.MOST_MOVES,
+        budget.MOST_REPORTS,
+    ):
+        assert f" {most:,} " in section
+
+
+def test_only_the_first_of_a_queue_looks_for_room():
+    """Of 2,000 who wait, one is let in each second."""
+    clock, looks, inside = Clock(most=100_000), [], []
+    entrances = Entrances(clock)
+
+    def came_in(k):
+        looks.append((clock.now, k))
+        if clock.now < len(inside) + 1:
+            return False
+        inside.append(k)
+        return True
+
+    for k in range(2000):
+        entrances.join((0.0, 0.0), lambda k=k: came_in(k))
+    clock.run(until=20.25)
+    assert inside == [*range(20)]
+    assert len(looks) < 100
+    assert {t % LOOKS_AGAIN for t, _ in looks} == {0.0}
+
+
+def test_a_flood_of_people_comes_in_as_they_came():
+    text = f"""{HALL.replace("duration: 60", "duration: 20")}
+people: [{{name: v, personality: visitor, sink: b, source: {{at: a, rate: 1000, count: 300}}}}]
+"""
+    run = sim.run(sim.Trial.parse(text))
+    entered = [event["person"] for event in run.events if event["kind"] == "entered"]
+    assert len(entered) > 20
+    assert entered == [f"v{k + 1}" for k in range(len(entered))]
