@@ -4,15 +4,21 @@ import importlib
 import pkgutil
 import re
 import sys
+import typing
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import yaml
+from pydantic import BaseModel
 
 import bdi
 import floorplan
 import sim
+from floorplan.schema import FloorplanSchema
+from sim.studies.study import _StudyKeys as StudyKeys
+from sim.trials.keys import TrialKeys
+from sim.trials.rules_file import RuleKeys
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -126,6 +132,53 @@ gantry: {{jobs: [{{move: [-2.3, 3.0, 0.0]}}, {{pick: bin6, place: agv4}}]}}
     motion = simulation.finish().motions["gantry"]
     assert motion.position(0.0) == pytest.approx((-7.0, 0.0))
     assert abs(motion.position(range(120))[:, 0] - -7.0).max() > 1.0
+
+
+def keys(model, above=()):
+    """Every key of a file's part and of the parts in it, with those above it."""
+    for name, info in model.model_fields.items():
+        yield (*above, name), info
+        for part in parts(info.annotation):
+            if part.__name__ not in above:
+                yield from keys(part, (*above, part.__name__))
+
+
+def parts(annotation):
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for inner in typing.get_args(annotation):
+        yield from parts(inner)
+
+
+REFERENCE = {
+    FloorplanSchema: ("floorplan-formats.md",),
+    TrialKeys: ("trials.md", "people-among-people.md", "rules.md", "floorplan-formats.md"),
+    RuleKeys: ("rules.md",),
+    StudyKeys: ("studies.md",),
+}
+WRITTEN_ONLY = {RuleKeys: {"source"}, StudyKeys: {"word"}, TrialKeys: {"stream", "number"}}
+"""Keys that stand for a text, or that only `to_yaml` writes."""
+
+
+@pytest.mark.parametrize("model", REFERENCE, ids=lambda model: model.__name__)
+def test_the_reference_has_every_key(model):
+    text = "".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in REFERENCE[model])
+    names = {info.alias or place[-1] for place, info in keys(model)} - WRITTEN_ONLY.get(
+        model, set()
+    )
+    told = r"`([\w.]+\.)?{0}[`:]|\b{0}:|(?m:^#+ .*\b{0}\b)"
+    missing = {name for name in names if not re.search(told.format(name), text)}
+    assert missing == set()
+
+
+def test_the_reference_says_which_keys_of_machines_have_to_be_given():
+    text = (ROOT / "docs" / "floorplan-formats.md").read_text(encoding="utf-8")
+    rows = [row for row in text.splitlines() if re.search(r"ha(s|ve) to be given", row)]
+    for key in ("agvs", "gantry"):
+        (part,) = parts(FloorplanSchema.model_fields[key].annotation)
+        needed = {f"{key}.{name}" for name, info in part.model_fields.items() if info.is_required()}
+        told = {name for row in rows for name in re.findall(rf"`({key}\.\w+)[`.]", row)}
+        assert told == needed
 
 
 def test_links_lead_somewhere():

@@ -6,10 +6,11 @@ from .ompl_log import write_ompl_log
 from .peers import PEERS, PeerInfo
 from .questions import QuestionsError, Scene, map_of, scenes, scenes_of
 from .reports import Row, groups, summary, write_csv, write_summary
-from .shortest import SHORTFALL, ShortestPaths
+from .shortest import MOST_CORNERS, SHORTFALL, ShortestPaths
 from .statistics import Curve, Estimate, cost_over_time, success_over_time
 
 __all__ = [
+    "MOST_CORNERS",
     "PEERS",
     "SEEDED",
     "SHORTFALL",

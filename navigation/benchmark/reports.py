@@ -100,7 +100,8 @@ def _row(group: Sequence[Attempt]) -> Row:
         checks=middle(lambda a: a.checks, group).value,
         length=middle(lambda a: a.length),
         ratio=middle(lambda a: a.ratio),
-        ratio_most=max([attempt.ratio for attempt in found], default=math.nan),
+        # As of the median: unknown if any is, since numpy's max of NaN and others is NaN.
+        ratio_most=float(np.max([attempt.ratio for attempt in found])) if found else math.nan,
         listed_ratio=middle(lambda a: a.listed_ratio),
         clearance_least=min([attempt.clearance for attempt in found], default=math.nan),
         turning=middle(lambda a: a.turning).value,

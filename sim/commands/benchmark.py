@@ -122,6 +122,7 @@ def benchmark(
         )
     rows = summary(attempts)
     _print_tables(rows)
+    _warn_of_unknown(attempts, longest)
     if seconds is not None:
         say("Budgets of time: the results depend on the machine.", err=True)
     if out is None:
@@ -139,6 +140,21 @@ def benchmark(
     }
     with writing(out):
         _write(attempts, rows, plans, out, seed, seconds, terms)
+
+
+def _warn_of_unknown(attempts: Sequence[Attempt], longest: float | None) -> None:
+    """Say on which floors lengths are not compared, and what `--longest` cannot judge there."""
+    from navigation.benchmark import MOST_CORNERS
+
+    unjudged = "" if longest is None else "; --longest does not judge these"
+    for floor in dict.fromkeys(attempt.asked.floorplan for attempt in attempts):
+        shortest = {a.asked.query: a.asked.shortest for a in attempts if a.asked.floorplan == floor}
+        if unknown := sum(math.isnan(length) for length in shortest.values()):
+            say(
+                f"{floor}: no shortest length is known of {unknown} of {len(shortest)} questions,"
+                f" because the floor has more than {MOST_CORNERS:,} corners{unjudged}",
+                err=True,
+            )
 
 
 def _planner(text: str) -> str | PlannerChoice:

@@ -120,6 +120,7 @@ def _trial(trial: Trial, file: str) -> str:
     from sim.people.doubts import doubts_in
     from sim.trials.names import in_words
 
+    print_floor_notices(trial.floorplan)
     print_notices(trial)
     _warn_of_short_laws(trial, file)
     _print_doubts(doubts_in(trial))

@@ -17,8 +17,18 @@ MOST_NOTICES = 20
 
 def print_notices(trial: Trial) -> None:
     """Print the notices on entries that make no difference, or may be meant otherwise."""
-    print_floor_notices(trial.floorplan)
     _print(trial.name, trial.notices)
+
+
+def count_floor_notices(plan: Floorplan, source: str) -> None:
+    """Print how many notices there are on the drawing of a floor, and how `source` shows them."""
+    if plan.notices:
+        count = len(plan.notices)
+        notices = f"{count:,} notice{'' if count == 1 else 's'}"
+        say(
+            f"{plan.name}: the drawing has {notices}; `floorwalker check {source}` lists them",
+            err=True,
+        )
 
 
 def print_floor_notices(plan: Floorplan) -> None:

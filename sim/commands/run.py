@@ -19,7 +19,7 @@ from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules,
 from .browser import open_in_browser, somebody_looks
 from .consoles import progress_bars, say
 from .interrupts import taken_by
-from .notices import print_notices
+from .notices import count_floor_notices, print_notices
 
 if TYPE_CHECKING:
     from sim import LiveRun, Recording, Run, Simulation, Trial
@@ -90,6 +90,7 @@ def run(
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
     given = Trial.load(trial, own_code=not no_own_code)
     chosen = changed(given, personality, duration, seed, rules, controller, planner, commands)
+    count_floor_notices(chosen.floorplan, str(trial))
     print_notices(chosen)
     _warn_of_external(chosen)
     _warn_of_undone(chosen)

@@ -84,3 +84,20 @@ class WorkList:
 
 Shift = tuple[float, float]
 """Begin and end, seconds."""
+
+
+class Instant(float):
+    """Seconds of a trial that were given as a time of day, which is the text `given`."""
+
+    given: str
+
+    def __new__(cls, seconds: float, given: str = "") -> Instant:
+        """Return the seconds with their text."""
+        made = super().__new__(cls, seconds)
+        made.given = given
+        return made
+
+
+def as_given(time: float) -> str:
+    """Return an instant of a trial as its file has it: a time of day, or seconds."""
+    return time.given if isinstance(time, Instant) else f"{time:,.12g} s"

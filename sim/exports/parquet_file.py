@@ -9,7 +9,7 @@ import pyarrow as pa
 from pyarrow.parquet import ParquetWriter
 
 from ..record.outcome import Outcome
-from ..record.sampling import blocks_of_instants, sample_all
+from ..record.trajectory import blocks
 
 SCHEMA = pa.schema(
     [
@@ -30,16 +30,15 @@ def write(run: Outcome, path: Path, rate: float) -> None:
     names = pa.array(list(run.motions), pa.string())
     about = {"trial": run.scene.trial, "floorplan": run.floorplan.name, "rate": f"{rate:g}"}
     with ParquetWriter(path, SCHEMA.with_metadata(about), compression="zstd") as writer:
-        for times in blocks_of_instants(run.duration, rate):
-            bodies = np.tile(np.arange(len(names), dtype=np.int32), len(times))
+        for block in blocks(run, rate):
+            bodies = np.tile(np.arange(len(names), dtype=np.int32), len(block.times))
             # Instants first, bodies within them: (N, B, 5) → (N · B, 5).
-            tables = list(sample_all(run.motions, times).values())
-            figures = np.stack(tables, axis=1) if tables else np.empty((len(times), 0, 5))
+            tables = list(block.figures.values())
+            figures = np.stack(tables, axis=1) if tables else np.empty((len(block.times), 0, 5))
             columns = [
-                pa.array(np.repeat(times, len(names))),
+                pa.array(np.repeat(block.times, len(names))),
                 pa.DictionaryArray.from_arrays(pa.array(bodies), names),
                 *map(pa.array, figures.reshape(-1, figures.shape[-1]).T),
             ]
-            there = np.array([run.is_present(name, times) for name in run.motions], dtype=bool)
-            seen = pa.array(there.T.reshape(-1))
+            seen = pa.array(np.array(list(block.there.values()), dtype=bool).T.reshape(-1))
             writer.write_table(pa.table(columns, schema=SCHEMA).filter(seen))

@@ -15,6 +15,7 @@ from navigation import Motion
 from ..core.recorder import Event
 from ..record.outcome import Outcome
 from ..record.sampling import blocks_of_instants, sample
+from ..record.trajectory import NANOSECOND
 
 ROUNDING = 1e-8
 """Seconds. Instants of events are rounded to less than this, instants of motions are exact."""
@@ -115,7 +116,7 @@ def _jumps(run: Outcome) -> list[Moment]:
         Moment(t, (Pose(name, *sample(motion, np.array([t]))[0].tolist()),))
         for name, motion in run.motions.items()
         for jump in motion.jumps
-        for t in (jump - 1e-9, jump)
+        for t in (jump - NANOSECOND, jump)
     ]
     return sorted(found, key=attrgetter("t"))
 

@@ -47,7 +47,7 @@ from .checks import CONDITIONS, LARGEST_SEED, NAME
 from .command_keys import CommandEntries
 from .place_keys import DoorKeys, TimedKeys
 from .rules_file import RuleKeys
-from .work_keys import DrawnKeys, TimeOfDay, WorkerKeys, WorkListEntry, time_of_day
+from .work_keys import DrawnKeys, Length, TimeOfDay, WorkerKeys, WorkListEntry, time_of_day
 
 _Planner = Annotated[Any, AfterValidator(PlannerChoice.of)]
 """A planner: its name, or `{name: RRTConnect, range: 1.0}`."""
@@ -261,7 +261,7 @@ class TrialKeys(Strictly):
     name: str | None = None
     floorplan: Annotated[Any, BeforeValidator(_name_or_keys)]
     folder: str = "."
-    duration: Positive = 275.0
+    duration: Length = 275.0
     seed: Annotated[int, whole(0, LARGEST_SEED)] = 0
     rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
     planner: _Planner = USUAL_PLANNER

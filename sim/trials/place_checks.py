@@ -11,6 +11,7 @@ from floorplan import LARGEST, Fault, UserError, height_fault, polygon_fault, su
 
 from ..core.closures import Closures, Interval
 from ..core.scenario import Scenario
+from ..core.work import as_given
 from ..machines.agv.lane_parts import last_before, part_behind, part_within
 
 
@@ -56,9 +57,11 @@ def _interval_faults(spans: Sequence[Interval], trial: Scenario) -> Iterator[tup
     end = 0.0
     for k, (begin, until) in enumerate(spans):
         if not 0 <= begin < until or (until > LARGEST and until != math.inf):
-            yield f"ends before it begins, or at once: {begin:g} … {until:g} s", k
+            given = f"{as_given(begin)} … {as_given(until)}"
+            yield f"ends before it begins, or at once: {given}", k
         elif begin < end:
-            yield f"begins at {begin:g} s, before the one in front of it ends at {end:g} s", k
+            given = f"begins at {as_given(begin)}, before the one in front of it ends at"
+            yield f"{given} {as_given(end)}", k
         elif begin >= trial.duration:
             yield f"begins at {begin:g} s of the trial, which ends at {trial.duration:g} s", k
         end = until

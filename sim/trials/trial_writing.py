@@ -228,11 +228,11 @@ def _without(data: Data, *usual: object) -> Data:
 
 
 def _plain(value: Any) -> Any:
-    """`value` in lists, keys and Python's own numbers: in Python NumPy's will do as well."""
+    """`value` in lists, keys and Python's own numbers: NumPy's and an `Instant` will do as well."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, Mapping):
         return {key: _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(inner) for inner in value]
-    return value
+    return float(value) if isinstance(value, float) else value

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from floorplan import LARGEST, Fault, suggestion, time_fault
 
 from ..core.scenario import PersonEntry, Scenario
-from ..core.work import WorkTask
+from ..core.work import Instant, WorkTask, as_given
 
 
 def list_faults(trial: Scenario) -> Iterator[Fault]:
@@ -47,9 +47,11 @@ def person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     end = 0.0
     for k, (begin, until) in enumerate(person.shifts):
         if not 0 <= begin < until <= LARGEST:
-            yield f"ends before it begins, or at once: {begin:g} … {until:g} s", ("shifts", k)
+            message = f"ends before it begins, or at once: {as_given(begin)} … {as_given(until)}"
+            yield message, ("shifts", k)
         elif begin < end:
-            yield f"begins at {begin:g} s, before the one in front of it ends", ("shifts", k)
+            message = f"begins at {as_given(begin)}, before the one in front of it ends"
+            yield message, ("shifts", k)
         elif begin >= trial.duration:
             yield _too_late(begin, trial), ("shifts", k)
         end = until
@@ -73,4 +75,5 @@ def _task_faults(task: WorkTask, trial: Scenario) -> Iterator[tuple[str, str]]:
 
 
 def _too_late(time: float, trial: Scenario) -> str:
-    return f"is at {time:g} s of the trial, which ends at {trial.duration:g} s"
+    given = f" ({time.given})" if isinstance(time, Instant) else ""
+    return f"is at {time:g} s{given} of the trial, which ends at {trial.duration:g} s"

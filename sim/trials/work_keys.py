@@ -16,7 +16,7 @@ from pydantic import (
 from floorplan import Flag, NotNegative, Number, Positive, UserError, whole
 
 from ..core.keys import Keys
-from ..core.work import Duration, Shift, WorkList, WorkTask
+from ..core.work import Duration, Instant, Shift, WorkList, WorkTask
 
 DAY = 86_400.0
 
@@ -27,12 +27,12 @@ _ENTRY = rf"({_TIME})\s+(\S.*?)\s+for\s+(\S.*)"
 _SHIFT = rf"({_TIME})\s*(?:-|–|to)\s*({_TIME})"
 
 
-class TimeOfDay(float):
+class TimeOfDay(Instant):
     """A time of day in seconds since midnight: an instant once it is known when a trial begins."""
 
-    def instant(self, begins: float) -> float:
+    def instant(self, begins: float) -> Instant:
         """Return the seconds from `begins` (a time of day) to it, on the same day or the next."""
-        return (float(self) - begins) % DAY
+        return Instant((float(self) - begins) % DAY, self.given)
 
 
 def time_of_day(text: str) -> TimeOfDay:
@@ -41,7 +41,7 @@ def time_of_day(text: str) -> TimeOfDay:
     hours, minutes, seconds = (*parts, 0, 0)[:3]
     if not (hours < 24 and minutes < 60 and seconds < 60):
         raise UserError(f"expected a time of day as 09:00, found {text!r}")
-    return TimeOfDay(3600 * hours + 60 * minutes + seconds)
+    return TimeOfDay(3600 * hours + 60 * minutes + seconds, text)
 
 
 def _seconds(text: str) -> float:
@@ -86,19 +86,23 @@ class DrawnKeys(Keys):
         return Duration(kind, tuple(map(float, values)))  # type: ignore[arg-type]
 
 
-def _duration(value: Any) -> Any:
+def _length(value: Any) -> Any:
     return _seconds(value) if isinstance(value, str) else value
+
+
+Length = Annotated[Positive, BeforeValidator(_length)]
+"""Seconds, or a text as `12 min`."""
 
 
 class TaskKeys(Keys):
     """One task, or a text: `09:00 station2 for 12 min`."""
 
     at: Annotated[str, Field(min_length=1)]
-    duration: Annotated[Positive | DrawnKeys, BeforeValidator(_duration)]
+    duration: Annotated[Positive | DrawnKeys, BeforeValidator(_length)]
     name: str = ""
     time: Time = 0.0
     priority: Annotated[int, whole()] = 0
-    every: Annotated[Positive | None, BeforeValidator(_duration)] = None
+    every: Length | None = None
     count: Annotated[int, whole(1)] | None = None
 
     @model_validator(mode="after")
@@ -182,8 +186,9 @@ def at_instants(task: WorkTask, begins: float) -> WorkTask:
 def shift_at_instants(shift: Shift, begins: float) -> Shift:
     """Return `shift` as instants of a trial; one by times of day may end on the next day."""
     begin, end = (_instant(time, begins) for time in shift)
-    over_midnight = isinstance(shift[1], TimeOfDay) and end < begin
-    return (begin, end + DAY if over_midnight else end)
+    if isinstance(shift[1], TimeOfDay) and end < begin:  # over midnight
+        end = Instant(end + DAY, shift[1].given)
+    return (begin, end)
 
 
 def _instant(time: float, begins: float) -> float:

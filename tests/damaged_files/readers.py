@@ -20,6 +20,8 @@ from sim.bridge.ledger import Account, Ledger
 from sim.bridge.remote_person import RemotePerson
 from sim.commands.percept_script import read_percepts
 from sim.people.tracks.bags import read_bag_tracks
+from sim.people.tracks.jupedsim_tracks import read_jupedsim_tracks
+from sim.people.tracks.text_tracks import read_parquet_tracks
 from sim.studies.folder import StudyFolder
 from sim.studies.report import write_report
 from sim.studies.results import StudyResults
@@ -52,7 +54,8 @@ def prepare(folder):
     begin = page.index('<script type="application/json" id="recording">')
     (folder / "page.html").write_text(page[begin : page.index("</script>", begin) + 9])
     sim.run_study(sim.Study.load(folder / "one.study.yaml"), folder / "results", jobs=1)
-    sim.export(sim.load_run(folder / "run"), folder / "bag", rate=2.0)
+    for name in ("bag", "track.mcap", "track.parquet", "track.sqlite"):
+        sim.export(sim.load_run(folder / "run"), folder / name, rate=2.0)
 
 
 def trial(path):
@@ -71,7 +74,7 @@ def run(path):
     use(simulation.finish())
 
 
-def track(path):
+def bag(path):
     read_bag_tracks(path.parent)
 
 
@@ -212,8 +215,11 @@ READERS = {
     "percepts.jsonl": read_percepts,
     "to_server.jsonl": to_server,
     "to_agent.jsonl": to_agent,
-    "bag/bag.db3": track,
-    "bag/metadata.yaml": track,
+    "bag/bag.db3": bag,
+    "bag/metadata.yaml": bag,
+    "track.mcap": read_bag_tracks,
+    "track.parquet": read_parquet_tracks,
+    "track.sqlite": read_jupedsim_tracks,
     "run/scene.json": recording,
     "run/summary.json": recording,
     "run/events.jsonl": recording,

@@ -1,12 +1,13 @@
 import csv
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import typer
 
 import floorplan
-from navigation.benchmark import benchmark
+from navigation.benchmark import benchmark, summary
 from sim.commands.benchmark import benchmark as command
 from sim.views.benchmark import write_page
 
@@ -112,3 +113,53 @@ def test_the_report_shows_every_planner_and_can_be_read(tmp_path, open_address):
     assert viewer.page.locator("polyline.path:visible").count() == 1
     viewer.page.set_viewport_size({"width": 420, "height": 900})
     assert viewer.page.evaluate("document.documentElement.scrollWidth") <= 420
+
+
+def test_a_report_is_written_of_floors_whose_shortest_paths_are_not_known(tmp_path, floorwalker):
+    """Of too many corners, whatever is asked first: a straight path, or one around corners."""
+    pegs = ["".join("@" if x % 3 == y % 3 == 1 else "." for x in range(55)) for y in range(55)]
+    text = "\n".join(["type octile", "height 55", "width 55", "map", *pegs])
+    (tmp_path / "pegs.map").write_text(text)
+    straight, around = (
+        "0\tpegs.map\t55\t55\t0\t0\t5\t0\t5\n",
+        "0\tpegs.map\t55\t55\t0\t0\t7\t5\t10\n",
+    )
+    for number, lines in enumerate((straight + around, around + straight)):
+        (tmp_path / "pegs.map.scen").write_text("version 1\n" + lines)
+        out = tmp_path / f"out{number}"
+        done = floorwalker(
+            *("benchmark", "--questions", tmp_path / "pegs.map.scen", "--radius", 0.3),
+            *("--planner", "Roadmap", "--longest", 2, "--out", out),
+        )
+        assert done.returncode == 0, done.stderr
+        assert "pegs: no shortest length is known of 1 of 2 questions" in done.stderr
+        assert "--longest" in done.stderr
+        assert "1.0000" not in done.stdout
+        with (out / "summary.csv").open() as file:
+            (row,) = csv.DictReader(file)
+        assert row["solved"] == "1.0"
+        assert row["ratio"] == row["ratio_most"] == "nan"
+        page = (out / "report.html").read_text()
+        assert page.count("shortest lengths are not known") == 2
+
+
+@pytest.mark.parametrize("times", [1.0, 0.0])
+def test_a_report_is_written_where_few_questions_have_a_path(tmp_path, times):
+    """So that no median of costs is finite; also where the clock is too coarse for any time."""
+    plan = floorplan.load("machine_shop")
+    attempts = [
+        replace(
+            attempt,
+            cpu_seconds=times * attempt.cpu_seconds,
+            planning_seconds=times * attempt.planning_seconds,
+            progress=tuple(
+                replace(one, cpu_seconds=times * one.cpu_seconds) for one in attempt.progress
+            ),
+        )
+        for attempt in benchmark([plan], ["RRTstar: {iterations: 10}"], queries=7, seed=2)
+    ]
+    assert 0 < summary(attempts)[0].solved.value < 0.5
+    page = tmp_path / "report.html"
+    write_page(attempts, [plan], page, terms={}, on_the_clock=False)
+    assert "fewer than half of the questions have a path" in page.read_text()
+    assert ("no time could be measured" in page.read_text()) == (times == 0.0)

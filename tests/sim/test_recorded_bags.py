@@ -182,10 +182,15 @@ def test_bad_bags_are_refused_with_topic_and_message(tmp_path, name):
 
 def test_what_is_no_bag_is_refused(tmp_path):
     (tmp_path / "empty").mkdir()
-    (tmp_path / "text.mcap").write_text("t,name,x,y\n")
+    for name in ("text.mcap", "text.parquet"):
+        (tmp_path / name).write_text("t,name,x,y\n")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "scene.json").write_text("{}")
     for file, message in {
         "empty": "there is no metadata.yaml in it",
         "text.mcap": "is no ROS 2 bag that can be read",
+        "text.parquet": "is no Parquet file that can be read",
+        "run": "this folder is a recorded run: give its trajectory.csv",
         "gone.mcap": "there is no such file",
     }.items():
         with pytest.raises(sim.TrialError, match=message):

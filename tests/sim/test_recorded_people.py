@@ -194,6 +194,103 @@ people:
             assert np.hypot(*apart.T).max() < 0.01
 
 
+PUT_HOME = """\
+floorplan:
+  boundary: [[0, 0], [24, 0], [24, 10], [0, 10]]
+  safe_zone: {at: [2, 2]}
+  stations: {west: [6, 8], east: [14, 8], out: [16, 5]}
+  patrol: [east, west]
+  agvs:
+    size: [2.0, 0.8]
+    height: 1.0
+    max_speed: 1.5
+    max_acceleration: 1.0
+    limits: [0, 16]
+    locations: {home: 0, gate: 8}
+    start: home
+    lanes: {cart: {origin: [4, 1.1], heading: 0.0}}
+duration: 45
+"""
+PUT_HOME_PEOPLE = """\
+people:
+  - {name: eve, personality: indifferent, start: {time: 1.0}}
+  - {name: max, personality: indifferent, at: [3, 3], start: {time: 1.0}}
+  - name: ann
+    personality: visitor
+    source: {at: west, rate: 0.2, count: 2}
+    sink: out
+    beliefs: ["calls(1)"]
+agvs: {cart: [{time: 24.03, to: 0.5}, {time: 36.517, to: 0}]}
+rules: {based_on: paper, agv_law: {fixed: 40.0}}
+"""
+
+
+@pytest.fixture(scope="module")
+def put_home(tmp_path_factory):
+    """A run in which everybody is put home twice, with all that is written of it."""
+    folder = tmp_path_factory.mktemp("written")
+    recording = sim.Recording(folder / "run")
+    run = sim.run(sim.Trial.parse(PUT_HOME + PUT_HOME_PEOPLE), recording)
+    recording.finish(run)
+    for name in ("run.csv", "run.parquet", "run.sqlite", "run.mcap", "bag"):
+        sim.export(run, folder / name, rate=20.0)
+    return run, folder
+
+
+@pytest.mark.parametrize(
+    ("file", "rate", "accuracy"),
+    [
+        ("run/trajectory.csv", 10.0, 1e-6),
+        ("run.csv", 20.0, 1e-6),
+        ("run.parquet", 20.0, 1e-12),
+        ("run.sqlite", 20.0, 1e-12),
+        ("run.mcap", 20.0, 1e-12),
+        ("bag", 20.0, 1e-12),
+    ],
+)
+def test_all_that_is_written_of_a_run_can_be_walked_again(put_home, file, rate, accuracy):
+    """Through all that was sampled, whoever was put home: the jumps are those of the run."""
+    first, folder = put_home
+    names = [name for name in first.motions if name != "cart"]
+    people = ", ".join(f"{{name: {name}, recorded: {file}}}" for name in names)
+    again = sim.run(sim.Trial.parse(f"{PUT_HOME}people: [{people}]\n", folder=folder))
+    for name in names:
+        begin, end = first.presence[name]
+        jumps = sorted(t for t in first.motions[name].jumps if begin < t < end)
+        assert len(jumps) == 2 if name in ("eve", "max") else end < first.duration
+        if not file.endswith(".sqlite"):  # has frames only
+            assert sorted(again.motions[name].jumps) == pytest.approx(jumps, abs=1e-9)
+        times = np.arange(0.0, 45.0 + 1e-9, 1 / rate)
+        times = times[(times >= begin) & (times < end)]
+        apart = sampled(again, name, times) - sampled(first, name, times)
+        assert np.hypot(*apart.T).max() < accuracy
+        between = np.arange(begin + 0.5 / rate, end - 1 / rate, 0.37 / rate)
+        apart = sampled(again, name, between) - sampled(first, name, between)
+        assert np.hypot(*apart.T).max() < 0.08
+
+
+def test_two_samples_at_one_time_are_a_jump(tmp_path):
+    rows = [f"{t},eve,{1 + t},5" for t in (0.0, 0.5, 1.0)]
+    rows += [f"{t},eve,{10 + t},2" for t in (1.0, 1.5, 2.0)]
+    tracks(tmp_path, *rows)
+    run = sim.run(trial(tmp_path, "duration: 3\npeople: [{name: eve, recorded: tracks.csv}]\n"))
+    motion = run.motions["eve"]
+    assert motion.jumps == {1.0}
+    assert np.allclose(motion.state_before(1.0).at, (2, 5))
+    assert np.allclose(
+        motion.position([0.9, 1.0, 1.1, 2.5]), [[1.9, 5], [11, 2], [11.1, 2], [12, 2]]
+    )
+    assert run.summary["people"]["eve"]["distance_walked"] == pytest.approx(2.0)
+
+
+def test_the_same_sample_twice_is_no_jump(tmp_path):
+    rows = straight()
+    tracks(tmp_path, *rows[:5], *rows[4:])
+    run = sim.run(trial(tmp_path, "people: [{name: eve, recorded: tracks.csv}]\nduration: 10\n"))
+    assert not run.motions["eve"].jumps
+    assert np.allclose(sampled(run, "eve", 5.0), (7.0, 5.0))
+
+
 def test_frames_of_pedpy_are_read_in_their_unit(tmp_path):
     lines = ["# description: a corridor", "# framerate: 25.00", "# id frame x/cm y/cm z/cm"]
     lines += [f"7 {k} {100 + 4 * k} 500 170" for k in range(100)]
@@ -223,6 +320,14 @@ GOOD = straight()
 BAD = {
     "a gap": ([*GOOD[:4], *GOOD[9:]], "line 6: a gap of 3 s: there is nothing from t = 1.5 s on"),
     "a jump": ([*GOOD[:3], "1.5,eve,9,5", *GOOD[4:]], "line 5: a jump of 6.8 m in 0.5 s"),
+    "a jump that is not stated": (
+        [*GOOD[:3], "1.5,eve,9,5", *GOOD[4:]],
+        "or state the jump by two samples at one time, one before it and one after it",
+    ),
+    "many at one time": (
+        [*GOOD[:3], *3 * [GOOD[2]], *GOOD[3:]],
+        "line 7: t = 1 s is not after the",
+    ),
     "backwards": ([*GOOD[:3], *GOOD[1:]], "line 5: t = 0.5 s is not after the 1 s of line 4"),
     "no number": ([*GOOD[:2], "1.0,eve,?,5"], "line 4: x must be a number, found '?'"),
     "cut off": ([*GOOD[:2], "1.0,eve"], "line 4: has 2 columns, and none for x"),

@@ -207,6 +207,22 @@ work:
         " '6 to 14'",
     ]
     assert found("""\
+duration: 20 minutes
+people: [{name: ann, work: line}]
+work:
+  line: [{at: press, duration: 5}]
+""") == ["5: duration: expected a length of time as 12 min, 90 s or 1.5 h, found '20 minutes'"]
+    assert found("""\
+duration: 10 min
+begins: 06:00
+people:
+  - name: ann
+    shifts: [06:05 - 06:05, 07:00 - 08:00]
+""")[:2] == [
+        "9: people[0].shifts[0]: ends before it begins, or at once: 06:05 … 06:05",
+        "9: people[0].shifts[1]: is at 3600 s (07:00) of the trial, which ends at 600 s",
+    ]
+    assert found("""\
 duration: 600
 begins: 06:00
 people:
@@ -219,17 +235,39 @@ work:
   line: [{at: pres, duration: 5, time: 700}]
 """) == [
         "9: people[0].work[0]: no list of tasks is called 'lines'; did you mean 'line'?",
-        "10: people[0].schedule[2].time: is at 82800 s of the trial, which ends at 600 s",
+        "10: people[0].schedule[2].time: is at 82800 s (05:00) of the trial, which ends at 600 s",
         "10: people[0].schedule[1]: begins at 300 s, before schedule[0] ends at 360 s",
         "11: people[0].breaks[0].at: no station is called 'counter'; there are: press, bench,"
         " canteen",
         "11: people[0].breaks[0]: begins at 120 s, before schedule[0] ends at 360 s",
-        "12: people[0].shifts[0]: ends before it begins, or at once: 10 … 5 s",
+        "12: people[0].shifts[0]: ends before it begins, or at once: 10 s … 5 s",
         "12: people[0].shifts[2]: begins at 25 s, before the one in front of it ends",
         "14: work.line[0].at: no station is called 'pres'; did you mean 'press'?",
         "14: work.line[0].time: is at 700 s of the trial, which ends at 600 s",
         "14: work.line: nobody takes tasks from this list: name it in the work of a person",
     ]
+
+
+def test_times_of_day_are_written_as_seconds_and_shown_as_they_were_given(tmp_path):
+    given = trial("""\
+duration: 20 min
+begins: 05:50
+people:
+  - name: ann
+    personality: worker
+    work: line
+    shifts: [06:00 - 06:08, [1100, 1100.5]]
+    breaks: [06:04:30 canteen for 2 min]
+work: {line: [{at: press, duration: 25, every: 1.5 min}]}
+""")
+    assert given.duration == 1200 and given.work["line"].tasks[0].every == 90
+    assert given.people[0].shifts == ((600.0, 1080.0), (1100.0, 1100.5))
+    written = given.to_yaml(tmp_path)
+    assert "06:0" not in written
+    assert sim.Trial.parse(written).people[0].shifts == given.people[0].shifts
+    sim.safety_report(sim.run(given), tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text()
+    assert "shift 06:00 – 06:08; shift 1,100 s – 1,100.5 s; break at 06:04:30" in page
 
 
 def test_work_made_in_python_is_written_and_read_again():

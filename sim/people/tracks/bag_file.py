@@ -1,6 +1,7 @@
-"""Tracks in ROS 2 bags, of either storage: topics of poses, odometry, people and transforms.
+"""Tracks in ROS 2 bags, of either storage, and in MCAP files with Foxglove's schemas.
 
-Times are those of the messages' headers, counted from the first pose of all.
+Topics are of poses, odometry, people and transforms. Times are those of the messages' headers,
+counted from the first pose of all.
 """
 
 from __future__ import annotations
@@ -8,12 +9,12 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rosbags.highlevel import AnyReader
-from rosbags.interfaces import Connection
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from floorplan import are_figures
@@ -49,29 +50,44 @@ class _Track:
     poses: list[tuple[float, float, float]] = field(default_factory=list)
 
 
-Found = tuple[str, Any, float, float, float]
-"""The name of a body in a message ("" where the topic is the body's), its header, and a pose."""
+Found = tuple[str, str, int, float, float, float]
+"""The name of a body ("" where the topic is the body's), its frame, time (ns), and pose."""
+
+Message = tuple[str, int, Callable[[], Iterable[Found]]]
+"""The topic of a message, when it was recorded (ns), and what decodes its poses."""
 
 
 def _of_pose(message: Any) -> Iterator[Found]:
     pose = message.pose
-    yield "", message.header, pose.position.x, pose.position.y, _yaw(pose.orientation)
+    yield "", *_head(message), pose.position.x, pose.position.y, _yaw(pose.orientation)
 
 
 def _of_pose_with_covariance(message: Any) -> Iterator[Found]:
     pose = message.pose.pose
-    yield "", message.header, pose.position.x, pose.position.y, _yaw(pose.orientation)
+    yield "", *_head(message), pose.position.x, pose.position.y, _yaw(pose.orientation)
 
 
 def _of_transforms(message: Any) -> Iterator[Found]:
     for one in message.transforms:
         at, turned = one.transform.translation, one.transform.rotation
-        yield one.child_frame_id, one.header, at.x, at.y, _yaw(turned)
+        yield one.child_frame_id, *_head(one), at.x, at.y, _yaw(turned)
 
 
 def _of_people(message: Any) -> Iterator[Found]:
     for person in message.people:
-        yield person.name, message.header, person.position.x, person.position.y, np.nan
+        yield person.name, *_head(message), person.position.x, person.position.y, np.nan
+
+
+def _head(message: Any) -> tuple[str, int]:
+    """Return the frame of a message of ROS, and its time."""
+    stamp = message.header.stamp
+    return message.header.frame_id, stamp.sec * 10**9 + stamp.nanosec
+
+
+def _of_foxglove(message: Any) -> Iterator[Found]:
+    pose, stamp = message.pose, message.timestamp
+    time = stamp.seconds * 10**9 + stamp.nanos
+    yield "", message.frame_id, time, pose.position.x, pose.position.y, _yaw(pose.orientation)
 
 
 KINDS: dict[str, Callable[[Any], Iterator[Found]]] = {
@@ -81,26 +97,32 @@ KINDS: dict[str, Callable[[Any], Iterator[Found]]] = {
     "people_msgs/msg/People": _of_people,
     "tf2_msgs/msg/TFMessage": _of_transforms,
 }
-"""Readers of messages that say where bodies are, by type."""
+"""Readers of messages of ROS that say where bodies are, by type."""
+
+FOXGLOVE = "foxglove.PoseInFrame"
+"""The schema of poses in a file of Foxglove's."""
 
 
 def read(path: Path) -> Tracks:
-    """Return the bodies in the bag at `path`; `TrackError` with topic and message if one is unfit.
+    """Return the bodies in the file or bag at `path`.
+
+    `TrackError` with topic and message if one is unfit.
 
     A topic of poses or of odometry is one body: it is called after the topic, whole or without
     the slash and a last part such as `/pose`. In transforms bodies are frames, in `people_msgs`
     people by their names.
     """
+    is_foxglove = path.suffix.lower() == ".mcap" and not _is_of_ros(path)
     try:
-        reader = AnyReader([path], default_typestore=_typestore())
-        with reader:
-            tracks = _tracks(path, reader)
-    except TrackError:
+        tracks = _tracks(path, _in_foxglove(path) if is_foxglove else _in_bag(path))
+    except (TrackError, ModuleNotFoundError):
         raise
-    except Exception as why:  # rosbags raises many things of what is damaged
-        raise TrackError.of(path, f"is no ROS 2 bag that can be read: {why}") from None
+    except Exception as why:  # the libraries raise many things of what is damaged
+        kind = "MCAP file" if is_foxglove else "ROS 2 bag"
+        raise TrackError.of(path, f"is no {kind} that can be read: {why}") from None
     if not tracks:
-        raise TrackError.of(path, f"has no topic of a type with poses: {', '.join(KINDS)}")
+        kinds = FOXGLOVE if is_foxglove else ", ".join(KINDS)
+        raise TrackError.of(path, f"has no topic of a type with poses: {kinds}")
     _check_frames(path, tracks)
     first = min(track.stamps[0] for track in tracks.values())
     bodies = {name: _samples(track, first) for name, track in tracks.items()}
@@ -123,38 +145,66 @@ def _typestore() -> Any:
     return store
 
 
-def _tracks(path: Path, reader: AnyReader) -> dict[str, _Track]:
+def _is_of_ros(path: Path) -> bool:
+    """Return True if the header of an MCAP file has the profile of ROS 2, or can't be read."""
+    with path.open("rb") as file:
+        start = file.read(32)
+    # Magic, the operation code 1 and the header's length are 17 bytes; then come its texts, each
+    # after its length.
+    return not start.startswith(b"\x89MCAP0\r\n\x01") or start[17:25] == b"\x04\0\0\0ros2"
+
+
+def _in_bag(path: Path) -> Iterator[Message]:
+    with AnyReader([path], default_typestore=_typestore()) as reader:
+        wanted = [one for one in reader.connections if one.msgtype in KINDS]
+        for connection, stamp, data in reader.messages(wanted) if wanted else ():
+
+            def poses(kind: str = connection.msgtype, data: bytes = data) -> Iterator[Found]:
+                return KINDS[kind](reader.deserialize(data, kind))
+
+            yield connection.topic, stamp, poses
+
+
+def _in_foxglove(path: Path) -> Iterator[Message]:
+    from mcap.reader import make_reader
+    from mcap_protobuf.decoder import DecoderFactory
+
+    decoders = DecoderFactory()
+    with path.open("rb") as file:
+        for schema, channel, message in make_reader(file).iter_messages():
+            if schema is None or schema.name != FOXGLOVE:
+                continue
+            decode = decoders.decoder_for(channel.message_encoding, schema)
+            if decode is not None:
+                yield channel.topic, message.log_time, partial(_decoded_pose, decode, message.data)
+
+
+def _decoded_pose(decode: Callable[[bytes], Any], data: bytes) -> Iterator[Found]:
+    return _of_foxglove(decode(data))
+
+
+def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _Track]:
     """Return the tracks by topic, or by name where a topic is about several bodies."""
-    wanted = [one for one in reader.connections if one.msgtype in KINDS]
     tracks: dict[str, _Track] = {}
     counts: dict[str, int] = defaultdict(int)
-    for connection, stamp, data in reader.messages(wanted) if wanted else ():
-        number = counts[connection.topic]
-        counts[connection.topic] += 1
-        for name, header, x, y, yaw in _decoded(path, reader, connection, number, data):
-            body = name or connection.topic
-            track = tracks.setdefault(body, _Track(connection.topic, header.frame_id))
-            time = header.stamp.sec * 10**9 + header.stamp.nanosec
-            fault = _fault(track, connection.topic, header.frame_id, (x, y))
+    for topic, stamp, poses in messages:
+        number = counts[topic]
+        counts[topic] += 1
+        try:
+            found = list(poses())
+        except Exception as why:  # of one that is damaged the libraries raise many things
+            message = f"topic {topic}, message {number}: can't be decoded: {why}"
+            raise TrackError.of(path, message) from None
+        for name, frame, time, x, y, yaw in found:
+            track = tracks.setdefault(name or topic, _Track(topic, frame))
+            fault = _fault(track, topic, frame, (x, y))
             if fault:
-                raise TrackError.of(path, f"topic {connection.topic}, message {number}: {fault}")
+                raise TrackError.of(path, f"topic {topic}, message {number}: {fault}")
             track.messages.append(number)
             # A header without a time is common: then the instant at which the message was recorded.
             track.stamps.append(time or stamp)
             track.poses.append((x, y, yaw))
     return tracks
-
-
-def _decoded(
-    path: Path, reader: AnyReader, connection: Connection, number: int, data: bytes
-) -> Iterable[Found]:
-    """Return the poses in a message; what rosbags raises of one that is damaged is many things."""
-    try:
-        message = reader.deserialize(data, connection.msgtype)
-        return list(KINDS[connection.msgtype](message))
-    except Exception as why:
-        place = f"topic {connection.topic}, message {number}"
-        raise TrackError.of(path, f"{place}: can't be decoded: {why}") from None
 
 
 def _fault(track: _Track, topic: str, frame: str, place: tuple[float, float]) -> str:

@@ -1,4 +1,4 @@
-"""Bags of ROS 2: where one is, and what reads it."""
+"""Bags of ROS 2 and files of Foxglove: where one is, and what reads it."""
 
 from __future__ import annotations
 
@@ -11,9 +11,14 @@ from .samples import TrackError, Tracks
 METADATA = "metadata.yaml"
 """File that a folder has which is a bag."""
 
+LIBRARIES = ("rosbags", "mcap", "mcap_protobuf")
+"""Packages of the extra that reads them."""
+
 
 def read_bag_tracks(path: Path) -> Tracks:
     """Return the bodies in the bag at `path`: a folder, or a single file of its storage.
+
+    An MCAP file may have Foxglove's schemas instead.
 
     `TrackError` says what is wrong with it, or what to install.
     """
@@ -22,13 +27,14 @@ def read_bag_tracks(path: Path) -> Tracks:
             raise TrackError.of(path, f"{file.name} is no regular file")
     try:
         from .bag_file import read
+
+        return read(path)
     except ModuleNotFoundError as why:
-        if (why.name or "").partition(".")[0] != "rosbags":
+        if (why.name or "").partition(".")[0] not in LIBRARIES:
             raise
         raise TrackError.of(
-            path, "rosbags reads ROS bags and is missing: pip install 'floorwalker[tracks]'"
+            path, f"{why.name} reads such files and is missing: pip install 'floorwalker[tracks]'"
         ) from None
-    return read(path)
 
 
 def files_of(path: Path) -> Iterator[Path]:
@@ -36,6 +42,8 @@ def files_of(path: Path) -> Iterator[Path]:
     if not path.is_dir():
         yield path
         return
+    if (path / "scene.json").is_file():
+        raise TrackError.of(path, "this folder is a recorded run: give its trajectory.csv")
     if not (path / METADATA).is_file():
         raise TrackError.of(path, f"there is no {METADATA} in it: this folder is no ROS 2 bag")
     yield from sorted(file for file in path.iterdir() if not file.is_dir())

@@ -52,4 +52,4 @@ class Tracks:
     bodies: dict[str, Samples]
     counts_frames: bool = False
     frame_rate: float | None = None
-    row: Literal["line", "frame", "message"] = "line"
+    row: Literal["line", "row", "frame", "message"] = "line"

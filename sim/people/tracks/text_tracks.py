@@ -1,4 +1,4 @@
-"""Tracks in text: CSV with a header, or the columns id, frame, x, y as PedPy and PeTrack have them.
+"""Tracks in tables: CSV or Parquet, or columns id, frame, x, y as PedPy and PeTrack have them.
 
 A recording's own `trajectory.csv` is such a file.
 """
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from floorplan import Problem, UserError, figure, read_lines
+from floorplan import LARGEST_RECORDED, Problem, UserError, figure, read_lines, require_readable
 
 from .samples import Samples, TrackError, Tracks, frame_rate
 
@@ -31,6 +31,9 @@ METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 MOST_PROBLEMS = 20
 """Reading stops after so many rows that can't be read."""
+
+MOST_ROWS = 20_000_000
+"""Rows of a Parquet file, at most: few bytes can stand for many of them."""
 
 _UNIT = r"(?i)\bx\s*(?:/|\[|\(|in)\s*(?:in\s+)?(m|cm|mm)\b"
 _RATE = r"(?i)frame\s*rate\s*[:=]?\s*([0-9.]+)"
@@ -64,8 +67,7 @@ def read_text_tracks(path: Path) -> Tracks:
             split = _splitting(text)
             columns, is_header = _columns(split(text), path, number)
             metre = METRE[told[1].lower()] if (told := re.search(_UNIT, text)) else metre
-            time = "t" if "t" in columns else "frame"
-            wanted = [time, "x", "y", *(["rotation"] if "rotation" in columns else [])]
+            wanted = _wanted(columns)
             if is_header:
                 continue
         cells = split(text)
@@ -90,6 +92,49 @@ def read_text_tracks(path: Path) -> Tracks:
     return Tracks(bodies, counts_frames="t" not in columns, frame_rate=rate)
 
 
+def read_parquet_tracks(path: Path) -> Tracks:
+    """Return the tracks in the Parquet file at `path`, whose columns are named as in CSV.
+
+    `TrackError` says what is wrong with it, or what to install.
+    """
+    require_readable(path, TrackError, LARGEST_RECORDED)
+    try:
+        from pyarrow import ArrowException, compute
+        from pyarrow.parquet import ParquetFile
+    except ModuleNotFoundError:
+        message = "pyarrow reads Parquet and is missing: pip install 'floorwalker[export]'"
+        raise TrackError.of(path, message) from None
+    try:
+        with ParquetFile(path) as file:
+            names = file.schema_arrow.names
+            columns, _ = _columns(names, path, None)
+            if file.metadata.num_rows > MOST_ROWS:
+                message = f"has more than {MOST_ROWS:,} rows: {file.metadata.num_rows:,}"
+                raise TrackError.of(path, message)
+            table = file.read([names[column] for column in columns.values()])
+        body = compute.dictionary_encode(table[names[columns["body"]]]).combine_chunks()
+        wanted = [names[columns[name]] for name in _wanted(columns)]
+        figures = np.column_stack([np.asarray(table[name], dtype=float) for name in wanted])
+    except TrackError:
+        raise
+    except (ArrowException, OSError, TypeError, ValueError) as why:
+        raise TrackError.of(path, f"is no Parquet file that can be read: {why}") from None
+    if (unfit := np.flatnonzero(~np.isfinite(figures).all(axis=1))).size:
+        raise TrackError.of(path, f"row {unfit[0]} has a figure that is not finite")
+    codes = np.asarray(body.indices)
+    bodies = {}
+    for code, name in enumerate(body.dictionary.to_pylist()):
+        rows = np.flatnonzero(codes == code)
+        bodies[f"{name}"] = Samples(rows, *figures[rows].T)
+    return Tracks(bodies, counts_frames="t" not in columns, row="row")
+
+
+def _wanted(columns: dict[str, int]) -> list[str]:
+    """Return what is read of each sample, in the order of `Samples`."""
+    time = "t" if "t" in columns else "frame"
+    return [time, "x", "y", *(["rotation"] if "rotation" in columns else [])]
+
+
 def _samples(track: _Track, metre: float) -> Samples:
     t, x, y, *rotation = np.array(track.figures).T
     turned = rotation[0] if rotation else None
@@ -104,7 +149,7 @@ def _splitting(line: str) -> Callable[[str], list[str]]:
     return str.split
 
 
-def _columns(cells: list[str], path: Path, line: int) -> tuple[dict[str, int], bool]:
+def _columns(cells: list[str], path: Path, line: int | None) -> tuple[dict[str, int], bool]:
     """Return where in a row everything stands, and whether the first row is a header."""
     if all(_is_number(cell) for cell in cells):
         if len(cells) < 4:

@@ -9,20 +9,23 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from floorplan import Floorplan, Problem, is_there, suggestion
-from navigation import Motion
+from navigation import Motion, join
 
 from ...core.recorded_track import RecordedTrack
 from ...core.scenario import PersonEntry, Scenario
 from .bags import files_of, read_bag_tracks
 from .jupedsim_tracks import read_jupedsim_tracks
 from .samples import Array, Samples, TrackError, Tracks
-from .text_tracks import read_text_tracks
+from .text_tracks import read_parquet_tracks, read_text_tracks
 
 READERS = {
     ".csv": read_text_tracks,
     ".txt": read_text_tracks,
+    ".parquet": read_parquet_tracks,
     ".sqlite": read_jupedsim_tracks,
     ".mcap": read_bag_tracks,
     ".db3": read_bag_tracks,
@@ -33,7 +36,10 @@ STROLL = 0.1
 """m/s. Who is slower than this looks where they looked before."""
 
 SHORTEST = 1e-6
-"""Seconds. Samples are further apart than this."""
+"""Seconds. Samples that are nearer are at one time, where a body jumps."""
+
+MOST_AT_ONCE = 3
+"""Samples at one time, at most: before and after a jump, and one of a regular series."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,24 +61,28 @@ def recorded_walks(scenario: Scenario) -> dict[str, RecordedWalk]:
     `TrackError` says in which row of which file a track is unfit.
     """
     return {
-        entry.name: recorded_walk(entry, scenario.folder)
+        entry.name: recorded_walk(entry, scenario)
         for entry in scenario.people
         if entry.recorded is not None
     }
 
 
-def recorded_walk(entry: PersonEntry, folder: Path) -> RecordedWalk:
-    """Return the walk of somebody who was recorded, their file seen from `folder`."""
+def recorded_walk(entry: PersonEntry, scenario: Scenario) -> RecordedWalk:
+    """Return the walk of a person of `scenario` who was recorded."""
     recorded = entry.recorded
     assert recorded is not None
     if isinstance(recorded, Motion):
         return RecordedWalk(recorded, _top_speed(recorded))
-    tracks, samples = _samples(recorded, entry.name, folder)
+    tracks, samples = _samples(recorded, entry.name, scenario.folder)
     t = samples.t / (_frame_rate(recorded, tracks) or 1.0) - recorded.since
     k = max(0, int(np.searchsorted(t, 0.0, side="right")) - 1)
     t, xy = t[k:], np.column_stack([samples.x, samples.y])[k:]
-    turned = _headings(t, xy) if samples.rotation is None else samples.rotation[k:]
-    motion = Motion.from_samples(t, xy, turned)
+    turned = None if samples.rotation is None else samples.rotation[k:]
+    parts = []
+    for part in _on_floor(_parts(t), xy, scenario.floorplan):
+        looks = _headings(t[part], xy[part]) if turned is None else turned[part]
+        parts.append(Motion.from_samples(t[part], xy[part], looks))
+    motion = join(parts)
     return RecordedWalk(motion, _top_speed(motion))
 
 
@@ -156,7 +166,7 @@ def _problems(
 
     t = samples.t / (rate or 1.0)
     steps = np.diff(t)
-    if (late := np.flatnonzero(steps < SHORTEST)).size:
+    if (late := np.flatnonzero(_late(t))).size:
         for k in late.tolist():
             before = f"{tracks.row} {samples.rows[k]}"
             yield at(k + 1, f"t = {t[k + 1]:.9g} s is not after the {t[k]:.9g} s of {before}")
@@ -169,14 +179,19 @@ def _problems(
             f" track, or give a longest_gap of more than {recorded.longest_gap:g} s",
         )
     gone = np.hypot(np.diff(samples.x), np.diff(samples.y))
-    jumps = np.flatnonzero(gone > recorded.top_speed * steps)
+    jumps = np.flatnonzero((gone > recorded.top_speed * steps) & (steps >= SHORTEST))
     for k in jumps.tolist():
         yield at(
             k + 1,
-            f"a jump of {gone[k]:.3g} m in {steps[k]:.3g} s; mend the track, or give a top_speed"
-            f" of more than {recorded.top_speed:g} m/s",
+            f"a jump of {gone[k]:.3g} m in {steps[k]:.3g} s; mend the track, give a top_speed"
+            f" of more than {recorded.top_speed:g} m/s, or state the jump by two samples at one"
+            " time, one before it and one after it",
         )
-    yield from (at(k, message) for k, message in _outside(samples, scenario.floorplan))
+    xy = np.column_stack([samples.x, samples.y])
+    shown = _on_floor(_parts(t), xy, scenario.floorplan)
+    yield from (
+        at(k, words) for k, words in _outside(np.concatenate(shown), xy, scenario.floorplan)
+    )
     if t[-1] < recorded.since:
         yield at(len(t) - 1, f"the track ends at t = {t[-1]:.9g} s, before since")
     elif t[0] - recorded.since >= scenario.duration:
@@ -187,14 +202,42 @@ def _problems(
         )
 
 
-def _outside(samples: Samples, plan: Floorplan) -> Iterator[tuple[int, str]]:
-    inside = shapely.intersects_xy(plan.boundary, samples.x, samples.y)
-    outside = np.flatnonzero(~inside)
+def _late(t: Array) -> NDArray[np.bool_]:
+    """Return for each sample but the first whether it is earlier than it may be: (N - 1,)."""
+    steps = np.diff(t)
+    late = steps < 0.0
+    at_once = steps < SHORTEST
+    if len(t) > MOST_AT_ONCE:
+        late[MOST_AT_ONCE - 1 :] |= sliding_window_view(at_once, MOST_AT_ONCE).all(axis=1)
+    return late
+
+
+def _parts(t: Array) -> list[NDArray[np.intp]]:
+    """Return the samples between jumps; two samples at one time are the ends of two parts."""
+    parts = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) < SHORTEST) + 1)
+    # A sample alone between others at its time is where the body is for no time.
+    return [part for k, part in enumerate(parts) if len(part) > 1 or k in (0, len(parts) - 1)]
+
+
+def _on_floor(parts: list[NDArray[np.intp]], xy: Array, plan: Floorplan) -> list[NDArray[np.intp]]:
+    """Return `parts` without the first or last of several that is outside the floor throughout.
+
+    The body comes by a jump from outside, or leaves by one; all parts if that leaves none.
+    """
+    outside = [not shapely.intersects_xy(plan.boundary, *xy[part].T).any() for part in parts]
+    return parts if all(outside) else parts[outside[0] : len(parts) - outside[-1]]
+
+
+def _outside(shown: NDArray[np.intp], xy: Array, plan: Floorplan) -> Iterator[tuple[int, str]]:
+    """Yield the first of the samples `shown` that is outside the floor, and what is wrong."""
+    outside = shown[~shapely.intersects_xy(plan.boundary, *xy[shown].T)]
     if outside.size:
-        k = int(outside[0])
+        x, y = xy[outside[0]]
         more = f", as are {outside.size - 1} more" if outside.size > 1 else ""
-        place = f"({samples.x[k]:g}, {samples.y[k]:g})"
-        yield k, f"{place} is outside the boundary of the floor (metres){more}"
+        yield (
+            int(outside[0]),
+            f"({x:g}, {y:g}) is outside the boundary of the floor (metres){more}",
+        )
 
 
 def _headings(t: Array, xy: Array) -> Array:

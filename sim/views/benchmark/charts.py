@@ -29,6 +29,8 @@ DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
 MOST_SHADES = 6
 """Of more curves the intervals are left out: nobody could tell them apart."""
 
+_UNMEASURED = "no time could be measured"
+
 PERFECT = 0.01
 """Per cent. Below, the axis of excess lengths is linear, so that the shortest path has a place."""
 
@@ -71,11 +73,17 @@ def charts(floor: str, groups: Sequence[Sequence[Attempt]], styles: dict[str, Lo
     height = MARGIN + ROW_HEIGHT * len(groups)
     legend = 0.19 * math.ceil(len(groups) / 2) + 0.15
 
+    known = not any(math.isnan(one.asked.shortest) for group in groups for one in group)
+
     def boxes(of: Callable[[Attempt], float], label: str, scale: str) -> Callable[[Figure], None]:
         return lambda figure: _boxes(figure, groups, styles, of, label, scale)
 
     def curves(of: Callable[[Sequence[Attempt]], Curve], label: str) -> Callable[[Figure], None]:
         return lambda figure: _curves(figure, groups, styles, of, label)
+
+    def if_known(draw: Callable[[Figure], None]) -> Callable[[Figure], None]:
+        unknown = "shortest lengths are not known"
+        return draw if known else lambda figure: _say_instead(figure.subplots(), unknown)
 
     drawn = (
         (
@@ -88,7 +96,7 @@ def charts(floor: str, groups: Sequence[Sequence[Attempt]], styles: dict[str, Lo
             "Length",
             "How much longer than the shortest path, of what was found.",
             (WIDTH, height),
-            boxes(lambda a: 100 * (a.ratio - 1), "excess length (%)", "symlog"),
+            if_known(boxes(lambda a: 100 * (a.ratio - 1), "excess length (%)", "symlog")),
         ),
         (
             "Success over time",
@@ -101,7 +109,7 @@ def charts(floor: str, groups: Sequence[Sequence[Attempt]], styles: dict[str, Lo
             "Median of the best length so far over the shortest; it begins when half of the"
             " questions have a path.",
             (WIDTH, CURVES + legend),
-            curves(cost_over_time, "length ÷ shortest"),
+            if_known(curves(cost_over_time, "length ÷ shortest")),
         ),
     )
     return [
@@ -120,8 +128,11 @@ def _boxes(
 ) -> None:
     """Draw the middle half of each planner's values as a box, nine tenths of them as a line."""
     axes = figure.subplots()
-    if not np.isfinite([of(attempt) for group in groups for attempt in group]).any():
-        return _say_nothing(axes)
+    everything = np.array([of(attempt) for group in groups for attempt in group])
+    if not np.isfinite(everything).any():
+        return _say_instead(axes, "no path was found")
+    if scale == "log" and not (everything > 0).any():
+        return _say_instead(axes, _UNMEASURED)
     names = [group[0].asked.planner for group in groups]
     for place, group in enumerate(groups):
         values = np.array([of(attempt) for attempt in group])
@@ -159,9 +170,14 @@ def _curves(
     """Draw a step for each change, with its interval around it, and the names below."""
     axes = figure.subplots()
     found = [(group[0].asked.planner, of(group)) for group in groups]
-    if not any(len(curve.seconds) for _, curve in found):
-        return _say_nothing(axes)
-    last = max([curve.seconds[-1] for _, curve in found if len(curve.seconds)], default=1.0)
+    changes = [curve.seconds for _, curve in found if len(curve.seconds)]
+    if not changes:
+        return _say_instead(axes, "no path was found")
+    if not any(np.isfinite(curve.value).any() for _, curve in found):
+        return _say_instead(axes, "fewer than half of the questions have a path")
+    last = max(seconds[-1] for seconds in changes)
+    if not last > 0:  # a logarithmic axis has no place for it
+        return _say_instead(axes, _UNMEASURED)
     tops = []
     for name, curve in found:
         look = styles[name]
@@ -203,6 +219,7 @@ def _curves(
     return None
 
 
-def _say_nothing(axes: Axes) -> None:
+def _say_instead(axes: Axes, words: str) -> None:
+    """Write into a chart why it shows nothing."""
     axes.set_axis_off()
-    axes.text(0.5, 0.5, "no path was found", ha="center", va="center", color=INK)
+    axes.text(0.5, 0.5, words, ha="center", va="center", color=INK)

@@ -14,10 +14,11 @@ from ...core.machine import MachineShape
 from ...core.machine_model import MachineModel
 from ...core.rules import RuleSet
 from ...core.scene import Scene
+from ...core.work import as_given
 from ...record.risk import CELL
 from ...record.zone_exposure import MOMENT
 from .laws import law_sheet
-from .parts import Cell, Facts, Points, Table, clock, listed, minus
+from .parts import Cell, Facts, Points, Table, listed, minus
 
 
 def floor_facts(plan: Floorplan) -> Facts:
@@ -204,5 +205,5 @@ def counted(count: int, what: str) -> str:
 
 
 def span(begin: float, end: float) -> str:
-    """Return an interval of time."""
-    return f"{clock(begin)} – {'the end' if end == math.inf else clock(end)}"
+    """Return an interval of time as the trial has it."""
+    return f"{as_given(begin)} – {'the end' if end == math.inf else as_given(end)}"

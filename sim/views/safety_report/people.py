@@ -12,7 +12,7 @@ from ...core.noticing import Drawn
 from ...core.scenario import ASSUMED, PersonEntry, Scenario
 from ...core.scene import Scene
 from ...core.start import Start
-from ...core.work import Duration, WorkTask
+from ...core.work import Duration, WorkTask, as_given
 from .assumptions import NO_SOURCE, span
 from .parts import Facts, Table, listed, plain
 
@@ -173,7 +173,7 @@ def _duties(one: PersonEntry) -> Iterator[str]:
     for begin, end in one.shifts:
         yield f"shift {span(begin, end)}"
     for each in one.breaks:
-        yield f"break at {span(each.time, each.time).partition(' ')[0]}"
+        yield f"break at {as_given(each.time)}"
 
 
 def _work(scenario: Scenario) -> Iterator[Table]:
