@@ -67,6 +67,16 @@ def explore(session: nox.Session) -> None:
 
 
 @nox.session
+def published(session: nox.Session) -> None:
+    """Published tables and pictures that do not depend on the machine: fails where one differs.
+
+    The documents then have the new ones. More arguments are names of some of them.
+    """
+    session.install("-e", ".[test,peers]")
+    session.run("python", "docs/published.py", *session.posargs)
+
+
+@nox.session
 def coverage(session: nox.Session) -> None:
     """Which lines and branches the tests take, in this process, workers and commands."""
     session.install("-e", ".[test]")

@@ -121,12 +121,17 @@ def picture(rows: Sequence[Row], path: Path) -> None:
     figure.savefig(path, dpi=160)
 
 
+def rows_of(results: Path) -> list[Row]:
+    """Return the rows of a study's results that did not fail."""
+    with results.open(encoding="utf-8", newline="") as file:
+        return [row for row in csv.DictReader(file) if not row["error"]]
+
+
 def main() -> None:
     """Print the tables, and draw the picture if a path is given for it."""
     if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
-    with Path(sys.argv[1]).open(encoding="utf-8", newline="") as file:
-        rows = [row for row in csv.DictReader(file) if not row["error"]]
+    rows = rows_of(Path(sys.argv[1]))
     print(table(rows), effects(rows), sep="\n\n")
     if len(sys.argv) == 3:
         picture(rows, Path(sys.argv[2]))

@@ -470,47 +470,81 @@ def draw(ours: Diagrams, theirs: Diagrams, path: Path) -> None:
     plots.save(figure, path)
 
 
-def table(ours: Diagrams, theirs: Diagrams) -> Iterator[str]:
-    """Yield the diagrams' rows of the table of `docs/people-among-people.md`, in Markdown."""
+def diagram_rows(ours: Diagrams, theirs: Diagrams) -> Iterator[str]:
+    """Yield the diagrams' rows of the table in `docs/people-among-people.md`, in Markdown."""
 
-    def each(figures: Callable[[Diagrams], Sequence[float]], digits: int = 2) -> str:
+    def row(
+        scene: str, published: str, figures: Callable[[Diagrams], Sequence[float]], digits: int = 2
+    ) -> str:
         cells = [
             ", ".join(f"{one:.{digits}f}" for one in figures(found)) for found in (ours, theirs)
         ]
-        return " | ".join(cells)
+        return _line(scene, published, *cells)
 
-    yield f"single file at {SPEEDS} m/s, m | {each(lambda d: [f for _, f in d.files])}"
-    yield f"openings of {WIDTHS} m, 1/(m s) | {each(lambda d: [f for _, f in d.openings])}"
-    yield f"full corridor (RiMEA 4), densities | {each(lambda d: [one.at for one in d.full])}"
-    yield f"full corridor (RiMEA 4), speeds | {each(lambda d: [f for _, f in d.full])}"
-    yield f"against Weidmann | {each(lambda d: [v / weidmann(at) - 1 for at, v in d.full])}"
-    yield f"lanes at {RATES}/s | {each(lambda d: [one for one, _ in d.lanes])}"
-    yield f"lanes by chance | {each(lambda d: [one for _, one in d.lanes])}"
-    for name, doors in (("four", lambda d: d.four), ("two", lambda d: d.two)):
-        last = each(lambda d, doors=doors: [doors(d).max(), np.isfinite(doors(d)).sum()], 0)
-        yield f"hall with {name} doors (RiMEA 9): last, who left | {last}"
-    yield f"two rooms (RiMEA 12): densities, last | {each(lambda d: d.rooms)}"
+    speeds, widths, rates = (
+        ", ".join(f"{figure:g}" for figure in figures) for figures in (SPEEDS, WIDTHS, RATES)
+    )
+    file = ", ".join(f"{seyfried(one):.2f}" for one in SPEEDS)
+    full = "corridor full of people of 1.34 ± 0.26 m/s (RiMEA 4)"
+    yield row(f"{full}: density, 1/m²", "–", lambda d: [one.at for one in d.full])
+    yield row(f"{full}: speed, m/s", "Weidmann 1993", lambda d: [one.figure for one in d.full])
+    beside = "deviation from Weidmann's speed at that density, %"
+    yield row(
+        f"{full}: {beside}",
+        "0",
+        lambda d: [100 * (speed / weidmann(at) - 1) for at, speed in d.full],
+        0,
+    )
+    for name, doors in (("four doors", lambda d: d.four), ("two doors", lambda d: d.two)):
+        hall = f"many people leave a hall of 30 m by 20 m by {name} of 1 m (RiMEA 9)"
+        yield _line(hall, HALL, *(_left(doors(found)) for found in (ours, theirs)))
+    rooms = "150 people leave a room by a corridor into another with a door (RiMEA 12)"
+    jam = "a jam before the corridor alone"
+    yield row(f"{rooms}: greatest density before each, 1/m²", jam, lambda d: d.rooms[:2])
+    yield row(f"{rooms}: the last has left after, s", "–", lambda d: d.rooms[2:], 0)
+    flows = "1.2 to 2.2"
+    opening = f"twenty through openings of {widths} m, people per metre and second"
+    yield row(opening, flows, lambda d: [one.figure for one in d.openings])
+    single = f"single file at {speeds} m/s, metres per person"
+    yield row(single, f"Seyfried et al. 2005: {file}", lambda d: [one.figure for one in d.files])
+    lane = f"counterflow of {rates} people per second from each of three places: order of lanes"
+    yield row(lane, "more than by chance", lambda d: [one for one, _ in d.lanes])
+    yield row("the same by chance", "–", lambda d: [one for _, one in d.lanes])
+
+
+HALL = "about twice as long by two doors as by four"
+
+
+def _left(times: NDArray[np.float64]) -> str:
+    """Return in words when the last person left a hall, and how many did not."""
+    gone = times[np.isfinite(times)]
+    stay = len(times) - len(gone)
+    return f"all after {gone.max():.0f} s" if not stay else f"{stay} of {len(times)} stay in it"
+
+
+def _line(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def published(people: int, plot: Path) -> str:
+    """Measure everything, draw the diagrams, and return the table of the documents."""
+    lines = [_line("scene", "literature", "Floorwalker", "JuPedSim"), "|---|---|---|---|"]
+    for scene, figure, measure in ROWS:
+        lines.append(_line(scene, figure, measure(floorwalker), measure(jupedsims)))
+    found = measured(floorwalker, people), measured(jupedsims, people)
+    draw(*found, plot)
+    return "\n".join([*lines, *diagram_rows(*found)])
 
 
 def main() -> None:
-    """Measure, print tables in Markdown, and draw."""
+    """Measure, print the table in Markdown, and draw."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("--plot", type=Path, default=Path("docs/images/literature.svg"))
     parser.add_argument("--people", type=int, default=1000, help="in the hall of RiMEA 9")
     asked = parser.parse_args()
-    for scene, published, measure in ROWS:
-        print(
-            f"| {scene} | {published} | {measure(floorwalker)} | {measure(jupedsims)} |",
-            flush=True,
-        )
-    found = []
-    for program in (floorwalker, jupedsims):
-        begin = time.process_time()
-        found.append(measured(program, asked.people))
-        print(f"{program.__name__}: {time.process_time() - begin:.0f} s of CPU", flush=True)
-    for row in table(*found):
-        print(f"| {row} |")
-    draw(*found, asked.plot)
+    begin = time.process_time()
+    print(published(asked.people, asked.plot))
+    print(f"{time.process_time() - begin:.0f} s of CPU")
 
 
 if __name__ == "__main__":

@@ -105,6 +105,17 @@ def _three(figure: float) -> str:
     return f"{float(f'{figure:.3g}'):,.10g}"
 
 
+def legs(counts: Sequence[int], duration: float = 275.0) -> str:
+    """Return the table of the legs that so many people finish, which no machine changes."""
+    lines = ["| people | Floorwalker | JuPedSim |", "|---|---|---|"]
+    for people in counts:
+        finished, starts = ours(trial(people, duration))
+        figures = (finished, jupedsims(starts, duration, IN_REACH))
+        cells = [f"{figure / people / duration * 60:.2f}" for figure in figures]
+        lines.append(f"| {people} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 def main() -> None:
     """Measure, and print the table of `docs/performance.md`."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])

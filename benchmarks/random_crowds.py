@@ -25,6 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
+from joblib import Parallel, delayed
 
 import bdi
 import floorplan
@@ -188,6 +189,36 @@ def digest(run: sim.Run) -> bytes:
     return found.digest()
 
 
+def table(numbers: range, every: int, jobs: int) -> str:
+    """Run the trials of these numbers, each of so many twice, and return the table.
+
+    What fails is named on stderr.
+    """
+    names = [[*FLOORS][number % len(FLOORS)] for number in numbers]
+    runs = Parallel(n_jobs=jobs)(
+        delayed(tried)(number, again=(number // len(FLOORS)) % every == 0) for number in numbers
+    )
+    rows = dict[str, list[Found]]()
+    for number, name, one in zip(numbers, names, runs, strict=True):
+        rows.setdefault(name, []).append(one)
+        if one.nearest < 0.0 or one.in_walls or one.stuck or not one.same:
+            print(f"{number} ({name}): {one}", file=sys.stderr, flush=True)
+    lines = [
+        "| floor | trials | people | overlaps | in a wall | stuck | in | nearest, m | not same |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for name, found in [*rows.items(), ("all", [*itertools.chain(*rows.values())])]:
+        stuck = [len(one.stuck) for one in found]
+        lines.append(
+            f"| {name} | {len(found)} | {sum(one.people for one in found)}"
+            f" | {sum(one.nearest < 0.0 for one in found)}"
+            f" | {sum(len(one.in_walls) for one in found)} | {sum(stuck)}"
+            f" | {sum(map(bool, stuck))} | {min(one.nearest for one in found):.4f}"
+            f" | {sum(not one.same for one in found)} |"
+        )
+    return "\n".join(lines)
+
+
 def main() -> None:
     """Run the trials that are asked for; print the table of `docs/people-among-people.md`."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
@@ -195,24 +226,8 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--again", type=int, default=5, help="each so many runs twice")
     asked = parser.parse_args()
-    begin, rows = time.process_time(), dict[str, list[Found]]()
-    for number in range(asked.first, asked.first + asked.trials):
-        name = [*FLOORS][number % len(FLOORS)]
-        one = tried(number, again=(number // len(FLOORS)) % asked.again == 0)
-        rows.setdefault(name, []).append(one)
-        if one.nearest < 0.0 or one.in_walls or one.stuck or not one.same:
-            print(f"{number} ({name}): {one}", file=sys.stderr, flush=True)
-    print("| floor | trials | people | overlaps | in a wall | stuck | in | nearest, m | not same |")
-    print("|---|---|---|---|---|---|---|---|---|")
-    for name, found in [*rows.items(), ("all", [*itertools.chain(*rows.values())])]:
-        stuck = [len(one.stuck) for one in found]
-        print(
-            f"| {name} | {len(found)} | {sum(one.people for one in found)}"
-            f" | {sum(one.nearest < 0.0 for one in found)}"
-            f" | {sum(len(one.in_walls) for one in found)} | {sum(stuck)}"
-            f" | {sum(map(bool, stuck))} | {min(one.nearest for one in found):.4f}"
-            f" | {sum(not one.same for one in found)} |"
-        )
+    begin = time.process_time()
+    print(table(range(asked.first, asked.first + asked.trials), asked.again, jobs=1))
     print(f"{time.process_time() - begin:.0f} s of CPU")
 
 

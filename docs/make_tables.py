@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from sim.core.events import EVENT_KINDS, EventKind
@@ -45,9 +45,14 @@ TABLES = {"events": events, "figures": figures}
 MARKED = re.compile(r"(<!-- table: (?P<name>\w+) -->\n).*?(\n<!-- end of table -->)", re.S)
 
 
-def with_tables(page: str) -> str:
-    """Return the text of a page with its tables made anew."""
-    return MARKED.sub(lambda found: found[1] + TABLES[found["name"]]() + found[3], page)
+def with_tables(page: str, tables: Mapping[str, Callable[[], str]] = TABLES) -> str:
+    """Return the text of a page with those of its tables made again that are among `tables`."""
+
+    def made(found: re.Match[str]) -> str:
+        make = tables.get(found["name"])
+        return found[0] if make is None else found[1] + make() + found[3]
+
+    return MARKED.sub(made, page)
 
 
 if __name__ == "__main__":

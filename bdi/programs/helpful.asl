@@ -2,11 +2,11 @@
 // walks the ring in the other direction. A notice within five seconds of a turn
 // is ignored, so that nobody turns on the spot.
 //
-// Figures: consideration(Ms), the moment (1000); steadfast(Ms), how long no
-// further turn is made (5000).
+// Figures: consideration(Ms), the moment (that of the rules, otherwise 1000);
+// steadfast(Ms), how long no further turn is made (5000).
 
 moment(Ms) :- consideration(Ms).
-moment(1000) :- not consideration(_).
+moment(Ms) :- not consideration(_) & usual_moment(Ms).
 no_turn_for(Ms) :- steadfast(Ms).
 no_turn_for(5000) :- not steadfast(_).
 
@@ -21,5 +21,9 @@ turned_lately :- turned_at(T) & now(N) & no_turn_for(Ms) & N - T < Ms.
 
 // Whoever comes in the way is let pass.
 +in_the_way(Who, _) : bound_for(_) <- let_pass(Who).
+
+// The rules give the moment as reaction(helpful, Ms).
+usual_moment(Ms) :- reaction(helpful, Ms).
+usual_moment(1000) :- not reaction(helpful, _).
 
 { include("patrol.asl") }

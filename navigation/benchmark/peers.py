@@ -1,27 +1,35 @@
 """Planners of other packages, where they are installed, on the same questions.
 
-They know no radius. Those among polygons get the floor shrunk by it, those on a grid only cells
-whose steps all keep it. Ends that lie in the last few millimetres beside a wall, which such floors
-lack, are linked to the nearest place that they have.
+They know no radius, but for OMPL's own roadmap planner. Those among polygons get the floor shrunk
+by it, those on a grid only cells whose steps all keep it. Ends that lie in the last few millimetres
+beside a wall, which such floors lack, are linked to the nearest place that they have.
 """
 
 from __future__ import annotations
 
 import math
 import time
+import weakref
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
+import ompl.base as ob
+import ompl.geometric as og
+import ompl.util as ou
 import shapely
 from numpy.typing import NDArray
 
 from floorplan import Point, UserError
 
+from ..ompl_setup import OmplFloor, no_log, points_of, state_at
+from ..planner import COARSE
+from ..roadmap import HAIR
+from ..roadmap_planner import SLACK
 from ..world import CollisionWorld
 from .contenders import Answer, Progress
 
@@ -198,6 +206,119 @@ class ScikitImage(_OnGrid):
         return graph.traceback(goal) if np.isfinite(costs[goal]) else None
 
 
+class RoadmapOfCorners(Peer):
+    """OMPL's own roadmap planner, PRM, with the corner points as its samples.
+
+    They are those of the default planner: the bends around all corners of the floor and of what
+    stands on it. FCL alone judges the links, of every point with every other, so the search of PRM
+    finds the shortest path along them. PRM has no directed links: it knows no one-way gates.
+    """
+
+    def __init__(self, world: CollisionWorld, radius: float) -> None:
+        super().__init__(world, radius)
+        self._keep = radius + SLACK
+        self._corners: list[Point] = []
+        self._number: dict[Point, int] = {}
+        self._judged: NDArray[np.int8] = np.empty((0, 0), np.int8)
+        low_x, low_y, high_x, high_y = world.plan.boundary.bounds
+        self._floor = OmplFloor((low_x, low_y), (high_x, high_y), self._free)
+        # OMPL must let go before Python does, at exit as well.
+        self.release = weakref.finalize(self, self._floor.release)
+
+    def look(self) -> None:
+        """Let FCL judge the links between all corner points."""
+        world = self._world
+        roadmap = world.roadmap(self._radius, COARSE)
+        around = [roadmap.around(body)[:2].T for body in world.bodies]
+        places = np.concatenate([roadmap.bends.point, *around]).tolist()
+        self._corners = [*dict.fromkeys((x, y) for x, y in places if self._free((x, y), (x, y)))]
+        self._number = {place: k for k, place in enumerate(self._corners)}
+        self._judged = np.full((len(self._corners),) * 2, -1, np.int8)
+        self._grown(self._corners, ob.ProblemDefinition(self._floor.information))
+
+    def between(self, start: Point, goal: Point) -> Sequence[Point] | None:
+        """Return the path from `start` to `goal`, or None where the corner points lead nowhere."""
+        leave, arrive = self._footing(start), self._footing(goal)
+        if leave is None or arrive is None:
+            return None
+        information = self._floor.information
+        samples = [*self._corners, leave, arrive]
+        while True:
+            problem = ob.ProblemDefinition(information)
+            problem.setStartAndGoalStates(*(state_at(information, at) for at in (leave, arrive)))
+            planner = self._grown(samples, problem)
+            if not self._leads_on(planner, leave, arrive):
+                return None
+            with no_log():
+                # PRM searches in a second thread, which must not have to call Python.
+                planner.solve(ob.plannerNonTerminatingCondition())
+            # It adds start and goal. Where its thread got no time for 0.4 s, it also adds random
+            # samples, which depends on the machine.
+            if planner.milestoneCount() == len(samples) + 2:
+                return points_of(problem.getSolutionPath(), leave, arrive)
+
+    def _free(self, a: Point, b: Point) -> bool:
+        """Return whether FCL lets a disc go straight from a to b; once, between corner points."""
+        i, j = self._number.get(a), self._number.get(b)
+        if i is None or j is None:
+            return self._world.segment_free(a, b, self._keep)
+        if self._judged[i, j] < 0:
+            self._judged[i, j] = self._judged[j, i] = self._world.segment_free(a, b, self._keep)
+        return bool(self._judged[i, j])
+
+    def _footing(self, place: Point) -> Point | None:
+        """Return `place`, or the nearest one that has room."""
+        if self._world.free(place, self._keep):
+            return place
+        return self._world.nearest_free(place, self._radius + HAIR)
+
+    def _grown(self, samples: list[Point], problem: Any) -> Any:
+        """Return OMPL's planner with a roadmap of these samples, each linked to all others."""
+        information = self._floor.information
+        left = iter(samples)
+        information.setValidStateSamplerAllocator(lambda of: _Given(of, left))
+        planner = og.PRM(information)
+        planner.setProblemDefinition(problem)
+        planner.setMaxNearestNeighbors(len(samples) + 2)
+        with no_log():
+            ou.RNG.setSeed(1)
+            planner.setup()
+            planner.growRoadmapPtc(
+                ob.PlannerTerminationCondition(lambda: planner.milestoneCount() >= len(samples))
+            )
+        return planner
+
+    def _leads_on(self, planner: Any, start: Point, goal: Point) -> bool:
+        """Return whether the links of the roadmap lead from `start` to `goal`."""
+        data = ob.PlannerData(self._floor.information)
+        planner.getPlannerData(data)  # without samples that have no link
+        states = (data.getVertex(k).getState() for k in range(data.numVertices()))
+        number = {(state[0], state[1]): k for k, state in enumerate(states)}
+        if start not in number or goal not in number:
+            return False
+        reached, edge = {number[start]}, [number[start]]
+        while edge:
+            fresh = {*data.getEdges(edge.pop())} - reached
+            reached |= fresh
+            edge.extend(fresh)
+        return number[goal] in reached
+
+
+class _Given(ob.ValidStateSampler):  # type: ignore[misc]
+    """Gives OMPL the samples that are left, one by one, and then none."""
+
+    def __init__(self, information: Any, left: Iterator[Point]) -> None:
+        super().__init__(information)
+        self._left = left
+
+    def sample(self, state: Any) -> bool:
+        """Put the next sample into `state`; return False where none is left."""
+        place = next(self._left, None)
+        if place is not None:
+            state[0], state[1] = place
+        return place is not None
+
+
 @dataclass(frozen=True)
 class PeerInfo:
     """A peer that one can ask for by name."""
@@ -224,6 +345,12 @@ PEERS = (
     ),
     PeerInfo("pyastar2d", f"A* on cells of {100 * CELL:g} cm", PyAStar2D, "pyastar2d"),
     PeerInfo("scikit-image", f"Dijkstra on cells of {100 * CELL:g} cm", ScikitImage, "skimage"),
+    PeerInfo(
+        "PRM-of-corners",
+        "OMPL's PRM, the corner points its samples, FCL its judge",
+        RoadmapOfCorners,
+        "ompl",
+    ),
 )
 """All peers, by the names that they are asked for."""
 

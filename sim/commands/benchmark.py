@@ -41,7 +41,8 @@ def benchmark(
         list[str] | None,
         typer.Option(
             help="A planner's name, or 'NAME: {parameter: value}'; again for more. All by default."
-            " Peers where installed: JuPedSim, extremitypathfinder, pyastar2d, scikit-image.",
+            " Peers where installed: JuPedSim, extremitypathfinder, pyastar2d, scikit-image."
+            " PRM-of-corners is OMPL's own roadmap.",
             autocompletion=completion.contender,
         ),
     ] = None,

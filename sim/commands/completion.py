@@ -16,7 +16,7 @@ PLANNERS = (
     *("Roadmap", "AORRTC", "BFMT", "BITstar", "BKPIECE1", "FMT", "InformedRRTstar", "KPIECE1"),
     *("LBKPIECE1", "PRM", "PRMstar", "RRT", "RRTConnect", "RRTstar", "SORRTstar"),
 )
-PEERS = ("JuPedSim", "extremitypathfinder", "pyastar2d", "scikit-image")
+PEERS = ("JuPedSim", "extremitypathfinder", "pyastar2d", "scikit-image", "PRM-of-corners")
 BACKENDS = ("loky", "dask", "threading", "sequential")
 YAML = (".yaml", ".yml")
 FLOORS = (*YAML, ".wkt", ".dxf", ".map")

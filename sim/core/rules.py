@@ -68,6 +68,10 @@ class RuleSet:
     Distances to an AGV are measured to the point that lies `agv_offset` along its lane from its
     centre. `laws` holds other laws for some machines, by their names or kinds.
 
+    `reactions` are the times that people of a personality, by its name, wait between noticing the
+    gantry and their next motion. Programs believe them as `reaction(Personality, Ms)`. A
+    personality that is not among them waits as long as its program says.
+
     With `between_people` it is recorded where the bodies of two people are nearer to each other.
     """
 
@@ -86,6 +90,7 @@ class RuleSet:
     pause_after_agv: float = 8.0
     laws: Mapping[str, AnyLaw] = field(default_factory=dict, hash=False)
     between_people: float | None = None
+    reactions: Mapping[str, float] = field(default_factory=dict, hash=False)
 
     def law_of(self, machine: MachineShape) -> AnyLaw:
         """Return the law that holds between people and `machine`.
@@ -151,6 +156,8 @@ ARIAC2023 = RuleSet(
     report_every=10.0,
     pause_after_violation=10.0,
     pause_after_agv=5.0,
+    # Both programs wait 1.5 s. Before `move_to_gantry` the competition waits another second.
+    reactions={"helpful": 1.5, "antagonistic": 2.5},
 )
 """The rules as the competition's software had them."""
 

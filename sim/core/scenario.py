@@ -19,7 +19,7 @@ from .blackout import Blackout
 from .closures import DoorTimes, TimedObstacle
 from .commands import Command
 from .machine_model import MachineEntry
-from .manners import AS_USUAL, MannersEntry
+from .manners import AS_USUAL, MannersEntry, Spread
 from .noticing import ALL_ROUND, Drawn, NoticingEntry
 from .recorded_track import RecordedTrack
 from .rules import PAPER, RuleSet
@@ -123,6 +123,9 @@ class PersonEntry:
     given alike, leaves the floor. People of the same `group` walk with the first of them.
 
     `max_speed` and the figures of `noticing` may be drawn, from the trial's seed and their name.
+
+    `agent_lag` is the time (s) from a percept until their agent thinks about it: fixed, or the
+    least and the most, between which it is drawn evenly each time.
     """
 
     name: str
@@ -147,6 +150,7 @@ class PersonEntry:
     sink: Point | str | None = None
     group: str | None = None
     noticing: NoticingEntry = ALL_ROUND
+    agent_lag: Spread | None = None
 
     @property
     def works(self) -> bool:

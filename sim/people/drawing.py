@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from random import Random
 from typing import Any, TypeVar
 
 from ..core.noticing import ALL_ROUND, drawn_figure
 from ..core.scenario import PersonEntry, Scenario
+from ..core.seeds import seed_of
 from ..core.work import Duration
 
 _Made = TypeVar("_Made", bound=Scenario)
@@ -38,3 +42,15 @@ def speed_of(entry: PersonEntry, usual: float) -> float:
     speed = usual if entry.max_speed is None else entry.max_speed
     assert not isinstance(speed, tuple | Duration)
     return speed
+
+
+def lag_of(entry: PersonEntry, seed: int) -> Callable[[], float] | None:
+    """Return what gives the next lag (s) of somebody's agent; None if it has none.
+
+    The lags are drawn from the trial's `seed` and the name alone.
+    """
+    lag = entry.agent_lag
+    if lag is None:
+        return None
+    low, high = lag if isinstance(lag, tuple) else (lag, lag)
+    return partial(Random(seed_of(seed, f"lag {entry.name}")).uniform, low, high)

@@ -177,7 +177,7 @@ def kept_beliefs(mind: Mind | None) -> list[bdi.Literal]:
 def first_beliefs(
     entry: PersonEntry, plan: Floorplan, rules: RuleSet, leader: PersonEntry | None = None
 ) -> list[bdi.Literal | str]:
-    """Return what a person believes before the trial starts: the stations, home, and pauses.
+    """Return what a person believes before the trial starts: the stations, home, pauses, reactions.
 
     Also where they leave the floor, and whom they walk with.
     """
@@ -198,6 +198,8 @@ def first_beliefs(
         ("pause_after_agv", rules.pause_after_agv),
     ):
         beliefs.append(bdi.Literal(pause, (seconds * 1000,)))
+    for personality, seconds in rules.reactions.items():
+        beliefs.append(bdi.Literal("reaction", (as_term(personality), seconds * 1000)))
     return [*beliefs, *entry.beliefs]
 
 

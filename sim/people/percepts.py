@@ -70,10 +70,18 @@ class Percepts:
 
 
 class Senses:
-    """The percepts of a person, whichever mind they have; it thinks as soon as there are any."""
+    """The percepts of a person, whichever mind they have.
 
-    def __init__(self, clock: Clock, think: Callable[[], None]) -> None:
+    The mind thinks as soon as there are any, or if there is a `lag`, that many seconds later. The
+    percepts of that time are then thought about together.
+    """
+
+    def __init__(
+        self, clock: Clock, think: Callable[[], None], lag: Callable[[], float] | None = None
+    ) -> None:
         self._clock = clock
+        self._lag = lag
+        self._due: float | None = None
         self._percepts: Percepts | None = None
         self._thinking = Alarm(clock, think, Turn.THOUGHT)
 
@@ -87,16 +95,30 @@ class Senses:
         """Perceive `functor(N)` for the Nth time, from 0; `functor(Who, N)` about somebody."""
         if self._percepts is not None:
             self._percepts.count(functor, *who)
-            self._thinking.set(self._clock.now)
+            self._think_soon()
 
     def see(self, functor: str, *arguments: float) -> None:
         """Perceive `functor(arguments)`, in place of what was perceived of it before."""
         if self._percepts is not None:
             self._percepts.see(functor, *arguments)
+            self._think_soon()
+
+    @property
+    def thinks_at(self) -> float:
+        """Instant (seconds) by which the mind has thought about all that is perceived."""
+        return self._clock.now if self._due is None else self._due
+
+    def _think_soon(self) -> None:
+        if self._lag is None:
             self._thinking.set(self._clock.now)
+            return
+        if self._due is None:
+            self._due = self._clock.now + self._lag()
+        self.think_by(self._due)
 
     def heard(self) -> None:
         """Take note that the mind has thought about all of it."""
+        self._due = None
         if self._percepts is not None:
             self._percepts.heard()
 

@@ -26,6 +26,7 @@ from ..core.stage import Stage
 from ..safety.referee import Referee
 from .actions import Actions, MindError
 from .attention import Attention
+from .drawing import lag_of
 from .entrances import LOOKS_AGAIN, Entrances
 from .errand import Errand
 from .eyes import Eyes
@@ -119,7 +120,7 @@ class Person:
             else Eyes(stage, self.walker.body, human, entry.noticing)
         )
         self._thought = thought
-        self._senses = Senses(stage.clock, self._think)
+        self._senses = Senses(stage.clock, self._think, lag_of(entry, seed))
         self._errand = Errand(stage, self.walker, self._senses)
         self.worker = (
             None
@@ -136,6 +137,7 @@ class Person:
         self._crowd = crowd
         self._enforcing = Alarm(stage.clock, self._enforce, Turn.INSISTENCE)
         self._reason = "gantry"
+        self._warned_at = stage.clock.now
         self._instant = (stage.clock.now, 0)
         self._make_mind = partial(make_mind, self)
         self.mind = self._make_mind(entry, None)
@@ -281,7 +283,7 @@ class Person:
         """Perceive `percept`, the referee's warning about `machine`.
 
         After a violation the person is put home even if the mind does not do so by itself: that
-        is enforced once the mind has had its turn (`Turn.INSISTENCE`).
+        is enforced once the mind has thought about it (`Turn.INSISTENCE`).
         """
         is_robot = machine.shape.category == "robot"
         if is_robot:
@@ -289,7 +291,8 @@ class Person:
         self._senses.count(percept)
         if percept != "gantry_detected" and not self.is_recorded:
             self._reason = "gantry" if is_robot else "agv"
-            self._enforcing.set(self._clock.now)
+            self._warned_at = self._clock.now
+            self._enforcing.set(self._senses.thinks_at)
 
     def heeds(self, percept: str) -> bool:
         """Return whether the mind heeds a percept about another person."""
@@ -350,5 +353,6 @@ class Person:
             raise MindError(f"{self.name} acts for ever at t = {now:g} s without letting time pass")
 
     def _enforce(self) -> None:
-        if self._actions.put_home_at != self._clock.now:
+        put_home_at = self._actions.put_home_at
+        if put_home_at is None or put_home_at < self._warned_at:
             self._actions.teleport(self._reason)

@@ -41,7 +41,7 @@ FORMAT = "floorwalker-scene/1"
 
 _LATER = r"floorwalker-scene/([2-9]|[1-9]\d+)"
 
-OPTIONAL = (*LEFT_OUT_IF_EMPTY, "one_way", "passing", "controller", "between_people")
+OPTIONAL = (*LEFT_OUT_IF_EMPTY, "one_way", "passing", "controller", "between_people", "reactions")
 """Fields of floors, scenes and rule sets that are left out where they are empty."""
 
 _LAWS = {

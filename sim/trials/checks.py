@@ -27,7 +27,7 @@ from floorplan import (
 )
 from navigation import PlannerChoice, PlannerError
 
-from ..core.manners import MannersEntry, Side
+from ..core.manners import MannersEntry, Side, Spread
 from ..core.noticing import Drawn
 from ..core.own_source import OwnCodeError
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
@@ -188,6 +188,8 @@ def _time(value: float, *place: str | int) -> Iterator[Fault]:
 def _rule_faults(rules: RuleSet) -> Iterator[Fault]:
     for name in ("gantry_disabled", "grace", "pause_after_violation", "pause_after_agv"):
         yield from _time(getattr(rules, name), name)
+    for name, seconds in rules.reactions.items():
+        yield from _time(seconds, "reactions", name)
     if rules.gantry_disabled == 0:
         yield NO_TIME, ("gantry_disabled",)
     for name, known in (("machine", MachineMeasure), ("person", PersonMeasure)):
@@ -228,6 +230,10 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         yield message, ("recorded",)
     yield from _coming_faults(person, trial)
     yield from _below(_manners_faults(person.manners), "manners")
+    yield from _spread_faults(person.agent_lag, 0, "agent_lag")
+    if person.agent_lag is not None and person.personality == EXTERNAL:
+        message = "a person commanded from outside has no agent of its own; leave it out"
+        yield message, ("agent_lag",)
     if person.planner is not None:
         yield from _planner_faults(person.planner, trial, "planner")
     yield from person_faults(person, trial)
@@ -314,14 +320,15 @@ def _group_faults(trial: Scenario) -> Iterator[Fault]:
 _LEAST_MANNERS = {"comfort": 0, "time_gap": 0, "foresight": 0.5, "reaction_time": 0, "patience": 0}
 
 
+def _spread_faults(value: Spread | None, least: float, name: str) -> Iterator[Fault]:
+    low, high = value if isinstance(value, tuple) else (value, value)
+    if low is not None and high is not None and not least <= low <= high <= LARGEST:
+        yield f"must be {least} or more, or [least, most] of that, not {value!r}", (name,)
+
+
 def _manners_faults(manners: MannersEntry) -> Iterator[Fault]:
     for name, least in _LEAST_MANNERS.items():
-        value = getattr(manners, name)
-        if value is None:
-            continue
-        low, high = value if isinstance(value, tuple) else (value, value)
-        if not (least <= low <= high <= LARGEST):
-            yield f"must be {least} or more, or [least, most] of that, not {value!r}", (name,)
+        yield from _spread_faults(getattr(manners, name), least, name)
     if manners.passing_side not in (None, *get_args(Side)):
         yield f"must be right or left, not {manners.passing_side!r}", ("passing_side",)
 

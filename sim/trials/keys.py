@@ -187,6 +187,7 @@ class PersonKeys(WorkerKeys):
     sink: Pair | str | None = None
     group: Annotated[str, Field(pattern=f"^{NAME}$")] | None = None
     noticing: _NoticingKeys = _NoticingKeys()
+    agent_lag: NotNegative | Range | None = None
 
     @model_validator(mode="after")
     def _recorded_or_not(self) -> "PersonKeys":

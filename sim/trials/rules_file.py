@@ -88,6 +88,7 @@ class RuleKeys(Strictly):
     pause_after_violation: NotNegative | None = None
     pause_after_agv: NotNegative | None = None
     between_people: Positive | None = None
+    reactions: dict[str, NotNegative] = {}
 
     @model_validator(mode="before")
     @classmethod
@@ -169,6 +170,7 @@ def build_rules(
         laws={**base.laws}
         | {key: found for key, found in of_machines.items() if found is not None},
         notice=_notice(keys.notice, base.notice, noticed_by),
+        reactions={**base.reactions, **keys.reactions},
         **_plain(keys),
     )
     return rules, problems
@@ -187,7 +189,7 @@ _PLAIN = [
     name
     for name in RuleKeys.model_fields
     if name in {field.name for field in fields(RuleSet)}
-    and name not in ("name", "gantry_law", "agv_law", "laws", "notice")
+    and name not in ("name", "gantry_law", "agv_law", "laws", "notice", "reactions")
 ]
 """Keys whose values are those of the fields of the same name."""
 
@@ -197,7 +199,7 @@ def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:
     factor = base.law.factor if keys.factor is None else keys.factor
     cap = (keys.cap or math.inf) if "cap" in given else base.law.cap
     every = keys.every if "every" in given else base.every
-    parting = keys.parting or base.parting
+    parting = keys.parting or (math.inf if keys.every else base.parting)
     if every is None and parting == math.inf:
         parting = Notice(law=base.law).parting
     silent = base.silent if keys.silent is None else keys.silent
@@ -219,6 +221,7 @@ def written_rules(rules: RuleSet) -> str | dict[str, Any]:
         "gantry_law": written_law(rules.gantry_law),
         "agv_law": written_law(rules.agv_law),
         **({"laws": laws} if laws else {}),
+        **({"reactions": dict(rules.reactions)} if rules.reactions else {}),
         "notice": {
             "law": written_law(notice.law.law),
             "factor": notice.law.factor,

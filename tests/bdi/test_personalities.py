@@ -109,6 +109,16 @@ REACTIONS = [
         *("9 work_completed(1) > 9 s3", "15 work_completed(2) > 15 s4"),
     ),
     (
+        "antagonistic reaction(antagonistic,2500) reaction(helpful,1500)",
+        *("6 gantry_detected(0) > 6 stop_movement", "8 > ", "8.5 > 8.5 move_to_gantry"),
+        *("9 gantry_detected(1) > 9 stop_movement", "10 gantry_disabled(0) > 10 teleport_safe"),
+        "20 > 18 s1",
+    ),
+    (
+        "helpful reaction(antagonistic,2500) reaction(helpful,1500)",
+        *("6 gantry_detected(0) > 6 stop_movement", "7.4 >", "8 > 7.5 s1"),
+    ),
+    (
         "helpful",  # what comes while it thinks, or within five seconds of a turn, does not count
         *("6 gantry_detected(0) > 6 stop_movement", "6.5 gantry_detected(1) >", "11.9 > 7 s1"),
         *("11.9 gantry_detected(2) >", "11.95 work_completed(1) > 11.95 s4"),

@@ -304,6 +304,34 @@ def test_wrong_answers_are_noticed():
     assert (stays.right, stays.ratio, stays.length) == (True, 1.0, 0.0)
 
 
+@pytest.mark.parametrize("name", floorplan.builtin())
+def test_ompls_own_roadmap_planner_finds_paths_as_long_as_the_default(name):
+    """It has the corner points as samples, FCL judges every link, and OMPL searches them."""
+    plan = floorplan.load(name)
+    ours, prms = (
+        benchmark([plan], [planner], queries=12, seed=5)
+        for planner in ("Roadmap", "PRM-of-corners")
+    )
+    assert all(one.right for one in ours)
+    for one, other in zip(ours, prms, strict=True):
+        assert other.length == pytest.approx(one.length, abs=1e-6)
+
+
+def test_ompls_own_roadmap_planner_finds_nothing_where_no_path_is(
+    tmp_path,
+):
+    parted = tmp_path / "parted.yaml"
+    parted.write_text(
+        "boundary: [[0, 0], [10, 0], [10, 6], [0, 6]]\n"
+        "obstacles: {wall: {x: [4, 5], y: [0, 6], z: [0, 3]}}\n"
+    )
+    world = CollisionWorld(floorplan.load(parted))
+    (prm,) = (peer.kind(world, 0.3) for peer in PEERS if peer.name == "PRM-of-corners")
+    prm.look()
+    assert prm.between((2.0, 3.0), (8.0, 3.0)) is None
+    assert prm.between((2.0, 3.0), (3.0, 1.0)) == [(2.0, 3.0), (3.0, 1.0)]
+
+
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.name)
 def test_peers_answer_the_same_questions(peer):
     """Each with the radius, round the wall, and none of them into it."""

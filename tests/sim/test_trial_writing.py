@@ -138,6 +138,7 @@ people:
     patience: [4.0, 6.0]
     passing_side: left
     steps_aside: false
+  agent_lag: [0.0, 1.05]
   work: [rounds, picks]
   schedule: [{at: station1, duration: 5.0, time: 2.0}]
   breaks: [{at: station2, duration: 4.0, name: break, time: 20.0}]

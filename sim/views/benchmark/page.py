@@ -104,7 +104,7 @@ def _machine(planners: Collection[str]) -> dict[str, str]:
                 f"Floorwalker {version('floorwalker')}",
                 f"OMPL {version('ompl')}",
                 f"Python {platform.python_version()}",
-                *(f"{peer.name} {version(peer.name)}" for peer in peers),
+                *(f"{peer.name} {version(peer.name)}" for peer in peers if peer.module != "ompl"),
             ]
         ),
     }

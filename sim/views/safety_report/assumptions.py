@@ -164,6 +164,9 @@ def rules_facts(rules: RuleSet) -> Facts:
         ("the person", person),
         ("people notice a robot", Markup("inside {}; {}").format(noticed.formula, again)),
     ]
+    if rules.reactions:
+        waits = (f"{name} {seconds:g} s" for name, seconds in rules.reactions.items())
+        rows.append(("people react to a robot after", ", ".join(waits)))
     if rules.agv_offset:
         point = f"the point {rules.agv_offset:g} m along its lane from its centre"
         rows.append(("distance to an AGV", f"to {point}"))

@@ -103,6 +103,7 @@ _HEADS = {
     "sight": "field of view, °",
     "occlusion": "things hide others",
     "reaction": "reaction, s",
+    "lag": "lag of the agent, s",
     "start": "from",
     "work": "work",
 }
@@ -134,11 +135,11 @@ def _about(one: PersonEntry, plan: Floorplan) -> Mapping[str, str]:
     recorded = one.recorded
     if recorded is not None:
         where = "a motion" if isinstance(recorded, Motion) else recorded.file
-        walks = dict.fromkeys(("speed", "acceleration", "sight", "occlusion", "reaction"), "–")
+        none = ("speed", "acceleration", "sight", "occlusion", "reaction", "lag")
         return {
             "personality": f"recorded: {where}",
             "radius": plain(one.radius or human.radius),
-            **walks,
+            **dict.fromkeys(none, "–"),
             "start": _start(one.start),
             "work": "–",
         }
@@ -151,6 +152,7 @@ def _about(one: PersonEntry, plan: Floorplan) -> Mapping[str, str]:
         "sight": drawn(one.noticing.field_of_view),
         "occlusion": "yes" if one.noticing.occlusion else "–",
         "reaction": drawn(one.noticing.reaction_time),
+        "lag": drawn(one.agent_lag),
         "start": _start(one.start) if one.source is None else f"comes in, {one.source.rate:g}/s",
         "work": "; ".join(_duties(one)) or "–",
     }
