@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import io
 import re
+import time
 
-import pytest
 from PIL import Image, ImageChops
+from waiting import HANG
 
 
 class Viewer:
@@ -40,11 +41,10 @@ class Viewer:
 
     def wait_until(self, holds):
         """Wait for what comes by itself. (The page forbids the driver's own way, which is eval.)"""
-        for _ in range(500):
-            if holds():
-                return
+        hangs_at = time.monotonic() + HANG
+        while not holds():
+            assert time.monotonic() < hangs_at, "waited for what did not come"
             self.page.wait_for_timeout(20)
-        pytest.fail("waited for what did not come")
 
     def still(self, locator):
         """A screenshot of something that has come to rest: two in a row are the same."""
