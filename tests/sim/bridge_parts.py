@@ -121,6 +121,22 @@ class Served:
                 self._loop.move(min(seconds, STEP))
             seconds -= STEP
 
+    def accompany(self, seconds):
+        """Let time go by in a session by hand, and wait until all clients have acted on it."""
+        self.move(seconds)
+
+        async def reached():
+            for client in (*self.session.server.clients,) * 2:
+                await self.session.server.reached(client, HANG)
+
+        if not self._thread.join(0):
+            reaching = reached()
+            try:
+                future = asyncio.run_coroutine_threadsafe(reaching, self._loop)
+                until(lambda: future.done() or self._thread.join(0))
+            except RuntimeError:
+                reaching.close()  # it is over
+
     def join(self):
         """Wait for the end, which comes by itself; the run."""
         while self._loop is not None and not self._thread.join(0):
@@ -132,9 +148,7 @@ class Served:
 
 
 @contextmanager
-def served(
-    a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0, viewer=None, by_hand=False
-):
+def served(a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0, viewer=None, by_hand=False):
     """A session of the bridge for `a_trial`, on a free port of this machine."""
     session = Served(a_trial or trial(), listeners, speed, hold, grace, viewer, by_hand)
     try:

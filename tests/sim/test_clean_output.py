@@ -5,11 +5,11 @@ import re
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 import typer.main
 from processes import command_line, in_a_process, started
+from waiting import HANG
 
 from sim.cli import app
 
@@ -124,7 +124,7 @@ def test_so_do_the_others_one_after_another(samples):
         cwd=samples,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=HANG,
     )
     said = "".join(f"{NOTICES.get(name, '')}== 0 {re.escape(calls[name])}\n" for name in calls)
     assert re.fullmatch(said, done.stderr), done.stderr
@@ -149,7 +149,7 @@ def test_a_reader_who_has_seen_enough_is_left_in_peace(name, samples):
         cwd=samples,
         stdout=writer,
         stderr=subprocess.PIPE,
-        timeout=120,
+        timeout=HANG,
     )
     os.close(writer)
     assert done.stderr == b""
@@ -159,17 +159,17 @@ def test_ctrl_c_ends_a_command_in_silence(samples):
     process = started("agent", "forever.asl", "--until", "1e9", cwd=samples)
     process.stdout.readline()
     process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=HANG)
     assert (process.returncode, said) == (130, "")
 
 
-SLOW_TO_LOAD = """
+STOPPED_WHILE_LOADED = """
+import signal
 import sys
-import time
 from pathlib import Path
-Path("loading").touch()
 try:
-    time.sleep(1.0)
+    signal.raise_signal(signal.SIGINT)
+    Path("loaded").touch()
 except KeyboardInterrupt:
     print("it came inside of an import", file=sys.stderr)
 def stands(gantry):
@@ -180,16 +180,12 @@ def stands(gantry):
 
 def test_ctrl_c_waits_for_what_is_being_loaded(tmp_path):
     """Compiled packages print tracebacks if it comes while they are imported."""
-    (tmp_path / "heavy.py").write_text(SLOW_TO_LOAD)
+    (tmp_path / "heavy.py").write_text(STOPPED_WHILE_LOADED)
     (tmp_path / "heavy.trial.yaml").write_text(
         "floorplan: ariac2023\nduration: 1.0e+6\ngantry: {controller: 'heavy:stands'}\n"
     )
-    process = started("run", "heavy.trial.yaml", cwd=tmp_path)
-    while not (tmp_path / "loading").exists():
-        assert process.poll() is None
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "inside of an import" not in said
-    assert "Traceback" not in said
+    done = in_a_process("run", "heavy.trial.yaml", cwd=tmp_path)
+    assert done.returncode == 130
+    assert (tmp_path / "loaded").exists()
+    assert "inside of an import" not in done.stderr
+    assert "Traceback" not in done.stderr

@@ -535,12 +535,11 @@ def test_a_run_on_the_bridge_has_a_page_too(speed):
 
 
 def test_ctrl_c_keeps_what_was_recorded(tmp_path):
-    arguments = ["run", "--watch", "--no-open", "--speed", "20", "--out", str(tmp_path / "run")]
-    process = started(*arguments, cwd=tmp_path)
+    arguments = ["run", "--duration", "1e6", "--watch", "--no-open", "--speed", "20"]
+    process = started(*arguments, "--out", "run", cwd=tmp_path)
     assert process.stderr.readline().startswith("http://127.0.0.1:")
     events = tmp_path / "run" / "events.jsonl"
-    while '"arrived"' not in events.read_text(encoding="utf-8"):
-        assert process.poll() is None
+    until(lambda: '"arrived"' in events.read_text(encoding="utf-8"), process)
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=HANG)
     assert process.returncode == 130

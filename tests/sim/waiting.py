@@ -49,6 +49,7 @@ class HandLoop(asyncio.SelectorEventLoop):
     def __init__(self):
         self._hand = 0.0
         self._when_idle = []
+        self._moves = []
         super().__init__(_Selector(self._when_idle))
 
     def time(self):
@@ -58,6 +59,7 @@ class HandLoop(asyncio.SelectorEventLoop):
     def move(self, seconds):
         """Let time go by, and wait until everything that is due then is done."""
         done = threading.Event()
+        self._moves[:] = [done]
         self.call_soon_threadsafe(self._move, seconds, done)
         assert done.wait(HANG)
 
@@ -67,7 +69,7 @@ class HandLoop(asyncio.SelectorEventLoop):
 
     def close(self):
         super().close()
-        for done in self._when_idle:
+        for done in self._moves:
             done.set()
 
 
