@@ -15,6 +15,7 @@ class Viewer:
 
     def __init__(self, browser, address, **options):
         self.context = browser.new_context(**options)
+        self.context.set_default_timeout(1000 * HANG)
         self.page = self.context.new_page()
         self.complaints = []
         self.requests = []
@@ -38,6 +39,13 @@ class Viewer:
         self.page.evaluate(
             "() => new Promise(done => requestAnimationFrame(() => setTimeout(done)))"
         )
+
+    def stands(self):
+        """Whether the replay shows the same instant in a row of frames."""
+        before = self.time
+        for _ in range(5):
+            self.settle()
+        return self.time == before
 
     def wait_until(self, holds):
         """Wait for what comes by itself. (The page forbids the driver's own way, which is eval.)"""
