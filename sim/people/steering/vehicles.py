@@ -11,7 +11,7 @@ from navigation import Motion, Piece, standing
 
 from ...core.body import Body
 from ...core.clock import Alarm, Turn
-from ...core.machine import Machine
+from ...core.machine import Machine, MachineShape
 from ...core.stage import Stage
 from ..crossing import GAP
 from .manners import Manners
@@ -44,7 +44,7 @@ class Vehicle:
         self._machine = machine
         self._whereabouts = whereabouts
         self._changed = changed
-        self._places, radius = cover(machine)
+        self._places, radius = cover(machine.shape)
         human = replace(stage.floorplan.human, radius=radius + GAP + LEEWAY)
         self.discs = [
             Traveller(
@@ -82,12 +82,11 @@ class Vehicle:
         self._alarm.set(None if due == math.inf else max(due, now))
 
 
-def cover(machine: Machine) -> tuple[list[Point], float]:
+def cover(shape: MachineShape) -> tuple[list[Point], float]:
     """Return the middles of discs that cover a vehicle, from its axis, and their radius (metres).
 
     One that turns is covered by a single disc.
     """
-    shape = machine.shape
     if shape.direction is None:
         return [(0.0, 0.0)], math.hypot(shape.length, shape.width) / 2
     # Parts half as long as wide: discs then stick out to the sides by 12 % of half the width.
