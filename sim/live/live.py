@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -49,12 +49,29 @@ class LiveRun(Listener):
     It is a listener of the `Simulation`; there is a page once that has started. Browsers may come
     and go. From the page the run can be paused, or go on at another speed than the `speed` (times
     real time) that it begins with, and be given commands (`Simulation.command`).
+
+    Parameters
+    ----------
+    duration : float
+        Duration of the trial (s).
+    speed : float, optional
+        Simulated seconds in a second of real time, more than 0.
+    now : callable, optional
+        Function without arguments that returns real time (s). Pass your own clock to control the
+        progress of the run. The default is `time.monotonic`.
+
+    Raises
+    ------
+    ValueError
+        If `speed` is not a finite number above 0.
     """
 
     wants_thoughts = True
 
-    def __init__(self, duration: float, *, speed: float = 1.0) -> None:
-        self._pace = Pace(speed, time.monotonic)
+    def __init__(
+        self, duration: float, *, speed: float = 1.0, now: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._pace = Pace(speed, now)
         self._tempo: Tempo = self._pace
         self._duration = duration
         self._stream = Stream()

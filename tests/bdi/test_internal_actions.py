@@ -51,6 +51,13 @@ def test_arithmetic_is_that_of_java(expression, result):
     assert value(expression) == result
 
 
+@pytest.mark.parametrize("sum_", ["A + 1", "1 + A", "A + B", "B + A", "A + A", "2 * (A + B)"])
+def test_arithmetic_with_what_is_no_number_is_undefined(sum_):
+    for given in ("a", "p(1)", '"a"', "[1]"):
+        assert said(f"A = {given}; B = 2; X = {sum_}; .print(X)") == ["NaN"], given
+        assert said(f"A = {given}; B = 2; .print({sum_})") == ["NaN"], given
+
+
 HOLDS = """
 .length([a, b], 2)             .length("abc", 3)              .member(b, [a, b])
 .concat([a], [b, c], [a, b, c])

@@ -180,8 +180,16 @@ def test_the_programs_say_who_they_are(name):
 def test_own_programs_may_include_the_patrol(name, tmp_path):
     path = tmp_path / "mine.asl"
     path.write_text(f'+gantry_detected(_) <- wave. {{ include("{name}.asl") }}', encoding="utf-8")
-    agent = bdi.Agent(bdi.parse_file(path), beliefs=STATIONS)
+    done = []
+    agent = bdi.Agent(
+        bdi.parse_file(path), beliefs=STATIONS, act=lambda action: done.append(str(action)) or True
+    )
+    agent.add_percept("human_start")
     agent.advance(1.0)
+    assert done[0].startswith("move(")
+    agent.add_percept("gantry_detected(1)")
+    agent.advance(100.0)
+    assert "wave" in done  # the program's own plan comes before that of the patrol
 
 
 def test_programs_are_kept_as_they_were_read(monkeypatch, tmp_path):

@@ -38,6 +38,17 @@ def assert_continuous(motion, max_speed):
     assert (steps <= max_speed * np.diff(ts) * (1 + 1e-6) + 1e-9).all()
 
 
+@pytest.mark.parametrize("axis", ["x", "y", "rotation"])
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_a_piece_stands_only_if_no_axis_changes(axis, degree):
+    still = Piece(0.0, 1.0, (1.0, 0.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0), (0.5, 0.0, 0.0, 0.0))
+    assert (still.stands, still.moves) == (True, False)
+    cubic = [*getattr(still, axis)]
+    cubic[degree] = -0.1
+    changes = still._replace(**{axis: tuple(cubic)})
+    assert (changes.stands, changes.moves) == (False, axis != "rotation")
+
+
 @given(paths, st.floats(0.2, 2), st.floats(0.5, 5))
 def test_a_walk_keeps_its_limits_and_reaches_its_goal(points, top, acceleration):
     assume(math.dist(points[0], points[-1]) > 1e-3 or len(points) > 2)

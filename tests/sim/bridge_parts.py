@@ -5,9 +5,11 @@ import json
 import signal
 import threading
 import time
-from contextlib import contextmanager
+from collections import deque
+from contextlib import contextmanager, suppress
 
 from processes import started
+from waiting import HANG, HandLoop, until
 from websockets.sync.client import connect
 
 import sim
@@ -29,17 +31,21 @@ def trial(personality="external", duration=275.0, start=0.0, controller="parked"
     return sim.Trial.parse(text)
 
 
+STEP = 1 / 16
+"""Seconds of real time by which a session by hand goes on at once, which add up exactly."""
+
+
 class InThread:
     """An event loop in a thread of its own that runs `main(opened)`, which calls `opened()`."""
 
-    def __init__(self, main):
+    def __init__(self, main, loop=None):
         self.failure = None
-        self._loop = asyncio.new_event_loop()
+        self._loop = loop or asyncio.new_event_loop()
         self._opened = threading.Event()
         self._task = self._loop.create_task(main(self._opened.set))
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
-        assert self._opened.wait(30)
+        assert self._opened.wait(HANG)
 
     def _run(self):
         try:
@@ -57,7 +63,7 @@ class InThread:
         async def run():
             return action()
 
-        return asyncio.run_coroutine_threadsafe(run(), self._loop).result(30)
+        return asyncio.run_coroutine_threadsafe(run(), self._loop).result(HANG)
 
     def join(self, timeout):
         """Wait for the end of `main`; return whether it came."""
@@ -67,13 +73,17 @@ class InThread:
     def stop(self):
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._task.cancel)
-            self._thread.join(30)
+            self._thread.join(HANG)
 
 
 class Served:
-    """A session under way: its address, its notices, and its run."""
+    """A session under way: its address, its notices, and its run.
 
-    def __init__(self, a_trial, listeners, speed, hold, grace, viewer):
+    `by_hand` time goes on in `move` alone, and else by the wall's clock.
+    """
+
+    def __init__(self, a_trial, listeners, speed, hold, grace, viewer, by_hand):
+        self._loop = HandLoop() if by_hand else None
         self.exchange = Exchange()
         self.workcell = Workcell(a_trial, self.exchange, *listeners)
         self.notices = []
@@ -92,25 +102,55 @@ class Served:
             opened()
             await self.session.run()
 
-        self._thread = InThread(main)
+        self._thread = InThread(main, self._loop)
         self.do, self.stop = self._thread.do, self._thread.stop
 
     @property
     def now(self):
         return self.workcell.now
 
+    @property
+    def time(self):
+        """Real time (s) of a session by hand."""
+        return self._loop.time()
+
+    def move(self, seconds):
+        """Let real time go by in a session by hand, in steps of which none is too long for it."""
+        while seconds > 0 and not self._thread.join(0):
+            with suppress(RuntimeError):  # it is over
+                self._loop.move(min(seconds, STEP))
+            seconds -= STEP
+
+    def accompany(self, seconds):
+        """Let time go by in a session by hand, and wait until all clients have acted on it."""
+        self.move(seconds)
+
+        async def reached():
+            for client in (*self.session.server.clients,) * 2:
+                await self.session.server.reached(client, HANG)
+
+        if not self._thread.join(0):
+            reaching = reached()
+            try:
+                future = asyncio.run_coroutine_threadsafe(reaching, self._loop)
+                until(lambda: future.done() or self._thread.join(0))
+            except RuntimeError:
+                reaching.close()  # it is over
+
     def join(self):
-        """Wait for the end; the run."""
-        assert self._thread.join(120), f"still at t = {self.now} s: {self.notices}"
+        """Wait for the end, which comes by itself; the run."""
+        while self._loop is not None and not self._thread.join(0):
+            self.move(STEP)
+        assert self._thread.join(HANG), f"still at t = {self.now} s: {self.notices}"
         if self._thread.failure is not None:
             raise self._thread.failure
         return self.workcell.simulation.finish()
 
 
 @contextmanager
-def served(a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0, viewer=None):
+def served(a_trial=None, *listeners, speed=0.0, hold=False, grace=0.0, viewer=None, by_hand=False):
     """A session of the bridge for `a_trial`, on a free port of this machine."""
-    session = Served(a_trial or trial(), listeners, speed, hold, grace, viewer)
+    session = Served(a_trial or trial(), listeners, speed, hold, grace, viewer, by_hand)
     try:
         yield session
     finally:
@@ -170,13 +210,9 @@ class Command:
         (line,) = self.wait_for(lambda: [n for n in self.notices if n.startswith("serving")])
         return line.removeprefix("serving ")
 
-    def wait_for(self, holds, seconds=60):
+    def wait_for(self, holds):
         """What `holds` returns, once that is something."""
-        deadline = time.monotonic() + seconds
-        while not (found := holds()):
-            assert time.monotonic() < deadline and self.process.poll() is None, self.notices
-            time.sleep(0.01)
-        return found
+        return until(holds, self.process, lambda: self.notices)
 
     def interrupt(self):
         """Press Ctrl-C; the exit code."""
@@ -186,8 +222,8 @@ class Command:
     def finish(self):
         """Wait for the end; the exit code, and what was printed."""
         printed = self.process.stdout.read()
-        code = self.process.wait(60)
-        self._listening.join(10)
+        code = self.process.wait(HANG)
+        self._listening.join(HANG)
         return code, printed
 
 
@@ -196,7 +232,7 @@ class Client:
 
     def __init__(self, url, **options):
         options = {"compression": None, "max_size": None, "close_timeout": 0.5, **options}
-        self._connection = connect(url, **options)
+        self._connection = connect(url, **{"open_timeout": HANG, **options})
 
     def __enter__(self):
         self.socket = self._connection.__enter__()
@@ -215,22 +251,24 @@ class Client:
         for topic in topics:
             self.send(op="subscribe", topic=topic, **options)
 
-    def hear(self, timeout=20.0):
+    def settle(self):
+        """Wait until everything that was sent has been taken."""
+        self.call("/nowhere")
+
+    def hear(self, timeout=HANG):
         """The next thing that the server says."""
         return json.loads(self.socket.recv(timeout))
 
-    def hear_until(self, is_it, timeout=20.0):
+    def hear_until(self, is_it):
         """The first thing that the server says of which `is_it` holds."""
-        deadline = time.monotonic() + timeout
-        while True:
-            said = self.hear(max(deadline - time.monotonic(), 0.0))
-            if is_it(said):
-                return said
+        hangs_at = time.monotonic() + HANG
+        while not is_it(said := self.hear()):
+            assert time.monotonic() < hangs_at, said
+        return said
 
-    def message(self, topic, timeout=20.0):
+    def message(self, topic):
         """The next message on `topic`."""
-        said = self.hear_until(lambda said: said.get("topic") == topic, timeout)
-        return said["msg"]
+        return self.hear_until(lambda said: said.get("topic") == topic)["msg"]
 
     def call(self, service, **arguments):
         """The answer of a service: whether it worked, and its values."""
@@ -238,9 +276,36 @@ class Client:
         said = self.hear_until(lambda said: said["op"] == "service_response")
         return said["result"], said["values"]
 
-    def error(self, timeout=20.0):
+    def error(self):
         """What the server has to complain about next."""
-        return self.hear_until(lambda said: said["op"] == "status", timeout)
+        return self.hear_until(lambda said: said["op"] == "status")
+
+
+class Pacer(Client):
+    """A client of a session by hand: time goes on while it waits for what the server says next."""
+
+    def __init__(self, session, step=STEP, **options):
+        super().__init__(session.url, **options)
+        self._session = session
+        self._step = step
+        self._heard = deque()
+
+    def heard(self):
+        """Everything that the server has said by now."""
+        self.send(op="call_service", service="/nowhere", id="settled")
+        while (said := super().hear()).get("id") != "settled":
+            self._heard.append(said)
+        heard = [*self._heard]
+        self._heard.clear()
+        return heard
+
+    def hear(self):
+        if not self._heard:
+            self._heard.extend(self.heard())
+        while not self._heard:
+            self._session.move(self._step)
+            self._heard.extend(self.heard())
+        return self._heard.popleft()
 
 
 def require_whole(folder):

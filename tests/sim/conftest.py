@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from replay_viewer import Viewer
+from waiting import HANG
 
 from sim.cli import main
 from sim.views.chromium import installed_chromium
@@ -34,7 +35,7 @@ def no_thread_stays():
     for thread in {*threading.enumerate()} - before:
         if thread.name.startswith("Dask-Offload"):  # an idle pool of Dask's, for the whole process
             continue
-        thread.join(10.0)
+        thread.join(HANG)
         assert not thread.is_alive(), f"{thread} is still running"
 
 
@@ -81,7 +82,7 @@ def browser():
     if path is None:
         pytest.skip("no Chromium on this machine")
     with api.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=path, args=ARGUMENTS)
+        browser = driver.chromium.launch(executable_path=path, args=ARGUMENTS, timeout=1000 * HANG)
         yield browser
         browser.close()
 

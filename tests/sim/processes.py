@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 
+from waiting import HANG
+
 
 def command_line(*words, options=()):
     """The words of the command, started with these options of Python."""
@@ -18,7 +20,7 @@ def in_a_process(*words, cwd, env=None, options=()):
         env={**os.environ, **(env or {})},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=HANG,
     )
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import io
 import re
+import time
 
-import pytest
 from PIL import Image, ImageChops
+from waiting import HANG
 
 
 class Viewer:
@@ -14,6 +15,7 @@ class Viewer:
 
     def __init__(self, browser, address, **options):
         self.context = browser.new_context(**options)
+        self.context.set_default_timeout(1000 * HANG)
         self.page = self.context.new_page()
         self.complaints = []
         self.requests = []
@@ -38,13 +40,19 @@ class Viewer:
             "() => new Promise(done => requestAnimationFrame(() => setTimeout(done)))"
         )
 
+    def stands(self):
+        """Whether the replay shows the same instant in a row of frames."""
+        before = self.time
+        for _ in range(5):
+            self.settle()
+        return self.time == before
+
     def wait_until(self, holds):
         """Wait for what comes by itself. (The page forbids the driver's own way, which is eval.)"""
-        for _ in range(500):
-            if holds():
-                return
+        hangs_at = time.monotonic() + HANG
+        while not holds():
+            assert time.monotonic() < hangs_at, "waited for what did not come"
             self.page.wait_for_timeout(20)
-        pytest.fail("waited for what did not come")
 
     def still(self, locator):
         """A screenshot of something that has come to rest: two in a row are the same."""

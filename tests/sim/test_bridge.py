@@ -4,11 +4,12 @@ import asyncio
 import json
 import math
 import socket
-import time
+from contextlib import suppress
 from dataclasses import replace
 
 import pytest
-from bridge_parts import Client, InThread, relay, served, trial
+from bridge_parts import STEP, Client, InThread, Pacer, relay, served, trial
+from waiting import HANG, until
 
 import bdi
 import sim
@@ -36,7 +37,7 @@ def drive(url, personality, a_trial=None, **options):
         did=lambda t, action: done.append((t, str(action))),
         **options,
     )
-    asyncio.run(asyncio.wait_for(agent.run(), 120))
+    asyncio.run(asyncio.wait_for(agent.run(), HANG))
     return done
 
 
@@ -121,7 +122,10 @@ def test_the_state_is_published_ten_times_a_simulated_second():
 
 
 def test_somebody_outside_drives_the_person():
-    with served(trial(duration=40.0), speed=20.0) as session, Client(session.url) as client:
+    with (
+        served(trial(duration=40.0), speed=20.0, by_hand=True) as session,
+        Pacer(session) as client,
+    ):
         client.subscribe(*HUMAN)
         assert client.message("/ariac/start_human") == {"data": True}
         client.publish("/ariac_human/goal_position", x=-10.8, y=-3.75, z=0.0)
@@ -139,7 +143,7 @@ def test_somebody_outside_drives_the_person():
 def test_who_watches_is_told_of_any_gantry_as_of_a_gantry():
     north = sim.MachineEntry("gantry", {"at": [-10.8, -1.5, 0.0]})
     a_trial = replace(trial("indifferent", duration=20.0), machines={"north": north})
-    with served(a_trial, speed=20.0) as session, Client(session.url) as client:
+    with served(a_trial, speed=20.0, by_hand=True) as session, Pacer(session) as client:
         client.subscribe("/ariac_human/unsafe_distance")
         assert client.message("/ariac_human/unsafe_distance") == {"data": True}
         run = session.join()
@@ -147,7 +151,10 @@ def test_who_watches_is_told_of_any_gantry_as_of_a_gantry():
 
 
 def test_a_stop_is_a_stop():
-    with served(trial(duration=20.0), speed=10.0) as session, Client(session.url) as client:
+    with (
+        served(trial(duration=20.0), speed=10.0, by_hand=True) as session,
+        Pacer(session) as client,
+    ):
         client.subscribe("/ariac/start_human", "/ariac_human/state")
         client.message("/ariac/start_human")
         client.publish("/ariac_human/goal_position", x=-5.0, y=-9.0)
@@ -214,44 +221,47 @@ def test_rosapi_lists_what_there_is():
 
 
 def test_time_stands_still_without_the_agent_and_goes_on_when_one_is_back():
-    with served(trial(duration=300.0), speed=50.0) as session:
-        with Client(session.url) as agent:
+    with served(trial(duration=300.0), speed=50.0, by_hand=True) as session:
+        with Pacer(session) as agent:
             agent.subscribe("/ariac/start_human")
             agent.message("/ariac/start_human")
             agent.publish("/ariac_human/goal_position", x=-10.8, y=-3.75)
-            while session.now < 2.0:
-                time.sleep(0.01)
-        while "stands still" not in session.notices[-1]:
-            time.sleep(0.01)
+            agent.settle()
+            session.move(0.1)
+            assert session.now > 2.0
+        until(lambda: session.move(STEP) or "stands still" in session.notices[-1])
         stood_at = session.now
         assert "there is no agent" in session.notices[-1]
-        time.sleep(0.3)
+        session.move(0.3)
         assert session.now == stood_at
-        with Client(session.url) as agent:
+        with Pacer(session) as agent:
             agent.subscribe("/ariac/start_human", "/ariac_human/position_reached")
             assert agent.message("/ariac/start_human") == {"data": True}
             assert agent.message("/ariac_human/position_reached") == {"data": True}
-        assert "goes on" in session.notices[-1] or "stands still" in session.notices[-1]
+            assert session.notices[-1] == f"goes on at t = {stood_at:.1f} s"
 
 
 def test_a_viewer_that_vanishes_and_comes_back_finds_the_run_going():
-    with served(trial("indifferent", duration=60.0), speed=20.0) as session:
+    with served(trial("indifferent", duration=60.0), speed=20.0, by_hand=True) as session:
         times = []
         for _ in range(3):
-            with Client(session.url) as viewer:
+            with Pacer(session) as viewer:
                 viewer.subscribe("/clock")
                 clock = viewer.message("/clock")["clock"]
                 times.append(clock["sec"] + clock["nanosec"] / 1e9)
-            time.sleep(0.1)
+            session.move(0.1)
         assert times == sorted(set(times))
+        assert times[-1] > 2 * 0.1 * 20.0
         assert session.notices[-1] == "the trial begins"
 
 
 def test_time_keeps_to_the_wall_clock():
-    begin = time.monotonic()
-    with served(trial("indifferent", duration=5.0), speed=5.0) as session:
-        session.join()
-    assert time.monotonic() - begin > 0.9
+    with served(trial("indifferent", duration=5.0), speed=4.0, by_hand=True) as session:
+        for k in range(5):
+            assert session.now == pytest.approx(k, abs=1e-6)
+            session.move(0.25)
+        run = session.join()
+    assert run.duration == 5.0
 
 
 def test_small_messages_are_not_held_back_by_the_kernel():
@@ -268,16 +278,20 @@ def test_small_messages_are_not_held_back_by_the_kernel():
 
 def test_messages_can_be_throttled_and_queued():
     a_trial = trial("indifferent", duration=2000.0)
-    with served(a_trial, speed=20.0) as session, Client(session.url) as client:
-        client.subscribe("/clock", throttle_rate=200)
-        first, second = (client.message("/clock")["clock"]["sec"] for _ in range(2))
-        assert second - first >= 3
+    with served(a_trial, speed=20.0, by_hand=True) as session, Pacer(session) as client:
+
+        def tenths(count):
+            stamps = [client.message("/clock")["clock"] for _ in range(count)]
+            return [stamp["sec"] * 10 + stamp["nanosec"] // 100_000_000 for stamp in stamps]
+
+        client.subscribe("/clock", throttle_rate=250)
+        first, second, third = tenths(3)
+        assert (second - first, third - second) == (50, 50)  # 0.25 s at 20 times the speed
         client.send(op="unsubscribe", topic="/clock")
-        client.call("/rosapi/get_time")
+        client.heard()
         client.subscribe("/clock", throttle_rate=100, queue_length=1000)
-        stamps = [client.message("/clock")["clock"] for _ in range(5)]
-        tenths = [stamp["sec"] * 10 + stamp["nanosec"] // 100_000_000 for stamp in stamps]
-        assert tenths == list(range(tenths[0], tenths[0] + 5))
+        found = tenths(5)
+        assert found == list(range(found[0], found[0] + 5))
 
 
 def test_long_messages_come_in_fragments_where_a_client_wants_that():
@@ -365,7 +379,7 @@ def test_only_one_client_steps_through_the_time():
             assert not ok and "another client" in why
         assert one.call("/floorwalker/advance", until=0.0)[1]["time"] == 0.0
         assert one.call("/floorwalker/advance", until=1.25)[1] == {"time": 1.25, "ended": False}
-        time.sleep(0.1)
+        one.settle()
         assert session.now == 1.25
         assert one.call("/floorwalker/advance", until=9.0)[1] == {"time": 5.0, "ended": True}
     with served(trial(), speed=1.0) as session, Client(session.url) as client:
@@ -378,8 +392,7 @@ def test_an_agent_that_steps_and_vanishes_leaves_a_run_that_stands():
         with Client(session.url) as agent:
             agent.call("/floorwalker/advance", until=0.0)
             agent.call("/floorwalker/advance", until=2.5)
-        while "stands still at t = 2.5 s" not in session.notices[-1]:
-            time.sleep(0.01)
+        until(lambda: "stands still at t = 2.5 s" in session.notices[-1])
         drive(session.url, "indifferent")
         run = session.join()
     assert run.summary["people"]["operator"]["visits"][0] == "station4"
@@ -396,7 +409,7 @@ def test_our_agent_against_a_plain_rosbridge():
         async def play():
             agent = asyncio.create_task(run_agent(url))
             await asyncio.to_thread(act_as_the_simulation, simulation, heard)
-            await asyncio.wait_for(agent, 30)
+            await asyncio.wait_for(agent, HANG)
 
         asyncio.run(play())
     topics = [topic for topic, _ in heard]
@@ -424,10 +437,11 @@ def act_as_the_simulation(client, heard):
     ):
         client.send(op="advertise", topic=topic, type=type_)
 
-    def listen(count, timeout=20.0):
+    def listen(count, **patience):
         while len(heard) < count:
-            said = client.hear_until(lambda said: said["op"] == "publish", timeout)
-            heard.append((said["topic"], said["msg"]))
+            said = client.hear(**patience)
+            if said["op"] == "publish":
+                heard.append((said["topic"], said["msg"]))
 
     def say_state(robot_x):
         client.publish(
@@ -440,10 +454,8 @@ def act_as_the_simulation(client, heard):
 
     while not heard:  # until the agent has subscribed
         client.publish("/ariac/start_human", data=True)
-        try:
+        with suppress(TimeoutError):
             listen(1, timeout=0.2)
-        except TimeoutError:
-            continue
     client.publish("/ariac_human/position_reached", data=True)
     listen(2)
     for robot_x in (5.0, 0.0, -7.0):
@@ -465,8 +477,7 @@ def test_an_agent_whose_connection_breaks_off_tries_again():
             await agent.run()
 
         agent = InThread(main)
-        while not notices:
-            time.sleep(0.01)
+        until(lambda: notices)
     with relay(int(url.rpartition(":")[2])), Client(url) as simulation:
         phase = "/ariac/competition_state"
         simulation.send(op="advertise", topic=phase, type="ariac_msgs/CompetitionState")

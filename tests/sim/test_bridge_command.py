@@ -41,7 +41,8 @@ def test_both_ends_of_a_bridge(folder):
 
 
 def test_a_run_that_is_interrupted_is_kept_with_what_was_done_on_its_page(folder):
-    with Command(folder, "outside.yaml", "--speed", "20", "--watch", "--no-open") as server:
+    options = ("--duration", "1e6", "--speed", "20", "--watch", "--no-open")
+    with Command(folder, "outside.yaml", *options) as server:
         with Client(server.url) as agent:
             agent.subscribe("/ariac/start_human", "/clock")
             agent.hear_until(lambda said: said["topic"] == "/clock" and said["msg"]["clock"]["sec"])

@@ -11,6 +11,7 @@ from contextlib import suppress
 
 import pytest
 from bridge_parts import Client, Command, relay
+from waiting import HANG, until
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from sim.bridge import OriginError, Origins
@@ -23,21 +24,9 @@ UPGRADE = (
 )
 
 
-def until(holds, seconds=20.0):
-    deadline = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-
-
 def place_of(url):
     host, port = url.removeprefix("ws://").split(":")
     return host, int(port)
-
-
-def settle(client):
-    """Wait until everything that a client sent has been taken."""
-    client.call("/nowhere")
 
 
 # ── web pages ──
@@ -46,7 +35,7 @@ def settle(client):
 def is_let_in(url, origin):
     try:
         with Client(url, origin=origin) as client:
-            settle(client)
+            client.settle()
             return True
     except InvalidStatus as refusal:
         assert refusal.response.status_code == 403
@@ -90,7 +79,7 @@ def test_a_page_behind_a_name_of_its_own_is_not_let_in():
             (b"localhost:9090", b"localhost:9090", b"101"),
             (b"evil.example", b"evil.example", b"403"),
         ):
-            with socket.create_connection(place_of(url), timeout=20) as client:
+            with socket.create_connection(place_of(url), timeout=HANG) as client:
                 client.sendall(
                     UPGRADE.replace(b"Host: x", b"Host: %b\r\nOrigin: %b" % (host, origin))
                 )
@@ -115,7 +104,7 @@ def why_closed(client):
     """Why a client was let go, once it is."""
     with pytest.raises(ConnectionClosed) as closed:
         while True:
-            client.socket.recv(20)
+            client.socket.recv(HANG)
     assert closed.value.rcvd is not None, "no farewell"
     assert closed.value.rcvd.code == 1008
     return closed.value.rcvd.reason
@@ -134,14 +123,14 @@ def test_messages_that_are_throttled_away_count():
         greedy.subscribe("/talk", throttle_rate=1e9, queue_length=1000)
         modest.subscribe("/talk", throttle_rate=1e9, queue_length=3)
         for client in (greedy, modest):
-            settle(client)
+            client.settle()
         for _ in range(30):
             say("x" * 100_000)
         assert "more than 1000000 bytes" in why_closed(greedy)
-        settle(speaker)
+        speaker.settle()
         assert 300_000 < ledger.held < 400_000
         modest.send(op="unsubscribe", topic="/talk")
-        settle(modest)
+        modest.settle()
         assert ledger.held < 10_000
     assert notices == ["a client was let go: more than 1000000 bytes are held for this client"]
 
@@ -160,7 +149,7 @@ def test_fragments_of_all_clients_count_together():
             with suppress(ConnectionClosed):
                 for num in range(7):
                     client.send(op="fragment", id=f"f{k}", data=data, num=num, total=1000)
-                settle(client)
+                client.settle()
             most.append(ledger.held)
         assert max(most) <= ledger.most_for_all
         assert max(most) > 700_000
@@ -197,7 +186,7 @@ def test_what_is_not_complete_or_not_read_counts(attack):
     watching = threading.Thread(target=watch)
     with relay(ledger=ledger) as url:
         watching.start()
-        with socket.create_connection(place_of(url), timeout=20) as wrong:
+        with socket.create_connection(place_of(url), timeout=HANG) as wrong:
             wrong.sendall(UPGRADE + beginning)
             with pytest.raises(ConnectionError):
                 while True:  # and nothing is read
@@ -206,7 +195,7 @@ def test_what_is_not_complete_or_not_read_counts(attack):
         watching.join()
         assert max(most) <= ledger.most_for_one
         with Client(url) as other:
-            settle(other)
+            other.settle()
             until(lambda: ledger.held < 1000)
 
 
@@ -256,7 +245,7 @@ def test_nothing_counts_any_more_once_it_is_gone():
                 for id, num in itertools.product("pqr", range(3)):
                     client.send(op="fragment", id=id, data=" ", num=num, total=3)
             for client in (one, two):
-                settle(client)
+                client.settle()
         until(lambda: ledger.held == 0 and not ledger.accounts)
 
 
@@ -269,7 +258,7 @@ FEW = 80
 def test_connections_that_say_nothing_are_bounded(monkeypatch):
     monkeypatch.setattr("sim.bridge.server._MOST_CONNECTIONS", 3)
     with relay() as url:
-        silent = [socket.create_connection(place_of(url), timeout=20) for _ in range(5)]
+        silent = [socket.create_connection(place_of(url), timeout=HANG) for _ in range(5)]
         for one in silent[3:]:
             with suppress(ConnectionResetError):
                 assert one.recv(1) == b""
@@ -278,7 +267,7 @@ def test_connections_that_say_nothing_are_bounded(monkeypatch):
         for one in silent:
             one.close()
         with Client(url) as client:
-            settle(client)
+            client.settle()
 
 
 @pytest.mark.slow
@@ -298,7 +287,7 @@ def test_too_many_sockets_are_a_line_on_stderr(tmp_path):
         time.sleep(1.5)  # it tries again every second
         for one in crowd:
             one.close()
-        with Client(server.url, open_timeout=30) as client:
+        with Client(server.url) as client:
             assert client.call("/rosapi/topics")[0]
         crowd = [socket.create_connection(place_of(server.url)) for _ in range(2 * FEW)]
         time.sleep(0.5)  # also at the end nothing else is said

@@ -56,7 +56,7 @@ def test_orders_are_published_as_they_are_announced(shared_data):
         client.call("/ariac/start_competition")
         heard = []
         while not heard or heard[-1] != 4:
-            said = client.hear_until(lambda said: said["op"] == "publish", timeout=60)
+            said = client.hear_until(lambda said: said["op"] == "publish")
             heard.append(said["msg"].get("competition_state") or said["msg"]["id"])
         run = session.join()
     announced = [event["order"] for event in run.events if event["kind"] == "order_announced"]

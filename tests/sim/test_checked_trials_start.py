@@ -168,4 +168,7 @@ def test_what_is_checked_starts_to_run(tmp_path_factory, floor, trial):
     recording = sim.Recording(folder / "run")
     simulation = sim.Simulation(checked, recording)
     simulation.advance(1.0)
-    recording.finish(simulation.finish())
+    run = simulation.finish()
+    recording.finish(run)
+    assert run.duration == min(1.0, checked.duration)
+    assert sim.load_run(folder / "run").motions == run.motions

@@ -46,6 +46,16 @@ def test_agvs_that_cross_collide_once_for_each_time():
     assert [(verdict.met, verdict.time) for verdict in run.verdicts] == [(False, collision["t"])]
 
 
+@pytest.mark.parametrize(("heading", "closing"), [(3.141592653589793, 2.0), (0.0, 0.0)])
+def test_the_speed_of_a_collision_is_that_of_one_against_the_other(heading, closing):
+    """Head on, and side by side on lanes that lie in each other."""
+    at = "[18, 10]" if heading else "[2.5, 10]"
+    floor = FLOOR.replace("origin: [10, 2], heading: 1.5707963267948966", f"origin: {at}")
+    floor = floor.replace(f"origin: {at}", f"origin: {at}, heading: {heading}")
+    run = sim.run(sim.Trial.parse(on_floor(floor, MOVES)))
+    assert events(run, "collision")[0]["speed"] == pytest.approx(closing)
+
+
 def test_agvs_that_stand_in_each_other_collide_once_at_the_start():
     inside = FLOOR.replace("[10, 2]", "[2.5, 9.5]")
     run = sim.run(sim.Trial.parse(on_floor(inside, MOVES)))

@@ -8,7 +8,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 import webbrowser
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import numpy as np
 import pytest
 from processes import command_line, in_a_process, started
 from run_events import record
+from waiting import HANG, until
 
 import floorplan
 import sim
@@ -382,11 +382,9 @@ def test_an_interrupted_run_keeps_what_happened(tmp_path):
     out = tmp_path / "out"
     process = started("run", "--duration", "1e7", "--out", out, cwd=tmp_path)
     events = out / "events.jsonl"
-    while not (events.exists() and events.stat().st_size > 20_000):
-        assert process.poll() is None
-        time.sleep(0.05)
+    until(lambda: events.exists() and events.stat().st_size > 20_000, process)
     process.send_signal(signal.SIGINT)
-    _, stderr = process.communicate(timeout=120)
+    _, stderr = process.communicate(timeout=HANG)
     assert process.returncode == 130
     assert "what happened is kept" in stderr
     assert "Traceback" not in stderr
@@ -412,11 +410,9 @@ def test_one_interrupt_ends_an_endless_loop_in_the_users_code(tmp_path):
         "people: [{name: a, count: 2, at: anywhere}]\n"
     )
     process = started("run", "stuck.trial.yaml", "--out", "out", cwd=tmp_path)
-    while not (tmp_path / "there").exists():
-        assert process.poll() is None
-        time.sleep(0.05)
+    until((tmp_path / "there").exists, process)
     process.send_signal(signal.SIGINT)
-    _, stderr = process.communicate(timeout=60)
+    _, stderr = process.communicate(timeout=HANG)
     assert process.returncode == 1
     assert re.search(r"\(stuck\.py, line [78]\)", stderr) and "Traceback" not in stderr
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["interrupted"] is True
@@ -486,12 +482,11 @@ def test_the_page_opens_where_somebody_looks(
         floorwalker(*arguments, cwd=tmp_path)
     page = (tmp_path / "run" / "replay.html").as_uri()
     opened = tmp_path / "browser.opened"
-    deadline = time.monotonic() + (20.0 if opens else 0.0)
-    while not opened.exists() and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert opened.exists() is opens
     if opens:
-        assert opened.read_text(encoding="utf-8").strip() == page
+        told = until(lambda: opened.exists() and opened.read_text(encoding="utf-8"))
+        assert told == f"{page}\n"
+    else:
+        assert not opened.exists()
 
 
 @pytest.mark.parametrize(("words", "code"), [("--version", 0), ("list --wrong", 2)])
@@ -500,7 +495,7 @@ def test_what_is_registered_for_the_end_is_done_at_the_end(words, code, tmp_path
         "import atexit\natexit.register(print, 'the end')\nfrom floorwalker import main\nmain()\n"
     )
     begun = [sys.executable, tmp_path / "floorwalker", *words.split()]
-    done = subprocess.run(begun, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(begun, capture_output=True, text=True, timeout=HANG)
     assert done.returncode == code
     assert done.stdout.endswith("the end\n")
     assert "leaked" not in done.stderr

@@ -7,7 +7,6 @@ import re
 import signal
 import socket
 import threading
-import time
 import urllib.parse
 from dataclasses import replace
 
@@ -15,6 +14,7 @@ import pytest
 from bridge_parts import Client, served
 from processes import started
 from run_events import record
+from waiting import HANG, Hand, until
 
 import sim
 from sim.live.page_server import PageServer, Stream
@@ -24,7 +24,7 @@ from sim.trials.command_keys import load_commands
 def get(server, path="/", method="GET", body=None, **headers):
     """The response to a request for what is at that path below the server's address."""
     place = urllib.parse.urlsplit(server.url)
-    connection = http.client.HTTPConnection(place.hostname, place.port, timeout=30)
+    connection = http.client.HTTPConnection(place.hostname, place.port, timeout=HANG)
     connection.request(method, place.path + path[1:], body, headers)
     return connection.getresponse()
 
@@ -126,7 +126,7 @@ def test_only_the_page_itself_has_control():
             get(server, "/control", "POST", b"{", **{"Content-Type": "application/json"}).status
             == 400
         )
-        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=30)
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=HANG)
         for method, path in (("GET", "/"), ("GET", "/stream"), ("POST", "/control")):
             connection.request(method, path)  # without the secret
             response = connection.getresponse()
@@ -216,7 +216,15 @@ def controlled(trial, recording, live, script):
     """The run of a trial in which a `script` has control of the page's server meanwhile."""
     with live.server as server:
         simulation = sim.Simulation(trial, recording, live)
-        hands = threading.Thread(target=script, args=(server, simulation))
+
+        def control():
+            try:
+                script(server, simulation)
+            except BaseException:
+                simulation.stop()
+                raise
+
+        hands = threading.Thread(target=control)
         hands.start()
         live.advance(simulation)
         run = simulation.finish()
@@ -231,16 +239,20 @@ def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
     box = {"x": [-12.0, -11.0], "y": [1.0, 3.0]}
     answers = []
 
+    hand = Hand()
+    live = sim.LiveRun(trial.duration, speed=20.0, now=hand)
+
     def script(server, simulation):
         def ask(wish):
             answers.append(post(server, wish))
 
-        def wait_for(t):
-            while simulation.clock.now < t:
-                time.sleep(0.02)
+        def reach(t):
+            hand.move((t - simulation.clock.now) / live.speed)
+            until(lambda: simulation.clock.now == pytest.approx(t))
 
-        wait_for(4.0)
+        reach(4.0)
         ask({"pace": {"paused": True}})
+        hand.move(1000.0)
         paused = simulation.clock.now
         for command in (
             {"send": "operator", "to": [-6.5, 5.123456789123]},
@@ -256,13 +268,14 @@ def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
         ask({"leave": True})
         assert simulation.clock.now == paused
         ask({"pace": {"paused": False, "speed": 40.0}})
-        wait_for(12.0)
+        reach(12.0)
         ask({"command": {"release": "agv2"}})
         ask({"command": {"clear": "pallet"}})
         ask({"command": {"send": "operator", "to": "station2"}})
+        hand.move(trial.duration)
 
     recording = sim.Recording(tmp_path / "watched")
-    run = controlled(trial, recording, sim.LiveRun(trial.duration, speed=20.0), script)
+    run = controlled(trial, recording, live, script)
     problems = [answer["problem"] for status, answer in answers if status == 409]
     assert [problem.split("; ")[0] for problem in problems] == [
         "no person is called 'nobody'",
@@ -274,7 +287,7 @@ def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
     ]
     assert sum(status == 200 for status, _ in answers) == 8
     done = [event for event in run.events if event["kind"] == "commanded"]
-    assert len(done) == 6
+    assert [event["t"] for event in done] == pytest.approx([4.001] * 3 + [12.001] * 3)
     went = [e for e in run.events if e["kind"] == "goal" and e["t"] == done[-1]["t"]]
     assert [e["station"] for e in went] == ["station2"]
     again = replace(trial, commands=load_commands(tmp_path / "watched" / "commands.yaml"))
@@ -285,18 +298,21 @@ def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
 @pytest.mark.slow
 def test_the_browser_follows_the_run_and_gets_all_of_it(open_address):
     trial = sim.Trial.parse(TRIAL)
-    live = sim.LiveRun(trial.duration, speed=20.0)
+    hand = Hand()
+    live = sim.LiveRun(trial.duration, speed=20.0, now=hand)
     with live.server as server:
         simulation = sim.Simulation(trial, live)
         simulation.start()
         viewer = open_address(server.url)
         seen = []
-        running = threading.Thread(target=live.advance, args=(simulation,))
+        running = threading.Thread(target=live.advance, args=(simulation,), daemon=True)
         running.start()
+        hand.move(12.0 / 20.0)
         viewer.wait_until(lambda: viewer.time > 10.0)
         seen.append(viewer.page.evaluate("floorwalker.recording.events.length"))
         assert viewer.page.locator("#live").get_attribute("aria-pressed") == "true"
         assert viewer.time <= simulation.clock.now + 1e-9
+        hand.move((trial.duration - 12.0) / 20.0)
         running.join()
         run = simulation.finish()
         live.finish(run)
@@ -315,27 +331,39 @@ def test_the_browser_follows_the_run_and_gets_all_of_it(open_address):
 @pytest.mark.slow
 def test_looking_back_while_it_goes_on(open_address):
     trial = sim.Trial.parse(TRIAL)
-    live = sim.LiveRun(trial.duration, speed=10.0)
+    hand = Hand()
+    live = sim.LiveRun(trial.duration, speed=10.0, now=hand)
     with live.server as server:
         simulation = sim.Simulation(trial, live)
         simulation.start()
         viewer = open_address(server.url)
-        running = threading.Thread(target=live.advance, args=(simulation,))
+        running = threading.Thread(target=live.advance, args=(simulation,), daemon=True)
         running.start()
+        hand.move(0.7)
         viewer.wait_until(lambda: viewer.time > 5.0)
         speeds = viewer.page.locator("#speed")
         assert speeds.input_value() == "10"
         offered = [float(text.rstrip("×")) for text in speeds.inner_text().split()]
         assert offered == sorted({*offered, 8.0, 10.0, 16.0})
+
+        def follows():
+            viewer.settle()
+            return viewer.page.locator("#live").get_attribute("aria-pressed") == "true"
+
+        assert follows()
         viewer.page.keyboard.press("Home")
+        assert not follows()
+        viewer.page.locator("#live").click()
+        assert follows()
         viewer.page.keyboard.press("Space")
-        viewer.settle()
-        stopped = viewer.time
-        assert stopped < 5.0
-        assert viewer.page.locator("#live").get_attribute("aria-pressed") == "false"
+        viewer.page.keyboard.press("Home")
+        assert not follows()
+        assert viewer.time == 0.0
         viewer.page.locator("#live").click()
         viewer.wait_until(lambda: viewer.time > 6.0)
+        assert viewer.time <= simulation.clock.now == pytest.approx(7.0)
         viewer.context.close()  # a closed browser does not stop the run
+        hand.move(trial.duration / 10.0)
         running.join()
         assert simulation.clock.now == trial.duration
         live.finish(simulation.finish())
@@ -344,14 +372,24 @@ def test_looking_back_while_it_goes_on(open_address):
 @pytest.mark.slow
 def test_the_page_interferes_with_the_run(open_address):
     trial = sim.Trial.parse(TRIAL.replace("duration: 40", "duration: 4000"))
-    live = sim.LiveRun(trial.duration, speed=2.0)
+    hand = Hand()
+    live = sim.LiveRun(trial.duration, speed=2.0, now=hand)
     with live.server as server:
         simulation = sim.Simulation(trial, live)
         simulation.start()
         viewer = open_address(server.url, viewport={"width": 1200, "height": 800})
         page = viewer.page
-        running = threading.Thread(target=live.advance, args=(simulation,))
+        running = threading.Thread(target=live.advance, args=(simulation,), daemon=True)
         running.start()
+
+        def wait_until(holds):
+            """Let the run go on while it does not hold."""
+
+            def holds_by_now():
+                hand.move(0.02)
+                return holds()
+
+            viewer.wait_until(holds_by_now)
 
         def press(name):
             page.locator(f"#{name}").click()
@@ -360,19 +398,21 @@ def test_the_page_interferes_with_the_run(open_address):
             return [e for e in simulation.events if e["kind"] == "commanded"]
 
         def wait_for(name, words):
-            viewer.wait_until(lambda: viewer.text(f"#{name}") == words)
+            wait_until(lambda: viewer.text(f"#{name}") == words)
 
-        viewer.wait_until(lambda: viewer.time > 0.5)
+        wait_until(lambda: viewer.time > 0.5)
         press("pause-run")
         wait_for("pause-run", "Resume run")
         press("hold")
+        wait_for("control-status", "gantry is put on hold.")
         page.locator("#speed").select_option("64")
-        viewer.wait_until(lambda: live.speed == 64.0)
+        wait_until(lambda: live.speed == 64.0)
         press("pause-run")
         wait_for("hold", "Release gantry")
         assert [e["hold"] for e in commanded()] == ["gantry"]
         press("hold")
         wait_for("hold", "Hold gantry")
+        wait_for("control-status", "gantry may go on.")
 
         def on_floor(x, y):
             box = page.locator(".view canvas.flat").bounding_box()
@@ -384,9 +424,11 @@ def test_the_page_interferes_with_the_run(open_address):
         page.mouse.down()
         page.mouse.move(*on_floor(-12.0, 2.0), steps=3)
         page.mouse.up()
-        viewer.wait_until(lambda: page.locator("#clear option").count() == 2)
+        wait_for("control-status", "box1 is put down.")
+        wait_until(lambda: page.locator("#clear option").count() == 2)
         page.mouse.click(*on_floor(-12.5, 1.0))
-        viewer.wait_until(lambda: page.locator("#clear").is_hidden())
+        wait_for("control-status", "box1 is taken up.")
+        wait_until(lambda: page.locator("#clear").is_hidden())
         page.keyboard.press("Escape")
         page.locator("#send").focus()
         for key in ("Tab", "Enter", *["ArrowLeft"] * 4, *["Shift+ArrowUp"] * 4):
@@ -397,18 +439,18 @@ def test_the_page_interferes_with_the_run(open_address):
         middle = [float(metres.replace("−", "-")) for metres in where]
         page.keyboard.press("Enter")
         wait_for("control-status", "box2 is put down.")
-        viewer.wait_until(lambda: page.locator("#clear option").count() == 2)
+        wait_until(lambda: page.locator("#clear option").count() == 2)
         page.keyboard.press("Enter")
         wait_for("control-status", "box2 is taken up.")
-        viewer.wait_until(lambda: page.locator("#clear").is_hidden())
+        wait_until(lambda: page.locator("#clear").is_hidden())
         page.keyboard.press("Escape")
         assert page.evaluate("document.activeElement.id") == "block"
         press("send")
         page.mouse.click(*on_floor(-9.0, 0.5))
-        viewer.wait_until(lambda: len(commanded()) == 7)
+        wait_until(lambda: len(commanded()) == 7)
         press("send")
         page.locator("#destination").select_option("station2")
-        viewer.wait_until(lambda: len(commanded()) == 8)
+        wait_until(lambda: len(commanded()) == 8)
         simulation.stop()
         running.join()
         live.finish(simulation.finish())
@@ -451,7 +493,7 @@ def test_a_page_with_control_can_be_used_by_everybody(open_address, axe, scheme)
 @pytest.mark.parametrize("speed", [20.0, 0.0])
 def test_a_run_on_the_bridge_has_a_page_too(speed):
     trial = sim.Trial.parse(
-        TRIAL.replace("oblivious", "external").replace("duration: 40", "duration: 900")
+        TRIAL.replace("oblivious", "external").replace("duration: 40", "duration: 1000000")
     )
     live = sim.LiveRun(trial.duration, speed=speed or 1.0)
     with live.server as server, served(trial, live, speed=speed, viewer=live) as session:
@@ -462,10 +504,7 @@ def test_a_run_on_the_bridge_has_a_page_too(speed):
                 return answer.get("problem", "") if status == 409 else ""
 
             def wait_for(words):
-                deadline = time.monotonic() + 30
-                while not session.notices or words not in session.notices[-1]:
-                    assert time.monotonic() < deadline, session.notices
-                    time.sleep(0.01)
+                until(lambda: any(words in notice for notice in session.notices))
 
             wait_for("there is no gantry controller")
             kind = "trajectory_msgs/JointTrajectory"
@@ -483,8 +522,7 @@ def test_a_run_on_the_bridge_has_a_page_too(speed):
             assert session.now == paused
             assert answer_to({"pace": {"paused": False}}) == ""
             wait_for("goes on")
-            while session.now < paused + 1.0:
-                time.sleep(0.01)
+            until(lambda: session.now > paused + 1.0)
             controller.call("/ariac/end_competition")
         run = session.join()
         assert answer_to({"pace": {"paused": True}}) == "the run is over"
@@ -497,14 +535,13 @@ def test_a_run_on_the_bridge_has_a_page_too(speed):
 
 
 def test_ctrl_c_keeps_what_was_recorded(tmp_path):
-    arguments = ["run", "--watch", "--no-open", "--speed", "20", "--out", str(tmp_path / "run")]
-    process = started(*arguments, cwd=tmp_path)
+    arguments = ["run", "--duration", "1e6", "--watch", "--no-open", "--speed", "20"]
+    process = started(*arguments, "--out", "run", cwd=tmp_path)
     assert process.stderr.readline().startswith("http://127.0.0.1:")
     events = tmp_path / "run" / "events.jsonl"
-    while '"arrived"' not in events.read_text(encoding="utf-8"):
-        assert process.poll() is None
+    until(lambda: '"arrived"' in events.read_text(encoding="utf-8"), process)
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=HANG)
     assert process.returncode == 130
     assert err.startswith("Stopped at t = ")
     assert "Traceback" not in err
@@ -517,11 +554,11 @@ def test_replay_serves_until_it_is_told_to_stop(tmp_path):
     process = started("replay", "run", "--serve", "--no-open", cwd=tmp_path)
     url = process.stdout.readline().strip()
     place = urllib.parse.urlsplit(url)
-    connection = http.client.HTTPConnection(place.hostname, place.port, timeout=30)
+    connection = http.client.HTTPConnection(place.hostname, place.port, timeout=HANG)
     connection.request("GET", "/")
     page = connection.getresponse().read().decode()
     assert 'id="recording"' in page
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=HANG)
     assert process.returncode == 0
     assert err == "Ctrl-C ends it.\n"

@@ -2,6 +2,7 @@
 
 import json
 
+import pytest
 from run_events import beliefs_after, events, record
 
 import bdi
@@ -52,6 +53,19 @@ def test_steps_are_reported_in_their_order_and_with_their_places():
     ]
     assert [step[2].rpartition(":")[2] for step in thought["steps"] if len(step) > 2] == ["4", "7"]
     assert thought["intends"] == [{"stack": ["+seen(1)", "+!report(1)"], "at": ".wait(2000)"}]
+
+
+@pytest.mark.parametrize("folder", ["", "programs/", "/a/b/c/", "..\\programs\\", "C:\\"])
+def test_a_plan_is_reported_with_the_name_of_its_file_alone(folder):
+    thoughts = []
+    inspector = MindInspector("me", thoughts.append)
+    program = bdi.parse(PROGRAM, f"{folder}mine.asl")
+    agent = bdi.Agent(program, on_event=inspector.note)
+    agent.add_percept("seen(1)")
+    agent.advance(1.0)
+    inspector.look(1.0, agent)
+    places = [step[2] for step in thoughts[0]["steps"] if step[0] == "plan"]
+    assert places == ["mine.asl:4", "mine.asl:7"]
 
 
 def test_a_thought_that_changes_nothing_is_not_told():

@@ -211,3 +211,21 @@ def test_a_rule_says_how_near_people_may_come(tmp_path):
     assert run.summary["people_too_near_time"] == pytest.approx(time, abs=0.05)
     assert run.unmet == [] and sim.load_run(tmp_path / "run").scene.rules == rules
     assert "people_too_near" not in sim.run(trial).summary
+    begin, end = intervals[0]
+    middle = (begin + end) / 2
+    ended = sim.run(dataclasses.replace(ours, duration=middle, expect={}))
+    assert ended.summary["people_too_near_time"] == pytest.approx(middle - begin, abs=1e-3)
+
+
+@pytest.mark.parametrize(("apart", "near"), [(1.05, True), (1.15, False)])
+def test_the_distance_between_people_is_that_of_their_bodies(apart, near):
+    trial = sim.Trial.parse(
+        f"""
+floorplan: {{{_inline(FLOOR)}}}
+duration: 0.01
+rules: {{between_people: 0.5}}
+people: [{{name: wide, radius: 0.4, at: [3, 3]}}, {{name: slim, radius: 0.2, at: [{3 + apart}, 3]}}]
+"""
+    )
+    found = events(sim.run(trial), "people_too_near")
+    assert [e["distance"] for e in found] == ([pytest.approx(apart - 0.6)] if near else [])

@@ -1,12 +1,11 @@
 """The competition's own agent on our bridge, played from its protocol and its two windows."""
 
 import math
-import time
 from contextlib import suppress
 from dataclasses import replace
 
 import pytest
-from bridge_parts import Client, served, trial
+from bridge_parts import Pacer, served, trial
 from websockets.exceptions import ConnectionClosedOK
 
 import sim
@@ -19,8 +18,11 @@ DROPS = 10.0
 LOOKS = 20.0
 """Seconds after its start, after a teleport and after noticing the gantry, till it looks for it."""
 
-SPEED = 10.0
-"""Of the trial, where a tenth of a second by the wall's clock decides nothing."""
+SPEED = 8.0
+"""Of the trial: its windows are of real time, and so belong to speed 1."""
+
+LATE = 1 / 64
+"""Seconds of real time by which it may be late, at its speed an eighth of a second."""
 
 MAKES_READY = 0.5
 """Seconds for which it has subscribed and hears nothing yet."""
@@ -42,11 +44,12 @@ HEARD = {
 
 
 class Original:
-    """Drives a person as the original does: by the wall's clock, with what it drops."""
+    """Drives a person as the original does: by real time, with what it drops."""
 
-    def __init__(self, client, a_trial, speed):
+    def __init__(self, client, session, a_trial, speed):
         self._client = client
-        self._speed = speed  # its windows are of the wall's clock, and so belong to speed 1
+        self._session = session
+        self._speed = speed
         self._agent = make_agent(
             a_trial.people[0],
             a_trial,
@@ -55,7 +58,7 @@ class Original:
             on_event=lambda entry: None,
         )
         self._percepts = Percepts(self._agent)
-        self._came = time.monotonic()
+        self._came = self._session.time
         self._unsafe_at = self._came
         self._looks_from = math.inf
         self._distance = math.inf
@@ -67,16 +70,13 @@ class Original:
         for topic, type_ in HEARD.items():
             self._client.subscribe(topic, type=type_)
         while True:
-            try:
-                said = self._client.hear(0.01)
-            except TimeoutError:
-                said = {}
-            if said.get("op") == "publish" and not self._hear(said["topic"], said["msg"]):
+            said = self._client.hear()
+            if said["op"] == "publish" and not self._hear(said["topic"], said["msg"]):
                 return
-            self._agent.advance((time.monotonic() - self._came) * self._speed)
+            self._agent.advance((self._session.time - self._came) * self._speed)
 
     def _hear(self, topic, message):
-        now = time.monotonic()
+        now = self._session.time
         if topic == "/ariac/competition_state":
             return message["competition_state"] != 4
         if topic == "/ariac/start_human" and now - self._came > MAKES_READY:
@@ -121,7 +121,7 @@ class Original:
             self._client.publish(topic, x=x, y=y, z=z)
         else:
             if action.functor.startswith("teleport"):
-                self._unsafe_at = time.monotonic()
+                self._unsafe_at = self._session.time
                 self._looks_from = self._unsafe_at + LOOKS / self._speed
             self._client.publish(topic, data=action.functor != "teleport_agv")
         return True
@@ -131,9 +131,9 @@ def driven(a_trial, speed=SPEED):
     """The run of a trial whose person the original drives, the one by itself, and the original."""
     (person,) = a_trial.people
     outside = replace(a_trial, people=(replace(person, personality="external"),))
-    with served(outside, speed=speed, grace=1.0) as session:
-        with Client(session.url) as client:
-            original = Original(client, a_trial, speed)
+    with served(outside, speed=speed, grace=1.0, by_hand=True) as session:
+        with Pacer(session, LATE) as client:
+            original = Original(client, session, a_trial, speed)
             with suppress(ConnectionClosedOK):  # the trial may end while it says something
                 original.drive()
         return session.join(), sim.run(a_trial), original
@@ -197,7 +197,11 @@ def test_what_the_original_drops_after_its_start_it_hears_later():
 
 
 def test_a_violation_is_repeated_until_it_is_answered():
-    with served(trial(duration=60.0), speed=SPEED) as session, Client(session.url) as client:
+    a_trial = trial(duration=60.0)
+    with (
+        served(a_trial, speed=SPEED, by_hand=True) as session,
+        Pacer(session) as client,
+    ):
         client.subscribe("/ariac/start_human", type="std_msgs/Bool")
         client.subscribe("/ariac_human/unsafe_distance", type="std_msgs/Bool")
         assert client.message("/ariac/start_human") == {"data": True}
@@ -205,21 +209,32 @@ def test_a_violation_is_repeated_until_it_is_answered():
         for _ in range(5):
             assert client.message("/ariac_human/unsafe_distance") == {"data": True}
         client.publish("/ariac_human/go_home", data=True)
-        client.call("/rosapi/get_time")
-        with pytest.raises(TimeoutError):
-            client.message("/ariac_human/unsafe_distance", timeout=0.3)
+        client.heard()
+        session.move(0.3)
+        assert client.heard() == []
         client.call("/ariac/end_competition")
         run = session.join()
     assert [event["kind"] for event in run.events].count("teleport") == 1
 
 
 def test_an_agent_may_make_ready_before_the_trial_begins():
-    patient = served(trial(duration=5.0), speed=SPEED, grace=30.0)
-    with patient as session, Client(session.url) as client:
+    patient = served(trial(duration=5.0), speed=SPEED, grace=30.0, by_hand=True)
+    with patient as session, Pacer(session) as client:
         client.subscribe("/ariac/start_human", type="std_msgs/Bool")
-        with pytest.raises(TimeoutError):
-            client.message("/ariac/start_human", timeout=0.3)
+        client.settle()
+        session.move(29.0)
+        assert client.heard() == []
         assert session.now == 0.0
         client.send(op="call_service", service="/ariac/start_competition")
         assert client.message("/ariac/start_human") == {"data": True}
         session.join()
+
+
+def test_a_trial_begins_when_an_agent_has_had_its_time():
+    patient = served(trial(duration=5.0), speed=SPEED, grace=30.0, by_hand=True)
+    with patient as session, Pacer(session) as client:
+        client.subscribe("/ariac/start_human", type="std_msgs/Bool")
+        client.settle()
+        begun = session.time
+        assert client.message("/ariac/start_human") == {"data": True}
+        assert 30.0 <= session.time - begun < 30.2

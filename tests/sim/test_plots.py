@@ -616,6 +616,13 @@ def test_standing_people_are_drawn():
     scene = sim.Scene(
         "standing", 0, plan, sim.PAPER, (sim.Figure("ada", "", 0.4, 1.7),), {"ada": (1, 2, 0)}
     )
-    run = sim.Recorded(scene, 5.0, {}, (), {"ada": standing((1.0, 2.0))}, {})
+    started = ({"t": 1.0, "kind": "human_started", "person": "ada"},)
+    run = sim.Recorded(scene, 5.0, {}, started, {"ada": standing((1.0, 2.0))}, {})
     for figure in (run.plot.trails(), run.plot.space_time(), run.plot.heat_map()):
         figure.savefig(io.BytesIO(), format="svg")
+    [line] = [one for one in run.plot.trails().axes[0].lines if one.get_label() == "ada"]
+    assert {*zip(*line.get_data(), strict=True)} == {(1.0, 2.0)}
+    seconds = run.plot.heat_map().axes[0].images[0].get_array()
+    assert seconds.compressed() == pytest.approx(4.0)
+    area = seconds.count() * (10.0 / seconds.shape[1]) ** 2
+    assert area == pytest.approx(math.pi * 0.4**2, rel=0.1)

@@ -391,9 +391,7 @@ def test_it_plays_and_pauses(viewer):
     viewer.page.locator("#play").click()
     viewer.wait_until(lambda: viewer.time > 0.2)
     viewer.page.locator("#play").click()
-    paused = viewer.time
-    viewer.page.wait_for_timeout(120)
-    assert viewer.time == paused
+    assert viewer.stands()
 
 
 def test_it_plays_faster_and_stops_at_the_end(viewer):
@@ -403,6 +401,7 @@ def test_it_plays_faster_and_stops_at_the_end(viewer):
     viewer.wait_until(lambda: viewer.time == 275.0)
     viewer.settle()
     assert viewer.page.locator("#play").get_attribute("aria-label") == "Play"
+    viewer.page.locator("#speed").select_option("1")
     viewer.page.locator("#play").click()
     viewer.wait_until(lambda: viewer.time < 200.0)
 
@@ -428,9 +427,7 @@ def test_the_keys_work(viewer):
     press("Space")
     viewer.wait_until(lambda: viewer.time > 0.0)
     press("Space")
-    stopped = viewer.time
-    viewer.page.wait_for_timeout(100)
-    assert viewer.time == stopped
+    assert viewer.stands()
     press("?")
     assert viewer.page.locator("#help").is_visible()
     press("Escape")

@@ -4,10 +4,13 @@ import math
 
 import pytest
 import shapely
+import shapely.affinity
 from run_events import events, first
 
 import navigation
 import sim
+from sim.core.machine import MachineShape
+from sim.people.steering.vehicles import cover
 
 FLOOR = """
 boundary: [[0, 0], [12, 0], [12, 8], [0, 8]]
@@ -135,3 +138,38 @@ people:
     run = sim.run(sim.Trial.parse(text))
     blocked = [e for e in run.events if e["kind"] == "path_blocked" and e["t"] >= 3]
     assert any("inside pallet" in e.get("message", "") for e in blocked)
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (0.6, -0.8)])
+@pytest.mark.parametrize(
+    ("length", "width", "count"),
+    [(1.2, 0.8, 3), (2.0, 1.0, 4), (2.01, 1.0, 5), (0.4, 1.0, 1), (0.5, 1.0, 1), (0.51, 1.0, 2)],
+)
+def test_discs_cover_a_vehicle_closely(length, width, count, direction):
+    shape = MachineShape(
+        name="agv",
+        kind="agv",
+        category="vehicle",
+        length=length,
+        width=width,
+        top=1.0,
+        top_speed=1.0,
+        direction=direction,
+    )
+    middles, radius = cover(shape)
+    assert len(middles) == count
+    c, s = direction
+    box = shapely.affinity.affine_transform(
+        shapely.box(-length / 2, -width / 2, length / 2, width / 2), [c, -s, s, c, 0.0, 0.0]
+    )
+    discs = shapely.union_all([shapely.Point(at).buffer(radius, 64) for at in middles])
+    assert box.difference(discs.buffer(1e-3)).is_empty
+    across = [-s * x + c * y for x, y in shapely.get_coordinates(discs).tolist()]
+    assert width / 2 < max(across) <= 1.12 * width / 2
+
+
+def test_one_disc_covers_a_vehicle_that_turns():
+    shape = MachineShape(
+        name="cart", kind="cart", category="vehicle", length=0.8, width=0.6, top=1.0, top_speed=1.0
+    )
+    assert cover(shape) == ([(0.0, 0.0)], pytest.approx(0.5))

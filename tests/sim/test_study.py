@@ -7,13 +7,13 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from contextlib import suppress
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from processes import started
+from waiting import HANG, until
 
 import sim
 from sim.studies import save_trial
@@ -74,16 +74,14 @@ def command(folder, *arguments, **options):
 
 
 def finished(process):
-    out, err = process.communicate(timeout=120)
+    out, err = process.communicate(timeout=HANG)
     return process.returncode, out, err
 
 
 def wait_for_rows(folder, process):
     """Wait until the study that `process` runs into `folder` has some rows."""
     results = folder / "results.csv"
-    while not (results.exists() and results.read_bytes().count(b"\n") > 3):
-        assert process.poll() is None
-        time.sleep(0.01)
+    until(lambda: results.exists() and results.read_bytes().count(b"\n") > 3, process)
 
 
 def test_every_row_is_what_a_run_of_its_trial_gives(study, tmp_path):
@@ -147,13 +145,27 @@ def test_there_is_no_such_backend(study, tmp_path):
         sim.run_study(study, tmp_path / "out", backend="lucky")
 
 
+WAITS = """\
+import time
+from pathlib import Path
+def moody(gantry):
+    results = Path("killed/results.csv")
+    while Path("held").exists() and results.exists() and results.read_bytes().count(b"\\n") > 3:
+        time.sleep(0.01)
+    yield from driven(gantry)
+"""
+
+
 @pytest.mark.slow
 def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
+    (folder / "moody.py").write_text(CONTROLLER.replace("def moody", "def driven") + WAITS)
+    (folder / "held").touch()  # when it has some rows, it waits for what kills it
     process = command(folder, "--out", "killed", "--jobs", "2", start_new_session=True)
     results = folder / "killed" / "results.csv"
     wait_for_rows(folder / "killed", process)
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
+    (folder / "held").unlink()
     assert len(lines(results)) < 16
     with results.open("ab") as file:
         file.write(b"9,short,indiff")
@@ -177,7 +189,9 @@ with backend("loky", 2):
 
 
 def test_what_an_interrupt_leaves_of_semaphores_is_cleaned_up_in_silence():
-    done = subprocess.run([sys.executable, "-c", LEAKY], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        [sys.executable, "-c", LEAKY], capture_output=True, text=True, timeout=HANG
+    )
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
@@ -199,11 +213,8 @@ def test_a_study_that_is_stopped_says_how_to_go_on(folder, stop, sent, backend):
     code, out, err = finished(process)
     assert (code, out) == (130, "")
     assert err == "Stopped; what is done is kept in stopped: run the same command to go on.\n"
-    deadline = time.monotonic() + 30
     with pytest.raises(ProcessLookupError):
-        while time.monotonic() < deadline:
-            os.killpg(process.pid, 0)
-            time.sleep(0.1)
+        until(lambda: os.killpg(process.pid, 0))
     assert read_table(folder / "stopped" / "results.csv")["row"][:3] == [0, 1, 2]
 
 

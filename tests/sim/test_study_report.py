@@ -54,6 +54,16 @@ class Page(HTMLParser):
             self._cell = None
 
 
+def test_the_runs_to_look_at_have_the_least_separations(results):
+    page = Page((results.folder / "report.html").read_text(encoding="utf-8"))
+    named = [(int(row[0]), row[2]) for row in page.rows if len(row) == 3 and row[0].isdigit()]
+    near = [k for k, (_, why) in enumerate(named) if why.startswith("least separation: ")]
+    before = {row for row, _ in named[: near[0]]}
+    distances = results.columns["minimum_separation.distance"]
+    rest = sorted(set(range(len(distances))) - before, key=lambda k: distances[k])
+    assert [named[k][0] for k in near] == rest[:3]
+
+
 def test_the_page_has_the_means_of_every_combination(results):
     text = (results.folder / "report.html").read_text(encoding="utf-8")
     page = Page(text)

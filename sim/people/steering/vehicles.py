@@ -12,7 +12,7 @@ from navigation import Motion, Piece, standing
 
 from ...core.body import Body
 from ...core.clock import Alarm, Turn
-from ...core.machine import Machine
+from ...core.machine import Machine, MachineShape
 from ...core.stage import Stage
 from ..foreseen import GAP
 from .manners import Manners
@@ -55,13 +55,13 @@ class Vehicle:
     @cached_property
     def _places(self) -> list[Point]:
         """The middles of the discs, from the vehicle's axis."""
-        return cover(self._machine)[0]
+        return cover(self._machine.shape)[0]
 
     @cached_property
     def discs(self) -> list[Traveller]:
         """Those who move like the vehicle's parts; most vehicles never drive."""
         stage, machine = self._stage, self._machine
-        radius = cover(machine)[1] + GAP + LEEWAY
+        radius = cover(machine.shape)[1] + GAP + LEEWAY
         return [
             Traveller(
                 -1,
@@ -97,12 +97,11 @@ class Vehicle:
         self._alarm.set(None if due == math.inf else max(due, now))
 
 
-def cover(machine: Machine) -> tuple[list[Point], float]:
+def cover(shape: MachineShape) -> tuple[list[Point], float]:
     """Return the middles of discs that cover a vehicle, from its axis, and their radius (metres).
 
     One that turns is covered by a single disc.
     """
-    shape = machine.shape
     if shape.direction is None:
         return [(0.0, 0.0)], math.hypot(shape.length, shape.width) / 2
     # Parts half as long as wide: discs then stick out to the sides by 12 % of half the width.

@@ -41,5 +41,10 @@ while len(goals) <= ARRIVALS:
     sent.wait(1.0)
 phase.publish({"competition_state": 4})
 print(json.dumps(goals), flush=True)
-threading.Event().wait(0.5)  # what was published is sent by another thread
+# What was published is sent by another thread; the server refuses a call once it has taken it.
+taken = threading.Event()
+roslibpy.Service(ros, "/nowhere", "std_srvs/Trigger").call(
+    roslibpy.ServiceRequest(), lambda _: taken.set(), lambda _: taken.set()
+)
+taken.wait()
 ros.terminate()

@@ -1,0 +1,89 @@
+"""Waiting for what happens, and clocks that only a test moves."""
+
+import asyncio
+import selectors
+import threading
+import time
+
+HANG = 300.0
+"""Seconds. What takes longer hangs, however busy the machine is."""
+
+
+def until(holds, process=None, told=lambda: ""):
+    """Wait until `holds` returns something, and return it.
+
+    A `process` must run meanwhile. `told()` is the message of a failure.
+    """
+    hangs_at = time.monotonic() + HANG
+    while not (found := holds()):
+        assert time.monotonic() < hangs_at, told()
+        assert process is None or process.poll() is None, told()
+        time.sleep(0.01)
+    return found
+
+
+class Hand:
+    """Real time (s) of a run that a test paces: it goes on in `move` alone."""
+
+    def __init__(self):
+        self._time = 0.0
+        self._is_looked_at = threading.Event()
+
+    def __call__(self):
+        self._is_looked_at.set()
+        return self._time
+
+    def move(self, seconds):
+        """Let time go by, once the run has begun to look at it."""
+        assert self._is_looked_at.wait(HANG)
+        self._time += seconds
+
+
+class HandLoop(asyncio.SelectorEventLoop):
+    """Event loop whose time (s) goes on in `move` alone, so that its timers wait for the test.
+
+    But for a nanosecond at each look, because a time that never changes at all keeps a rounding
+    error for ever.
+    """
+
+    def __init__(self):
+        self._hand = 0.0
+        self._when_idle = []
+        self._moves = []
+        super().__init__(_Selector(self._when_idle))
+
+    def time(self):
+        self._hand += 1e-9
+        return self._hand
+
+    def move(self, seconds):
+        """Let time go by, and wait until everything that is due then is done."""
+        done = threading.Event()
+        self._moves[:] = [done]
+        self.call_soon_threadsafe(self._move, seconds, done)
+        assert done.wait(HANG)
+
+    def _move(self, seconds, done):
+        self._hand += seconds
+        self._when_idle.append(done)
+
+    def close(self):
+        super().close()
+        for done in self._moves:
+            done.set()
+
+
+class _Selector(selectors.DefaultSelector):
+    """Tells a loop that has nothing left to do, and lets it wait for messages alone."""
+
+    def __init__(self, when_idle):
+        super().__init__()
+        self._when_idle = when_idle
+
+    def select(self, timeout=None):
+        ready = super().select(0)
+        if ready or timeout == 0:
+            return ready
+        while self._when_idle:
+            self._when_idle.pop().set()
+        return super().select()
