@@ -395,3 +395,19 @@ def test_a_table_cut_anywhere_is_gone_on_with(cut, tmp_path_factory):
     assert columns["x"] == [1.5, None, 2.0, -1e-9]
     assert columns["y"] == [None, None, 7, None]
     assert columns["name"][1] == 'c"'
+
+
+def test_a_failure_of_a_program_names_row_action_and_reason(tmp_path, floorwalker):
+    (tmp_path / "far.asl").write_text("+human_start <- move(9.5, 3, 0).")
+    (tmp_path / "far.trial.yaml").write_text(
+        "floorplan: {boundary: [[0, 0], [10, 0], [10, 6], [0, 6]],"
+        " obstacles: {wall: {x: [5, 5.2], y: [0, 6], z: [0, 3]}}}\n"
+        "duration: 5\npeople: [{name: ada, personality: far.asl, at: [1, 1]}]\n"
+    )
+    (tmp_path / "far.study.yaml").write_text("trials: [far.trial.yaml]\nrepeat: 2\n")
+    done = floorwalker("study", "far.study.yaml", "--jobs", 2, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    said = [line for line in done.stderr.splitlines() if "an intention ended" in line]
+    assert sorted(line.partition(":")[0] for line in said) == ["row 0", "row 1"]
+    for line in said:
+        assert "failed at far.asl:1 in move(9.5,3,0): action_failed; no way, however narrow" in line
