@@ -18,7 +18,7 @@ from .lint import doubts
 from .reasoning.actions import InternalAction, InternalActions
 from .reasoning.beliefs import LiveBeliefs
 from .reasoning.calls import Call
-from .reasoning.circumstance import PENDING, Pending
+from .reasoning.circumstance import PENDING, Pending, Refused
 from .reasoning.history import Entry, History
 from .reasoning.intentions import Intention
 from .reasoning.society import Message, Society
@@ -43,6 +43,7 @@ __all__ = [
     "Problem",
     "Program",
     "ProgramError",
+    "Refused",
     "Rule",
     "Society",
     "Term",

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
 from ..language.substitution import Unifier
@@ -48,7 +49,18 @@ class Pending:
 PENDING = Pending()
 """The answer of `act` for an action whose outcome is not known yet."""
 
-Perform: TypeAlias = "Callable[[Literal], bool | Pending]"
+
+@dataclass(frozen=True)
+class Refused:
+    """Answer of `act` for an action that failed, with the `reason` that a warning gives."""
+
+    reason: str
+
+    def __bool__(self) -> bool:
+        return False
+
+
+Perform: TypeAlias = "Callable[[Literal], bool | Refused | Pending]"
 
 
 class PendingAction:
@@ -94,7 +106,7 @@ class Circumstance:
         self.selected_event: Event | None = None
         self.selected: Intention | None = None
         self.pending_actions: dict[int, PendingAction] = {}
-        self.feedback: deque[tuple[PendingAction, bool]] = deque()
+        self.feedback: deque[tuple[PendingAction, bool | Refused]] = deque()
         self.pending: dict[int, tuple[str, Intention]] = {}
         self.waits: list[Wait] = []
         self.on_end: Callable[[Intention], None] | None = None

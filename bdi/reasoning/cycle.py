@@ -10,6 +10,7 @@ from ..errors import EndlessProgramError, Problem, TooDeepError
 from ..language.terms import ONLY_SELF, Literal
 from .achievement import finish_satisfied
 from .actions import error_annots
+from .circumstance import Refused
 from .deliberation import clear, deliberate, move_on
 from .execution import OPERATIONS
 from .failure import fail
@@ -216,13 +217,13 @@ class ReasoningCycle:
     def _take_feedback(self) -> None:
         state, circumstance = self._state, self._state.circumstance
         while circumstance.feedback:
-            pending, success = circumstance.feedback.popleft()
+            pending, outcome = circumstance.feedback.popleft()
             intention = pending.intention
             # The intention was dropped, or has gone on without this outcome.
             if circumstance.pending_actions.get(intention.number) is not pending:
                 continue
             circumstance.take_action(intention)
-            if success:
+            if outcome:
                 move_on(state, intention, intention.top)
                 if circumstance.states is not None:
                     done = Literal("action_executed", (pending.action,))
@@ -230,5 +231,6 @@ class ReasoningCycle:
                         if means.is_goal:
                             circumstance.states.note("executing", means.sort, means.literal, done)
             else:
-                fail(state, intention, error_annots("action_failed", ""))
+                reason = outcome.reason if isinstance(outcome, Refused) else ""
+                fail(state, intention, error_annots("action_failed", ""), reason)
             return

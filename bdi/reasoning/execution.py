@@ -19,7 +19,7 @@ from .actions import ActionError, error_annots
 from .beliefs import with_source
 from .bodies import Step, compile_body
 from .calls import Waiting, call
-from .circumstance import Pending, PendingAction
+from .circumstance import Pending, PendingAction, Refused
 from .deliberation import move_on
 from .failure import end_fork, fail
 from .intentions import Event, Fork, Intention, Means
@@ -231,7 +231,8 @@ def _perform(agent: AgentState, intention: Intention, action: Literal) -> None:
         if circumstance.take_action(intention) is pending:
             move_on(agent, intention, intention.stack[-1])
         return
-    circumstance.feedback.append((pending, bool(outcome)))
+    kept = outcome if isinstance(outcome, Refused) else bool(outcome)
+    circumstance.feedback.append((pending, kept))
 
 
 def _act_internally(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:

@@ -87,8 +87,13 @@ def _search(
     return None, 0
 
 
-def fail(agent: AgentState, intention: Intention, annots: tuple[Term, ...]) -> None:
-    """Fail the current step of an intention: post the failure event, or end the intention."""
+def fail(
+    agent: AgentState, intention: Intention, annots: tuple[Term, ...], reason: str = ""
+) -> None:
+    """Fail the current step of an intention: post the failure event, or end the intention.
+
+    A `reason` is for the warning only, not for the program.
+    """
     means = intention.top
     step = means.step
     failed = Event(means.sort, means.literal, intention)
@@ -107,8 +112,10 @@ def fail(agent: AgentState, intention: Intention, annots: tuple[Term, ...]) -> N
     if agent.circumstance.states is not None and means.is_goal:
         _note_failure(agent, intention, means.sort, means.literal, event, annots)
     if event is None or not means.is_goal:
-        why = "; ".join(filter(None, map(_summary, annots)))
+        why = "; ".join(filter(None, [*map(_summary, annots), reason]))
         at = f" at {place.file}:{place.line}" if place is not None and place.line else ""
+        if step is not None and isinstance(step.formula, Act):
+            at += f" in {code}"
         if not means.is_goal:
             agent.warn(f"an intention ended: {means.trigger} failed{at}: {why}", intention)
             return

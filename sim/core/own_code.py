@@ -11,6 +11,8 @@ from pathlib import Path
 from types import FrameType, ModuleType
 from typing import Any
 
+from navigation import PlanningError
+
 from .clock import Clock
 from .own_source import OwnCodeError, Source, in_words, is_ours, line_in, misfit
 
@@ -53,13 +55,13 @@ def supervised(clock: Clock | None = None) -> Iterator[None]:
     """Give an error that arises in an imported module, or in what it calls, the line there.
 
     It becomes an `OwnCodeError`, with the time of `clock`. Errors of Floorwalker's own kinds say
-    themselves what is wrong.
+    themselves what is wrong, except that a `PlanningError` does not know who asked for the path.
     """
     try:
         yield
     except Exception as why:
         place = own_line(why)
-        if not place or is_ours(why):
+        if not place or (is_ours(why) and not isinstance(why, PlanningError)):
             raise
         when = "" if clock is None else f" at t = {clock.now:g} s"
         raise OwnCodeError(f"code of your own failed{when}{place}: {in_words(why)}") from why

@@ -31,6 +31,8 @@ class Errand:
         """The stations where the person arrived, in order."""
         self.escorts: Callable[[], bool] | None = None
         """Returns whether an arrival counts, where the person goes where somebody else goes."""
+        self.refusal = ""
+        """Why the last path that there was none to could not be found."""
         self._stage = stage
         self._record = stage.record
         self._walker = walker
@@ -81,6 +83,7 @@ class Errand:
 
     def fail(self, goal: Point, message: str, *, at_the_goal: bool = False) -> bool:
         """Perceive that there is no path to `goal`; False, as the outcome of the action."""
+        self.refusal = message
         self._record(PathBlocked(person=self._name, goal=goal, message=message))
         self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
         return False

@@ -306,14 +306,19 @@ class Person:
         """See whether the path is still free: a machine has come to rest on the floor."""
         self._errand.floor_changed(came)
 
-    def act(self, action: bdi.Literal) -> bool:
+    def act(self, action: bdi.Literal) -> bool | bdi.Refused:
         """Carry out an external action of the agent; return True if it could be.
+
+        Where it could not, the outcome has the reason, if there is one.
 
         `MindError`, with its place in the program, if it makes no sense.
         """
         try:
             self._count_at_once()
-            return not self.away and self._actions.perform(action)
+            self._errand.refusal = ""
+            done = not self.away and self._actions.perform(action)
+            refusal = self._errand.refusal
+            return done if done or not refusal else bdi.Refused(refusal)
         except MindError as why:
             if isinstance(self.mind, bdi.Agent):
                 raise MindError(self.mind.problem(str(why))) from None

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any, TypeVar, overload
 
 from ..runs.run import Run
@@ -18,6 +20,9 @@ Kept = TypeVar("Kept")
 Failed = Callable[[Exception], Kept]
 
 _END: Any = object()
+
+_LABEL: ContextVar[str] = ContextVar("label", default="")
+"""Beginning of the warnings of the trial under way."""
 
 
 class WorkerError(RuntimeError):
@@ -38,6 +43,7 @@ def run_many(
     failed: Callable[[Exception], Kept] | None = None,
     jobs: int | None = None,
     backend: str = "loky",
+    label: Callable[[], str] = lambda: "",
 ) -> Iterator[Kept]: ...
 
 
@@ -48,6 +54,7 @@ def run_many(
     failed: Callable[[Exception], Any] | None = None,
     jobs: int | None = None,
     backend: str = "loky",
+    label: Callable[[], str] = lambda: "",
 ) -> Iterator[Any]:
     """Run `trials` and yield their runs in the order of the trials, as they come.
 
@@ -59,6 +66,7 @@ def run_many(
     Runs are large, and have to come from one process to another: `keep` takes each run where it
     was made, and what it returns is yielded in its place. What a trial raises is raised here when
     its turn comes, and ends all; with `failed`, what that makes of the error is yielded instead.
+    Warnings of programs begin with the `label` of the trial that was taken last.
     `ValueError` if there is no such backend, `WorkerError` if a process dies.
     """
     import joblib
@@ -66,7 +74,7 @@ def run_many(
 
     one = joblib.delayed(_left_of)
     with on_backend(backend, jobs or os.cpu_count() or 1) as parallel:
-        results = parallel(one(trial, keep, failed) for trial in trials)
+        results = parallel(one(trial, keep, failed, label()) for trial in trials)
         try:
             while True:
                 with _without_noise():
@@ -88,15 +96,26 @@ def _left_of(
     trial: Trial,
     keep: Callable[[Run], Any] | None,
     failed: Callable[[Exception], Any] | None,
+    label: str,
 ) -> Any:
     """Return what is to be kept of the run of a trial, or of its error."""
+    token = _LABEL.set(label)
+    logging.getLogger("bdi").addFilter(_labelled)
     try:
         finished = run(trial)
     except Exception as why:  # the user's own controllers and laws may raise anything
         if failed is None:
             raise
         return failed(why)
+    finally:
+        _LABEL.reset(token)
     return finished if keep is None else keep(finished)
+
+
+def _labelled(warning: logging.LogRecord) -> bool:
+    """Put the label of the trial under way before a warning."""
+    warning.msg = f"{_LABEL.get()}{warning.msg}"
+    return True
 
 
 @contextmanager

@@ -87,7 +87,10 @@ def of_rows(
             under_way.append(row)
             yield row.trial
 
-    many = run_many(trials(), keep=keep, failed=failed, jobs=jobs, backend=backend)
+    def label() -> str:
+        return f"row {under_way[-1].number}: "
+
+    many = run_many(trials(), keep=keep, failed=failed, jobs=jobs, backend=backend, label=label)
     try:
         for found in many:
             yield under_way.popleft(), found

@@ -225,6 +225,18 @@ class Jumping(Tugger):
         return Jumps(self, name, stage)
 
 
+class Asks(Train):
+    def begin(self):
+        planner = navigation.PathPlanner(navigation.CollisionWorld(self._stage.floorplan), 0.3)
+        planner.plan(self.body.at, (-100.0, 0.0))
+
+
+@dataclasses.dataclass(frozen=True)
+class Asking(Tugger):
+    def make(self, name, stage):
+        return Asks(self, name, stage)
+
+
 class Rushes(Train):
     def begin(self):
         self.body.follow(navigation.walk([self.body.at, (-2.0, -9.0)], max_speed=2.0))
@@ -270,6 +282,7 @@ class Half(sim.MachineModel):
     ("kind", "words"),
     [
         ("Failing", r"code of your own failed at t = 5 s \(own.py, line 14\): KeyError: 'a'"),
+        ("Asking", r"code of your own failed \(own.py, line \d+\): PlanningError: .*goal"),
         ("Counting", "the figures of the machine 'train': Object of type set"),
         ("Jumping", "the machine 'train' jumps at t = 0 s"),
         ("Rushing", r"'train' is faster at t = 0.48\d* s than the top speed of its shape, 1.2 m/s"),

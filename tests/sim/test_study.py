@@ -424,3 +424,19 @@ def test_a_defect_in_a_row_is_told_apart_from_what_a_user_may_mend():
     defect = failing(lambda: (1, 2).index(3))
     assert "defect of Floorwalker" in defect
     assert "ValueError: tuple.index(x): x not in tuple (test_study.py, line " in defect
+
+
+def test_a_failure_of_a_program_names_row_action_and_reason(tmp_path, floorwalker):
+    (tmp_path / "far.asl").write_text("+human_start <- move(9.5, 3, 0).")
+    (tmp_path / "far.trial.yaml").write_text(
+        "floorplan: {boundary: [[0, 0], [10, 0], [10, 6], [0, 6]],"
+        " obstacles: {wall: {x: [5, 5.2], y: [0, 6], z: [0, 3]}}}\n"
+        "duration: 5\npeople: [{name: ada, personality: far.asl, at: [1, 1]}]\n"
+    )
+    (tmp_path / "far.study.yaml").write_text("trials: [far.trial.yaml]\nrepeat: 2\n")
+    done = floorwalker("study", "far.study.yaml", "--jobs", 2, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    said = [line for line in done.stderr.splitlines() if "an intention ended" in line]
+    assert sorted(line.partition(":")[0] for line in said) == ["row 0", "row 1"]
+    for line in said:
+        assert "failed at far.asl:1 in move(9.5,3,0): action_failed; no way, however narrow" in line
