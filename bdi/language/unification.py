@@ -24,7 +24,6 @@ from .terms import (
     Term,
     TriggerTerm,
     Var,
-    is_placed,
     make_list,
     namespace_of,
     placed,
@@ -76,7 +75,7 @@ def try_unify(one: Term, other: Term, u: Unifier) -> bool:
 
 
 def _bind(var: Var, value: Term, u: Unifier) -> bool:
-    if is_placed(value):
+    if value.__class__ is Literal and "::" in value.functor:
         return False  # the variable has no namespace, so what it stands for has none
     if value.__class__ is Qualified:
         namespace, inner = value.operands
@@ -340,7 +339,7 @@ def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
             while value.__class__ is Var:
                 mine, value = value, result.get(value.name)
             if value is None:
-                if is_placed(theirs):
+                if theirs.__class__ is Literal and "::" in theirs.functor:
                     return None
                 if result is u:
                     result = u.copy()

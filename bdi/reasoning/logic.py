@@ -42,7 +42,6 @@ from ..language.terms import (
     TriggerTerm,
     Var,
     is_ground,
-    is_placed,
     make_list,
     namespace_of,
     placed,
@@ -100,7 +99,7 @@ class _Question:
         """Return the bindings with which the rule's body is to be proved, None if it has none."""
         if rule.parameters is not None and not self.query.annots:
             for arg in self.args:
-                if is_placed(arg):
+                if arg.__class__ is Literal and "::" in arg.functor:
                     return None
             return dict(zip(rule.parameters, self.args))  # noqa: B905 - equal lengths, and often
         scope: Unifier = {}

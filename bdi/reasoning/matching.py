@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from ..language.substitution import Unifier
-from ..language.terms import Literal, Qualified, Term, Var, is_placed
+from ..language.terms import Literal, Qualified, Term, Var
 from ..language.unification import matched, unify
 
 Match: TypeAlias = "Callable[[Literal], Unifier | None]"
@@ -34,13 +34,15 @@ def matcher(pattern: Literal | Var | Qualified) -> Match:
 
         def match_one(literal: Literal) -> Unifier | None:
             (one,) = literal.args
-            return None if is_placed(one) else {name: one}
+            if one.__class__ is Literal and "::" in one.functor:
+                return None
+            return {name: one}
 
         return match_one
 
     def match_all(literal: Literal) -> Unifier | None:
         for arg in literal.args:
-            if is_placed(arg):
+            if arg.__class__ is Literal and "::" in arg.functor:
                 return None
         return dict(zip(names, literal.args))  # noqa: B905 - equal lengths
 
@@ -66,7 +68,9 @@ def belief_matcher(query: Literal) -> Callable[[Literal, Unifier], Unifier | Non
         def match_one(belief: Literal, u: Unifier) -> Unifier | None:
             if belief.ground and first not in u:
                 (one,) = belief.args
-                return None if is_placed(one) else {**u, first: one}
+                if one.__class__ is Literal and "::" in one.functor:
+                    return None
+                return {**u, first: one}
             return matched(query, belief, u)
 
         return match_one
@@ -76,11 +80,11 @@ def belief_matcher(query: Literal) -> Callable[[Literal, Unifier], Unifier | Non
         def match_two(belief: Literal, u: Unifier) -> Unifier | None:
             if belief.ground and second not in u:
                 value, (one, two) = u.get(first), belief.args
-                if is_placed(two):
+                if two.__class__ is Literal and "::" in two.functor:
                     return None
                 if value is one:
                     return {**u, second: two}
-                if value is None and not is_placed(one):
+                if value is None and not (one.__class__ is Literal and "::" in one.functor):
                     return {**u, first: one, second: two}
             return matched(query, belief, u)
 
@@ -90,11 +94,13 @@ def belief_matcher(query: Literal) -> Callable[[Literal, Unifier], Unifier | Non
     def match_three(belief: Literal, u: Unifier) -> Unifier | None:
         if belief.ground and second not in u and third not in u:
             value, (one, two, three) = u.get(first), belief.args
-            if is_placed(two) or is_placed(three):
+            if (two.__class__ is Literal and "::" in two.functor) or (
+                three.__class__ is Literal and "::" in three.functor
+            ):
                 return None
             if value is one:
                 return {**u, second: two, third: three}
-            if value is None and not is_placed(one):
+            if value is None and not (one.__class__ is Literal and "::" in one.functor):
                 return {**u, first: one, second: two, third: three}
         return matched(query, belief, u)
 
