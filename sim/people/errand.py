@@ -125,7 +125,9 @@ class Errand:
         if self._waiting_places.occupant(goal) is None:
             self._waits_for = None
             self._record(GoalFree(person=self._name, goal=goal))
-            self._set_out(goal)
+            self._walker.halt_if_blocked()
+            if not self._set_out(goal):
+                self._walker.stop()
         elif self._walker.check_path(came) is not None and not self._wait_beside(goal):
             self.fail(goal, "there is no way to a place to wait", at_the_goal=True)
 

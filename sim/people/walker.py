@@ -119,6 +119,7 @@ class Walker:
         """Walk to `goal` from now on; `PlanningError`, and no change, if there is no path."""
         if not self._walks_alone(goal):
             self._set_out_among_others(goal)
+            self._step_out_of_closures()
 
     def _walks_alone(self, goal: Point) -> bool:
         """Walk all of the path to `goal` if nobody can be met on it; return whether it is so."""
@@ -214,22 +215,31 @@ class Walker:
         self._forget_goal()
         self.body.follow(standing(at, heading=heading, start=self._clock.now))
 
+    def halt_if_blocked(self) -> bool:
+        """Stop, as far as that helps, if the motion is no longer free; return whether it was."""
+        is_free = self._is_clear(self.body.motion)
+        if not is_free and not self._crowd.is_empty:
+            self._crowd.halt(self.traveller, self._is_clear)
+        return is_free
+
+    @property
+    def _end(self) -> Point:
+        """Where they come to stand as things are."""
+        return self.body.motion.state(self.body.motion.end).at
+
     def check_path(self, came: Collection[str]) -> PlanningError | None:
         """Replan if the path is no longer free; where there is none, stop and return the reason.
 
-        `came` are the names of what stands since now where it did not before. Whoever has no goal,
-        and will stand where something has closed, steps out of it.
+        `came` are the names of what stands since now where it did not before.
         """
         if self.traveller.recorded:
             return None
-        path = remaining_path(self.body.motion, self._clock.now)
-        is_free = self._is_free(path)
-        if not is_free and not self._crowd.is_empty:
-            self._crowd.halt(self.traveller, self._is_clear)
+        end = self._end
+        is_free = self.halt_if_blocked()
         if self.goal is None:
             self._step_out_of_closures()
             return None
-        if is_free and self._is_free(self.traveller.route) and not self._is_cut_off(path[-1], came):
+        if is_free and self._is_free(self.traveller.route) and not self._is_cut_off(end, came):
             return None
         self._record(PathBlocked(person=self.body.name, goal=self.goal))
         try:
@@ -256,7 +266,7 @@ class Walker:
         """
         if not self._stage.there:
             return
-        rest, radius = self.body.motion.state(self.body.motion.end).at, self.human.radius
+        rest, radius = self._end, self.human.radius
         touched = {body.name for body in self.world.hits(rest, rest, radius)}
         if touched.isdisjoint(self._stage.there):
             return
@@ -264,6 +274,8 @@ class Walker:
         if exits:
             free = (place for place in exits if self._crowd.has_room(self.traveller, place))
             place = next(free, exits[0])
+            # Then they go on, if they have a goal.
+            self._onward, self._goes_on_at = [place], self._clock.now
             self._crowd.set_out(self.traveller, place, [place], self.human.max_speed)
 
     def _is_cut_off(self, end: Point, came: Collection[str]) -> bool:

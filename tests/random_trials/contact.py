@@ -31,6 +31,9 @@ def contact_faults(run):
                 continue
             before = max(t - HAIR, 0.0)
             walks, drives = (one.state(before).speed > STANDS for one in (person, agv))
+            turned = agv.rotation([before, t])
+            if turned[0] != turned[1]:  # it turns on the spot, into whoever is beside it
+                continue
             if walks or not drives or yields(run.trial, vehicle.name):
                 yield f"{entry.name} touches {vehicle.name} at t = {t:.6f} s"
 

@@ -86,7 +86,9 @@ def _furnished(random, width, depth, obstacles, doors):
     x = doors[0].ends[0][0]
     rooms = [shapely.box(0, 0, x, depth), shapely.box(x, 0, width, depth)]
     places = [standing_place(random, plan, within=room) for room in (*rooms, *rooms, rooms[0])]
-    if not all(places):
+    if not all(places) or any(
+        shapely.Point(places[-1]).distance(door.footprint) < 0.6 for door in doors
+    ):
         return None
     zone = SafeZone(places.pop(), 0.0)
     stations = tuple(Station(f"s{k}", place) for k, place in enumerate(places))

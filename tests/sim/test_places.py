@@ -8,7 +8,7 @@ import pytest
 import shapely
 from run_events import events, record
 from shapely.geometry import box
-from small_floors import LANE, run_on
+from small_floors import LANE, on_floor, run_on
 
 import floorplan
 import navigation
@@ -236,3 +236,40 @@ def test_a_leg_past_the_corner_of_a_zone_is_clear_of_it():
     assert zones.along(past, 1.0) == (past, 1.0)
     _, speeds = zones.along([(-4.0, 4.0), (3.0, 11.0)], 1.0)
     assert speeds == [1.0, 0.5, 1.0]
+
+
+ROOMS = on_floor(
+    """\
+boundary: [[0, 0], [12, 0], [12, 6], [0, 6]]
+obstacles:
+  south: {x: [5.9, 6.1], y: [0, 2.2], z: [0, 3]}
+  north: {x: [5.9, 6.1], y: [3.8, 6], z: [0, 3]}
+doors: {gate: {between: [[6, 2.2], [6, 3.8]], open: true}}
+stations: {east: [11, 3]}
+""",
+    """\
+duration: 20
+people: [{name: p, personality: east.asl, count: COUNT, at: [1, 3], max_acceleration: MOST}]
+doors: {gate: {closed: [[AT, 19]]}}
+""",
+)
+
+
+@pytest.mark.parametrize("count", [1, 6])
+@pytest.mark.parametrize("most", [0.8, 2.5])
+@pytest.mark.parametrize("at", [5.2, 5.7, 6.0, 6.3, 6.6])
+def test_nobody_goes_through_a_closed_door(at, most, count, tmp_path):
+    """Whoever can stop before it does, and who can't is out of it soon after."""
+    (tmp_path / "east.asl").write_text("+human_start <- move(11, 3, 0).\n")
+    text = ROOMS.replace("AT", str(at)).replace("MOST", str(most)).replace("COUNT", str(count))
+    if count > 1:
+        text = text.replace("at: [1, 3]", "at: anywhere")
+    run = sim.run(sim.Trial.parse(text, folder=tmp_path))
+    gate = run.trial.floorplan.doors[0].closed.footprint
+    t = np.arange(at, 19.0, 0.01)
+    for person in run.trial.people:
+        motion = run.motions[person.name]
+        gap = shapely.distance(shapely.points(motion.position(t)), gate) - 0.3
+        could_stop = gap[0] > motion.state(at).speed ** 2 / (2 * most) + 1e-3
+        assert gap[t >= (at if could_stop else at + 5.0)].min() > -1e-3
+    assert run.summary.get("overlaps", 0) == 0

@@ -194,10 +194,8 @@ class Crowd:
                 self._decide(other)
         if not any(map(in_the_way, others)):
             return
-        steps = math.ceil((me.body.motion.end - now) / LOOK)
-        course = [me.body.motion.state(now + k * LOOK).at for k in range(steps + 1)]
         request = Request(me, now, self._whereabouts, self._ground)
-        request.make_way(course)
+        request.make_way(_course_of(me, now))
         for who, draft in request.drafts.items():
             if who is not me:
                 self._give_way(who, draft, to=me)
@@ -229,6 +227,37 @@ class Crowd:
                 braking = self.braking(me)
                 if braking is not me.body.motion:
                     self._commit(party, braking, swath(braking, now))
+                else:
+                    self._stop_in_the_way(me, coming)
+
+    def _stop_in_the_way(self, me: Traveller, coming: Sequence[Traveller]) -> None:
+        """Let somebody stop who would stand in the way of a vehicle, and step off it then."""
+        now, party = self._clock.now, self._parties[me]
+        stop = self._stop(me, now)
+        ahead = swath(stop, now)
+        if self._whereabouts.others(me, ahead.box, now).without(coming).free(ahead):
+            self._commit(party, stop, ahead)
+            party.deciding.set(stop.end + EARLY)
+            steps = partial(self._step_off, me, coming)
+            self._clock.call_at(max(stop.end, now), steps, Turn.MOTION_ENDS)
+
+    def _step_off(self, me: Traveller, coming: Sequence[Traveller]) -> None:
+        """Let somebody who stands in the way of a vehicle step off it, if they can."""
+        now = self._clock.now
+        if me.body.motion.end > now:
+            return
+        for disc in coming:
+            if self._whereabouts.only(me, disc, now).free(me.swath):
+                continue
+            request = Request(disc, now, self._whereabouts, self._ground)
+            request.make_way(_course_of(disc, now))
+            if me in request.drafts:
+                for who, draft in request.drafts.items():
+                    if not who.is_vehicle:
+                        self._commit(
+                            self._parties[who], walked(draft, who.body.state.position[2]), draft
+                        )
+                return
 
     def find(self, name: str) -> Traveller | None:
         """Return the one in the crowd who is called so."""
@@ -558,6 +587,13 @@ class Crowd:
         if (world, radius) not in self._grounds:
             self._grounds[world, radius] = Ground(world, radius)
         return self._grounds[world, radius]
+
+
+def _course_of(who: Traveller, now: float) -> list[Point]:
+    """Return the places where somebody is from `now` (s) on, so far as they are committed."""
+    motion = who.body.motion
+    steps = math.ceil((motion.end - now) / LOOK)
+    return [motion.state(now + k * LOOK).at for k in range(steps + 1)]
 
 
 def _arrival(me: Traveller, motion: Motion, place: Point, wished: bool) -> float | None:
