@@ -54,7 +54,7 @@ def is_figure(value: object) -> bool:
 
 
 def are_figures(values: ArrayLike) -> NDArray[np.bool_]:
-    """Return which of some floats are from -`LARGEST` to `LARGEST`, in their shape."""
+    """Return which of some `values` are from -`LARGEST` to `LARGEST`, in their shape."""
     with np.errstate(invalid="ignore"):
         fit: NDArray[np.bool_] = np.abs(np.asarray(values, dtype=float)) <= LARGEST
     return fit
