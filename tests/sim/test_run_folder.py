@@ -194,7 +194,7 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         ),
         (
             "motions.jsonl",
-            lambda text: json.dumps({"body": "ada", "pieces": [[0, 1e20, *[[0, 0, 1, 0]] * 3]]}),
+            lambda text: json.dumps({"body": "ada", "pieces": [[0, 1e6, *[[0, 0, 1, 0]] * 3]]}),
             "line 1: a motion goes further than 1e.09",
         ),
         ("motions.jsonl", lambda text: '{"body": "ada", "pieces": 3', "line 1: .*JSON"),
