@@ -49,12 +49,13 @@ _KINDS = {
 
 def is_figure(value: object) -> bool:
     """Return whether `value` is a number from -`LARGEST` to `LARGEST`, and not true or false."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and abs(value) <= LARGEST
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) <= LARGEST
 
 
 def are_figures(values: ArrayLike) -> NDArray[np.bool_]:
-    """Return which of some floats are from -`LARGEST` to `LARGEST`, in their shape."""
+    """Return which of some `values` are from -`LARGEST` to `LARGEST`, in their shape."""
     with np.errstate(invalid="ignore"):
         fit: NDArray[np.bool_] = np.abs(np.asarray(values, dtype=float)) <= LARGEST
     return fit

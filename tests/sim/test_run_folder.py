@@ -194,8 +194,8 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         ),
         (
             "motions.jsonl",
-            lambda text: json.dumps({"body": "ada", "pieces": [[0, 1e20, *[[0, 0, 1, 0]] * 3]]}),
-            "line 1: a motion goes further than 1e.30",
+            lambda text: json.dumps({"body": "ada", "pieces": [[0, 1e6, *[[0, 0, 1, 0]] * 3]]}),
+            "line 1: a motion goes further than 1e.09",
         ),
         ("motions.jsonl", lambda text: '{"body": "ada", "pieces": 3', "line 1: .*JSON"),
         ("summary.json", lambda text: text[:-30], "is not JSON"),
@@ -214,8 +214,8 @@ def test_a_run_of_nobody_comes_back(tmp_path):
             lambda text: text.replace("[[[", "[[[[", 1).replace("]]]", "]]]]", 1),
             "polygon",
         ),
-        ("scene.json", lambda text: text.replace("-7.2", '"inf"', 1), "polygon .*infinite"),
-        ("scene.json", lambda text: text.replace("-7.2", '"nan"', 1), "polygon that is none"),
+        ("scene.json", lambda text: text.replace("-7.2", '"inf"', 1), "is not a simple polygon"),
+        ("scene.json", lambda text: text.replace("-7.2", '"nan"', 1), "footprint: is no polygon"),
         ("scene.json", lambda text: text.replace('"radius":0.3', '"radius":"inf"'), "finite"),
         (
             "scene.json",
