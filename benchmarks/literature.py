@@ -496,7 +496,7 @@ def diagram_rows(ours: Diagrams, theirs: Diagrams) -> Iterator[str]:
         0,
     )
     for name, doors in (("four doors", lambda d: d.four), ("two doors", lambda d: d.two)):
-        hall = f"many people leave a hall of 30 m by 20 m by {name} of 1 m (RiMEA 9)"
+        hall = f"{len(ours.four):,} people leave a hall of 30 m by 20 m by {name} of 1 m (RiMEA 9)"
         yield _line(hall, HALL, *(_left(doors(found)) for found in (ours, theirs)))
     rooms = "150 people leave a room by a corridor into another with a door (RiMEA 12)"
     jam = "a jam before the corridor alone"

@@ -42,7 +42,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 TABLES = {"events": events, "figures": figures}
 """What makes each table, by the name that stands above it in a page."""
 
-MARKED = re.compile(r"(<!-- table: (?P<name>\w+) -->\n).*?(\n<!-- end of table -->)", re.S)
+MARKED = re.compile(r"(<!-- table: (?P<name>\w+) -->\n).*?(<!-- end of table -->)", re.S)
 
 
 def with_tables(page: str, tables: Mapping[str, Callable[[], str]] = TABLES) -> str:
@@ -50,7 +50,7 @@ def with_tables(page: str, tables: Mapping[str, Callable[[], str]] = TABLES) -> 
 
     def made(found: re.Match[str]) -> str:
         make = tables.get(found["name"])
-        return found[0] if make is None else found[1] + make() + found[3]
+        return found[0] if make is None else f"{found[1]}{make()}\n{found[3]}"
 
     return MARKED.sub(made, page)
 
