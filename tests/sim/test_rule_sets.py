@@ -63,6 +63,15 @@ def test_in_the_grace_the_person_is_sent_home_all_the_same(tmp_path):
     assert [t["t"] for t in events(result, "teleport")] == [v["t"] for v in violations]
     assert len(events(result, "gantry_disabled")) == result.summary["penalties"]
     assert sum(end - begin for begin, end in result.violations["a", "gantry"]) < SAMPLE
+    assert result.summary["agv_teleports"] == 0  # those were with the gantry
+
+
+def test_a_violation_that_lasts_is_a_penalty_again_as_the_grace_ends():
+    rules = replace(sim.PAPER, person="none", gantry_disabled=8.0, grace=5.0)
+    people = "[{name: a, personality: external, at: [-7.5, 0.5]}]"
+    result = run(parked("paper", people, at="[-7.0, 0.0, 0.0]", duration=30), rules=rules)
+    found = [(v["t"], v["penalty"]) for v in events(result, "violation")]
+    assert found == [(0.0, True), (13.0, True), (26.0, True)]
 
 
 def test_the_person_of_the_competitions_sample_trial_never_stays_too_close(shared_data):
