@@ -7,12 +7,17 @@ import pytest
 import navigation
 import sim
 
-from . import faults, random_trial
+from . import faults, random_trial, random_trial_with_doors
 
 
 @pytest.mark.parametrize("number", range(15))
 def test_nothing_is_broken(number):
     assert faults(sim.run(random_trial(number))) == []
+
+
+@pytest.mark.parametrize("number", range(10))
+def test_nothing_is_broken_by_doors_and_vehicles(number):
+    assert faults(sim.run(random_trial_with_doors(number))) == []
 
 
 @pytest.mark.slow
