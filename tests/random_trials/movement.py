@@ -15,7 +15,7 @@ JUMP = 1e-6
 ROUNDING = 1e-6
 """Metres, or m/s. What figures may be off by."""
 
-STANDS = 1e-3
+STANDS = 5e-3
 """m/s. Who is no faster than this may turn as they like."""
 
 STRAIGHT = 1e-4

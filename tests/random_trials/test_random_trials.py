@@ -8,7 +8,7 @@ import navigation
 import sim
 from floorplan import Door
 
-from . import faults, random_trial, tracked_trial
+from . import faults, random_trial, random_trial_with_doors, tracked_trial
 
 
 @pytest.mark.parametrize("number", range(15))
@@ -19,6 +19,11 @@ def test_nothing_is_broken(number):
 @pytest.mark.parametrize("number", range(15))
 def test_nothing_is_broken_where_people_walk_as_measured(number):
     assert faults(sim.run(tracked_trial(number))) == []
+
+
+@pytest.mark.parametrize("number", range(10))
+def test_nothing_is_broken_by_doors_and_vehicles(number):
+    assert faults(sim.run(random_trial_with_doors(number))) == []
 
 
 @pytest.mark.slow

@@ -96,7 +96,11 @@ def _visitor(random, plan, machines, k):
     """Somebody who patrols, or wanders, and starts away from vehicles of other kinds."""
     parked = [at for machine in machines.values() for at in _course(machine)]
     at = standing_place(random, plan)
-    while at is not None and any(math.dist(at, place) < 2.5 for place in parked[:1]):
+    doors = shapely.union_all([door.footprint for door in plan.doors])
+    while at is not None and (
+        any(math.dist(at, place) < 2.5 for place in parked[:1])
+        or doors.distance(shapely.Point(at)) < 0.6
+    ):
         at = standing_place(random, plan)
     home = None
     if _crowded(plan, plan.safe_zone.position, None):
