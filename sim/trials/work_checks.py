@@ -38,12 +38,13 @@ def person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
                 timed.append((task.time, task.time + task.duration.values[0], key, k))
     timed.sort()
     last = (0.0, 0.0, "", 0)
-    for task in timed:
-        (begin, _, key, number), (_, until, other, before) = task, last
+    for one in timed:
+        (begin, _, key, number), (_, until, other, before) = one, last
         if begin < until:
             message = f"begins at {begin:g} s, before {other}[{before}] ends at {until:g} s"
             yield message, (key, number)
-        last = max(last, task, key=lambda one: one[1])
+        if one[1] > until:
+            last = one
     end = 0.0
     for k, (begin, until) in enumerate(person.shifts):
         if not 0 <= begin < until <= LARGEST:
