@@ -26,7 +26,7 @@ def test_every_marked_table_is_made_and_every_made_table_has_one_place(published
     marked = [
         name
         for page in sorted(DOCS.glob("*.md"))
-        for name in re.findall(r"<!-- table: (\w+) -->", page.read_text(encoding="utf-8"))
+        for name in re.findall(r"<!-- table: (\w+) -->\n", page.read_text(encoding="utf-8"))
     ]
     assert sorted(marked) == sorted(made)
 
@@ -44,7 +44,7 @@ def _screens():
 
 
 def test_a_table_that_differs_is_named_and_mended(published, tmp_path, monkeypatch, capsys):
-    page = shutil.copy(DOCS / "recordings.md", tmp_path)
+    page = Path(shutil.copy(DOCS / "recordings.md", tmp_path))
     right = page.read_text(encoding="utf-8")
     page.write_text(right.replace("| `penalties` |", "| `penances` |"), encoding="utf-8")
     monkeypatch.setattr(published, "DOCS", tmp_path)
@@ -56,7 +56,7 @@ def test_a_table_that_differs_is_named_and_mended(published, tmp_path, monkeypat
 
 def test_a_picture_that_differs_is_named_and_mended(published, tmp_path, monkeypatch):
     (tmp_path / "images").mkdir()
-    there = shutil.copy(DOCS / "images" / "plot-path.svg", tmp_path / "images")
+    there = Path(shutil.copy(DOCS / "images" / "plot-path.svg", tmp_path / "images"))
     right = there.read_bytes()
     one = published.Published(
         lambda out: bool((out / "plot-path.svg").write_bytes(right)) and {},
