@@ -115,13 +115,17 @@ def _pair_faults(run, person, machine, intervals):
     t, distance, human, robot = _side_by_side(run, person, machine)
     if is_of_speeds(law):
         required, slack = np.vectorize(law.distance, otypes=[float])(human, robot), SLACK
+        least = most = required
     else:
         required, slack = run.required(person, machine, t), LOOSE
+        # Its curve is steep where the requirement jumps, as before a machine that stops at once.
+        near = [run.required(person, machine, t + wait) for wait in (-STEP, 0.0, STEP)]
+        least, most = np.min(near, axis=0), np.max(near, axis=0)
     always = np.full(len(t), not _drives(run, machine))
     counts = always | (robot > AGV_STANDS + 1e-9)
     may_count = always | (robot > AGV_STANDS - 1e-9)
-    too_close = counts & (distance < required - slack)
-    may_be = may_count & (distance < required + slack)
+    too_close = counts & (distance < least - slack)
+    may_be = may_count & (distance < most + slack)
     ends = np.array(intervals).reshape(-1, 2)
     if (ends[:, 1] < ends[:, 0]).any() or (ends[1:, 0] < ends[:-1, 1]).any():
         yield f"intervals that overlap: {intervals}"
