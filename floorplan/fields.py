@@ -52,16 +52,16 @@ _NOT_NEGATIVE = float_schema(strict=True, ge=0, le=LARGEST, allow_inf_nan=False)
 _PAIR = tuple_schema([_NUMBER, _NUMBER])
 
 Number = Annotated[float, Reads(_NUMBER)]
-"""A field of a file: a number from -1e9 to 1e9."""
+"""A field of a file: a number from -`LARGEST` to `LARGEST`."""
 
 Positive = Annotated[float, Reads(no_info_after_validator_function(_checked_size, _POSITIVE))]
-"""A field of a file: a number from 1e-6 to 1e9."""
+"""A field of a file: a number from 1e-6 to `LARGEST`."""
 
 Angle = Annotated[float, Reads(no_info_after_validator_function(_checked_angle, _NUMBER))]
 """A field of a file: an angle in radians, of two turns at most."""
 
 NotNegative = Annotated[float, Reads(_NOT_NEGATIVE)]
-"""A field of a file: a number from 0 to 1e9."""
+"""A field of a file: a number from 0 to `LARGEST`."""
 
 Flag = Annotated[bool, Reads(bool_schema(strict=True))]
 """A field of a file: true or false."""
@@ -73,7 +73,7 @@ def whole(least: int | None = None, most: int | None = None) -> Reads:
 
 
 Pair = Annotated[tuple[float, float], Reads(_PAIR)]
-"""A field of a file: two numbers from -1e9 to 1e9."""
+"""A field of a file: two numbers from -`LARGEST` to `LARGEST`."""
 
 
 def _rising(pair: tuple[float, float]) -> tuple[float, float]:
@@ -83,7 +83,7 @@ def _rising(pair: tuple[float, float]) -> tuple[float, float]:
 
 
 Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_rising, _PAIR))]
-"""A field of a file: [low, high] with low < high, from -1e9 to 1e9."""
+"""A field of a file: [low, high] with low < high, from -`LARGEST` to `LARGEST`."""
 
 
 class Strictly(BaseModel):

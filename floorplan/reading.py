@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .problems import InputError, Problem
 
-LARGEST = 1e9
-"""Largest figure of a file, in its unit: every reader rejects larger ones on entry. Beyond, steps
-of a millimetre or a millisecond are lost to rounding, and in the end distances can't be written."""
+LARGEST = 1e10
+"""Largest number in a file, in its unit: every reader rejects larger ones on entry. Unix times fit.
+Beyond it, rounding loses steps of a millimetre or a millisecond."""
 
 LARGEST_DOCUMENT = 16_000_000
 """Bytes of a document that people write: a floor of 10,000 obstacles takes 1 MB or so."""

@@ -87,7 +87,9 @@ class DrawnKeys(Keys):
 
 
 def _length(value: Any) -> Any:
-    return _seconds(value) if isinstance(value, str) else value
+    # Text without a unit is left to the check of numbers, which explains 1e3.
+    has_unit = isinstance(value, str) and not value[-1:].isdigit()
+    return _seconds(value) if has_unit else value
 
 
 Length = Annotated[Positive, BeforeValidator(_length)]

@@ -55,8 +55,8 @@ def test_heights_in_the_text_are_left_out(tmp_path):
         ("POLYGON ((0 0, 4 0, 2 2, 4 4, 0 4, 2 2, 0 0))", "is not a simple polygon"),
         ("POLYGON ((0 0, 4 0, 2 0, 0 0))", "polygon"),
         ("MULTIPOLYGON (((0 0, 1 0, 1 1, 0 0)), ((5 5, 6 5, 6 6, 5 5)))", "2 separate areas"),
-        ("POLYGON ((0 0, 4 0, nan 4, 0 0))", "not numbers of at most 1e+09 m"),
-        ("POLYGON ((0 0, 4e9 0, 4 4, 0 0))", "not numbers of at most 1e+09 m"),
+        ("POLYGON ((0 0, 4 0, nan 4, 0 0))", "not numbers of at most 1e+10 m"),
+        ("POLYGON ((0 0, 4e10 0, 4 4, 0 0))", "not numbers of at most 1e+10 m"),
     ],
 )
 def test_what_is_wrong_is_said(tmp_path, text, words):

@@ -1,6 +1,6 @@
 """Random trials, and what must hold of each run: `python -m tests.random_trials --trials 1000`.
 
-A trial follows from its number alone; with `--doors` it is one of a second family. What must hold
+A trial follows from its number alone; there are three families of them (`--family`). What must hold
 is worked out again from the motions and events of the finished run, with shapely, NumPy and FCL,
 and without the parts that made them.
 """

@@ -7,7 +7,9 @@ from functools import partial
 
 import sim
 
-from . import faults, random_trial, random_trial_with_doors
+from . import faults, random_trial, random_trial_with_doors, tracked_trial
+
+FAMILIES = {"plain": random_trial, "doors": random_trial_with_doors, "tracks": tracked_trial}
 
 
 def main():
@@ -16,9 +18,9 @@ def main():
     parser.add_argument("--trials", type=int, default=1000, help="how many")
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--jobs", type=int, default=1, help="how many at once")
-    parser.add_argument("--doors", action="store_true", help="those with doors and vehicles")
+    parser.add_argument("--family", choices=FAMILIES, default="plain", help="which trials")
     asked = parser.parse_args()
-    make = random_trial_with_doors if asked.doors else random_trial
+    make = FAMILIES[asked.family]
     numbers = range(asked.first, asked.first + asked.trials)
     broken = 0
     with ProcessPoolExecutor(asked.jobs) as pool:

@@ -6,7 +6,8 @@ from urllib.request import Request, urlopen
 import pytest
 from bridge_parts import Client, Command, relay, require_whole
 
-from sim.trials.command_keys import load_commands
+import sim
+from sim.trials.command_keys import commanded
 
 OUTSIDE = """
 floorplan: ariac2023
@@ -58,7 +59,8 @@ def test_a_run_that_is_interrupted_is_kept_with_what_was_done_on_its_page(folder
         server.wait_for(lambda: "stands still at t = 0.0" not in server.notices[-1])
         assert server.interrupt() == 130
     require_whole(folder / "out")
-    assert [(one.time, one.send) for one in load_commands(done)] == [(at, "operator")]
+    again = commanded(sim.Trial.load(folder / "outside.yaml"), done)
+    assert [(one.time, one.send) for one in again.commands] == [(at, "operator")]
     assert "what happened is kept" in server.notices[-1]
 
 

@@ -331,7 +331,7 @@ people:
     [
         (
             "{name: v, personality: visitor, source: {at: gate, rate: 0.001, count: 3}, sink: out}",
-            0,
+            None,
         ),
         (
             "{name: a, personality: external, at: [1, 5]}\n"

@@ -220,10 +220,10 @@ def test_bad_files_get_one_clear_message(name, tmp_path, floorwalker):
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["run", "--duration", "-5"], 1, "at most 1e+09, not -5"),
-        (["run", "--duration", "nan"], 1, "at most 1e+09, not nan"),
+        (["run", "--duration", "-5"], 1, "at most 1e+10, not -5"),
+        (["run", "--duration", "nan"], 1, "at most 1e+10, not nan"),
         (["run", "--duration", "long"], 2, "duration"),
-        (["run", "--duration", "1e12"], 1, "duration: must be more than 0 and at most 1e+09"),
+        (["run", "--duration", "1e12"], 1, "duration: must be at most 2,678,400 s"),
         (["run", "--personality", "angry"], 1, "'angry'"),
         (["run", "--rules", "papper"], 1, "did you mean 'paper'?"),
         (["run", "nowhere"], 1, "built-in trial"),
@@ -380,7 +380,7 @@ def test_list_names_everything(tmp_path, floorwalker):
 def test_an_interrupted_run_keeps_what_happened(tmp_path):
     """Ctrl-C while a long trial runs: whole files, up to where it was."""
     out = tmp_path / "out"
-    process = started("run", "--duration", "1e7", "--out", out, cwd=tmp_path)
+    process = started("run", "--duration", "2e6", "--out", out, cwd=tmp_path)
     events = out / "events.jsonl"
     until(lambda: events.exists() and events.stat().st_size > 20_000, process)
     process.send_signal(signal.SIGINT)

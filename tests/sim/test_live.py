@@ -8,7 +8,6 @@ import signal
 import socket
 import threading
 import urllib.parse
-from dataclasses import replace
 
 import pytest
 from bridge_parts import Client, served
@@ -18,7 +17,7 @@ from waiting import HANG, Hand, until
 
 import sim
 from sim.live.page_server import PageServer, Stream
-from sim.trials.command_keys import load_commands
+from sim.trials.command_keys import commanded
 
 
 def get(server, path="/", method="GET", body=None, **headers):
@@ -290,7 +289,7 @@ def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
     assert [event["t"] for event in done] == pytest.approx([4.001] * 3 + [12.001] * 3)
     went = [e for e in run.events if e["kind"] == "goal" and e["t"] == done[-1]["t"]]
     assert [e["station"] for e in went] == ["station2"]
-    again = replace(trial, commands=load_commands(tmp_path / "watched" / "commands.yaml"))
+    again = commanded(trial, tmp_path / "watched" / "commands.yaml")
     record(again, tmp_path / "repeated")
     assert everything(tmp_path / "repeated") == everything(tmp_path / "watched")
 

@@ -1,14 +1,10 @@
 """Runs in which simulated time does not go on end with a message, and keep what happened."""
 
+import inspect
+
 import pytest
 
 import sim
-
-REPEATED = """
-floorplan: ariac2023
-duration: 60.0
-gantry: {controller: oblivious, repeat: true, jobs: [{wait: 1.0e-6}]}
-"""
 
 
 def halving(gantry):
@@ -19,12 +15,15 @@ def halving(gantry):
         seconds /= 2
 
 
-def test_jobs_that_take_next_to_no_time_are_named(floorwalker, tmp_path):
-    (tmp_path / "t.trial.yaml").write_text(REPEATED)
+def test_a_standstill_ends_a_command_and_keeps_what_happened(floorwalker, tmp_path):
+    (tmp_path / "own.py").write_text(inspect.getsource(halving))
+    (tmp_path / "t.trial.yaml").write_text(
+        "floorplan: ariac2023\nduration: 60.0\ngantry: {controller: 'own:halving'}\n"
+    )
     ended = floorwalker("run", "t.trial.yaml", "--out", "run", cwd=tmp_path)
     assert ended.returncode == 1
     assert "t = " in ended.stderr
-    assert "job_done (wait)" in ended.stderr
+    assert "gantry's controller" in ended.stderr
     run = sim.load_run(tmp_path / "run")
     assert run.summary["interrupted"]
     assert len(run.events) < 5000
