@@ -81,17 +81,20 @@ def _person_faults(run, entry):
 def _corner_faults(motion, most):
     """Corners that a person takes faster than an arc beside them allows, leg by leg.
 
-    The arc leaves the corner by 0.05 m at most, and takes up to half of the leg that led there.
+    The arc leaves the corner by 0.05 m at most, and takes up to half of the straight leg that led
+    there. A person may stop on that leg, and turn as they like where they stand.
     """
     leg = 0.0
-    for piece, (t, at, to, before, after) in zip(motion.pieces, _seams(motion), strict=False):
-        leg += math.dist(state_of(piece, 0.0)[0][:2], at)
+    pieces = zip(pairwise(motion.pieces), _seams(motion), strict=True)
+    for (piece, following), (t, at, to, before, after) in pieces:
+        chord, onward = _chord(piece), _chord(following)
+        leg += math.hypot(*chord)
         speed = math.hypot(*before[:2])
-        if math.dist(at, to) > JUMP or min(speed, math.hypot(*after[:2])) < STANDS:
+        stands = min(speed, math.hypot(*after[:2])) < STANDS
+        turn = _angle(chord, onward) if stands else _angle(before, after)
+        if math.dist(at, to) > JUMP or (stands and turn > STRAIGHT):
             leg = 0.0
             continue
-        (vx, vy), (wx, wy) = before[:2], after[:2]
-        turn = abs(math.atan2(vx * wy - vy * wx, vx * wx + vy * wy))
         if turn < STRAIGHT:
             continue
         half = turn / 2
@@ -104,6 +107,20 @@ def _corner_faults(motion, most):
                 f" t = {t:.6f} s: {limit:.4f} m/s at most"
             )
         leg = 0.0
+
+
+def _chord(piece):
+    """The displacement over a piece, metres."""
+    start, end = (state_of(piece, u)[0] for u in (0.0, piece.end - piece.begin))
+    return end[0] - start[0], end[1] - start[1]
+
+
+def _angle(before, after):
+    """The angle between two displacements or velocities, radians; a half turn if one is none."""
+    (vx, vy), (wx, wy) = before[:2], after[:2]
+    if math.hypot(vx, vy) < ROUNDING or math.hypot(wx, wy) < ROUNDING:
+        return math.pi
+    return abs(math.atan2(vx * wy - vy * wx, vx * wx + vy * wy))
 
 
 def _agv_faults(motion, lane):

@@ -23,7 +23,7 @@ REACH = 1.25
 
 
 SOON = 6.0
-"""Metres. From so near, people may be about to walk over a place."""
+"""Seconds. People may be committed to walk over a place that they can reach by then."""
 
 
 def rule_faults(run):
@@ -138,8 +138,7 @@ def _ends_at_home(run, event, person):
 
 
 def _home(run, person):
-    entry = next(entry for entry in run.trial.people if entry.name == person)
-    return entry.home_on(run.trial.floorplan).position
+    return _entry(run, person).home_on(run.trial.floorplan).position
 
 
 def _is_stopped(run, machine, t):
@@ -309,9 +308,18 @@ def _away(run, person, place, t):
     return min(gaps, default=math.inf)
 
 
+def _entry(run, person):
+    return next(entry for entry in run.trial.people if entry.name == person)
+
+
 def _radius(run, person):
-    entry = next(entry for entry in run.trial.people if entry.name == person)
-    return run.trial.floorplan.human.radius if entry.radius is None else entry.radius
+    radius = _entry(run, person).radius
+    return run.trial.floorplan.human.radius if radius is None else radius
+
+
+def _top_speed(run, person):
+    speed = _entry(run, person).max_speed
+    return run.trial.floorplan.human.max_speed if speed is None else speed
 
 
 ANNOUNCED = 10.0
@@ -331,13 +339,16 @@ def _beside_home_faults(run, event, home, radius):
         if drives or any(t <= move.time <= t + ANNOUNCED for move in moves):
             on_lane = shapely.LineString([lane.position(q) for q in lane.limits])
             gaps.append(on_lane.distance(shapely.Point(home)) - lane.length)
-    soon = _away(run, event["person"], home, t) < SOON
+    others = [entry.name for entry in run.trial.people if entry.name != event["person"]]
+    places = [(name, pose_before(run, name, t)[0]) for name in others]
     # Two may be sent home at the same instant, and share it.
     earlier = run.events[: run.events.index(event)]
-    soon |= any(
-        other["kind"] == "teleport" and other["t"] == t and math.dist(other["to"], home) < SOON
+    places += [
+        (other["person"], other["to"])
         for other in earlier
-    )
+        if other["kind"] == "teleport" and other["t"] == t
+    ]
+    soon = any(math.dist(at, home) < SOON * _top_speed(run, name) + radius for name, at in places)
     if min(gaps, default=math.inf) > radius + FIGURE and not soon:
         yield f"there is room at home: {event}"
     there = [o.footprint for o in plan.obstacles if o.overlaps(0.0, plan.human.height)]

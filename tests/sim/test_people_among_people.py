@@ -633,3 +633,19 @@ def test_what_is_wrong_with_a_steering_is_said(tmp_path):
 def test_the_scenes_that_come_with_it_are_as_expected(name):
     run = sim.run(sim.Trial.load(name))
     assert run.unmet == [] and least(run) >= 0.6 and through_walls(run) == []
+
+
+def test_a_goal_replaced_on_the_last_metres_is_not_arrived_at(tmp_path):
+    """Another person follows too closely to turn round, so the motion to the old goal stays."""
+    (tmp_path / "back.asl").write_text("+human_start <- move(11, 0.5); .wait(8700); move(1, 0.5).")
+    (tmp_path / "on.asl").write_text("+human_start <- move(10.2, 0.5).")
+    (tmp_path / "t.trial.yaml").write_text(
+        "floorplan: {boundary: [[0, 0], [12, 0], [12, 1], [0, 1]]}\n"
+        "duration: 12\n"
+        "people:\n"
+        "  - {name: ada, personality: back.asl, at: [2, 0.5]}\n"
+        "  - {name: bob, personality: on.asl, at: [1.2, 0.5]}\n"
+    )
+    run = sim.run(sim.Trial.load(tmp_path / "t.trial.yaml"))
+    assert math.dist(run.motions["ada"].position(12.0), (11.0, 0.5)) < 1e-6
+    assert [event["person"] for event in events(run, "arrived")] == ["bob"]

@@ -131,8 +131,10 @@ class Crowd:
     def set_out(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:
         """Let somebody walk to `goal` by `route` (the points after where they are) from now on."""
         if me.goal != goal:
-            me.since = self._clock.now
-            self._parties[me].least_left = math.inf
+            party = self._parties[me]
+            me.since, party.least_left = self._clock.now, math.inf
+            # A motion that they have to keep for now ends at the goal before this one.
+            party.arriving.set(None)
         self._whereabouts.send(me, goal, route)
         me.top_speed, me.goes_round = top_speed, False
         self._decide(me)
