@@ -28,9 +28,6 @@ from .world import CollisionWorld
 COARSE = math.radians(15.0)
 """Radians. Default size of the bends in a path."""
 
-MOST_LINKED = 4000
-"""Largest number of bends that are linked beforehand: about a second."""
-
 TOO_CLOSE = 1e-3
 """Metres. A start may be this much too close to something."""
 
@@ -140,9 +137,8 @@ class PathPlanner:
 
     def prepare(self) -> None:
         """Compute now what the first plans would have to wait for."""
-        self.world.fixed_space(self.radius + HAIR)
         roadmap = self.roadmap()
-        roadmap.link_all(MOST_LINKED)
+        roadmap.link_all()
         for body in self.world.bodies:
             roadmap.around(body)
 
