@@ -136,9 +136,8 @@ class PathPlanner:
         return self.world.roadmap(self.radius, self.step if step is None else step)
 
     def prepare(self) -> None:
-        """Compute now what the first plans would have to wait for."""
+        """Compute now what the first plan would have to wait for."""
         roadmap = self.roadmap()
-        roadmap.link_all()
         for body in self.world.bodies:
             roadmap.around(body)
 

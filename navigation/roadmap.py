@@ -36,6 +36,7 @@ HAIR = 1e-4
 class Roadmap:
     """The network of a floor for discs of one radius (metres), bends at most `step` radians.
 
+    Each bend is linked when a search first comes to it, and then takes about 0.2 kB for its links.
     The floor alone makes the network. Bodies are given with each question, and cost only where
     a path meets them. Where there are one-way `gates`, a link against the direction of one is not
     there: links then depend on the direction. No other places to bend
@@ -90,11 +91,6 @@ class Roadmap:
         points = search.path(start, goal, straight, around, room, refused)
         self._searches.append(search)
         return points
-
-    def link_all(self) -> None:
-        """Link all bends now; otherwise each is linked when a search comes to it."""
-        for bend in range(len(self.bends)):
-            self._network.links_of(bend)
 
     def links_of(self, bend: int) -> list[tuple[int, float]]:
         """Return where the links of bend number `bend` lead, and their lengths in metres."""

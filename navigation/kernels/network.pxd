@@ -28,6 +28,7 @@ cdef class Network:
     cdef Py_ssize_t count
     cdef list links
     cdef Numbers bends
+    cdef Numbers within
     cdef Numbers portals
     cdef Py_ssize_t[::1] first_portal
     cdef Py_ssize_t[::1] triangle

@@ -60,8 +60,8 @@ class Network:
     The triangles have `portals` (rows as those of `Portal`, in the order of the triangles that they
     lead off), those of triangle t from `first_portal[t]` on. Bend k is in `triangle[k]`. A link
     keeps `radius` metres off the `walls`, and does not go back through `gates` (see
-    `back_through`). Links are found when they are asked for first. Then they take 16 bytes each,
-    and 100 for each bend.
+    `back_through`). Links are found when they are first asked for. They then take 16 bytes each,
+    and 64 for each bend.
     """
 
     def __init__(
@@ -80,6 +80,7 @@ class Network:
         first_bend = np.searchsorted(triangle[order], np.arange(len(first_portal)))
         if cython.compiled:
             self.bends: Any = numbers(bends.ravel().tolist())
+            self.within: Any = numbers(bends[order].ravel().tolist())
             self.portals: Any = numbers(portals.ravel().tolist())
             self.first_portal: Any = first_portal
             self.triangle: Any = triangle
@@ -87,6 +88,7 @@ class Network:
             self.order: Any = order
         else:
             self.bends = [Bend(*row) for row in bends.tolist()]
+            self.within = [self.bends[k] for k in order.tolist()]
             self.portals = [Portal(*row) for row in portals.tolist()]
             self.first_portal = first_portal.tolist()
             self.triangle = triangle.tolist()
@@ -177,17 +179,17 @@ class Network:
         self, triangle: cython.Py_ssize_t, wedge: Wedge, here: Bend, found: list[cython.Py_ssize_t]
     ) -> cython.int:
         """Add the bends in a triangle to which a line from a bend grazes at both ends."""
-        bend: Bends = _bends(self.bends)
+        bend: Bends = _bends(self.within)
         k: cython.Py_ssize_t
         for k in range(self.first_bend[triangle], self.first_bend[triangle + 1]):
-            to: Bend = bend[self.order[k]]
+            to: Bend = bend[k]
             dx: float = to.x - here.x
             dy: float = to.y - here.y
             if (
-                (dx != 0.0 or dy != 0.0)
-                and _has(wedge, dx, dy)
-                and _fits(here, dx, dy)
+                _fits(here, dx, dy)
                 and _fits(to, dx, dy)
+                and _has(wedge, dx, dy)
+                and (dx != 0.0 or dy != 0.0)
             ):
                 found.append(self.order[k])
         return 0
