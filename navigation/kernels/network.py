@@ -186,8 +186,8 @@ class Network:
             dx: float = to.x - here.x
             dy: float = to.y - here.y
             if (
-                _fits(here, dx, dy)
-                and _fits(to, dx, dy)
+                _fits(to, dx, dy)
+                and _fits(here, dx, dy)
                 and _has(wedge, dx, dy)
                 and (dx != 0.0 or dy != 0.0)
             ):
