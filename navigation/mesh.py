@@ -20,6 +20,9 @@ Ints = NDArray[np.intp]
 _HOLES = 50
 """Maximum number of holes of a tile."""
 
+_AT_ONCE = 500
+"""Number of places that are looked up at once."""
+
 _LINED_UP = 1e-12
 """Part of a coordinate by which the ends of a tile's sides may be off the line of a cut."""
 
@@ -48,7 +51,13 @@ class Mesh:
 
     def holding(self, places: Floats) -> Ints:
         """Return the number of the triangle that each of `places` (N, 2) on the floor is in."""
-        of, triangle = shapely.STRtree(self._triangles).query(shapely.points(places))
+        tree = shapely.STRtree(self._triangles)
+        found = [np.empty((2, 0), dtype=np.intp)]
+        # Of many geometries at once, Python's garbage collection would take longer than the tree.
+        for first in range(0, len(places), _AT_ONCE):
+            points = shapely.points(places[first : first + _AT_ONCE])
+            found.append(tree.query(points) + np.array([[first], [0]]))
+        of, triangle = np.concatenate(found, axis=1)
         here = self._corners[triangle]
         along, away = np.roll(here, -1, axis=1) - here, places[of][:, None] - here
         inside = (along[..., 0] * away[..., 1] - along[..., 1] * away[..., 0]).min(axis=1)
@@ -85,7 +94,8 @@ class Mesh:
                 yield box
                 continue
             axis = int(np.argmax(box[2:] - box[:2]))
-            at = int(np.searchsorted(known[axis], np.median(middle[some, axis])))
+            halfway = np.sort(middle[some, axis])[len(some) // 2]
+            at = int(np.searchsorted(known[axis], halfway))
             around = known[axis][max(at - 3, 0) : at + 4]
             widest = int(np.argmax(np.diff(around)))
             cut = float(around[widest] + around[widest + 1]) / 2

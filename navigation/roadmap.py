@@ -55,7 +55,7 @@ class Roadmap:
         self._room = Room(walls, keep, [], [])
         self.bends = self._standing_bends(corners(edges_of_room(floor)))
         self._columns = self.bends.columns()
-        self.places = frozenset((x, y) for x, y in self.bends.point.tolist())
+        self.places = frozenset(zip(*self.bends.point.T.tolist(), strict=True))
         self.asked: dict[tuple[Point, Point], bool] = {}
         """FCL's answers about links between the floor's bends, by their places."""
         mesh = Mesh(floor)
@@ -113,7 +113,8 @@ class Roadmap:
 
     def _standing(self, places: Bends) -> NDArray[np.bool_]:
         """Return a mask of the bends that are clear of the floor's edges."""
-        return np.array([self._room.holds(x, y) for x, y in places.point.tolist()], dtype=bool)
+        columns = places.point.T.tolist()
+        return np.array([self._room.holds(x, y) for x, y in zip(*columns, strict=True)], dtype=bool)
 
     def around(self, body: Body) -> Floats:
         """Return the columns of the bends around `body`, kept for as long as it stands there."""
