@@ -1,9 +1,11 @@
 """How long floors of many obstacles take to load and to plan on: CPU seconds.
 
-    python benchmarks/big_floors.py [--obstacles 100 1000 10000] [--queries 20]
+    python benchmarks/big_floors.py [--obstacles 100 1000 10000] [--queries 20] [--plot FILE]
 
 Bins and tables stand at random in a square hall that grows with their number: one in 100 m² or one
-in 12 m². Ways lead from one random place to another. Each number is one run in a fresh process.
+in 12 m². Paths lead from one random place to another. Each number is one run in a fresh process.
+Beside the roadmap, RRTConnect and JuPedSim (if installed) answer the same questions. `--plot` draws
+the median over the number of obstacles in the denser halls (with matplotlib).
 """
 
 from __future__ import annotations
@@ -16,12 +18,33 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import shapely
+
+if TYPE_CHECKING:
+    from navigation import CollisionWorld
 
 SPACINGS = {"loose": 10.0, "dense": 3.5}
 """Metres from one thing to the next, on average."""
 
 RADIUS = 0.3
+
+MOST_CORNERS = 20_000
+"""Floors of more corners, when shrunk, are not given to JuPedSim: it takes minutes to look."""
+
+COLUMNS = (
+    "load",
+    "world",
+    "prepare",
+    "first path",
+    "median path",
+    "slowest path",
+    "RRTConnect, median",
+    "JuPedSim, look",
+    "JuPedSim, median",
+)
+"""CPU seconds of each row."""
 
 _T = TypeVar("_T")
 
@@ -57,12 +80,42 @@ def measure(count: int, spacing: float, queries: int) -> None:
         at = (rng.uniform(0, side), rng.uniform(0, side))
         if world.free(at, RADIUS + 1e-3):
             places.append(at)
-    ways = [
-        timed(lambda a=a, b=b: planner.plan(a, b))[0]
-        for a, b in zip(places[::2], places[1::2], strict=True)
+    asked = list(zip(places[::2], places[1::2], strict=True))
+    ways = [timed(lambda a=a, b=b: planner.plan(a, b))[0] for a, b in asked]
+    sampled = [
+        timed(lambda a=a, b=b: planner.plan(a, b, planner="RRTConnect"))[0] for a, b in asked
     ]
     figures = [load, build, prepare, ways[0], statistics.median(ways), max(ways)]
-    print(" | ".join(f"{figure:.2f}" for figure in figures))
+    figures += [statistics.median(sampled), *peer(world, asked)]
+    print(" | ".join(f"{figure:.4f}" for figure in figures))
+
+
+def peer(world: CollisionWorld, asked: list[Any]) -> tuple[float, float]:
+    """Seconds that JuPedSim takes to look at a floor, and for a path; NaN if not asked."""
+    from navigation.benchmark.peers import JuPedSim
+
+    if shapely.get_num_coordinates(world.free_space(RADIUS).pieces).sum() > MOST_CORNERS:
+        return math.nan, math.nan
+    engine = JuPedSim(world, RADIUS)
+    try:
+        look, _ = timed(engine.look)
+    except ImportError:
+        return math.nan, math.nan
+    return look, statistics.median(
+        timed(lambda a=a, b=b: engine.between(a, b))[0] for a, b in asked
+    )
+
+
+def draw(file: str, counts: list[int], rows: list[list[float]]) -> None:
+    """Draw the medians (see `COLUMNS`) over the number of obstacles."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6, 4), layout="constrained")
+    axes = figure.add_subplot(xlabel="obstacles", ylabel="CPU time of a path, median, ms")
+    for name, column in (("Roadmap", 4), ("RRTConnect", 6), ("JuPedSim", 8)):
+        axes.loglog(counts, [1000 * row[column] for row in rows], "o-", label=name)
+    axes.legend()
+    figure.savefig(file)
 
 
 def timed(work: Callable[[], _T]) -> tuple[float, _T]:
@@ -75,19 +128,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--obstacles", type=int, nargs="+", default=[100, 1000, 10_000])
     parser.add_argument("--queries", type=int, default=20)
+    parser.add_argument("--plot", metavar="FILE")
     parser.add_argument("--one", nargs=2, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.one:
         measure(int(given.one[0]), float(given.one[1]), given.queries)
         return
-    print("| obstacles | | load | world | prepare | first way | median way | slowest way |")
-    print("|---|---|---|---|---|---|---|---|")
+    print(f"| obstacles | | {' | '.join(COLUMNS)} |")
+    print("|---|---" + "|---" * len(COLUMNS) + "|")
+    drawn = []
     for count in given.obstacles:
         for title, spacing in SPACINGS.items():
             again = [sys.executable, __file__, "--queries", str(given.queries)]
             again += ["--one", str(count), str(spacing)]
             found = subprocess.run(again, capture_output=True, text=True, check=True).stdout
             print(f"| {count:,} | {title} | {found.strip()} |", flush=True)
+        drawn.append([float(figure) for figure in found.split("|")])
+    if given.plot:
+        draw(given.plot, given.obstacles, drawn)
 
 
 if __name__ == "__main__":

@@ -86,9 +86,11 @@ def _whole_cells(taken: shapely.Geometry) -> Iterator[shapely.Polygon]:
     what is taken is joined there. Put back on the corner, it touches itself or another piece at a
     point, through which no body comes.
     """
-    for piece in shapely.get_parts(shapely.transform(taken, np.round)):
-        whole = piece if shapely.is_valid(piece) else shapely.make_valid(piece)
-        yield from (part for part in shapely.get_parts(whole) if part.geom_type == "Polygon")
+    pieces = shapely.get_parts(shapely.transform(taken, np.round))
+    touching = ~shapely.is_valid(pieces)
+    pieces[touching] = shapely.make_valid(pieces[touching])
+    parts = shapely.get_parts(pieces)
+    yield from parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]
 
 
 def _solid(piece: shapely.Polygon) -> Iterator[shapely.Polygon]:

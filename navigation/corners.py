@@ -78,29 +78,11 @@ class Bends:
         """Return x and y of point, before and after, and reach, in rows: (7, N)."""
         return np.vstack([self.point.T, self.before.T, self.after.T, self.reach])
 
-    def beyond(self, places: Floats) -> tuple[Floats, Floats]:
-        """Return the ways along x and y from each of `places` (K, 2) to every bend: (K, N)."""
-        here, there = places.T[:, :, None], np.ascontiguousarray(self.point.T)
-        return there[0] - here[0], there[1] - here[1]
-
     @staticmethod
     def join(parts: Sequence[Bends]) -> Bends:
         """Return the bends of all parts; corners keep the numbers they have in their part."""
         columns = zip(*(vars(part).values() for part in parts), strict=True)
         return Bends(*map(np.concatenate, columns))
-
-    def graze(self, dx: Floats, dy: Floats) -> NDArray[np.bool_]:
-        """Return whether segments along (`dx`, `dy`) (…, N) only graze the corner at the bend.
-
-        A shortest path bends only where it grazes; all others would enter the grown corner.
-        """
-        # A line grazes where it lies between the directions before and after the bend, or between
-        # their opposites for who goes round the other way.
-        slack = 1e-9 * (1 + np.abs(dx) + np.abs(dy))
-        entering = self.before[:, 0] * dy - self.before[:, 1] * dx
-        leaving = self.after[:, 0] * dy - self.after[:, 1] * dx
-        clockwise = (entering <= slack) & (leaving >= -slack)
-        return clockwise | ((entering >= -slack) & (leaving <= slack))
 
 
 def edges_of_room(room: shapely.Geometry) -> list[Floats]:

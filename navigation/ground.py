@@ -105,7 +105,7 @@ def roadmap(
 
     Its links cross none of the `gates` against its direction.
     """
-    return Roadmap(floor, radius, step, Gates(gates))
+    return Roadmap(floor, radius, step, Gates(gates), walls(floor, radius).grid)
 
 
 @_kept(MOST_KEPT)

@@ -28,9 +28,6 @@ from .world import CollisionWorld
 COARSE = math.radians(15.0)
 """Radians. Default size of the bends in a path."""
 
-MOST_LINKED = 4000
-"""Largest number of bends that are linked beforehand: about a second."""
-
 TOO_CLOSE = 1e-3
 """Metres. A start may be this much too close to something."""
 
@@ -139,10 +136,8 @@ class PathPlanner:
         return self.world.roadmap(self.radius, self.step if step is None else step)
 
     def prepare(self) -> None:
-        """Compute now what the first plans would have to wait for."""
-        self.world.fixed_space(self.radius + HAIR)
+        """Compute now what the first plan would have to wait for."""
         roadmap = self.roadmap()
-        roadmap.link_all(MOST_LINKED)
         for body in self.world.bodies:
             roadmap.around(body)
 

@@ -127,14 +127,10 @@ class RoadmapSearch:
             return points
         if start == goal:  # no way round leads to where one is already
             return None
-        world = links.world
-        # To link the bends of a large floor takes longer than this proof.
-        if world.roadmap(links.radius, self._step).large and self._apart():
-            return None
         # Wide bends may close a narrow gap. Where they lead nowhere, and nothing proves that
         # nothing does, fine ones decide.
         for step in (self._step, STEP):
-            found = self._around_bodies(world.roadmap(links.radius, step), straight, met)
+            found = self._around_bodies(links.world.roadmap(links.radius, step), straight, met)
             if found is not None or self._hopeless():
                 return found
         return None
@@ -151,9 +147,7 @@ class RoadmapSearch:
         links = self._links
         while True:
             room = links.room(met)
-            points = roadmap.path(
-                self._start, self._goal, straight, met, room, self._refused, self._hopeless
-            )
+            points = roadmap.path(self._start, self._goal, straight, met, room, self._refused)
             links.world.checks += room.asked
             if points is None:
                 return None
@@ -202,16 +196,12 @@ class RoadmapSearch:
             links.world.checks += 1  # as if asked
         return known and not links.hit(a, b)
 
-    def _apart(self) -> bool:
-        """Return True if it is proved that the floor alone keeps start and goal apart."""
-        gates, space = self._links.world.gates, self._links.world.fixed_space(self._room)
-        # Where there is room at both ends, they can only be apart on a floor in pieces.
-        in_pieces = bool(gates) or len(space.pieces) != 1
-        return in_pieces and not gates.reach(space, self._start, self._goal)
-
     def _hopeless(self) -> bool:
         """Return True if it is proved that there is no path."""
-        return self._apart() or not self._links.world.reaches(self._start, self._goal, self._room)
+        world, ends = self._links.world, (self._start, self._goal)
+        # What the floor alone keeps apart needs no look at the bodies.
+        space = world.fixed_space(self._room)
+        return not (world.gates.reach(space, *ends) and world.reaches(*ends, self._room))
 
 
 class RoadmapPlanner(ob.Planner):  # type: ignore[misc]

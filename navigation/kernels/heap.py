@@ -88,12 +88,6 @@ class Heap:
         )
         return 0
 
-    def first(self, most: int) -> list[int]:
-        """Return where the links lead of so many entries at the top, which are among the least."""
-        if not cython.compiled:
-            return [entry[3] for entry in self.entries[:most]]
-        return [self._tos[k] for k in range(min(most, self.count))]
-
     def _rise(
         self,
         place: cython.Py_ssize_t,

@@ -1,14 +1,14 @@
 from navigation.kernels.edges cimport Room
 from navigation.kernels.heap cimport Heap
+from navigation.kernels.network cimport Network
 
-cdef Py_ssize_t _PATIENCE
 cdef Py_ssize_t _SPARE
 cdef double _SLACK
 cdef Py_ssize_t _AT_ONCE
 cdef double _BESIDE
 
 cdef class Search:
-    cdef list links
+    cdef Network network
     cdef Py_ssize_t fixed
     cdef Py_ssize_t start
     cdef Py_ssize_t goal

@@ -6,7 +6,6 @@ minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4 (196
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,12 +21,16 @@ if not cython.compiled:
 
     from .edges import Room
     from .heap import Heap
+    from .network import Network, grazes
+    from .numbers import Doubles, Numbers, at
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
     from cython.cimports.navigation.kernels.edges import Room
     from cython.cimports.navigation.kernels.heap import Heap
+    from cython.cimports.navigation.kernels.network import Network, grazes
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
 
 Link = tuple[int, float]
 """The number of a place, and the distance to it (metres)."""
@@ -35,7 +38,6 @@ Link = tuple[int, float]
 Place = tuple[float, float]
 """x and y, in metres."""
 
-_PATIENCE: cython.Py_ssize_t = 400  # links after which a search asks whether there is a path at all
 _SPARE: cython.Py_ssize_t = 256  # places beside those of the floor for which there is room at first
 _SLACK: float = 1e-9  # of a metre and of a line's length; so far a line may enter a corner
 _AT_ONCE: cython.Py_ssize_t = 100_000  # pairs of bends
@@ -47,12 +49,12 @@ class Search:
 
     Places are the bends of the `floor`, those of bodies, the start and the goal, with numbers in
     that order. Bends are columns of seven numbers: x and y (metres), x and y of the directions
-    before and after it, and how far from it the path touches the arc (metres). `links` are those
-    between the floor's bends, on which the floor leaves room; None where they are not known yet.
+    before and after it, and how far from it the path touches the arc (metres). `network` has the
+    links between the floor's bends, on which the floor leaves room.
     """
 
-    def __init__(self, floor: NDArray[np.float64], links: list[list[Link] | None]) -> None:
-        self.links = links
+    def __init__(self, floor: NDArray[np.float64], network: Network) -> None:
+        self.network = network
         self.fixed = floor.shape[1]
         self.queue = Heap()
         self.bends = floor
@@ -77,15 +79,12 @@ class Search:
         parts: list[NDArray[np.float64]],
         room: Room,
         refused: set[tuple[Place, Place]],
-        expand: Callable[[int, Heap], object],
-        hopeless: Callable[[], bool],
     ) -> list[Place] | None:
         """Return the places of the shortest path, or None.
 
         It leads from `start` to `goal`; `parts` are the bends of bodies. Links that are not the
         floor's are asked of `room`; those `refused` count for none, and the straight line only if
-        it is `straight`. `expand` finds the links of a bend that are not known, given the queue.
-        `hopeless()` is asked once if the search takes long, and ends it if it is true.
+        it is `straight`.
         """
         self._lay_out(start, goal, parts)
         self.straight = straight
@@ -99,11 +98,8 @@ class Search:
         there: cython.Py_ssize_t = self.start
         here: cython.Py_ssize_t
         so_far: float = 0.0
-        taken: cython.Py_ssize_t = 0
         self.best[there] = 0.0
         while there != self.goal:
-            if there < self.fixed and self.links[there] is None:
-                expand(there, queue)
             self._leave(there, so_far)
             while True:
                 if queue.count == 0:
@@ -116,9 +112,6 @@ class Search:
                 # place is the shortest, and later ones to it are left where they lie in the queue.
                 if so_far >= self.best[there] or so_far > self.sure[there]:
                     continue
-                taken += 1
-                if taken == _PATIENCE and hopeless():
-                    return None
                 # Most links are never taken: only one that is, is looked at (the laziness of R.
                 # Bohlin and L. E. Kavraki, "Path planning using lazy PRM", ICRA 2000).
                 if (here < self.fixed and there < self.fixed) or self._clear(here, there, True):
@@ -183,14 +176,14 @@ class Search:
 
     def _leave(self, here: cython.Py_ssize_t, so_far: float) -> cython.int:
         """Queue all that a path of length `so_far` may go on to from a place."""
-        known: Any
-        to: cython.Py_ssize_t
+        k: cython.Py_ssize_t
         length: float
         first: cython.Py_ssize_t = 0
         if here < self.fixed:
-            known = self.links[here]
-            for to, length in known:
-                self._push_known(here, to, so_far, length)
+            links: Numbers = self.network.links_of(here)
+            link: Doubles = at(links)
+            for k in range(0, len(links), 2):
+                self._push_known(here, int(link[k]), so_far, link[k + 1])
             first = self.fixed
         if first < self.start:
             self._fan(here, first, so_far)
@@ -277,15 +270,14 @@ class Search:
         return self.room.clear(self.x[here], self.y[here], self.x[to], self.y[to], floor)
 
     def _grazes(self, bend: cython.Py_ssize_t, dx: float, dy: float) -> bool:
-        """Return whether a line along d only grazes the corner at a bend.
-
-        A shortest path bends only where it grazes; all others would enter the grown corner.
-        """
-        slack: float = _SLACK * (1.0 + abs(dx) + abs(dy))
-        entering: float = self.turns[2, bend] * dy - self.turns[3, bend] * dx
-        leaving: float = self.turns[4, bend] * dy - self.turns[5, bend] * dx
-        return (entering <= slack and leaving >= -slack) or (
-            entering >= -slack and leaving <= slack
+        """Return whether a line along d only grazes the corner at a bend."""
+        return grazes(
+            self.turns[2, bend],
+            self.turns[3, bend],
+            self.turns[4, bend],
+            self.turns[5, bend],
+            dx,
+            dy,
         )
 
 

@@ -1,0 +1,63 @@
+from navigation.kernels.edges cimport Grid
+from navigation.kernels.numbers cimport Doubles, Numbers
+
+cdef struct Wedge:
+    double right_x, right_y, left_x, left_y
+
+cdef struct Portal:
+    double right_x, right_y, left_x, left_y, off, onto
+
+cdef struct Bend:
+    double x, y, before_x, before_y, after_x, after_y
+
+ctypedef Portal* Portals
+ctypedef Bend* Bends
+
+cdef double _SLACK
+cdef double _WIDER
+cdef double _ROUNDING
+cdef Py_ssize_t _WAITING
+
+cdef inline Portals _portals(Numbers row) noexcept:
+    return <Portal*> row.data.as_doubles
+
+cdef inline Bends _bends(Numbers row) noexcept:
+    return <Bend*> row.data.as_doubles
+
+cdef class Network:
+    cdef Py_ssize_t count
+    cdef list links
+    cdef Numbers bends
+    cdef Numbers within
+    cdef Numbers portals
+    cdef Py_ssize_t[::1] first_portal
+    cdef Py_ssize_t[::1] triangle
+    cdef Py_ssize_t[::1] first_bend
+    cdef Py_ssize_t[::1] order
+    cdef Grid walls
+    cdef double radius
+    cdef list[Numbers] gates
+    cdef Numbers waiting
+    cdef Py_ssize_t depth
+    cpdef Numbers links_of(self, Py_ssize_t bend)
+    cdef Numbers _linked(self, Py_ssize_t here)
+    cdef bint _clear(self, Bend a, Bend b) except -1
+    cdef bint _allowed(self, Bend a, Bend b) except -1
+    cdef list[Py_ssize_t] _seen(self, Py_ssize_t here)
+    cdef int _expand(self, Py_ssize_t here, Wedge wedge, list[Py_ssize_t] found) except -1
+    cdef int _take(
+        self, Py_ssize_t triangle, Wedge wedge, Bend here, list[Py_ssize_t] found
+    ) except -1
+    cdef int _leave(self, Py_ssize_t triangle, Py_ssize_t came, Wedge wedge, Bend here) except -1
+    cdef int _push(self, Py_ssize_t portal, Wedge wedge) except -1
+
+cdef Wedge _from(Bend place, Portal portal) noexcept
+cdef bint _faces(Wedge seen) noexcept
+cdef bint _meet(Wedge wedge, Wedge other) noexcept
+cdef Wedge _both(Wedge wedge, Wedge other) noexcept
+cdef bint _has(Wedge wedge, double dx, double dy) noexcept
+cdef double _slack(double dx, double dy, double px, double py) noexcept
+cdef bint _fits(Bend bend, double dx, double dy) noexcept
+cdef bint grazes(
+    double before_x, double before_y, double after_x, double after_y, double dx, double dy
+) noexcept

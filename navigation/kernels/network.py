@@ -1,0 +1,297 @@
+"""Links between the bends of a floor, found by triangular expansion.
+
+A straight line leaves a triangle through one of its sides. So what is visible from a place, within
+a wedge of directions, is found triangle by triangle: each side that the wedge meets narrows it, and
+leads to the next triangle. See F. Bungiu, M. Hemmer, J. Hershberger, K. Huang and A. Kröller,
+"Efficient computation of visibility polygons", EuroCG 2014.
+"""
+
+from __future__ import annotations
+
+from math import dist
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from typing import Any, TypeAlias
+
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from .edges import Grid, back_through
+    from .numbers import Doubles, Numbers, at, cut, grow, numbers, room
+    from .uncompiled import Bend, Portal, Wedge
+
+    Portals: TypeAlias = "list[Portal]"
+    Bends: TypeAlias = "list[Bend]"
+
+    def _portals(row: Portals) -> Portals:
+        """Return what reads portals by their numbers."""
+        return row
+
+    def _bends(row: Bends) -> Bends:
+        """Return what reads bends by their numbers."""
+        return row
+else:
+    from cython.cimports.navigation.kernels.edges import Grid, back_through
+    from cython.cimports.navigation.kernels.numbers import (
+        Doubles,
+        Numbers,
+        at,
+        cut,
+        grow,
+        numbers,
+        room,
+    )
+
+_SLACK: float = 1e-9  # of a metre and of a line's length; so far a line may enter a corner
+_WIDER: float = 1e-7  # radians; wedges are so much wider: too much is looked at, never too little
+_ROUNDING: float = 1e-8  # metres; and wider by so much for what is near
+_WAITING: cython.Py_ssize_t = 5  # numbers of a portal that waits: its own, and the wedge's
+
+
+class Network:
+    """Links between the `bends` of a floor (rows as those of `Bend`) for discs of `radius` metres.
+
+    The triangles have `portals` (rows as those of `Portal`, in the order of the triangles that they
+    lead off), those of triangle t from `first_portal[t]` on. Bend k is in `triangle[k]`. A link
+    keeps `radius` metres off the `walls`, and does not go back through `gates` (see
+    `back_through`). Links are found when they are first asked for. They then take 16 bytes each,
+    and 64 for each bend.
+    """
+
+    def __init__(
+        self,
+        bends: NDArray[np.float64],
+        portals: NDArray[np.float64],
+        first_portal: NDArray[np.intp],
+        triangle: NDArray[np.intp],
+        walls: Grid,
+        radius: float,
+        gates: list[Numbers],
+    ) -> None:
+        self.count = len(bends)
+        self.links: list[Numbers | None] = [None] * self.count
+        order = np.argsort(triangle, kind="stable")
+        first_bend = np.searchsorted(triangle[order], np.arange(len(first_portal)))
+        if cython.compiled:
+            self.bends: Any = numbers(bends.ravel().tolist())
+            self.within: Any = numbers(bends[order].ravel().tolist())
+            self.portals: Any = numbers(portals.ravel().tolist())
+            self.first_portal: Any = first_portal
+            self.triangle: Any = triangle
+            self.first_bend: Any = first_bend
+            self.order: Any = order
+        else:
+            self.bends = [Bend(*row) for row in bends.tolist()]
+            self.within = [self.bends[k] for k in order.tolist()]
+            self.portals = [Portal(*row) for row in portals.tolist()]
+            self.first_portal = first_portal.tolist()
+            self.triangle = triangle.tolist()
+            self.first_bend = first_bend.tolist()
+            self.order = order.tolist()
+        self.walls = walls
+        self.radius = radius
+        self.gates = gates
+        self.waiting = room(0)
+        self.depth = 0
+
+    def links_of(self, bend: cython.Py_ssize_t) -> Numbers:
+        """Return where the links of a bend lead, and their lengths in metres, in turn."""
+        known: Numbers | None = self.links[bend]
+        if known is None:
+            known = self.links[bend] = self._linked(bend)
+        return known
+
+    def _linked(self, here: cython.Py_ssize_t) -> Numbers:
+        """Find the links of a bend, in the order of where they lead."""
+        seen: list[cython.Py_ssize_t] = self._seen(here)
+        found: Numbers = room(2 * len(seen))
+        link: Doubles = at(found)
+        bend: Bends = _bends(self.bends)
+        a: Bend = bend[here]
+        count: cython.Py_ssize_t = 0
+        to: cython.Py_ssize_t
+        for to in sorted(set(seen)):
+            b: Bend = bend[to]
+            # A line is looked at in the same direction from either end: links go both ways.
+            clear: cython.bint = self._clear(a, b) if here < to else self._clear(b, a)
+            if clear and self._allowed(a, b):
+                link[count] = to
+                link[count + 1] = dist((a.x, a.y), (b.x, b.y))
+                count += 2
+        cut(found, count)
+        return found
+
+    def _clear(self, a: Bend, b: Bend) -> bool:
+        """Return whether the walls leave room between two bends."""
+        return not self.walls.touched(a.x, a.y, b.x, b.y, self.radius)
+
+    def _allowed(self, a: Bend, b: Bend) -> bool:
+        """Return whether no gate keeps a path from a to b."""
+        k: cython.Py_ssize_t
+        for k in range(len(self.gates)):
+            if back_through(self.gates[k], a.x, a.y, b.x, b.y):
+                return False
+        return True
+
+    def _seen(self, here: cython.Py_ssize_t) -> list[cython.Py_ssize_t]:
+        """Return the bends that a path through a bend may go on to, and some that are hidden.
+
+        Some come twice.
+        """
+        found: list[cython.Py_ssize_t] = []
+        bend: Bend = _bends(self.bends)[here]
+        # A taut path goes on between the directions before and after the bend, or their opposites.
+        clockwise: Wedge = Wedge(bend.after_x, bend.after_y, bend.before_x, bend.before_y)
+        self._expand(here, clockwise, found)
+        other: Wedge = Wedge(-bend.after_x, -bend.after_y, -bend.before_x, -bend.before_y)
+        self._expand(here, other, found)
+        return found
+
+    def _expand(
+        self, here: cython.Py_ssize_t, wedge: Wedge, found: list[cython.Py_ssize_t]
+    ) -> cython.int:
+        """Add what is seen from a bend within a wedge to what was `found`."""
+        bend: Bend = _bends(self.bends)[here]
+        triangle: cython.Py_ssize_t = self.triangle[here]
+        came: cython.Py_ssize_t = -1
+        portal: cython.Py_ssize_t
+        self.depth = 0
+        while True:
+            self._take(triangle, wedge, bend, found)
+            self._leave(triangle, came, wedge, bend)
+            if self.depth == 0:
+                return 0
+            self.depth -= _WAITING
+            row: Doubles = at(self.waiting)
+            o: cython.Py_ssize_t = self.depth
+            portal = int(row[o])
+            wedge = Wedge(row[o + 1], row[o + 2], row[o + 3], row[o + 4])
+            came = int(_portals(self.portals)[portal].off)
+            triangle = int(_portals(self.portals)[portal].onto)
+
+    def _take(
+        self, triangle: cython.Py_ssize_t, wedge: Wedge, here: Bend, found: list[cython.Py_ssize_t]
+    ) -> cython.int:
+        """Add the bends in a triangle to which a line from a bend grazes at both ends."""
+        bend: Bends = _bends(self.within)
+        k: cython.Py_ssize_t
+        for k in range(self.first_bend[triangle], self.first_bend[triangle + 1]):
+            to: Bend = bend[k]
+            dx: float = to.x - here.x
+            dy: float = to.y - here.y
+            if (
+                _fits(to, dx, dy)
+                and _fits(here, dx, dy)
+                and _has(wedge, dx, dy)
+                and (dx != 0.0 or dy != 0.0)
+            ):
+                found.append(self.order[k])
+        return 0
+
+    def _leave(
+        self, triangle: cython.Py_ssize_t, came: cython.Py_ssize_t, wedge: Wedge, here: Bend
+    ) -> cython.int:
+        """Let each portal of a triangle wait that a wedge meets, but for the one it came by."""
+        portal: Portals = _portals(self.portals)
+        k: cython.Py_ssize_t
+        for k in range(self.first_portal[triangle], self.first_portal[triangle + 1]):
+            if portal[k].onto != came:
+                seen: Wedge = _from(here, portal[k])
+                # Portals that are seen from behind would lead round a corner, and never end.
+                ahead: cython.bint = came < 0 or _faces(seen)
+                if ahead and _meet(wedge, seen):
+                    self._push(k, _both(wedge, seen))
+        return 0
+
+    def _push(self, portal: cython.Py_ssize_t, wedge: Wedge) -> cython.int:
+        """Let a portal wait, with the wedge that leads through it."""
+        grow(self.waiting, self.depth + _WAITING)
+        row: Doubles = at(self.waiting)
+        o: cython.Py_ssize_t = self.depth
+        row[o] = portal
+        row[o + 1] = wedge.right_x
+        row[o + 2] = wedge.right_y
+        row[o + 3] = wedge.left_x
+        row[o + 4] = wedge.left_y
+        self.depth += _WAITING
+        return 0
+
+
+def _from(place: Bend, portal: Portal) -> Wedge:
+    """Return the wedge in which a portal is seen from a place."""
+    return Wedge(
+        portal.right_x - place.x,
+        portal.right_y - place.y,
+        portal.left_x - place.x,
+        portal.left_y - place.y,
+    )
+
+
+def _faces(seen: Wedge) -> bool:
+    """Return whether a portal is seen from its front, and not edge-on."""
+    return seen.right_x * seen.left_y - seen.right_y * seen.left_x > 0.0
+
+
+def _meet(wedge: Wedge, other: Wedge) -> bool:
+    """Return whether two wedges, each narrower than half a turn, share a direction."""
+    # If they do, one contains the right side of the other.
+    return _has(wedge, other.right_x, other.right_y) or _has(other, wedge.right_x, wedge.right_y)
+
+
+def _has(wedge: Wedge, dx: float, dy: float) -> bool:
+    """Return whether a wedge contains a direction, or nearly."""
+    return (
+        # Opposites of the directions of a narrow wedge are between its sides, too.
+        (
+            wedge.right_x * dx + wedge.right_y * dy >= 0.0
+            or wedge.left_x * dx + wedge.left_y * dy >= 0.0
+        )
+        and wedge.right_x * dy - wedge.right_y * dx >= -_slack(wedge.right_x, wedge.right_y, dx, dy)
+        and wedge.left_x * dy - wedge.left_y * dx <= _slack(wedge.left_x, wedge.left_y, dx, dy)
+    )
+
+
+def _slack(dx: float, dy: float, px: float, py: float) -> float:
+    """Return by how much the cross product of d and p may be off 0 for directions that agree."""
+    d: float = abs(dx) + abs(dy)
+    p: float = abs(px) + abs(py)
+    return _WIDER * d * p + _ROUNDING * (d + p)
+
+
+def _both(wedge: Wedge, other: Wedge) -> Wedge:
+    """Return the directions that two wedges share."""
+    right_x: float = wedge.right_x
+    right_y: float = wedge.right_y
+    left_x: float = wedge.left_x
+    left_y: float = wedge.left_y
+    if right_x * other.right_y - right_y * other.right_x > 0.0:
+        right_x = other.right_x
+        right_y = other.right_y
+    if left_x * other.left_y - left_y * other.left_x < 0.0:
+        left_x = other.left_x
+        left_y = other.left_y
+    return Wedge(right_x, right_y, left_x, left_y)
+
+
+def _fits(bend: Bend, dx: float, dy: float) -> bool:
+    """Return whether a line along d only grazes the corner at a bend."""
+    return grazes(bend.before_x, bend.before_y, bend.after_x, bend.after_y, dx, dy)
+
+
+def grazes(
+    before_x: float, before_y: float, after_x: float, after_y: float, dx: float, dy: float
+) -> bool:
+    """Return whether a line along d only grazes the corner at a bend of these directions.
+
+    A shortest path bends only where it grazes. All other lines would enter the grown corner.
+    """
+    slack: float = _SLACK * (1.0 + abs(dx) + abs(dy))
+    entering: float = before_x * dy - before_y * dx
+    leaving: float = after_x * dy - after_y * dx
+    return (entering <= slack and leaving >= -slack) or (entering >= -slack and leaving <= slack)
