@@ -647,5 +647,5 @@ def test_a_goal_replaced_on_the_last_metres_is_not_arrived_at(tmp_path):
         "  - {name: bob, personality: on.asl, at: [1.2, 0.5]}\n"
     )
     run = sim.run(sim.Trial.load(tmp_path / "t.trial.yaml"))
-    assert math.dist(run.motions["ada"].position(12.0), (11.0, 0.5)) < 1e-6
+    assert math.dist(run.motions["ada"].position(9.5), (11.0, 0.5)) < 1e-6
     assert [event["person"] for event in events(run, "arrived")] == ["bob"]
