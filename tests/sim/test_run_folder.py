@@ -195,7 +195,7 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         (
             "motions.jsonl",
             lambda text: json.dumps({"body": "ada", "pieces": [[0, 1e6, *[[0, 0, 1, 0]] * 3]]}),
-            "line 1: a motion goes further than 1e.09",
+            "line 1: a motion goes further than 1e.10",
         ),
         ("motions.jsonl", lambda text: '{"body": "ada", "pieces": 3', "line 1: .*JSON"),
         ("summary.json", lambda text: text[:-30], "is not JSON"),

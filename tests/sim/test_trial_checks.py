@@ -42,10 +42,10 @@ def changes(personality, time=5.0):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"duration": -1.0}, "duration: must be more than 0 and at most 1e.09, not -1.0"),
+        ({"duration": -1.0}, "duration: must be more than 0 and at most 1e.10, not -1.0"),
         ({"duration": 1e10}, "duration: must be"),
         ({"seed": 1 << 20_000}, "seed: must be a whole number from 0 to .*, not a larger one"),
-        (rules(grace=-1.0), r"rules.grace: must be a time from 0 to 1e.09 s, not -1.0"),
+        (rules(grace=-1.0), r"rules.grace: must be a time from 0 to 1e.10 s, not -1.0"),
         (notice(every=0.0), "rules.notice.every: must be more than 0"),
         (notice(parting=-1.0), "rules.notice.parting: must be more than 0, not -1.0"),
         (ada(at=(100.0, 1.0)), r"people\[0\].at: \(100, 1\) is outside the boundary"),
