@@ -103,7 +103,7 @@ def make_agent(
     trial: Scenario,
     programs: Programs | None = None,
     *,
-    act: Callable[[bdi.Literal], bool],
+    act: Callable[[bdi.Literal], bool | bdi.Refused],
     print: Callable[[str], None],
     on_event: Callable[[bdi.Entry], None],
     kinds: Collection[str] = ("warning",),
