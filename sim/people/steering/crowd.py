@@ -120,6 +120,8 @@ class Crowd:
         world = self._stage.world if me is None else me.world
         vehicles = {machine.name for machine in self._stage.vehicles}
         places = places_at(world, place, radius, vehicles)
+        if self.is_empty and not taken:
+            return next(iter(places), None)
         ground, floor = partial(self._ground_in, world, radius), self._whereabouts
         now = self._clock.now
         rooms = (

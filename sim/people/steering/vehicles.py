@@ -62,14 +62,16 @@ class Vehicle:
         """Those who move like the vehicle's parts; most vehicles never drive."""
         stage, machine = self._stage, self._machine
         radius = cover(machine.shape)[1] + GAP + LEEWAY
+        size, manners = replace(stage.floorplan.human, radius=radius), Manners(steps_aside=False)
+        rests, zones = standing(machine.body.at), SpeedZones((), machine.name)
         return [
             Traveller(
                 -1,
-                Body(stage.clock, machine.name, machine.shape.kind, standing(machine.body.at)),
-                replace(stage.floorplan.human, radius=radius),
-                Manners(steps_aside=False),
+                Body(stage.clock, machine.name, machine.shape.kind, rests),
+                size,
+                manners,
                 stage.world,
-                SpeedZones((), machine.name),
+                zones,
                 recorded=True,
                 is_vehicle=True,
             )
