@@ -132,6 +132,11 @@ class Crowd:
 
     def set_out(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:
         """Let somebody walk to `goal` by `route` (the points after where they are) from now on."""
+        self._take_up(me, goal, route, top_speed)
+        self._decide(me)
+
+    def _take_up(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:
+        """Note where somebody goes from now on."""
         if me.goal != goal:
             party = self._parties[me]
             me.since, party.least_left = self._clock.now, math.inf
@@ -139,7 +144,6 @@ class Crowd:
             party.arriving.set(None)
         self._whereabouts.send(me, goal, route)
         me.top_speed, me.goes_round = top_speed, False
-        self._decide(me)
 
     @property
     def is_shared(self) -> bool:
@@ -175,11 +179,8 @@ class Crowd:
 
         They decide anew if a vehicle gets in its way; else they arrive there at `arrives` (s).
         """
+        self._take_up(me, goal, [goal], top_speed)
         party = self._parties[me]
-        if me.goal != goal:
-            me.since, party.least_left = self._clock.now, math.inf
-        self._whereabouts.send(me, goal, [goal])
-        me.top_speed, me.goes_round = top_speed, False
         party.goes_on(self._clock.now)
         party.deciding.set(None)
         party.arriving.set(arrives)
@@ -282,7 +283,7 @@ class Crowd:
 
     def has_room(self, me: Traveller, place: Point) -> bool:
         """Return whether somebody who stands at `place` for good is in nobody's way."""
-        return self.is_shared is False or self.is_free(me, standing(place, start=self._clock.now))
+        return not self.is_shared or self.is_free(me, standing(place, start=self._clock.now))
 
     def halt(self, me: Traveller, is_clear: Callable[[Motion], bool]) -> None:
         """Let somebody stop whose course has been closed: before that place, as far as they can.
