@@ -8,20 +8,19 @@ agent.advance(12.5)
 ```
 """
 
+from .actions import InternalAction, InternalActions
 from .agent import Agent
-from .errors import EndlessProgramError, Problem, ProgramError
-from .language.loading import load, parse, parse_file, programs
+from .errors import EndlessProgramError, ProgramError, ProgramProblem
+from .language.loading import load, parse, parse_file, parse_literal, parse_term, programs
 from .language.program import Belief, Goal, Plan, Program, Rule
 from .language.terms import Literal, Term, Var, text
-from .language.texts import parse_literal, parse_term
 from .lint import doubts
-from .reasoning.actions import InternalAction, InternalActions
 from .reasoning.beliefs import LiveBeliefs
-from .reasoning.calls import Call
 from .reasoning.circumstance import PENDING, Pending, Refused
-from .reasoning.history import Entry, History
+from .reasoning.execution import Call
 from .reasoning.intentions import Intention
-from .reasoning.society import Message, Society
+from .reasoning.state import Entry, History
+from .society import Message, Society
 
 __all__ = [
     "PENDING",
@@ -40,9 +39,9 @@ __all__ = [
     "Message",
     "Pending",
     "Plan",
-    "Problem",
     "Program",
     "ProgramError",
+    "ProgramProblem",
     "Refused",
     "Rule",
     "Society",

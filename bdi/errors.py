@@ -13,7 +13,7 @@ LONGEST = 600
 
 
 @dataclass(frozen=True)
-class Problem:
+class ProgramProblem:
     """One mistake and its place.
 
     Attributes:
@@ -41,7 +41,7 @@ def clipped(text: str) -> str:
 class ProgramError(ValueError):
     """Program that cannot be loaded or cannot go on; `problems` are all its mistakes."""
 
-    def __init__(self, problems: Sequence[Problem]) -> None:
+    def __init__(self, problems: Sequence[ProgramProblem]) -> None:
         self.problems = tuple(problems)
         lines = [str(problem) for problem in self.problems[:MOST_SHOWN]]
         if len(self.problems) > MOST_SHOWN:

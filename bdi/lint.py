@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 
-from .errors import Problem
+from .actions import ActionError
+from .errors import ProgramProblem
 from .internal_actions import STANDARD
-from .language.body import Achieve, Act, Body, Event, For, Fork, If, Place, Update, While
+from .language.body import Achieve, Act, Body, Event, For, ForkJoin, If, Place, Update, While
 from .language.program import Belief, Goal, Plan, Program
 from .language.terms import Literal
-from .reasoning.actions import ActionError
 
 LIKE = 0.85
 """Likeness (of `difflib`) from which the name of an event is taken for another one, misspelt."""
@@ -24,7 +24,7 @@ def doubts(
     *,
     actions: Mapping[str, tuple[int, int]] | None = None,
     events: Iterable[str] = (),
-) -> tuple[Problem, ...]:
+) -> tuple[ProgramProblem, ...]:
     """Return what is doubtful in a program, each with its place.
 
     These are goals for which there is no plan, and internal actions that don't take as many
@@ -39,7 +39,7 @@ def doubts(
     """
     steps = [step for plan in program.plans for step in _steps(plan)]
     called = {name for step in steps if (name := _name(step)).startswith(".")}
-    found: dict[Problem, None] = {}
+    found: dict[ProgramProblem, None] = {}
     for step in (*program.goals, *steps):
         if isinstance(step, Achieve | Goal):
             message = _no_plan(step.goal, program) if called.isdisjoint(CHANGES_PLANS) else ""
@@ -69,7 +69,7 @@ def _in_body(body: Body) -> Iterator[Achieve | Act | Update]:
             yield from (*_in_body(step.then), *_in_body(step.otherwise))
         elif isinstance(step, While | For):
             yield from _in_body(step.body)
-        elif isinstance(step, Fork):
+        elif isinstance(step, ForkJoin):
             yield from (inner for branch in step.branches for inner in _in_body(branch))
 
 

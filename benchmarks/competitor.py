@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from sim.studies.comparison import spread
-from sim.studies.effects import cliffs_delta
+from sim.studies.comparison import cliffs_delta, spread
 
 PERSONALITIES = ("indifferent", "antagonistic", "helpful")
 CONTROLLERS = ("oblivious", "pausing", "avoiding")

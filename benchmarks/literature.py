@@ -41,8 +41,8 @@ from scipy.spatial import cKDTree
 from shapely import affinity
 
 from sim.views import plots
-from sim.views.colours import BLACK, BLUE, GREY, PALE, VERMILION
 from sim.views.plots.style import new_figure, styled
+from sim.views.report_page import BLACK, BLUE, GREY, PALE, VERMILION
 
 SPEEDS = (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 """m/s. Of who leads a single file."""

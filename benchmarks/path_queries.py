@@ -16,10 +16,10 @@ import numpy as np
 
 import floorplan
 from navigation import CollisionWorld, PathPlanner, PlanningError
-from navigation.benchmark import Scene, scenes
+from navigation.benchmark import QuerySet, scenes
 
 
-def milliseconds(planner: PathPlanner, asked: list[Scene], moved: bool) -> list[float]:
+def milliseconds(planner: PathPlanner, asked: list[QuerySet], moved: bool) -> list[float]:
     """Return CPU milliseconds for each question, in turn one of each scene."""
     taken = []
     most = max(len(scene.questions) for scene in asked)

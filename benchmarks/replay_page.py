@@ -18,7 +18,7 @@ from typing import Any
 import floorplan
 import sim
 from sim.core.recorder import DECIMALS
-from sim.views.chromium import Browser
+from sim.views.browser import Browser
 from sim.views.replay import render
 from sim.views.replay_data import replay_data
 

@@ -25,8 +25,8 @@ from random_crowds import errands
 import floorplan
 import navigation
 import sim
-from sim.views.colours import BLUE, VERMILION
 from sim.views.plots.style import new_figure, save, styled
+from sim.views.report_page import BLUE, VERMILION
 
 Curve = list[tuple[float, float]]
 """Points: how many there are, and CPU seconds."""

@@ -14,8 +14,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import sim
-from sim.studies.measuring import figures_of
-from sim.trials.shortening import lasting
+from sim.studies.table import figures_of
+from sim.trials.trial import lasting
 
 HALL = Path(__file__).resolve().parents[1] / "examples" / "picking_hall" / "shift.trial.yaml"
 

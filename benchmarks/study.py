@@ -21,7 +21,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import sim
-from sim.studies import many
+from sim.studies import running as many
 
 TRIAL = """\
 floorplan: ariac2023

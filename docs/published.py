@@ -29,7 +29,7 @@ from PIL import Image, ImageSequence
 import floorplan
 import sim
 from navigation import planners
-from navigation.benchmark import Row, benchmark, summary
+from navigation.benchmark import PlannerRow, benchmark, summary
 
 DOCS = Path(__file__).resolve().parent
 EXAMPLES = DOCS.parent / "examples"
@@ -128,7 +128,7 @@ def paths(_: Path) -> dict[str, str]:
     return made
 
 
-def _paths(rows: list[Row]) -> str:
+def _paths(rows: list[PlannerRow]) -> str:
     head = "planner", "solved", "wrong", "length ÷ shortest, median", "at most"
     lines = [
         (

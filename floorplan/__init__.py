@@ -1,21 +1,52 @@
 """Floorplans: the floor, and what stands on it."""
 
-from .building import footprint
-from .checks import (
+from .building import ObstacleSchema, footprint
+from .checks import check, height_fault, polygon_fault, standing_fault, starting_fault
+from .files.documents import Document, parse_yaml, read_yaml, yaml_text
+from .files.fields import (
+    LARGEST,
     SMALLEST,
-    check,
-    height_fault,
-    polygon_fault,
+    Angle,
+    Flag,
+    NotNegative,
+    Number,
+    Pair,
+    Positive,
+    Range,
+    Strictly,
+    are_figures,
+    figure,
+    is_figure,
     size_fault,
-    standing_fault,
-    starting_fault,
     time_fault,
+    whole,
 )
-from .document import Document, parse_yaml, read_yaml, refuse
-from .fields import Angle, Flag, NotNegative, Number, Pair, Positive, Range, Strictly, whole
-from .kinds import require, require_fields
+from .files.problems import (
+    Fault,
+    FloorplanError,
+    InputError,
+    Place,
+    Problem,
+    UserError,
+    field_name,
+    misfits,
+    refuse,
+    shown,
+    suggestion,
+)
+from .files.reading import (
+    LARGEST_RECORDED,
+    is_file,
+    is_there,
+    no_garbage,
+    read_bytes,
+    read_lines,
+    read_text,
+    require_readable,
+)
+from .files.values import Named, require, require_fields
+from .formats.movingai import CELL, load_movingai
 from .loading import build, builtin, load, parse
-from .map_writing import map_files
 from .model import (
     EVERYBODY,
     LEFT_OUT_IF_EMPTY,
@@ -33,28 +64,7 @@ from .model import (
     free_area,
     rectangle,
 )
-from .movingai import CELL, load_movingai
-from .named import Named
-from .plan import Floorplan
-from .problems import FloorplanError, InputError, Problem, UserError, shown, suggestion
-from .reading import (
-    LARGEST,
-    LARGEST_RECORDED,
-    are_figures,
-    figure,
-    is_figure,
-    is_file,
-    is_there,
-    no_garbage,
-    read_bytes,
-    read_lines,
-    read_text,
-    require_readable,
-)
-from .schema import ObstacleSchema
-from .validation import Fault, Place, field_name, misfits
-from .writing import floor_keys, lost, obstacle_keys
-from .yaml_writing import yaml_text
+from .plan import Floorplan, floor_keys, lost, map_files, obstacle_keys
 
 __all__ = [
     "CELL",

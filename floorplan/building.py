@@ -1,21 +1,261 @@
-"""Values of the parts of a floor from their keys in a file."""
-
-from __future__ import annotations
+"""Keys of a floorplan file in the YAML format, and the parts of a floor built from them."""
 
 import math
-from typing import Any
+from typing import Annotated, Any, Literal
 
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 from shapely.geometry import Polygon, box
 
-from .model import Axis, Door, Gantry, Gate, Human, Lane, Obstacle, SafeZone, Station, Zone
-from .schema import (
-    AgvsSchema,
-    AxisSchema,
-    FloorplanSchema,
-    FootprintSchema,
-    GantrySchema,
-    LaneSchema,
+from .files.fields import Angle, Flag, Number, Pair, Positive, Range, Strictly
+from .files.problems import UserError
+from .model import (
+    DEFAULT_HEIGHT,
+    EVERYBODY,
+    Axis,
+    Door,
+    Gantry,
+    Gate,
+    Human,
+    Lane,
+    Obstacle,
+    SafeZone,
+    Station,
+    Zone,
 )
+
+Size = tuple[Positive, Positive]
+
+Name = Annotated[str, Field(min_length=1)]
+
+Ring = Annotated[list[Pair], Field(min_length=3)]
+
+
+class FootprintSchema(Strictly):
+    """A footprint, in one of four forms."""
+
+    x: Range | None = None
+    y: Range | None = None
+    center: Pair | None = None
+    size: Size | None = None
+    radius: Positive | None = None
+    polygon: Ring | None = None
+    holes: list[Ring] = []
+
+    @model_validator(mode="after")
+    def _one_footprint(self) -> "FootprintSchema":
+        keys = ("x", "y", "center", "size", "radius", "polygon")
+        given = {key for key in keys if getattr(self, key) is not None}
+        if given not in ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}):
+            raise UserError(
+                "give the footprint as x and y ranges, as center and size, as center and radius,"
+                f" or as polygon; found {', '.join(sorted(given)) or 'none of them'}"
+            )
+        if self.holes and self.polygon is None:
+            raise UserError("only a polygon has holes")
+        return self
+
+
+class ObstacleSchema(FootprintSchema):
+    """A footprint and its heights."""
+
+    z: Range
+
+
+class DoorSchema(Strictly):
+    """A door between two points."""
+
+    between: tuple[Pair, Pair]
+    open: Flag = True
+    thickness: Positive = 0.1
+    height: Positive = DEFAULT_HEIGHT
+
+
+class ZoneSchema(FootprintSchema):
+    """An area, and the rule that holds in it for some."""
+
+    max_speed: Positive | None = None
+    forbidden: Flag = False
+    one_way: Pair | None = None
+    concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
+
+    @model_validator(mode="after")
+    def _one_rule(self) -> "ZoneSchema":
+        if self.forbidden == (self.max_speed is not None or self.one_way is not None):
+            raise UserError("give forbidden: true, or max_speed (m/s) and one_way (x, y)")
+        return self
+
+
+class GateSchema(Strictly):
+    """A line between two points, and a place on the side that some may cross to."""
+
+    between: tuple[Pair, Pair]
+    towards: Pair
+    concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
+
+
+class HumanSchema(Strictly):
+    """The measures of people."""
+
+    radius: Positive = 0.3
+    height: Positive = 1.75
+    max_speed: Positive = 1.0
+    max_acceleration: Positive = 2.5
+    goal_tolerance: Positive = 0.25
+
+
+class SafeZoneSchema(Strictly):
+    """Start of people."""
+
+    at: Pair
+    heading: Angle = 0.0
+
+
+class LaneSchema(Strictly):
+    """Keys of a single AGV; those that all AGVs share count where it has none of its own."""
+
+    origin: Pair
+    heading: Angle = 0.0
+    start: str | None = None
+    serves: dict[str, str] = {}
+    size: Size | None = None
+    height: Positive | None = None
+    max_speed: Positive | None = None
+    max_acceleration: Positive | None = None
+    limits: Range | None = None
+    locations: dict[str, Number] | None = None
+
+
+class AgvsSchema(Strictly):
+    """Keys that all AGVs share, and the lane of each."""
+
+    size: Size
+    height: Positive
+    max_speed: Positive
+    max_acceleration: Positive
+    limits: Range
+    locations: dict[str, Number]
+    start: str
+    lanes: dict[str, LaneSchema]
+
+
+class AxisSchema(Strictly):
+    """One axis of the gantry."""
+
+    range: Range
+    max_speed: Positive
+    max_acceleration: Positive
+    max_jerk: Positive = 2.0
+
+
+class TorsoSchema(Strictly):
+    """The box around the gantry's axis."""
+
+    size: Size
+    z: Range
+
+
+class ArmSchema(Strictly):
+    """The folded arm's envelope."""
+
+    mount: Pair
+    reach: Positive
+    bottom: Positive
+
+
+class GantrySchema(Strictly):
+    """The overhead robot."""
+
+    x: AxisSchema
+    y: AxisSchema
+    rotation: AxisSchema = AxisSchema(
+        range=(-2 * math.pi, 2 * math.pi), max_speed=math.pi / 4, max_acceleration=0.5
+    )
+    start: tuple[Number, Number, Number]
+    torso: TorsoSchema
+    arm: ArmSchema
+    rail_height: Positive
+    tray_height: Positive
+
+
+METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
+"""Length in metres of each unit that a file may give."""
+
+Unit = Literal["m", "cm", "mm", "in", "ft"]
+
+
+class GroupSchema(Strictly):
+    """The layers of one group of shapes, by patterns, and how they are drawn there."""
+
+    layers: Annotated[list[Name], Field(min_length=1)]
+    z: Range | None = None
+    line_width: Positive | None = None
+    hollow: Flag = False
+
+
+def _as_group(value: Any) -> Any:
+    return {"layers": value} if isinstance(value, list) else value
+
+
+Group = Annotated[GroupSchema, BeforeValidator(_as_group)]
+"""A group as keys, or only the list of its layers."""
+
+OF_DRAWINGS = ("layers", "snap", "leave_out")
+"""Keys of a floor that only say how the drawing below it is read."""
+
+OF_BASES = (*OF_DRAWINGS, "remove", "move", "rename")
+"""Keys of a floor that are about what lies below it."""
+
+
+class FloorplanSchema(Strictly):
+    """A whole floorplan file."""
+
+    name: str | None = None
+    title: str = ""
+    source: str = ""
+    base: Name | None = None
+    units: Unit | None = None
+    origin: Pair = (0.0, 0.0)
+    rotation: Angle = 0.0
+    layers: Annotated[dict[str, Group], Field(min_length=1)] | None = None
+    snap: Positive | None = None
+    leave_out: list[str] = []
+    remove: list[str] = []
+    move: dict[str, Pair] = {}
+    rename: dict[str, Name] = {}
+    boundary: Ring | None = Field(None, validate_default=True)
+    holes: list[Ring] = []
+    obstacles: dict[str, ObstacleSchema] = {}
+    stations: dict[str, Pair] = {}
+    patrol: list[str] | None = None
+    safe_zone: SafeZoneSchema | None = None
+    human: HumanSchema = HumanSchema()
+    agvs: AgvsSchema | None = None
+    gantry: GantrySchema | None = None
+    doors: dict[str, DoorSchema] = {}
+    zones: dict[str, ZoneSchema] = {}
+    gates: dict[str, GateSchema] = {}
+
+    @field_validator("boundary")
+    @classmethod
+    def _there(cls, value: Any, info: ValidationInfo) -> Any:
+        # Where `base` itself is unfit, it is not in the data.
+        if value is None and info.data.get("base", "") is None:
+            raise PydanticCustomError("missing", "is missing")
+        return value
+
+    @field_validator(*OF_BASES)
+    @classmethod
+    def _of_a_base(cls, value: Any, info: ValidationInfo) -> Any:
+        if info.data.get("base", "") is None:
+            raise UserError("belongs to a floor on top of another; give its base")
+        return value
+
+    @property
+    def metre(self) -> float:
+        """The length in metres of the unit of this file."""
+        return METRE[self.units or "m"]
+
 
 _CORNERS = 32
 """Corners of the polygon that stands for a disc."""

@@ -13,15 +13,10 @@ import shapely
 from shapely.geometry import LineString, Point, Polygon
 from shapely.validation import explain_validity
 
-from .document import refuse
-from .kinds import SOUND, require, require_fields
+from .files.fields import LARGEST, SMALLEST, size_fault
+from .files.problems import Fault, FloorplanError, Place, refuse
+from .files.values import SOUND, require, require_fields
 from .model import Floor, Gate, Lane, Obstacle, Zone
-from .problems import FloorplanError
-from .reading import LARGEST
-from .validation import Fault, Place
-
-SMALLEST = 1e-6
-"""Smallest figure of those that must be above 0, in its unit: at less, nothing ever arrives."""
 
 WIDEST = 1e6
 """Metres (or radians). No floor is longer, and no lane or axis goes further from its 0: on longer
@@ -154,22 +149,6 @@ def standing_fault(plan: Floor, at: tuple[float, float], radius: float | None = 
     if gap == 0:
         return f"{place} is inside {name}"
     return f"{place} is {gap:.3f} m from {name}; a person of radius {radius:g} m does not fit"
-
-
-def size_fault(value: float) -> str:
-    """Return the reason why `value` can be no length, speed or duration, or an empty text."""
-    if SMALLEST <= value <= LARGEST:
-        return ""
-    if 0 < value < SMALLEST:
-        return f"must be at least {SMALLEST:g}, not {value!r}"
-    return f"must be more than 0 and at most {LARGEST:g}, not {value!r}"
-
-
-def time_fault(value: float) -> str:
-    """Return the reason why `value` can be no instant of a trial (seconds), or an empty text."""
-    if 0 <= value <= LARGEST:
-        return ""
-    return f"must be a time from 0 to {LARGEST:g} s, not {value!r}"
 
 
 def height_fault(obstacle: Obstacle) -> str:

@@ -1,29 +1,238 @@
-"""Loading of floorplans by the name of a file or of a built-in one."""
+"""Loading of floorplans by name or path, scaled, placed and laid over a base."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import TypeVar
 
+import numpy as np
+import shapely
+from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
-from .building import parts
+from .building import METRE, OF_DRAWINGS, FloorplanSchema, parts
 from .checks import check, faults, keep_sound
-from .document import Document, parse_yaml, read_yaml
-from .dxf import load_dxf
-from .geojson import load_geojson
-from .layers import AS_IT_IS, Drawn, Group
-from .movingai import load_drawn_map
-from .overlay import corrected, correction_faults, laid_over
-from .placing import put, scaled
+from .files.documents import Document, parse_yaml, read_yaml
+from .files.problems import Fault, FloorplanError, Place, Problem, UserError, suggestion
+from .files.reading import is_there
+from .formats.drawings import AS_IT_IS, Drawn, LayerGroup
+from .formats.dxf import load_dxf
+from .formats.geojson import load_geojson
+from .formats.movingai import load_drawn_map
+from .formats.ros_map import build_ros_map, is_ros_map
+from .formats.wkt import load_wkt
+from .model import Axis, Door, Gantry, Gate, Lane, Obstacle, Point, Station, Zone
 from .plan import Floorplan
-from .problems import FloorplanError, Problem, UserError, suggestion
-from .reading import is_there
-from .ros_map import build_ros_map, is_ros_map
-from .schema import METRE, OF_DRAWINGS, FloorplanSchema
-from .validation import Place
-from .wkt import load_wkt
+
+_Floats = NDArray[np.float64]
+
+
+def scaled(plan: Floorplan, metre: float) -> Floorplan:
+    """Return `plan`, whose lengths are in a unit of `metre` metres, in metres.
+
+    Measures of people, speeds and accelerations are metres and seconds as they are.
+    """
+    if metre == 1.0:
+        return plan
+    moved = _mapped(plan, lambda points: points * metre)
+    gantry = plan.gantry
+    return replace(
+        moved,
+        obstacles=[replace(o, bottom=o.bottom * metre, top=o.top * metre) for o in moved.obstacles],
+        lanes=[_scaled_lane(lane, metre) for lane in moved.lanes],
+        gantry=None if gantry is None else _scaled_gantry(gantry, metre),
+        doors=[
+            replace(door, thickness=door.thickness * metre, height=door.height * metre)
+            for door in moved.doors
+        ],
+    )
+
+
+def put(plan: Floorplan, origin: Point, rotation: float) -> Floorplan:
+    """Return `plan` with its point `origin` (metres) at (0, 0), turned about it by `rotation`.
+
+    The gantry's axes are those of the floor: `ValueError` if it would have to be turned.
+    """
+    if origin == (0.0, 0.0) and rotation == 0.0:
+        return plan
+    if plan.gantry is not None and rotation != 0.0:
+        raise UserError(
+            "a gantry can't be turned, its axes are those of the floor: put it into a floor of its"
+            " own whose base is this file without the gantry"
+        )
+    c, s = _turn(rotation)
+
+    def moved(points: _Floats) -> _Floats:
+        x, y = points[:, 0] - origin[0], points[:, 1] - origin[1]
+        return np.column_stack([c * x - s * y, s * x + c * y])
+
+    placed = _mapped(plan, moved)
+    zone, gantry = placed.safe_zone, plan.gantry
+    return replace(
+        placed,
+        safe_zone=None if zone is None else replace(zone, heading=zone.heading + rotation),
+        lanes=[replace(lane, heading=lane.heading + rotation) for lane in placed.lanes],
+        gantry=None if gantry is None else _moved_gantry(gantry, origin),
+    )
+
+
+def _turn(angle: float) -> Point:
+    """Return cosine and sine of `angle` (radians); exact at quarters of a turn."""
+    # The cosine of π / 2 as a float is 6e-17: what is square stays square.
+    return round(math.cos(angle), 15), round(math.sin(angle), 15)
+
+
+def _mapped(plan: Floorplan, move: Callable[[_Floats], _Floats]) -> Floorplan:
+    """Return `plan` with all places of it (N, 2) moved; lanes begin where they are moved to."""
+
+    def place(at: Point) -> Point:
+        x, y = move(np.array([at], float))[0].tolist()
+        return x, y
+
+    zone = plan.safe_zone
+    return replace(
+        plan,
+        boundary=shapely.transform(plan.boundary, move),
+        obstacles=[
+            replace(o, footprint=shapely.transform(o.footprint, move)) for o in plan.obstacles
+        ],
+        stations=[replace(one, position=place(one.position)) for one in plan.stations],
+        safe_zone=None if zone is None else replace(zone, position=place(zone.position)),
+        lanes=[replace(lane, origin=place(lane.origin)) for lane in plan.lanes],
+        doors=[
+            replace(door, ends=(place(door.ends[0]), place(door.ends[1]))) for door in plan.doors
+        ],
+        zones=[replace(zone, area=shapely.transform(zone.area, move)) for zone in plan.zones],
+        gates=[
+            replace(
+                gate, ends=(place(gate.ends[0]), place(gate.ends[1])), towards=place(gate.towards)
+            )
+            for gate in plan.gates
+        ],
+    )
+
+
+def _scaled_lane(lane: Lane, metre: float) -> Lane:
+    return replace(
+        lane,
+        limits=(lane.limits[0] * metre, lane.limits[1] * metre),
+        locations={name: q * metre for name, q in lane.locations.items()},
+        length=lane.length * metre,
+        width=lane.width * metre,
+        height=lane.height * metre,
+    )
+
+
+def _scaled_gantry(gantry: Gantry, metre: float) -> Gantry:
+    def axis(one: Axis) -> Axis:
+        return replace(one, low=one.low * metre, high=one.high * metre)
+
+    x, y, rotation = gantry.start
+    length, width, bottom, top = (value * metre for value in gantry.torso)
+    return replace(
+        gantry,
+        x=axis(gantry.x),
+        y=axis(gantry.y),
+        start=(x * metre, y * metre, rotation),
+        torso=(length, width, bottom, top),
+        arm_mount=(gantry.arm_mount[0] * metre, gantry.arm_mount[1] * metre),
+        arm_reach=gantry.arm_reach * metre,
+        arm_bottom=gantry.arm_bottom * metre,
+        rail_height=gantry.rail_height * metre,
+        tray_height=gantry.tray_height * metre,
+    )
+
+
+def _moved_gantry(gantry: Gantry, origin: Point) -> Gantry:
+    def axis(one: Axis, by: float) -> Axis:
+        return replace(one, low=one.low - by, high=one.high - by)
+
+    x, y, rotation = gantry.start
+    return replace(
+        gantry,
+        x=axis(gantry.x, origin[0]),
+        y=axis(gantry.y, origin[1]),
+        start=(x - origin[0], y - origin[1], rotation),
+    )
+
+
+_Thing = TypeVar("_Thing", Obstacle, Station, Door, Zone, Gate)
+
+
+_FIELDS = {
+    **{key: key for key in ("title", "source", "boundary", "patrol", "safe_zone", "human")},
+    "agvs": "lanes",
+    "gantry": "gantry",
+}
+"""Fields of a floor that take the place of the base's, by their keys in a file."""
+
+
+def corrected(base: Floorplan, schema: FloorplanSchema, metre: float) -> Floorplan:
+    """Return `base` without what is removed, and with what is moved and renamed.
+
+    All by the names that the obstacles have in `base`; distances are in units of `metre` metres.
+    """
+    kept = []
+    for obstacle in base.obstacles:
+        name = obstacle.name
+        if any(fnmatchcase(name, pattern) for pattern in schema.remove):
+            continue
+        if name in schema.move:
+            dx, dy = (d * metre for d in schema.move[name])
+            footprint = shapely.transform(obstacle.footprint, lambda at, d=(dx, dy): at + d)
+            obstacle = replace(obstacle, footprint=footprint)
+        kept.append(replace(obstacle, name=schema.rename.get(name, name)))
+    return replace(base, obstacles=kept)
+
+
+def correction_faults(base: Floorplan, schema: FloorplanSchema) -> Iterator[Fault]:
+    """Yield the corrections that are about nothing in `base`, or contradict each other."""
+    names = [obstacle.name for obstacle in base.obstacles]
+    removed = set()
+    for k, pattern in enumerate(schema.remove):
+        met = {name for name in names if fnmatchcase(name, pattern)}
+        removed |= met
+        if not met:
+            yield _unknown(pattern, names), ("remove", k)
+    for key, given in (("move", schema.move), ("rename", schema.rename)):
+        for name in given:
+            if name not in names:
+                yield _unknown(name, names), (key, name)
+            elif name in removed:
+                yield f"{name!r} is removed as well", (key, name)
+
+
+def _unknown(name: str, names: Sequence[str]) -> str:
+    hint = suggestion(name, names) if names else "it has none"
+    return f"no obstacle of the base is called {name!r}; {hint}"
+
+
+def laid_over(base: Floorplan, top: Floorplan, given: Iterable[str]) -> Floorplan:
+    """Return `base` with `top` over it; `given` are the keys that `top` has.
+
+    Of two things of one kind and name, that of `top` stands.
+    """
+    laid = {_FIELDS[key]: getattr(top, _FIELDS[key]) for key in given if key in _FIELDS}
+    return replace(
+        base,
+        name=top.name,
+        obstacles=_replaced(base.obstacles, top.obstacles),
+        stations=_replaced(base.stations, top.stations),
+        doors=_replaced(base.doors, top.doors),
+        zones=_replaced(base.zones, top.zones),
+        gates=_replaced(base.gates, top.gates),
+        **laid,
+    )
+
+
+def _replaced(below: Sequence[_Thing], above: Sequence[_Thing]) -> list[_Thing]:
+    over = [thing.name for thing in above]
+    return [thing for thing in below if thing.name not in over] + list(above)
+
 
 BUILT_IN = Path(__file__).parent / "data"
 """Folder of the floorplans that come with Floorwalker."""
@@ -162,7 +371,7 @@ def _base(
     groups = None
     if schema.layers is not None:
         groups = {
-            group: Group(
+            group: LayerGroup(
                 tuple(keys.layers),
                 None if keys.z is None else (keys.z[0] * schema.metre, keys.z[1] * schema.metre),
                 keys.line_width,

@@ -16,8 +16,8 @@ import shapely
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
-from .named import NamedField
-from .problems import Problem, UserError
+from .files.problems import Problem, UserError
+from .files.values import NamedField
 
 DEFAULT_HEIGHT = 3.0
 """Metres. Height of obstacles from formats that have no heights."""

@@ -1,31 +1,25 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
-from .among import Mover, Passage, plan_among
 from .bodies import Disc
-from .catalog import planners
-from .choice import PlannerChoice
-from .clearance import Swath, first_conflict, swath, walked
-from .conditions import (
-    STANDING_SPEED,
-    Apart,
-    Approaching,
-    Both,
-    Condition,
-    Moving,
-    Not,
-    Overlapping,
-    TooClose,
+from .catalog import Path, PlannerChoice, PlannerError, PlannerInfo, PlanningError, Watch, planners
+from .encounter import (
+    Box,
+    Cylinder,
+    Enclosure,
+    Encounter,
+    Odometer,
+    Shapes,
+    agv_box,
+    folded_arm,
+    torso_box,
 )
-from .courses import Company, Courses
-from .crowding import Nearest, nearest_pair
-from .encounter import Encounter
-from .gantry_planner import GantryPath, GantryPlanner
+from .freespace import Narrows
 from .kernels.braking import Stops
 from .kernels.candidates import Candidates
 from .kernels.discs import first_met, within_bounds
 from .kernels.edges import Legs, legs_of, touches
 from .kernels.following import followed
-from .kernels.foresight import Foresight
+from .kernels.foresight import TrajectoryChoice
 from .kernels.grid import middles
 from .kernels.lookout import most_remote, nearest_on
 from .kernels.movers import Movers
@@ -34,9 +28,10 @@ from .kernels.pieces import walked_and_stood
 from .kernels.retreats import Retreats
 from .kernels.throng import Throng
 from .kernels.ways_round import CHUNK, WaysRound
-from .lookout import Lookout
 from .machines import (
     ARIAC_GANTRY,
+    AxisLimits,
+    AxisState,
     GantryLimits,
     Machine,
     Stop,
@@ -50,8 +45,19 @@ from .machines import (
     lane_state,
     longest_stop,
 )
+from .measures import Company, Courses, Nearest, nearest_pair
 from .monitor import (
     RESOLUTION,
+    STANDING_SPEED,
+    Apart,
+    Approaching,
+    Both,
+    Condition,
+    Moving,
+    Not,
+    Overlapping,
+    StoppingHorizon,
+    TooClose,
     first_interval,
     first_time,
     first_violation,
@@ -60,13 +66,9 @@ from .monitor import (
     violations,
     when,
 )
-from .motion import Cubic, Motion, Piece, State, join, standing
-from .narrows import Narrows
-from .odometer import Enclosure, Odometer
-from .pace import pace, paced
-from .path import Path, PlannerError, PlannerInfo, PlanningError, Watch
-from .planner import PathPlanner
-from .profiles import AxisLimits, AxisState
+from .motion import Cubic, Motion, Piece, State, Track, join, standing
+from .moving_obstacles import Mover, Passage, plan_among
+from .planner import GantryPath, GantryPlanner, PathPlanner
 from .separation import (
     AnyLaw,
     ApproachLaw,
@@ -83,9 +85,20 @@ from .separation import (
     required_at_speeds,
     requirement,
 )
-from .surfaces import Box, Cylinder, Shapes, agv_box, folded_arm, torso_box
-from .track import Track
-from .walk import can_go_on, corner_speed, leg_to, remaining_path, stop_walking, walk
+from .walking import (
+    Swath,
+    can_go_on,
+    corner_speed,
+    first_conflict,
+    leg_to,
+    pace,
+    paced,
+    remaining_path,
+    stop_walking,
+    swath,
+    walk,
+    walked,
+)
 from .world import CollisionWorld
 
 __all__ = [
@@ -112,14 +125,12 @@ __all__ = [
     "Enclosure",
     "Encounter",
     "FixedDistance",
-    "Foresight",
     "GantryLimits",
     "GantryPath",
     "GantryPlanner",
     "IntegralLaw",
     "Law",
     "Legs",
-    "Lookout",
     "Machine",
     "Motion",
     "MotionLaw",
@@ -145,11 +156,13 @@ __all__ = [
     "Shapes",
     "State",
     "Stop",
+    "StoppingHorizon",
     "Stops",
     "Swath",
     "Throng",
     "TooClose",
     "Track",
+    "TrajectoryChoice",
     "Watch",
     "WaysRound",
     "agv_box",

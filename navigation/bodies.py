@@ -1,4 +1,8 @@
-"""Bodies on the floor (AGVs, other people, a gantry's shadow) and their FCL objects.
+"""Bodies on the floor with their FCL objects, and the corners that paths bend around.
+
+Around a convex corner of an obstacle the centre of a disc follows an arc. Arcs are drawn as
+polylines that touch them from outside, in equal steps of a given angle: what is left over is
+always a little less than the true room, never more.
 
 All FCL objects here lie in the plane z = 0: a region is a mesh of triangles in that plane, a disc
 a sphere centred on it, and the sweep of a disc along a straight line a capsule. In the plane their
@@ -9,20 +13,230 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import MutableSequence
+from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import fcl
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
 from floorplan import Point
 
-from .corners import Corners, Floats, around_disc, corners, edges_of_solid, round_corner
 from .kernels.numbers import numbers
+
+Floats = NDArray[np.float64]
+
+_OVERLAP = 1e-3
+"""Radians. How far a sector reaches into the strips beside it, so that rounding leaves no crack
+between them."""
+
+_FULL = 2 * math.pi
+_BEGIN, _TURN = np.array([math.pi]), np.array([_FULL])
+"""Where the corner begins that a disc is, and the angle of its arc (radians)."""
+
+_STRAIGHT = 1e-9
+"""Radians. Corners that turn less than this are none."""
+
+
+@dataclass(frozen=True)
+class Corners:
+    """K arcs to go round clockwise.
+
+    Each has a centre (K, 2), a radius of its own in metres (0 at the corner of a polygon), the
+    angle at which its arc begins, and the angle of the arc (radians, clockwise, more than 0).
+    """
+
+    centre: Floats
+    radius: Floats
+    begin: Floats
+    turn: Floats
+
+    def take(self, keep: NDArray[np.bool_]) -> Corners:
+        """Return those of the corners that are marked in `keep` (K,)."""
+        return Corners(*(column[keep] for column in vars(self).values()))
+
+
+@dataclass(frozen=True)
+class Bends:
+    """The N places where a polyline around grown corners bends.
+
+    `point` (N, 2) metres; `before` and `after` (N, 2) are the unit directions of the path that
+    goes round the corner clockwise, on either side of the bend; `reach` (N,) is the distance from
+    the bend (metres) at which that path touches the arc; `corner` (N,) is the index of the corner.
+    """
+
+    point: Floats
+    before: Floats
+    after: Floats
+    reach: Floats
+    corner: NDArray[np.intp]
+
+    def __len__(self) -> int:
+        return len(self.point)
+
+    def take(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> Bends:
+        """Those of the bends that are marked in `keep` (N,), or that it has the numbers of."""
+        return Bends(*(column[keep] for column in vars(self).values()))
+
+    def columns(self) -> Floats:
+        """Return x and y of point, before and after, and reach, in rows: (7, N)."""
+        return np.vstack([self.point.T, self.before.T, self.after.T, self.reach])
+
+    @staticmethod
+    def join(parts: Sequence[Bends]) -> Bends:
+        """Return the bends of all parts; corners keep the numbers they have in their part."""
+        columns = zip(*(vars(part).values() for part in parts), strict=True)
+        return Bends(*map(np.concatenate, columns))
+
+
+def edges_of_room(room: shapely.Geometry) -> list[Floats]:
+    """Return the closed rings ((n + 1, 2), metres) around free `room`: it lies on their left."""
+    return _rings(shapely.orient_polygons(room))
+
+
+def edges_of_solid(solid: shapely.Geometry) -> list[Floats]:
+    """The closed rings ((n + 1, 2), metres) around a `solid` thing: the room is on their left."""
+    return _rings(shapely.orient_polygons(solid, exterior_cw=True))
+
+
+def flat_sides(edges: list[Floats]) -> MutableSequence[float]:
+    """Return x and y of both ends of all sides of the rings, one side after another (metres)."""
+    return numbers(np.hstack(_sides(edges)).ravel().tolist())
+
+
+def corners(edges: list[Floats]) -> Corners:
+    """Return the corners at which solid things stick out into the room on the left of `edges`."""
+    begin, end = _sides(edges)
+    along = end - begin
+    heading = np.arctan2(along[:, 1], along[:, 0])
+    # The corner at begin[k] lies between the side k and the one before it in its ring.
+    before = np.arange(len(heading)) - 1
+    count = np.array([len(ring) - 1 for ring in edges], dtype=int)
+    before[np.cumsum(count) - count] = np.cumsum(count) - 1
+    arriving, leaving = heading[before], heading
+    # The room is on the left, so where a ring turns right something solid sticks out into it.
+    turn = (arriving - leaving + math.pi) % (2 * math.pi) - math.pi
+    bent = turn > _STRAIGHT
+    return Corners(
+        begin[bent], np.zeros(np.count_nonzero(bent)), arriving[bent] + math.pi / 2, turn[bent]
+    )
+
+
+def round_corner(centre: tuple[float, float], radius: float) -> Corners:
+    """Return a disc as one corner, to be gone round in a full circle."""
+    # Where that begins does not matter.
+    return Corners(np.array([centre]), np.array([radius]), _BEGIN, _TURN)
+
+
+def bends(around: Corners, radius: float, step: float) -> Bends:
+    """Return the bends of a disc of `radius` metres around corners, of `step` radians at most."""
+    discs = len(around.turn) == 1 and around.turn[0] == _FULL
+    fans = _fans_of_disc(step) if discs else _fans(around.begin, around.turn, step)
+    of, cosine, sine, middle, before, after = fans
+    # The polygon's sides touch the arc in their middles, so its corners are farther out.
+    out = (radius + around.radius[of]) / cosine
+    point = around.centre[of] + out[:, None] * middle
+    return Bends(point, before, after, out * sine, of)
+
+
+def _fans(begin: Floats, turn: Floats, step: float) -> tuple[Any, ...]:
+    """Return the directions in which the bends around corners lie, and the path there.
+
+    Of each bend the number of its corner, cosine and sine of half the angle from one to the next,
+    the direction to it, and those of the path before and after it.
+    """
+    count = np.maximum(np.ceil(turn / step - 1e-9), 1).astype(int)
+    of = np.repeat(np.arange(len(count)), count)
+    place = np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
+    share = turn[of] / count[of]
+    middle = begin[of] - (place + 0.5) * share
+    before, after = _clockwise(middle + share / 2), _clockwise(middle - share / 2)
+    return of, np.cos(share / 2), np.sin(share / 2), _unit(middle), before, after
+
+
+@lru_cache
+def _fans_of_disc(step: float) -> tuple[Any, ...]:
+    """Return `_fans` of a disc: they are those of any other."""
+    return _fans(_BEGIN, _TURN, step)
+
+
+def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:
+    """Return the room on the left of `edges` that is closer to them than `radius` metres."""
+    strips = _strips(edges, radius)
+    sectors = _sectors(corners(edges), radius, step)
+    # Most floors are many small things far apart: those that don't touch need no overlay.
+    return shapely.disjoint_subset_union_all(np.concatenate([strips, sectors]))
+
+
+def around_disc(centre: tuple[float, float], radius: float, step: float) -> Polygon:
+    """The regular polygon around a disc, its sides seen from the centre under `step` or less."""
+    return Polygon(bends(round_corner(centre, radius), 0.0, step).point)
+
+
+def _rings(polygons: shapely.Geometry) -> list[Floats]:
+    rings = []
+    for polygon in shapely.get_parts(polygons):
+        holes = shapely.get_interior_ring(polygon, range(shapely.get_num_interior_rings(polygon)))
+        for ring in (shapely.get_exterior_ring(polygon), *holes):
+            points = shapely.get_coordinates(ring)
+            fresh = (points[1:] != points[:-1]).any(axis=1)
+            rings.append(points if fresh.all() else points[np.append(True, fresh)])
+    return rings
+
+
+def _sides(edges: list[Floats]) -> tuple[Floats, Floats]:
+    """Return the begin and the end of all sides of the rings, (N, 2) metres each."""
+    none = np.empty((0, 2))
+    begin = np.concatenate([none, *(ring[:-1] for ring in edges)])
+    end = np.concatenate([none, *(ring[1:] for ring in edges)])
+    return begin, end
+
+
+def _strips(edges: list[Floats], radius: float) -> NDArray[np.object_]:
+    a, b = _sides(edges)
+    along = b - a
+    left = np.column_stack([-along[:, 1], along[:, 0]])
+    left *= radius / np.hypot(along[:, 0], along[:, 1])[:, None]
+    strips: NDArray[np.object_] = shapely.polygons(np.stack([a, b, b + left, a + left], axis=1))
+    return strips
+
+
+def _sectors(around: Corners, radius: float, step: float) -> NDArray[np.object_]:
+    count = len(around.turn)
+    arc = bends(Corners(around.centre, np.zeros(count), around.begin, around.turn), radius, step)
+    # A sector is the centre, the bends of the arc, and both ends of it, a little beyond the strips.
+    first = around.centre + radius * _unit(around.begin + _OVERLAP)
+    last = around.centre + radius * _unit(around.begin - around.turn - _OVERLAP)
+    points = np.concatenate([around.centre, first, arc.point, last])
+    numbers = np.arange(count)
+    of = np.concatenate([numbers, numbers, arc.corner, numbers])
+    # The points of one sector follow each other, in the order they have above.
+    order = np.argsort(of, kind="stable")
+    sectors: NDArray[np.object_] = shapely.polygons(
+        shapely.linearrings(points[order], indices=of[order])
+    )
+    return sectors
+
+
+def _unit(angle: Floats) -> Floats:
+    return _pairs(np.cos(angle), np.sin(angle))
+
+
+def _clockwise(normal: Floats) -> Floats:
+    """Return the clockwise direction where the normal has the angle `normal`."""
+    return _pairs(np.sin(normal), -np.cos(normal))
+
+
+def _pairs(x: Floats, y: Floats) -> Floats:
+    """Return x and y (N,) side by side: (N, 2), as `np.stack` would, but quicker."""
+    pairs = np.empty((len(x), 2))
+    pairs[:, 0], pairs[:, 1] = x, y
+    return pairs
+
 
 TOLERANCE = 1e-6
 """Metres. How far FCL's answers about flat shapes may be off."""
@@ -54,7 +268,7 @@ class Disc:
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class CollisionBody:
     """A body where it is now. One that moves is replaced by another value."""
 
     name: str
@@ -63,14 +277,14 @@ class Body:
     bounds: tuple[float, float, float, float] = field(repr=False)
 
     @staticmethod
-    def of(name: str, shape: Polygon | Disc) -> Body:
+    def of(name: str, shape: Polygon | Disc) -> CollisionBody:
         """Return the body `name` with this footprint; `ValueError` if it is no simple polygon."""
         if isinstance(shape, Disc):
             (x, y), r = shape.centre, shape.radius
-            return Body(name, shape, disc(shape.centre, r), (x - r, y - r, x + r, y + r))
+            return CollisionBody(name, shape, disc(shape.centre, r), (x - r, y - r, x + r, y + r))
         if not isinstance(shape, Polygon) or shape.is_empty or not shape.is_valid:
             raise ValueError(f"the footprint of {name!r} must be a Disc or a simple polygon")
-        return Body(name, shape, region(shape), shape.bounds)
+        return CollisionBody(name, shape, region(shape), shape.bounds)
 
     @property
     def footprint(self) -> Polygon:

@@ -1,21 +1,123 @@
-"""The planners there are, by name, and their parameters."""
+"""Planners by name with their parameters, the choice of a planner, and the paths it returns."""
 
 from __future__ import annotations
 
 import inspect
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import cache
-from typing import Any, TypeAlias
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from typing import Any, Literal, TypeAlias
 
+import numpy as np
 import ompl.base as ob
 import ompl.geometric as og
+from numpy.typing import NDArray
 
-from floorplan import UserError, suggestion
+from floorplan import InputError, UserError, field_name, parse_yaml, suggestion
 
-from .path import PlannerInfo
+Reason = Literal["start_blocked", "goal_blocked", "unreachable", "not_found"]
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """A polyline on the floor that a disc can follow without touching anything."""
+
+    points: NDArray[np.float64]
+    """(N, 2) metres, the start first and the goal last, exactly as they were given."""
+    clear: float | Callable[[], float] = field(repr=False)
+    """Its `clearance`, or a function that works it out."""
+    planner: str
+    """The name of the planner that found it."""
+    checks: int
+    """Number of collision queries that it took."""
+
+    def __repr__(self) -> str:
+        figures = f"{len(self.points)} waypoints, {self.clearance:.3f} m clear"
+        return f"<{type(self).__name__} of {self.length:.3f} m by {self.planner}: {figures}>"
+
+    def __reduce__(self) -> tuple[type[Path], tuple[NDArray[np.float64], float, str, int]]:
+        return (type(self), (self.points, self.clearance, self.planner, self.checks))
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Return its points: a path stands for them wherever an array does, as in `walk`."""
+        return np.array(self.points, dtype=dtype, copy=True if copy is None else copy)
+
+    @cached_property
+    def clearance(self) -> float:
+        """Metres from the polyline to the nearest thing anywhere along it.
+
+        It is computed when first read, from the world as it was.
+        """
+        return self.clear if isinstance(self.clear, float) else self.clear()
+
+    @property
+    def length(self) -> float:
+        """Metres."""
+        return float(np.hypot(*np.diff(self.points[:, :2], axis=0).T).sum())
+
+
+class PlanningError(Exception):
+    """Reason why there is no path.
+
+    `reason` is "start_blocked" or "goal_blocked" if there is no room to stand there,
+    "unreachable" if it is proved that no path leads from one to the other, and "not_found" if a
+    planner spent its budget of samples without finding one that may well exist. `message` names
+    what is in the way; it is computed when first read, from the world as it was.
+    """
+
+    def __init__(self, reason: Reason, message: str | Callable[[], str]) -> None:
+        super().__init__(reason)
+        self.reason: Reason = reason
+        self._message = message
+
+    @property
+    def message(self) -> str:
+        """The reason in a sentence, with the things that are in the way."""
+        if not isinstance(self._message, str):
+            self._message = self._message()
+        return self._message
+
+    def __str__(self) -> str:
+        return self.message
+
+    def __reduce__(self) -> tuple[type[PlanningError], tuple[Reason, str]]:
+        return (type(self), (self.reason, self.message))
+
+
+class PlannerError(UserError):
+    """A planner that can't be found, or that failed: its path may be no answer."""
+
+
+@dataclass(frozen=True)
+class PlannerInfo:
+    """A planner that one can ask for by name."""
+
+    name: str
+    summary: str
+    optimal: bool
+    """True if its paths approach the shortest one as its budget grows."""
+    iterations: int = 0
+    """Its budget where no other is given."""
+    parameters: tuple[str, ...] = ()
+    """The names of what can be set."""
+
+
+class Watch:
+    """Watches a search, of one of OMPL's planners, while it goes on. This one does nothing.
+
+    A budget of time, or a curve of cost over time, is a subclass.
+    """
+
+    def iteration(self, planner: Any) -> bool:
+        """Return True to end the search here; called before each iteration of `planner`, OMPL's."""
+        return False
+
+    def solved(self) -> None:
+        """Called when a path was found, before it is simplified."""
+
 
 ROADMAP = "Roadmap"
 """The name of the default planner."""
@@ -163,3 +265,103 @@ def fit(parameter: str, value: object, like: Any) -> Any:
     if 0 <= number < math.inf:
         return number
     raise UserError(f"parameter {parameter!r} must be a number, 0 or more, found {value!r}")
+
+
+_FORMS = "a name, or {name: RRTConnect, range: 1.0}"
+
+
+@dataclass(frozen=True)
+class PlannerChoice:
+    """A planner by its name, with parameters by theirs.
+
+    The name is one of `planners()`, or `package.module:Class` for one of the user's own, whose
+    class, a subclass of `ompl.base.Planner`, is `kind` once it has been imported.
+    """
+
+    name: str = ROADMAP
+    parameters: tuple[tuple[str, Setting], ...] = ()
+    kind: type | None = None
+
+    def __str__(self) -> str:
+        if not self.parameters:
+            return self.name
+        inner = ", ".join(f"{name}: {_written(value)}" for name, value in self.parameters)
+        return f"{self.name}: {{{inner}}}"
+
+    @property
+    def is_own(self) -> bool:
+        """True if it is code of the user's own."""
+        return self.kind is not None or ":" in self.name
+
+    @property
+    def own_parameters(self) -> dict[str, Setting]:
+        """The parameters but for those that every planner has."""
+        return {name: value for name, value in self.parameters if name not in EVERY}
+
+    @staticmethod
+    def of(given: PlannerChoice | str | Mapping[str, Any] | type) -> PlannerChoice:
+        """Return the choice that is written as `given`; `ValueError` if it is none.
+
+        That is a name, `{name: RRTConnect, range: 1.0}`, `{RRTConnect: {range: 1.0}}`, a text with
+        one of these in YAML, or the class of a planner of one's own.
+        """
+        if isinstance(given, PlannerChoice):
+            return given
+        if isinstance(given, type):
+            return PlannerChoice(f"{given.__module__}:{given.__qualname__}", kind=given)
+        if isinstance(given, str):
+            return _in_text(given)
+        if isinstance(given, Mapping) and given:
+            if "name" in given:
+                rest = {key: value for key, value in given.items() if key != "name"}
+                return _chosen(given["name"], rest)
+            if len(given) == 1:
+                ((name, inner),) = given.items()
+                return _chosen(name, {} if inner is None else inner)
+        raise UserError(f"a planner is {_FORMS}; found {given!r}")
+
+    def with_parameters(self, parameters: Mapping[str, Setting]) -> PlannerChoice:
+        """Return this choice with further parameters, or others of the same names."""
+        return replace(self, parameters=tuple({**dict(self.parameters), **parameters}.items()))
+
+    def check(self) -> None:
+        """Raise `ValueError` if there is no such planner, or if a parameter does not fit it.
+
+        Of a planner of the user's own that has not been imported, only a run can tell.
+        """
+        if self.kind is not None:
+            check_own(self.kind, dict(self.parameters))
+        elif self.is_own:
+            without_every(dict(self.parameters))
+        else:
+            check_parameters(planner_info(self.name), dict(self.parameters))
+
+
+def _in_text(text: str) -> PlannerChoice:
+    if not {*" {}\n"} & {*text.strip()}:
+        return _chosen(text.strip(), {})
+    try:
+        value = parse_yaml(text, "planner", InputError).data
+    except InputError as why:
+        raise UserError(f"a planner is {_FORMS}; {text!r} is neither: {why}") from None
+    if isinstance(value, Mapping):
+        return PlannerChoice.of(value)
+    return _chosen(text.strip(), {})
+
+
+def _chosen(name: object, parameters: object) -> PlannerChoice:
+    if not isinstance(name, str) or not name:
+        raise UserError(f"a planner is {_FORMS}; found {name!r} as its name")
+    if not isinstance(parameters, Mapping):
+        raise UserError(f"the parameters of {name} are {{name: value, …}}; found {parameters!r}")
+    for key, value in parameters.items():
+        if not isinstance(value, bool | int | float | str):
+            place = field_name((str(key),))
+            raise UserError(f"parameter {place!r} of {name} must be a value, found {value!r}")
+    return PlannerChoice(name, tuple((str(key), value) for key, value in parameters.items()))
+
+
+def _written(value: Setting) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if isinstance(value, float) else str(value)

@@ -1,15 +1,276 @@
-"""Bounds on the distance and the speeds of two motions over an interval."""
+"""Encounters of two motions: bounds on distance, speed and path length over intervals of time.
+
+All solids here stand upright: a footprint between a bottom and a top. Their distance is √(p² + z²)
+with p the distance of the footprints in the plane and z the gap between the heights. A footprint is
+a disc or a rectangle that turns with the machine, whose point nearest to the person's axis is known
+in closed form; p is less by the person's radius.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import cmath
+import itertools
+import math
+from collections.abc import MutableSequence, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import NamedTuple
 
-from .kernels import encounter as kernel
+from floorplan import Gantry, Lane
+
+from .kernels.encounter import EncounterBounds
 from .kernels.gauge import Gauge
-from .motion import Motion
-from .odometer import Enclosure, Odometer
+from .kernels.numbers import room
+from .kernels.odometer import STRETCH, PathLength, length
+from .motion import Motion, Piece, shift
+
+PERSON_RADIUS = 0.30
+"""Metres. A person's radius where nothing else is said."""
+
+PERSON_HEIGHT = 1.75
+"""Metres. A person's height where nothing else is said."""
+
+
+def _require_solid(solid: Cylinder | Box) -> None:
+    for field in fields(solid):
+        length = getattr(solid, field.name)
+        if not (math.isfinite(length) and (length > 0 or (field.name == "bottom" and length == 0))):
+            raise ValueError(f"{field.name} of a {type(solid).__name__} can't be {length} m")
+    if solid.top <= solid.bottom:
+        raise ValueError(f"top ({solid.top} m) must be above bottom ({solid.bottom} m)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cylinder:
+    """An upright cylinder around a body's axis; metres, heights above the floor."""
+
+    radius: float
+    bottom: float = 0.0
+    top: float
+
+    def __post_init__(self) -> None:
+        _require_solid(self)
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """The points whose hull, grown by `rounding`, is the footprint."""
+        return ((0.0, 0.0),)
+
+    @property
+    def rounding(self) -> float:
+        """See `corners`; metres."""
+        return self.radius
+
+
+@dataclass(frozen=True, kw_only=True)
+class Box:
+    """An upright box around a body's axis that turns with it; metres, heights above the floor.
+
+    `length` is along the body's heading, `width` across.
+    """
+
+    length: float
+    width: float
+    bottom: float = 0.0
+    top: float
+
+    def __post_init__(self) -> None:
+        _require_solid(self)
+
+    def is_level_with(self, other: Box) -> bool:
+        """Return whether their heights overlap: neither is above the other."""
+        return self.bottom < other.top and other.bottom < self.top
+
+    @property
+    def corners(self) -> tuple[tuple[float, float], ...]:
+        """The points whose hull, grown by `rounding`, is the footprint."""
+        x, y = self.length / 2, self.width / 2
+        return ((x, y), (-x, y), (-x, -y), (x, -y))
+
+    @property
+    def rounding(self) -> float:
+        """See `corners`; metres."""
+        return 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shapes:
+    """The solids of a person and of a machine, whose parts move as one.
+
+    A person has no front: the cylinder stands around the person's position.
+    """
+
+    person: Cylinder = Cylinder(radius=PERSON_RADIUS, top=PERSON_HEIGHT)
+    machine: tuple[Cylinder | Box, ...]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.person, Cylinder):
+            raise ValueError(f"a person is a Cylinder, not {self.person!r}")
+        if not self.machine:
+            raise ValueError("a machine needs at least one solid")
+        for part in self.machine:
+            if not isinstance(part, Cylinder | Box):
+                raise ValueError(f"a machine is made of Cylinder and Box, not {part!r}")
+
+    @property
+    def gauges(self) -> tuple[Gauge, ...]:
+        """What measures between the person and each part of the machine."""
+        return tuple(_gauge(self.person, part) for part in self.machine)
+
+
+def torso_box(gantry: Gantry) -> Box:
+    """Return the torso of a gantry, which turns with its rotation."""
+    length, width, bottom, top = gantry.torso
+    return Box(length=length, width=width, bottom=bottom, top=top)
+
+
+def folded_arm(gantry: Gantry) -> Cylinder:
+    """The cylinder that a gantry's folded arm may sweep as it turns, up to its torso's top."""
+    return Cylinder(radius=gantry.arm_reach, bottom=gantry.arm_bottom, top=gantry.torso[3])
+
+
+def agv_box(lane: Lane) -> Box:
+    """Return the box of the AGV of a lane, with its load."""
+    return Box(length=lane.length, width=lane.width, top=lane.height)
+
+
+def _gauge(person: Cylinder, part: Cylinder | Box) -> Gauge:
+    height = max(part.bottom - person.top, person.bottom - part.top, 0.0)
+    if isinstance(part, Cylinder):
+        return Gauge(person.radius, height, 0.0, 0.0, part.radius)
+    return Gauge(person.radius, height, part.length / 2, part.width / 2, 0.0)
+
+
+_ELLIPSE = 7.0
+"""Sum of the half axes of the Bernstein ellipse in which speed must be analytic around a stretch
+that is integrated with eight nodes: the error is then below 2e-13 of the stretch's length
+(L. N. Trefethen, "Approximation Theory and Approximation Practice", theorem 19.3)."""
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """A figure over an interval: within `slack` of `value` + `slope` u + `curve` u² / 2.
+
+    u is the time from the middle of the interval, in seconds. At an instant `value` is exact.
+    """
+
+    value: float
+    slope: float = 0.0
+    slack: float = 0.0
+    curve: float = 0.0
+
+    @staticmethod
+    def between(low: float, high: float) -> Enclosure:
+        """Return a figure of which only bounds are known."""
+        return Enclosure((low + high) / 2, 0.0, (high - low) / 2)
+
+    def range(self, half: float) -> tuple[float, float]:
+        """Return the least and the most it may be on an interval of twice `half` (seconds)."""
+        around = (abs(self.slope) + abs(self.curve) * half / 2) * half + self.slack
+        return self.value - around, self.value + around
+
+    def __add__(self, other: Enclosure | float) -> Enclosure:
+        if isinstance(other, Enclosure):
+            return Enclosure(
+                self.value + other.value,
+                self.slope + other.slope,
+                self.slack + other.slack,
+                self.curve + other.curve,
+            )
+        return Enclosure(self.value + other, self.slope, self.slack, self.curve)
+
+    def __mul__(self, factor: float) -> Enclosure:
+        return Enclosure(
+            self.value * factor,
+            self.slope * factor,
+            self.slack * abs(factor),
+            self.curve * factor,
+        )
+
+
+class Odometer(PathLength):
+    """Path length and speed of a motion at any time. Jumps add no length."""
+
+    def __init__(self, motion: Motion) -> None:
+        super().__init__(motion.table)
+        self.motion = motion
+
+    def ahead(self, begin: float, end: float, seconds: float) -> Enclosure:
+        """The path length (metres) within `seconds` of each instant from `begin` to `end`."""
+        return Enclosure(*self.path_ahead(begin, end, seconds).numbers())
+
+    def speed(self, begin: float, end: float) -> Enclosure:
+        """Return the speed (m/s) from `begin` to `end`; at a change, the one after it."""
+        return Enclosure(*self.speed_within(begin, end).numbers())
+
+    def cut(self) -> tuple[MutableSequence[float], float]:
+        """Return the stretches in which the speed is smooth, and the whole length (metres).
+
+        They are kept with the motion: laws that look ahead ask for them at every instant.
+        """
+        kept: dict[str, tuple[MutableSequence[float], float]] = vars(self.motion)
+        if _KEPT not in kept:
+            kept[_KEPT] = _stretches(self.motion)
+        return kept[_KEPT]
+
+
+_KEPT = "_stretches"
+"""The name by which a motion keeps its stretches."""
+
+
+def _stretches(motion: Motion) -> tuple[MutableSequence[float], float]:
+    table = room(0)
+    gone = 0.0
+    for piece in motion.pieces:
+        for u, w in itertools.pairwise(_smooth_cuts(piece)):
+            (_, *x), (_, *y) = shift(piece.x, u), shift(piece.y, u)
+            table.extend((piece.begin + u, gone, *x, *y))
+            gone += length(table, len(table) // STRETCH - 1, w - u)
+    return table, gone
+
+
+def _smooth_cuts(piece: Piece) -> list[float]:
+    """Return cuts of a piece (seconds from its begin) between which its speed is smooth.
+
+    The velocity as a complex number x' + i y' is a quadratic in time; speed is its modulus, and
+    analytic but at its roots and their conjugates.
+    """
+    duration = piece.end - piece.begin
+    roots = _velocity_roots(piece, duration)
+    turns = sorted(root.real for root in roots if 0.0 < root.real < duration)
+    cuts = [0.0, *turns, duration]
+    # At a real root the body stands: the modulus has a corner there, and is smooth on both sides.
+    corners = [root for root in roots if abs(root.imag) > 1e-12]
+    undecided = [*itertools.pairwise(cuts)][::-1]
+    smooth = [0.0]
+    while undecided:
+        low, high = undecided.pop()
+        middle, half = (low + high) / 2, (high - low) / 2
+        if half < 1e-9 or all(_ellipse((root - middle) / half) > _ELLIPSE for root in corners):
+            smooth.append(high)
+        else:
+            undecided += [(middle, high), (low, middle)]
+    return smooth
+
+
+def _velocity_roots(piece: Piece, duration: float) -> list[complex]:
+    (_, x1, x2, x3), (_, y1, y2, y3) = piece.x, piece.y
+    a, b, c = complex(3 * x3, 3 * y3), complex(2 * x2, 2 * y2), complex(x1, y1)
+    if abs(a) * duration**2 > 1e-14 * (abs(b) * duration + abs(c)):
+        # With the sign for which b and the root add up, nothing cancels in q; the roots are then
+        # q / a and c / q (W. H. Press et al., "Numerical Recipes", 3rd edition 2007, 5.6).
+        root = cmath.sqrt(b * b - 4 * a * c)
+        q = -(b + (root if (b.conjugate() * root).real >= 0 else -root)) / 2
+        return [q / a, c / q] if q else [0j]
+    if abs(b) * duration > 1e-14 * abs(c):
+        return [-c / b]
+    return []
+
+
+def _ellipse(z: complex) -> float:
+    """Return the sum of the half axes of the ellipse with foci ±1 through `z`."""
+    return abs(z + cmath.sqrt(z - 1) * cmath.sqrt(z + 1))
+
 
 _ROUNDING = 1e-12
 """Metres by which distances between surfaces may be off, so that ties may be none."""
@@ -26,7 +287,7 @@ class Bounds(NamedTuple):
     robot_high: float
 
 
-class Encounter(kernel.Encounter):
+class Encounter(EncounterBounds):
     """A stretch of time in which the motions of a person and a machine are one cubic each.
 
     Distances are those between the two on the floor, or between surfaces, by `gauges`.

@@ -1,22 +1,38 @@
-"""Free space of the centre of a disc, in connected pieces."""
+"""Free space of a disc: connected pieces, one-way gates, narrow places and walls.
+
+What is on the line of a gate counts as on its far side. So each place is on one side or the other,
+and a path crosses a gate if, and only if, one of its legs does, wherever it bends.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, MutableSequence, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterable, MutableSequence, Sequence
+from functools import lru_cache, partial
+from itertools import pairwise
 from typing import TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
-from floorplan import Point
+from floorplan import Gate, Point
 
-from .bodies import Body, Disc
-from .corners import around_disc, bends, corners, edges_of_room, grown
+from .bodies import (
+    CollisionBody,
+    Disc,
+    around_disc,
+    bends,
+    corners,
+    edges_of_room,
+    flat_sides,
+    grown,
+)
 from .kernels.discs import within_bounds
+from .kernels.edges import Grid, back_through
+from .kernels.grid import SOME, Cells
 from .kernels.numbers import numbers
 
 _Found = TypeVar("_Found")
@@ -135,7 +151,7 @@ def shrunk(room: shapely.Geometry, radius: float) -> shapely.Geometry:
     return room.difference(grown(edges_of_room(room), radius, STEP))
 
 
-def without(space: FreeSpace, bodies: Sequence[Body], radius: float) -> FreeSpace:
+def without(space: FreeSpace, bodies: Sequence[CollisionBody], radius: float) -> FreeSpace:
     """Return the part of `space` that is at least `radius` metres from all `bodies`."""
     if not bodies:
         return space
@@ -156,7 +172,7 @@ def _bounds_of_sides(pieces: NDArray[np.object_]) -> MutableSequence[float]:
 
 
 @lru_cache(_MOST_GROWN)
-def _grown_body(body: Body, radius: float) -> shapely.Geometry:
+def _grown_body(body: CollisionBody, radius: float) -> shapely.Geometry:
     """Return the area that `body` takes from the centre of a disc of `radius` metres."""
     if isinstance(body.shape, Disc):
         return around_disc(body.shape.centre, body.shape.radius + radius, STEP)
@@ -166,3 +182,189 @@ def _grown_body(body: Body, radius: float) -> shapely.Geometry:
         # Convex: the bends around its corners are all there is to the outline.
         return Polygon(bends(around, radius, STEP).point)
     return body.shape.union(grown(edges, radius, STEP))
+
+
+_THIN = 1e-7
+"""Metres. Half of the width of what a gate takes from the room on either side of it."""
+
+
+class Gates:
+    """Some gates, as those see them who mind them."""
+
+    def __init__(self, gates: Iterable[Gate] = ()) -> None:
+        self.all = tuple(gates)
+        self.lines = [numbers((*gate.ends[0], *gate.ends[1], *gate.normal)) for gate in self.all]
+        """x and y of the ends of each in turn, and of its direction."""
+        self._parted: WeakKeyDictionary[FreeSpace, _Parted] = WeakKeyDictionary()
+
+    def __repr__(self) -> str:
+        return f"<Gates {', '.join(gate.name for gate in self.all)}>"
+
+    def __bool__(self) -> bool:
+        return bool(self.all)
+
+    def allow(self, a: Point, b: Point) -> bool:
+        """Return whether the segment from a to b goes through none against its direction."""
+        return not any(back_through(line, *a, *b) for line in self.lines)
+
+    def apart(self, a: Point, b: Point) -> bool:
+        """Return whether the segment between a and b goes through any, whichever way."""
+        return not (self.allow(a, b) and self.allow(b, a))
+
+    def broken(self, points: Sequence[Point]) -> tuple[Gate, ...]:
+        """Return those that the polyline `points` goes through against their direction."""
+        return tuple(
+            gate
+            for gate, line in zip(self.all, self.lines, strict=True)
+            if any(back_through(line, *a, *b) for a, b in pairwise(points))
+        )
+
+    def reach(self, space: FreeSpace, start: Point, goal: Point) -> bool:
+        """Return whether some path within `space` leads from `start` to `goal`."""
+        if not self.all:
+            return space.together(start, goal)
+        if not space.together(start, goal):
+            return False
+        parted = self._of(space)
+        return parted.face_of(goal) in parted.reached(start)
+
+    def closing(self, space: FreeSpace, start: Point) -> list[str]:
+        """Return the names of the gates that would lead out of all that `start` reaches."""
+        parted = self._of(space)
+        reached = parted.reached(start)
+        found = (
+            self.all[k].name
+            for k, before, behind in parted.passages
+            if behind in reached and before not in reached
+        )
+        return [*dict.fromkeys(found)]
+
+    def _of(self, space: FreeSpace) -> _Parted:
+        known = self._parted.get(space)
+        if known is None:
+            known = self._parted[space] = _Parted(space, self.all)
+        return known
+
+
+class _Parted:
+    """The parts into which gates divide a space, and the ways from one to another.
+
+    `passages` has the number of a gate, and those of the parts before and behind it.
+    """
+
+    def __init__(self, space: FreeSpace, gates: tuple[Gate, ...]) -> None:
+        self._gates = gates
+        lines = shapely.linestrings([gate.ends for gate in gates])
+        # A strip along each gate cuts the space: parts then are connected by passages alone.
+        strips = shapely.union_all(shapely.buffer(lines, _THIN, cap_style="flat"))
+        self._parts = FreeSpace(shapely.difference(space.pieces, strips))
+        self.passages: list[tuple[int, int | None, int | None]] = []
+        for k, gate in enumerate(gates):
+            nx, ny = gate.normal
+            for span in shapely.get_parts(shapely.intersection(lines[k], space.pieces)):
+                if span.length > 2 * _THIN:
+                    x, y = shapely.get_coordinates(span.interpolate(0.5, normalized=True))[0]
+                    before, behind = (
+                        self._parts.piece_of((x + side * nx, y + side * ny))
+                        for side in (-2 * _THIN, 2 * _THIN)
+                    )
+                    self.passages.append((k, before, behind))
+
+    def face_of(self, place: Point) -> int | None:
+        """Return the number of the part that `place` is in."""
+        x, y = place
+        for gate in self._gates:
+            (nx, ny), (ax, ay) = gate.normal, gate.ends[0]
+            ahead = (x - ax) * nx + (y - ay) * ny
+            # Within the strip there is no part: such a place counts for the side that it is on.
+            if abs(ahead) < 2 * _THIN:
+                side = 2 * _THIN if ahead >= 0 else -2 * _THIN
+                x, y = x + side * nx, y + side * ny
+        return self._parts.piece_of((x, y))
+
+    def reached(self, start: Point) -> set[int | None]:
+        """Return the parts to which paths lead from `start`."""
+        found = {self.face_of(start)}
+        while True:
+            # Reachability of a directed graph, one step in every direction at a time.
+            fresh = {behind for _, before, behind in self.passages if before in found} - found
+            if not fresh:
+                return found
+            found |= fresh
+
+
+SPARE = 0.03
+"""Metres. Room beyond their diameters that a passage needs for each disc that passes another."""
+
+APRON = 0.35
+"""Metres. So far from a narrow place somebody who stands is still in its way."""
+
+CELL = 0.5
+"""Metres. The width of the cells by which it is known what is narrow."""
+
+_NICHE = 0.3
+"""Square metres. A narrow place that leads nowhere counts from this size on; corners don't."""
+
+
+class Narrows:
+    """Narrow places of a floor, and just before them: where nobody should stop."""
+
+    def __init__(self, area: shapely.Geometry) -> None:
+        self._area = area
+        self.cells = Cells(CELL, self._whole, partial(shapely.intersects_xy, area))
+        """What is known of the area."""
+        shapely.prepare(area)
+
+    def has(self, place: Point) -> bool:
+        """Return whether a place (x, y in metres) is one of them."""
+        return self.cells.has(*place)
+
+    def _whole(self, column: int, row: int) -> int:
+        """Return whether all of a cell is narrow (1), or none of it (0), or some."""
+        x, y = column * CELL, row * CELL
+        cell = shapely.box(x, y, x + CELL, y + CELL)
+        if not shapely.intersects(self._area, cell):
+            return 0
+        return 1 if shapely.contains_properly(self._area, cell) else SOME
+
+
+def narrows(space: FreeSpace, radius: float, abreast: int) -> Narrows:
+    """Return where nobody should stop: the narrow places of a free space, and their aprons.
+
+    The narrow places for discs of `radius` metres are the free space of their centres less its
+    opening by a disc as wide as so many `abreast` need: a passage, or a dead end of some size.
+    """
+    found = []
+    half = (abreast - 1) * (radius + SPARE / 2)
+    for piece in space.pieces:
+        # The opening of mathematical morphology (J. Serra, "Image Analysis and Mathematical
+        # Morphology", 1982): what a disc of this width can cover. A millimetre more hides what
+        # rounding leaves.
+        wide = piece.buffer(-half).buffer(half + 1e-3)
+        for part in shapely.get_parts(piece.difference(wide)):
+            mouths = part.buffer(2e-3).intersection(wide)
+            # What is left of every corner has one mouth as well, but is small.
+            if part.area > _NICHE or len(shapely.get_parts(mouths)) > 1:
+                found.append(part)
+    return Narrows(shapely.union_all(found).buffer(APRON))
+
+
+_SIDES_IN_A_CELL = 2.0
+"""Number of sides for each cell of the grid in which they are looked up."""
+
+
+class Walls:
+    """The edges of a floor, for discs of one radius (metres)."""
+
+    def __init__(self, floor: shapely.Geometry, radius: float) -> None:
+        self._radius = radius
+        sides = flat_sides(edges_of_room(floor))
+        low_x, low_y, high_x, high_y = floor.bounds
+        area = (high_x - low_x) * (high_y - low_y)
+        width = math.sqrt(area * _SIDES_IN_A_CELL / (len(sides) / 4))
+        self.grid = Grid(sides, width)
+        """Their sides."""
+
+    def clear(self, a: Point, b: Point) -> bool:
+        """Return whether a disc touches nothing on the segment from `a`, where it is free, to b."""
+        return not self.grid.touched(a[0], a[1], b[0], b[1], self._radius)

@@ -16,12 +16,9 @@ import shapely
 
 from floorplan import Gate, free_area
 
-from .bodies import Body, region
-from .freespace import FreeSpace, shrunk, without
-from .gates import Gates
-from .narrows import Narrows, narrows
+from .bodies import CollisionBody, region
+from .freespace import FreeSpace, Gates, Narrows, Walls, narrows, shrunk, without
 from .roadmap import Roadmap
-from .walls import Walls
 
 MOST_KEPT = 8
 """Number of floors, and of radii on them, that are kept."""
@@ -86,15 +83,17 @@ def fixed_space(floor: shapely.Geometry, radius: float) -> FreeSpace:
 
 
 @_kept(MOST_KEPT)
-def free_space(floor: shapely.Geometry, radius: float, bodies: tuple[Body, ...]) -> FreeSpace:
+def free_space(
+    floor: shapely.Geometry, radius: float, bodies: tuple[CollisionBody, ...]
+) -> FreeSpace:
     """Return the free space of the centre of a disc of `radius` metres among `bodies`."""
     return without(fixed_space(floor, radius), bodies, radius)
 
 
 @_kept(MOST_BODIES)
-def body(name: str, shape: shapely.Polygon) -> Body:
+def body(name: str, shape: shapely.Polygon) -> CollisionBody:
     """Return the body `name` with this footprint; `ValueError` if it is not a simple polygon."""
-    return Body.of(name, shape)
+    return CollisionBody.of(name, shape)
 
 
 @_kept(MOST_KEPT)

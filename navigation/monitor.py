@@ -1,4 +1,4 @@
-"""The separation monitor: approaches are solved for in continuous time, so none is stepped over.
+"""The separation monitor: conditions on two motions, solved for in continuous time.
 
 A condition on a person and a machine ("closer than the law requires") is judged on whole
 intervals: it holds throughout, it holds nowhere, or it is undecided. Undecided intervals
@@ -10,17 +10,177 @@ encounters, not with the time watched.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from math import inf
+from typing import Any, Protocol
 
 from floorplan import require
 
-from .conditions import Condition, TooClose, judge_of, kept_judge_of
-from .encounter import Encounter
-from .kernels import watch as kernel
+from .encounter import Box, Encounter, Shapes
+from .kernels import lookout as kernel
+from .kernels.watch import (
+    ApartTest,
+    ApproachingTest,
+    BothTest,
+    ChangeSearch,
+    CustomTest,
+    IntervalTest,
+    MovingTest,
+    NotTest,
+    OverlappingTest,
+    TooCloseTest,
+    least,
+)
+from .kernels.watch import first_change as first_change_of
+from .kernels.watch import first_interval as first_interval_of
 from .motion import Motion
-from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
-from .surfaces import Shapes
+from .separation import AnyLaw, Scaled, is_of_motions, is_of_speeds, kernel_of, require_sense
+
+STANDING_SPEED = 0.01
+"""m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
+
+ROUNDING = 1e-11
+"""Metres. Laws that look ahead are not sure of less: being short by this is no violation."""
+
+
+class Condition(Protocol):
+    """A condition that may hold between a person and a machine."""
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
+        """Return whether it holds throughout the interval (True), nowhere in it (False), or None.
+
+        At an instant (`begin` equals `end`) it must be decided.
+        """
+        ...
+
+
+class _KernelCondition:
+    """A condition that the monitor's kernel decides."""
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
+        """See `Condition`."""
+        return judge_of(self).verdict(encounter, begin, end)
+
+
+@dataclass(frozen=True)
+class TooClose(_KernelCondition):
+    """The two are closer than `law` requires. `ValueError` if the law makes no sense."""
+
+    law: AnyLaw
+
+    def __post_init__(self) -> None:
+        require_sense(self.law)
+
+
+@dataclass(frozen=True)
+class Moving(_KernelCondition):
+    """The machine moves, which is faster than `speed` (m/s)."""
+
+    speed: float = STANDING_SPEED
+
+
+@dataclass(frozen=True)
+class Approaching(_KernelCondition):
+    """The centres of the two come closer to each other."""
+
+
+@dataclass(frozen=True)
+class Apart(_KernelCondition):
+    """The distance between the two is at least `metres`."""
+
+    metres: float
+
+
+@dataclass(frozen=True)
+class Overlapping(_KernelCondition):
+    """The boxes of two bodies overlap by more than `depth` metres, along the floor.
+
+    `one` turns with the first body and `other` with the second. They never do if one is above the
+    other. `ValueError` for a depth below 0.
+    """
+
+    one: Box
+    other: Box
+    depth: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.depth >= 0.0:
+            raise ValueError(f"boxes can't overlap by more than {self.depth} m")
+
+
+@dataclass(frozen=True)
+class Not(_KernelCondition):
+    """The other condition does not hold."""
+
+    condition: Condition
+
+
+@dataclass(frozen=True)
+class Both(_KernelCondition):
+    """Two conditions hold at once."""
+
+    first: Condition
+    second: Condition
+
+
+def kept_judge_of(condition: Condition) -> IntervalTest | None:
+    """Return what decided about a condition on places and speeds alone; None if it is not known."""
+    kept: IntervalTest | None = getattr(condition, _JUDGE, None)
+    return kept
+
+
+def judge_of(condition: Condition) -> IntervalTest:
+    """Return what decides about `condition` in the monitor."""
+    known = kept_judge_of(condition)
+    if known is not None:
+        return known
+    make = _JUDGES.get(type(condition))
+    if make is None:
+        return CustomTest(condition)
+    judge = make(condition)
+    if _keeps_nothing(condition):
+        vars(condition)[_JUDGE] = judge
+    return judge
+
+
+_JUDGE = "_judge"
+"""Key under which a condition keeps what decides about it."""
+
+
+def _overlapping(given: Overlapping) -> IntervalTest:
+    one, other = given.one, given.other
+    # Boxes above each other overlap by nothing, however near they are along the floor.
+    depth = given.depth if one.is_level_with(other) else math.inf
+    return OverlappingTest(one.length / 2, one.width / 2, other.length / 2, other.width / 2, depth)
+
+
+_JUDGES: dict[type, Callable[[Any], IntervalTest]] = {
+    TooClose: lambda given: TooCloseTest(kernel_of(given.law), ROUNDING),
+    Moving: lambda given: MovingTest(given.speed),
+    Approaching: lambda given: ApproachingTest(),
+    Apart: lambda given: ApartTest(given.metres),
+    Overlapping: _overlapping,
+    Not: lambda given: NotTest(judge_of(given.condition)),
+    Both: lambda given: BothTest(judge_of(given.first), judge_of(given.second)),
+}
+
+
+def _keeps_nothing(condition: Condition) -> bool:
+    """Return whether a judge of the condition may serve several searches at once.
+
+    Those of laws that look at motions keep figures while they decide.
+    """
+    match condition:
+        case TooClose(law):
+            return is_of_speeds(law)
+        case Not(other):
+            return _keeps_nothing(other)
+        case Both(first, second):
+            return _keeps_nothing(first) and _keeps_nothing(second)
+    return isinstance(condition, Moving | Approaching | Apart | Overlapping)
+
 
 RESOLUTION = 1e-7
 """Seconds. Instants are found at least this exactly; nothing longer is missed."""
@@ -69,7 +229,7 @@ def first_time(
     judge = kept_judge_of(condition) if shapes is None else None
     if judge is not None and _makes_sense(person, machine, begin, end):
         one, other = person.table, machine.table
-        return kernel.first_change(judge, one, other, float(begin), float(end), RESOLUTION)
+        return first_change_of(judge, one, other, float(begin), float(end), RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
 
 
@@ -84,7 +244,7 @@ def first_interval(
     if judge is None or not _makes_sense(person, machine, begin, end):
         return next(when(condition, person, machine, begin, end), None)
     one, other = person.table, machine.table
-    return kernel.first_interval(judge, one, other, float(begin), float(end), RESOLUTION)
+    return first_interval_of(judge, one, other, float(begin), float(end), RESOLUTION)
 
 
 def _makes_sense(person: Motion, machine: Motion, begin: float, end: float) -> bool:
@@ -99,9 +259,9 @@ def _watch(
     begin: float,
     end: float,
     shapes: Shapes | None,
-) -> kernel.Watch:
+) -> ChangeSearch:
     encounter = _encounter(person, machine, begin, end, shapes)
-    return kernel.Watch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
+    return ChangeSearch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
 
 
 def _encounter(
@@ -163,7 +323,7 @@ def minimum_separation(
     such instants. The distance is exact to 1e-9 m.
     """
     encounter = _encounter(person, machine, begin, end, shapes)
-    return kernel.least(None, encounter, float(begin), float(end), EXACT)
+    return least(None, encounter, float(begin), float(end), EXACT)
 
 
 def minimum_margin(
@@ -189,4 +349,11 @@ def minimum_margin(
     while isinstance(judged, Scaled):
         judged = judged.law
     tolerance = EXACT if is_of_motions(judged) else PLAIN
-    return kernel.least(kernel_of(law), encounter, float(begin), float(end), tolerance)
+    return least(kernel_of(law), encounter, float(begin), float(end), tolerance)
+
+
+class StoppingHorizon(kernel.Lookout):
+    """The test for a machine to which `law` applies; `margin` metres are kept in addition."""
+
+    def __init__(self, law: AnyLaw, margin: float) -> None:
+        super().__init__(kernel_of(law), margin, ROUNDING, RESOLUTION)

@@ -1,29 +1,123 @@
-"""Paths from a start to a goal, by the roadmap or by one of OMPL's planners."""
+"""Path planning for people and for the gantry, with explanations when there is no path."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Hashable, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
-from floorplan import Point, UserError, require
+from floorplan import Floorplan, Point, UserError, require
 
-from .catalog import ROADMAP, Setting
-from .choice import PlannerChoice
-from .freespace import STEP
-from .gates import Gates
+from .bodies import Disc
+from .catalog import ROADMAP, Path, PlannerChoice, PlanningError, Reason, Setting, Watch
+from .freespace import STEP, FreeSpace, Gates
 from .kernels.walks import distinct, is_place
-from .obstruction import blocked_place, explain_cut_off
-from .ompl_setup import Question
-from .path import Path, PlanningError, Reason, Watch
 from .roadmap import HAIR, Roadmap
 from .roadmap_planner import SLACK, RoadmapQuestions
-from .sampling import sample_path
+from .sampling import OmplQuery, sample_path
 from .world import CollisionWorld
+
+_HALVINGS = 8
+"""Bisections of the radius at which a path opens: it is known to 0.4 % of the radius."""
+
+_WIDER = 1.01
+"""Factor to the next radius to try where rounding lets one through that does not fit."""
+
+_QUARTER = 8
+"""Sides of a quarter circle where only the message depends on it."""
+
+
+def blocked_place(world: CollisionWorld, place: Point, end: str, radius: float) -> str:
+    """Return why a disc of `radius` metres can't stand at `place`, the `end` of a path."""
+    name, gap = world.nearest(place)
+    at = f"the {end} ({place[0]:g}, {place[1]:g})"
+    if name == "boundary" and gap == 0:
+        return f"{at} is outside the boundary"
+    if gap == 0:
+        return f"{at} is inside {name}"
+    what = "the boundary" if name == "boundary" else name
+    return f"{at} is {gap:.3f} m from {what}; a radius of {radius:g} m does not fit"
+
+
+def explain_cut_off(
+    world: CollisionWorld, start: Point, goal: Point, radius: float
+) -> Callable[[], str]:
+    """Return a function that explains why no path leads from `start` to `goal` as things are now.
+
+    The explanation takes longer than the proof, so it is left for when it is read.
+    """
+    now = world.as_if()
+    return lambda: _cut_off(now, start, goal, radius)
+
+
+def _cut_off(world: CollisionWorld, start: Point, goal: Point, radius: float) -> str:
+    """Find the radius at which `start` and `goal` are just connected, by bisection."""
+    between = f"from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g})"
+    walkable = world.walkable
+    space = world.free_space(radius + HAIR)
+    if space.together(start, goal):
+        gates = " or ".join(world.gates.closing(space, start))
+        return f"no way leads {between} but through {gates}, against the direction"
+    fits, apart = 0.0, FreeSpace(walkable)
+    if not apart.together(start, goal):
+        link = _link(apart, start, goal)
+        crossed = [name for name, shape in world.things() if link.intersects(shape)]
+        walls = " with ".join(crossed) or "the boundary"
+        return f"no way, however narrow, leads {between}: {walls} cuts it off"
+    too_wide = radius
+    # Rounder corners than those planned with may leave a gap that they closed: a little wider,
+    # then.
+    while (apart := _space(walkable, too_wide)).together(start, goal):
+        too_wide *= _WIDER
+    # The widest disc that gets through, between one that does and one that does not.
+    for _ in range(_HALVINGS):
+        middle = (fits + too_wide) / 2
+        narrower = _space(walkable, middle)
+        if narrower.together(start, goal):
+            fits = middle
+        else:
+            too_wide, apart = middle, narrower
+    fits = min(fits, radius)
+    place = shapely.line_interpolate_point(_link(apart, start, goal), 0.5, normalized=True)
+    one, other = _nearest_two(world, place)
+    n = _digits(fits, radius)
+    return (
+        f"no way leads {between} for a radius of {radius:.{n + 1}g} m: the widest one is"
+        f" {2 * fits:.{n}f} m wide between {one} and {other} at ({place.x:.2f}, {place.y:.2f}),"
+        f" and {2 * radius:.{n}f} m are needed; a radius up to {fits:.{n}f} m would pass"
+    )
+
+
+def _space(walkable: shapely.Geometry, radius: float) -> FreeSpace:
+    """Return where a disc of `radius` metres fits, with corners rounded a little too little."""
+    return FreeSpace(walkable.buffer(-radius, quad_segs=_QUARTER))
+
+
+def _digits(fits: float, radius: float) -> int:
+    """Return the number of decimals that tell the two radii apart."""
+    return next(n for n in range(2, 9) if n == 8 or f"{fits:.{n}f}" != f"{radius:.{n}f}")
+
+
+def _link(space: FreeSpace, start: Point, goal: Point) -> shapely.Geometry:
+    """Return the shortest line between the pieces of `space` that start and goal are in."""
+    ends = [
+        shapely.Point(place) if (piece := space.piece_of(place)) is None else space.pieces[piece]
+        for place in (start, goal)
+    ]
+    return shapely.shortest_line(*ends)
+
+
+def _nearest_two(world: CollisionWorld, place: shapely.Point) -> tuple[str, str]:
+    gaps = [("the boundary", float(world.plan.boundary.exterior.distance(place)))]
+    gaps += [(name, float(shape.distance(place))) for name, shape in world.things()]
+    (one, _), (other, _) = sorted(gaps, key=lambda named: named[1])[:2]
+    return one, other
+
 
 COARSE = math.radians(15.0)
 """Radians. Default size of the bends in a path."""
@@ -166,7 +260,7 @@ class PathPlanner:
         def free(a: Point, b: Point) -> bool:
             return self.world.segment_free(a, b, keep) and not (closed and closed.apart(a, b))
 
-        question = Question(start, goal, (low_x, low_y), (high_x, high_y), free)
+        question = OmplQuery(start, goal, (low_x, low_y), (high_x, high_y), free)
         # Each round closes a gate more, so there are no more rounds than gates.
         while (points := sample_path(question, choice, seed, watch)) is not None:
             # Most of OMPL's planners take a motion that is free to be free in both directions.
@@ -260,3 +354,116 @@ def _place(at: ArrayLike, end: str) -> Point:
     if found.shape != (2,) or not np.isfinite(found).all():
         raise UserError(f"the {end} must be a finite x and y, found {at!r}")
     return (float(found[0]), float(found[1]))
+
+
+Pose = tuple[float, float, float]
+"""x, y in metres, rotation in radians."""
+
+BEND = math.radians(30.0)
+"""Radians. Largest bend of a gantry's path: it stops at every bend."""
+
+_LEAST = 1e-3
+"""Metres. Radius of the smallest disc to keep out of."""
+
+
+class GantryPath(Path):
+    """A path of the gantry's axis, whose rotation goes along in step with it.
+
+    `points` are (N, 3): x, y in metres and the rotation in radians.
+    """
+
+
+class GantryPlanner:
+    """Finds paths for the gantry of a floorplan, with its arm folded.
+
+    Torso and folded arm together are taken as a disc about the axis, so the rotation is free
+    everywhere: its radius is the arm's reach or, if that is more, half the torso's diagonal, and it
+    begins at the lower of the two bottoms. What is not as tall is passed over. `agvs` gives AGVs
+    that count as obstacles, by name, and where they stand (a location or a lane position, metres);
+    by default none does, since the gantry works above them.
+
+    `ValueError` if the floorplan has no gantry.
+    """
+
+    def __init__(self, plan: Floorplan, *, agvs: Mapping[str, float | str] | None = None) -> None:
+        if plan.gantry is None:
+            raise UserError(f"{plan.name} has no gantry")
+        self.gantry = plan.gantry
+        length, width = plan.gantry.torso[:2]
+        self.radius = max(plan.gantry.arm_reach, math.hypot(length, width) / 2)
+        counted = dict(agvs or {})
+        self._world = CollisionWorld(
+            Floorplan(
+                plan.name,
+                boundary=self._range(),
+                obstacles=plan.obstacles,
+                lanes=tuple(lane for lane in plan.lanes if lane.name in counted),
+            ),
+            bottom=min(plan.gantry.torso[2], plan.gantry.arm_bottom),
+            top=plan.gantry.torso[3],
+        )
+        for name, at in counted.items():
+            self._world.move_agv(name, at)
+        self._paths = PathPlanner(self._world, self.radius, step=BEND)
+
+    def plan(
+        self,
+        start: Pose,
+        goal: Pose,
+        *,
+        keep_out: Sequence[tuple[float, float, float]] = (),
+        planner: PlannerChoice | str = ROADMAP,
+        parameters: Mapping[str, Setting] | None = None,
+        seed: int = 0,
+    ) -> GantryPath:
+        """Return a path of the axis from `start` to `goal` (x, y in metres, rotation in radians).
+
+        It keeps the arm's reach from what is tall, and the axis out of the discs `keep_out`
+        (x, y, radius in metres), or out of the arm's reach of their centres where that is more.
+        Of a disc that it stands in at the start it comes no nearer to the centre.
+        `PlanningError` says why there is no path; `ValueError` if a pose is beyond an axis's range.
+        """
+        for pose, end in ((start, "start"), (goal, "goal")):
+            self._check_range(pose, end)
+        discs = {}
+        for k, (x, y, radius) in enumerate(keep_out):
+            # Who stands in a disc plans with one that ends just before where they stand.
+            away = math.dist((x, y), start[:2]) - 2 * HAIR
+            # The planner adds its own radius to everything, which is taken off here.
+            solid = max(min(radius, away) - self.radius, _LEAST)
+            discs[f"keep out {k}"] = Disc((x, y), solid)
+        try:
+            for name, disc in discs.items():
+                self._world.place(name, disc)
+            path = self._paths.plan(
+                start[:2], goal[:2], planner=planner, parameters=parameters, seed=seed
+            )
+        finally:
+            for body in self._world.bodies:
+                if body.name in discs:
+                    self._world.remove(body.name)
+        so_far = np.append(0.0, np.cumsum(np.hypot(*np.diff(path.points, axis=0).T)))
+        share = so_far / so_far[-1] if so_far[-1] > 0 else np.array([0.0, 1.0])
+        turned = start[2] + share * (goal[2] - start[2])
+        return GantryPath(
+            np.column_stack([path.points, turned]),
+            lambda: path.clearance,
+            path.planner,
+            path.checks,
+        )
+
+    def _range(self) -> shapely.Polygon:
+        """All that the envelope can cover: the axes' ranges, and the radius around them."""
+        x, y = self.gantry.x, self.gantry.y
+        room = self.radius + 2 * HAIR
+        return shapely.box(x.low - room, y.low - room, x.high + room, y.high + room)
+
+    def _check_range(self, pose: Pose, end: str) -> None:
+        if len(pose) != 3:
+            raise UserError(f"the {end} must be x, y and a rotation, found {pose!r}")
+        for name, axis, at in zip(("x", "y", "rotation"), self.gantry.axes, pose, strict=True):
+            if not axis.low - HAIR <= at <= axis.high + HAIR:
+                raise UserError(
+                    f"the {end}'s {name} = {at:g} is outside the gantry's range"
+                    f" {axis.low:g} … {axis.high:g}"
+                )

@@ -1,4 +1,6 @@
-"""Many polynomials at once, each on an interval of its own: signs, extremes and integrals.
+"""Polynomials on intervals: signs, extrema, integrals, and the nodes of Gaussian quadrature.
+
+They are written out: worked out by `numpy.polynomial` their last bits depend on its LAPACK.
 
 Signs and extremes follow from Bernstein coefficients, between whose least and most a polynomial
 stays (R. T. Farouki, "The Bernstein polynomial basis: a centennial retrospective", Computer Aided
@@ -13,7 +15,66 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .quadrature import LOBATTO_NODES_8, LOBATTO_WEIGHTS_8, NODES_8, WEIGHTS_8
+NODES_5 = (
+    -0.906179845938664,
+    -0.5384693101056831,
+    0.0,
+    0.5384693101056831,
+    0.906179845938664,
+)
+WEIGHTS_5 = (
+    0.23692688505618928,
+    0.4786286704993663,
+    0.5688888888888887,
+    0.4786286704993663,
+    0.23692688505618928,
+)
+"""Of 5 places; exact for polynomials up to the degree 9."""
+
+NODES_8 = (
+    -0.9602898564975362,
+    -0.7966664774136267,
+    -0.525532409916329,
+    -0.18343464249564978,
+    0.18343464249564978,
+    0.525532409916329,
+    0.7966664774136267,
+    0.9602898564975362,
+)
+WEIGHTS_8 = (
+    0.10122853629037706,
+    0.22238103445337443,
+    0.3137066458778869,
+    0.36268378337836166,
+    0.36268378337836166,
+    0.3137066458778869,
+    0.22238103445337443,
+    0.10122853629037706,
+)
+"""Of 8 places; exact for polynomials up to the degree 15."""
+
+LOBATTO_NODES_8 = (
+    -1.0,
+    -0.8717401485096066,
+    -0.5917001814331423,
+    -0.20929921790247888,
+    0.20929921790247888,
+    0.5917001814331423,
+    0.8717401485096066,
+    1.0,
+)
+LOBATTO_WEIGHTS_8 = (
+    0.03571428571428571,
+    0.21070422714350603,
+    0.34112269248350435,
+    0.4124587946587039,
+    0.4124587946587039,
+    0.34112269248350435,
+    0.21070422714350603,
+    0.03571428571428571,
+)
+"""Lobatto's 8 places, both ends among them; exact for polynomials up to the degree 13."""
+
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

@@ -11,12 +11,12 @@ import ompl.base as ob
 
 from floorplan import Point
 
-from .bodies import TOLERANCE, Body
+from .bodies import TOLERANCE, CollisionBody
 from .catalog import ROADMAP
 from .freespace import STEP
 from .kernels.edges import Room, come_into, touches
-from .ompl_setup import OmplFloor, path_along
 from .roadmap import HAIR, Roadmap
+from .sampling import OmplFloor, path_along
 from .world import CollisionWorld
 
 SLACK = HAIR / 2
@@ -36,7 +36,7 @@ class Links:
     def __init__(self, world: CollisionWorld, radius: float) -> None:
         self.world = world
         self.radius = radius
-        self.among: list[Body] | None = None
+        self.among: list[CollisionBody] | None = None
         """The bodies that count for OMPL; None for all."""
         self._judged: dict[tuple[Point, Point], tuple[bool, int]] = {}
         self._judged_at = world.changes
@@ -64,9 +64,9 @@ class Links:
         self.world.checks += 1
         return self._floor.clear(*a, *b, True)
 
-    def met(self, points: list[Point]) -> list[Body]:
+    def met(self, points: list[Point]) -> list[CollisionBody]:
         """Return the bodies that are in the way on the polyline `points`, the first met first."""
-        met: list[Body] = []
+        met: list[CollisionBody] = []
         near = come_into(self.world.bounds, points, self._keep)
         if near:
             self.world.checks += len(near)
@@ -76,12 +76,12 @@ class Links:
                     met.append(bodies[k])
         return met
 
-    def blocks(self, body: Body, a: Point, b: Point, beyond: float = 0.0) -> bool:
+    def blocks(self, body: CollisionBody, a: Point, b: Point, beyond: float = 0.0) -> bool:
         """Return whether a body is in the way on the link from a, where it is not, to b."""
         edges, rounding = body.outline
         return touches(edges, *a, *b, self._keep + rounding + beyond)
 
-    def room(self, bodies: Collection[Body], beyond: float = 0.0) -> Room:
+    def room(self, bodies: Collection[CollisionBody], beyond: float = 0.0) -> Room:
         """Return the room that the floor and `bodies` leave, `beyond` what is kept (metres)."""
         outlines = [body.outline for body in bodies]
         return Room(self._walls.grid, self._keep + beyond, outlines, self.world.gates.lines)
@@ -136,7 +136,7 @@ class RoadmapSearch:
         return None
 
     def _around_bodies(
-        self, roadmap: Roadmap, straight: bool, met: list[Body]
+        self, roadmap: Roadmap, straight: bool, met: list[CollisionBody]
     ) -> list[Point] | None:
         """Return the shortest path on `roadmap` round the bodies that it meets, and those `met`.
 

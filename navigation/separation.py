@@ -8,11 +8,10 @@ from dataclasses import dataclass, fields
 from numbers import Real
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
-from .encounter import Encounter
-from .kernels import laws as kernel
+from .encounter import Enclosure, Encounter
+from .kernels.laws import LawEvaluator, LinearLaw, PathIntegralLaw, PythonLaw, ScaledLaw
 from .machines import Machine, longest_stop
 from .motion import Motion, Piece
-from .odometer import Enclosure
 
 _LONG = 1e4
 """Seconds. Longer than any law looks ahead or back."""
@@ -57,7 +56,7 @@ AnyLaw: TypeAlias = "Law | MotionLaw"
 
 
 @dataclass(frozen=True)
-class _OfTheKernel:
+class _KernelLaw:
     """A law that the monitor's kernel computes. Its terms are figures of at least 0."""
 
     def __post_init__(self) -> None:
@@ -72,7 +71,7 @@ class _OfTheKernel:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SeparationLaw(_OfTheKernel):
+class SeparationLaw(_KernelLaw):
     """The protective separation distance of speed and separation monitoring, linear form.
 
     d = k_H (t1 + t2) + k_R t1 + B + δ with k_H the human's speed, k_R the robot's, `t1` the
@@ -114,7 +113,7 @@ class SeparationLaw(_OfTheKernel):
 
 
 @dataclass(frozen=True, kw_only=True)
-class IntegralLaw(_OfTheKernel):
+class IntegralLaw(_KernelLaw):
     """The protective separation distance of speed and separation monitoring, integral form.
 
     S(t0) = S_H + S_R + S_S + C + Z_D + Z_R, in the terms of ISO/TS 15066:2016, clause 5.5.4.2.3:
@@ -142,7 +141,7 @@ class IntegralLaw(_OfTheKernel):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ApproachLaw(_OfTheKernel):
+class ApproachLaw(_KernelLaw):
     """The distance to people whose speed is not known: S = K T + C of ISO 13855:2010, clause 5.
 
     T is the `time` in seconds from sensing a person to the end of the machine's motion, K the
@@ -161,7 +160,7 @@ class ApproachLaw(_OfTheKernel):
 
 
 @dataclass(frozen=True)
-class FixedDistance(_OfTheKernel):
+class FixedDistance(_KernelLaw):
     """The same distance at any speed, in metres."""
 
     metres: float
@@ -172,7 +171,7 @@ class FixedDistance(_OfTheKernel):
 
 
 @dataclass(frozen=True)
-class Scaled(_OfTheKernel):
+class Scaled(_KernelLaw):
     """`factor` times another law, capped at `cap` metres first: when people notice a machine.
 
     The distance is at most `factor` · `cap` metres. `ValueError` if either is negative.
@@ -217,27 +216,25 @@ def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> 
     return Enclosure(*kernel_of(law).required(encounter, begin, end))
 
 
-def kernel_of(law: AnyLaw) -> kernel.Law:
+def kernel_of(law: AnyLaw) -> LawEvaluator:
     """Return what computes `law` in the monitor's kernel: a law of one's own is asked in Python."""
     make = _KERNELS.get(type(law))  # derived classes may change what they ask for
     if make is None:
-        return kernel.OwnLaw(law, is_of_speeds(law), is_of_motions(law))
+        return PythonLaw(law, is_of_speeds(law), is_of_motions(law))
     return make(law)
 
 
-_KERNELS: dict[type, Callable[[Any], kernel.Law]] = {
-    SeparationLaw: lambda law: kernel.LinearLaw(
-        law.t1 + law.t2, law.t1, law.stopping, law.intrusion
-    ),
-    IntegralLaw: lambda law: kernel.IntegralLaw(
+_KERNELS: dict[type, Callable[[Any], LawEvaluator]] = {
+    SeparationLaw: lambda law: LinearLaw(law.t1 + law.t2, law.t1, law.stopping, law.intrusion),
+    IntegralLaw: lambda law: PathIntegralLaw(
         law.t1,
         law.t2,
         -1.0 if law.stopping is None else law.stopping,
         law.intrusion + law.human_uncertainty + law.robot_uncertainty,
     ),
-    ApproachLaw: lambda law: kernel.LinearLaw(0.0, 0.0, 0.0, law.distance(0.0, 0.0)),
-    FixedDistance: lambda law: kernel.LinearLaw(0.0, 0.0, 0.0, law.metres),
-    Scaled: lambda law: kernel.ScaledLaw(kernel_of(law.law), law.factor, law.cap),
+    ApproachLaw: lambda law: LinearLaw(0.0, 0.0, 0.0, law.distance(0.0, 0.0)),
+    FixedDistance: lambda law: LinearLaw(0.0, 0.0, 0.0, law.metres),
+    Scaled: lambda law: ScaledLaw(kernel_of(law.law), law.factor, law.cap),
 }
 
 

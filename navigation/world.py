@@ -14,14 +14,11 @@ from shapely.geometry import Polygon
 from floorplan import Floorplan, Gate, Named, Point, UserError, check, suggestion
 
 from . import ground
-from .bodies import TOLERANCE, Body, Disc, Sweep, touch
-from .freespace import FreeSpace
-from .gates import Gates
+from .bodies import TOLERANCE, CollisionBody, Disc, Sweep, touch
+from .freespace import FreeSpace, Gates, Narrows, Walls
 from .kernels.edges import come_into
 from .kernels.numbers import numbers
-from .narrows import Narrows
 from .roadmap import HAIR, Roadmap
-from .walls import Walls
 
 _WIDER = 1.001
 """Factor by which what bodies take from a radius is wider than it, for polygons around arcs."""
@@ -64,8 +61,8 @@ class CollisionWorld:
         self._bounds: tuple[float, float, float, float] = plan.boundary.bounds
         self._solid = ground.solid(self.floor, self._bounds)
         self._sweep = Sweep()
-        self._bodies: dict[str, Body] = {}
-        self._there: tuple[Named[Body], MutableSequence[float]] | None = None
+        self._bodies: dict[str, CollisionBody] = {}
+        self._there: tuple[Named[CollisionBody], MutableSequence[float]] | None = None
         self._agvs: dict[str, float] = {}
         self.checks = 0
         """Number of collision queries answered."""
@@ -73,7 +70,7 @@ class CollisionWorld:
         """Number of times that a body came, moved or went."""
         self._fixed_space: dict[float, FreeSpace] = {}
         self._roadmaps: dict[tuple[float, float], Roadmap] = {}
-        self._free_space: dict[float, tuple[tuple[Body, ...], FreeSpace]] = {}
+        self._free_space: dict[float, tuple[tuple[CollisionBody, ...], FreeSpace]] = {}
         for lane in plan.lanes:
             self.move_agv(lane.name, lane.start)
 
@@ -147,7 +144,7 @@ class CollisionWorld:
         return other
 
     @property
-    def bodies(self) -> Named[Body]:
+    def bodies(self) -> Named[CollisionBody]:
         """The bodies on the floor now, within the heights of interest."""
         return self._standing[0]
 
@@ -157,20 +154,24 @@ class CollisionWorld:
         return self._standing[1]
 
     @property
-    def _standing(self) -> tuple[Named[Body], MutableSequence[float]]:
+    def _standing(self) -> tuple[Named[CollisionBody], MutableSequence[float]]:
         """The bodies and their bounds, put together once for as long as none moves."""
         if self._there is None:
             bodies = Named(self._bodies.values())
             self._there = bodies, numbers(bound for body in bodies for bound in body.bounds)
         return self._there
 
-    def near(self, a: Point, b: Point, radius: float) -> list[Body]:
+    def near(self, a: Point, b: Point, radius: float) -> list[CollisionBody]:
         """Return the bodies whose bounds a disc of `radius` metres from a to b comes into."""
         bodies, bounds = self._standing
         return [bodies[k] for _, k in come_into(bounds, [a, b], radius)]
 
     def _put(self, name: str, shape: Polygon | Disc, bottom: float, top: float) -> None:
-        body = ground.body(name, shape) if isinstance(shape, Polygon) else Body.of(name, shape)
+        body = (
+            ground.body(name, shape)
+            if isinstance(shape, Polygon)
+            else CollisionBody.of(name, shape)
+        )
         if bottom < self.top and self.bottom < top:
             self._bodies[name] = body
         else:
@@ -231,7 +232,7 @@ class CollisionWorld:
         return self.segment_free(point, point, radius)
 
     def segment_free(
-        self, a: Point, b: Point, radius: float, among: Iterable[Body] | None = None
+        self, a: Point, b: Point, radius: float, among: Iterable[CollisionBody] | None = None
     ) -> bool:
         """Return whether a disc of `radius` metres touches nothing on the segment from a to b.
 
@@ -252,7 +253,7 @@ class CollisionWorld:
             near = [body for body in among if body.near(a, b, radius)]
         return not (near and any(touch(sweep, body.solid) for body in near))
 
-    def hits(self, a: Point, b: Point, radius: float) -> list[Body]:
+    def hits(self, a: Point, b: Point, radius: float) -> list[CollisionBody]:
         """Return the bodies that a disc of `radius` metres touches on the segment from a to b."""
         near = self.near(a, b, radius)
         if not near:
@@ -269,7 +270,7 @@ class CollisionWorld:
         solids = [self._solid, *(body.solid for body in self._bodies.values())]
         return min(self._sweep.distance(point, solid) for solid in solids)
 
-    def clearance(self, points: ArrayLike, among: Iterable[Body] | None = None) -> float:
+    def clearance(self, points: ArrayLike, among: Iterable[CollisionBody] | None = None) -> float:
         """Return the least distance (metres) along the polyline `points` ((N, 2), metres).
 
         Of the bodies only those `among` the given ones count, by default all.

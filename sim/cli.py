@@ -13,22 +13,14 @@ import typer
 from typer.models import CommandInfo
 
 from .commands.agent import agent
-from .commands.benchmark import benchmark
 from .commands.bridge import bridge
-from .commands.check import check
-from .commands.consoles import say
-from .commands.convert import convert
-from .commands.export import export
-from .commands.interrupts import put_off_while_loading
-from .commands.list import list_all
-from .commands.metrics import metrics
-from .commands.plan import plan
-from .commands.plot import app as plot
-from .commands.render import render
-from .commands.replay import replay
-from .commands.report import report
-from .commands.run import run
-from .commands.study import study
+from .commands.check import check, convert, list_all
+from .commands.plan import benchmark, plan
+from .commands.results import app as plot
+from .commands.results import export, metrics, render
+from .commands.run import replay, run
+from .commands.study import report, study
+from .commands.terminal import put_off_while_loading, say
 
 app = typer.Typer(
     name="floorwalker",
@@ -114,7 +106,7 @@ def main() -> None:
         if _is_for_user(why):
             say(f"floorwalker: {_sentence(why)}", err=True)
         else:
-            from .core.own_source import DEFECT
+            from .core.custom_code import DEFECT
 
             traceback.print_exception(why)
             say(f"floorwalker: this is {DEFECT} with the lines above", err=True)
@@ -149,7 +141,7 @@ def _sentence(why: Exception) -> str:
 
 def _is_for_user(why: Exception) -> bool:
     """Return True if an error is for the user: one of Floorwalker's own kinds, or the system's."""
-    from .core.own_source import is_ours
+    from .core.custom_code import is_ours
 
     return is_ours(why) or isinstance(why, OSError)
 

@@ -1,19 +1,24 @@
 """The public names of `sim`; a package has them once one of them is used."""
 
-from .core.blackout import Blackout
-from .core.body import Body
+from .core.body import Body, Machine, MachineShape
 from .core.clock import Alarm, Clock, StandstillError, Turn
-from .core.commands import Command
+from .core.entries import (
+    Blackout,
+    Command,
+    Duration,
+    NoticingEntry,
+    RecordedTrack,
+    Start,
+    WorkList,
+    WorkTask,
+)
 from .core.events import EventKind
-from .core.machine import Machine, MachineShape
-from .core.machine_model import MachineEntry, MachineModel
-from .core.noticing import NoticingEntry
 from .core.output import OutputError
-from .core.recorded_track import RecordedTrack
-from .core.recorder import Event, Listener
+from .core.recorder import Event, Figure, Listener, Scene
 from .core.rules import ARIAC2023, PAPER, RULE_SETS, Notice, RuleSet, rule_set
 from .core.scenario import (
     AgvMove,
+    Drop,
     GantryEntry,
     Job,
     PersonalityChange,
@@ -21,13 +26,9 @@ from .core.scenario import (
     Source,
     TrialError,
 )
-from .core.scene import Figure, Scene
-from .core.stage import Stage
-from .core.start import Start
-from .core.work import Duration, WorkList, WorkTask
-from .core.workload import Drop
+from .core.stage import MachineEntry, MachineModel, Stage
 from .exports import export
-from .live.live import LiveRun
+from .live.live_run import LiveRun
 from .machines.gantry.controllers import (
     CONTROLLERS,
     Caution,
@@ -41,13 +42,12 @@ from .machines.gantry.tasks import Handling, Step, Task, Tasks
 from .machines.kinds import KINDS, MachineError
 from .people.actions import MindError
 from .people.minds import Mind, Outside
-from .people.percepts import Percepts
+from .people.perception import Percepts
 from .people.person import Person
 from .record.social_metrics import metrics
-from .runs.recording import Recording
+from .runs.recording import Recording, RecordingError, load_run
 from .runs.run import Recorded, Run
-from .runs.run_folder import RecordingError, load_run
-from .safety.own_law import LawError, OwnLaw
+from .safety.laws import LawError, OwnLaw
 from .simulation import Simulation, run
 from .studies import (
     Row,
@@ -58,8 +58,8 @@ from .studies import (
     run_study,
     safety_report,
 )
-from .trials.comparison import Verdict
 from .trials.rules_file import RulesError, find_rules, load_rules
+from .trials.timeline import Verdict
 from .trials.trial import Trial, builtin_trials
 
 __all__ = [

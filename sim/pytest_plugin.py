@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from sim import Run, Trial
 
-    from .testing.failures import Failures
+    from .testing.trial_items import Failures
     from .testing.variations import Variation
 
 _MARKERS = (
@@ -73,7 +73,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
     """Take a trial file that expects something as a test."""
     if not file_path.name.endswith(".trial.yaml"):
         return None
-    from .testing.items import TrialFile
+    from .testing.trial_items import TrialFile
 
     return TrialFile.from_parent(parent, path=file_path)
 
@@ -174,7 +174,7 @@ def _floorwalker_variation(request: pytest.FixtureRequest) -> Variation | None:
 
 @pytest.fixture
 def _floorwalker_failures(request: pytest.FixtureRequest) -> Failures:
-    from .testing.failures import Failures
+    from .testing.trial_items import Failures
 
     failures = request.node.stash[_FAILURES] = Failures(request.node)
     return failures

@@ -1,49 +1,134 @@
-"""Simulation of a trial, from event to event."""
+"""Simulation of a trial: assemble it, process its events, carry out commands."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from itertools import takewhile
+from typing import Any
 
-from floorplan import UserError, no_garbage, refuse, require, suggestion
+from shapely.geometry import Polygon
+
+from floorplan import Obstacle, UserError, no_garbage, refuse, require, suggestion
 from navigation import CollisionWorld
 
 from .core.body import Body
-from .core.clock import MOMENT, Clock
-from .core.closures import Closures
-from .core.commander import Commander
-from .core.commands import Command
-from .core.events import Notice, TrialEnded, TrialStarted
-from .core.own_code import supervised
-from .core.recorder import Event, Listener, Listeners, recording_to, rounded
-from .core.scenario import TrialError
-from .core.scene import Figure, Scene
-from .core.stage import Stage
-from .core.start import Start
-from .core.triggers import Triggers
-from .machines import blackouts
+from .core.clock import MOMENT, Clock, Turn
+from .core.custom_code import supervised
+from .core.entries import Blackout, Command, Start
+from .core.events import (
+    BlackoutBegan,
+    BlackoutEnded,
+    Commanded,
+    FileNotice,
+    TrialEnded,
+    TrialStarted,
+)
+from .core.recorder import Event, Figure, Listener, Listeners, Scene, recording_to, rounded
+from .core.scenario import TrialError, spot
+from .core.stage import Closures, Stage, Triggers
 from .machines.agv.agv import Agv
 from .machines.gantry.robot import GantryRobot
 from .machines.kinds import made_by, models_of
 from .orders import Dispatcher
-from .people.company import Company
-from .people.drawing import speed_of, with_figures
-from .people.person import Person
-from .people.tracks.walks import RecordedWalk, recorded_walks
+from .people.person import Person, speed_of, with_figures
+from .people.population import Population
+from .people.tracks.recorded_walks import RecordedWalk, recorded_walks
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
-from .safety.collisions import Collisions
-from .safety.own_law import own_laws
+from .safety.laws import own_laws, requirement_curve
+from .safety.proximity import Collisions
 from .safety.referee import Referee
-from .safety.requirement_curve import requirement_curve
 from .trials.checks import check, check_own_events
-from .trials.command_checks import command_faults
+from .trials.feasibility import command_faults
 from .trials.trial import Trial
+
+BY_COMMAND = "command"
+"""The reason for which a machine is held by command."""
+
+
+class Commander:
+    """Carries out commands on a stage, each at its time; it records each of them.
+
+    What it does is what it records: figures count to nine decimals.
+    """
+
+    def __init__(self, stage: Stage) -> None:
+        self._stage = stage
+
+    def give(self, command: Command) -> None:
+        """Let `command` be carried out at its time, after all else of that instant."""
+        carry_out = partial(self._carry_out, command)
+        self._stage.clock.call_at(rounded(float(command.time)), carry_out, Turn.COMMAND)
+
+    def _carry_out(self, command: Command) -> None:
+        stage = self._stage
+        to = None if command.to is None else rounded(spot(stage.floorplan, command.to))
+        one = None if command.block is None else _as_recorded(command.block)
+        stage.record(
+            Commanded(
+                send=command.send,
+                to=to,
+                block=None if one is None else one.name,
+                footprint=None if one is None else _corners(one),
+                bottom=None if one is None else one.bottom,
+                top=None if one is None else one.top,
+                clear=command.clear,
+                hold=command.hold,
+                release=command.release,
+            )
+        )
+        if to is not None:
+            for person in stage.people:
+                if person.name == command.send:
+                    person.send((to[0], to[1]))
+        if one is not None:
+            stage.put_down(one)
+        if command.clear is not None:
+            stage.take_up(command.clear)
+        if command.hold is not None:
+            stage.machines[command.hold].stand_for(BY_COMMAND, True)
+        if command.release is not None:
+            stage.machines[command.release].stand_for(BY_COMMAND, False)
+
+
+def _corners(one: Obstacle) -> list[Any]:
+    return [*one.footprint.exterior.coords[:-1]]
+
+
+def _as_recorded(one: Obstacle) -> Obstacle:
+    """Return an obstacle as it is read again from what is recorded of it."""
+    corners = [tuple(map(float, rounded(corner))) for corner in _corners(one)]
+    bottom, top = rounded((float(one.bottom), float(one.top)))
+    return Obstacle(one.name, Polygon(corners), bottom, top)
+
+
+def schedule_blackouts(stage: Stage, blackouts: Iterable[Blackout]) -> None:
+    """Let the blackouts of a trial happen, each when its start lets it."""
+    for blackout in blackouts:
+        stage.triggers.add(blackout.start, partial(_begin_blackout, stage, blackout))
+
+
+def _begin_blackout(stage: Stage, blackout: Blackout) -> None:
+    name, clock = blackout.machine, stage.clock
+    stage.blind[name] += 1
+    if stage.blind[name] == 1:
+        stage.record(BlackoutBegan(machine=name))
+        stage.machines[name].sight_changed()
+    clock.call_at(clock.now + blackout.seconds, partial(_end_blackout, stage, name))
+
+
+def _end_blackout(stage: Stage, name: str) -> None:
+    stage.blind[name] -= 1
+    if stage.blind[name] == 0:
+        stage.record(BlackoutEnded(machine=name))
+        stage.machines[name].sight_changed()
+
 
 MOST_AT_ONCE, MOST_AT_ONCE_EACH = 3000, 100
 """Number of events that may happen within a millisecond, and of those more for each body."""
@@ -103,7 +188,7 @@ class Simulation:
         self.dispatcher = self._make_dispatcher()
         self._commander = Commander(self._stage)
         self.commands: list[Command] = [*trial.commands]
-        self._company = Company(self._stage, people, self.referee, self._listener, walks)
+        self._company = Population(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self._collisions = Collisions(self._stage, self.machines.values())
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
@@ -119,7 +204,7 @@ class Simulation:
         self._listener.begin(self.scene)
         stage.record(TrialStarted(trial=trial.name, floorplan=trial.floorplan.name))
         for notice in trial.notices:
-            stage.record(Notice(text=notice.message, field=notice.field, line=notice.line))
+            stage.record(FileNotice(text=notice.message, field=notice.field, line=notice.line))
         for body in self.bodies if self._listener.wants_motions else ():
             body.on_record = self._listener.motion
         stage.begin()
@@ -129,7 +214,7 @@ class Simulation:
             self.dispatcher.begin()
         self._end_with_jobs()
         self._company.begin()
-        blackouts.begin(stage, trial.every_blackout)
+        schedule_blackouts(stage, trial.every_blackout)
         for command in trial.commands:
             self._commander.give(command)
 

@@ -15,8 +15,8 @@ from pydantic import BaseModel
 import bdi
 import floorplan
 import sim
-from floorplan.schema import FloorplanSchema
-from sim.studies.study import _StudyKeys as StudyKeys
+from floorplan.building import FloorplanSchema
+from sim.studies.design import _StudyKeys as StudyKeys
 from sim.trials.keys import TrialKeys
 from sim.trials.rules_file import RuleKeys
 

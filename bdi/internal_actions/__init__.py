@@ -5,22 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ..reasoning.actions import InternalAction
-from . import (  # noqa: F401 - imported for what they add
+from ..actions import InternalAction
+from . import (  # noqa: F401 - each adds its actions to the registry
     beliefs,
-    chance,
     containers,
-    control,
     goals,
-    kinds,
     lists,
-    literals,
     messages,
-    output,
-    plans,
     registry,
     strings,
-    suspension,
     time,
 )
 

@@ -1,21 +1,26 @@
-"""Actions that look for, drop or finish the agent's own goals and intentions."""
+"""Internal actions on goals and intentions: drop, finish, suspend, resume, control structures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..language.body import Achieve, BodyTerm
-from ..language.order import with_more_annots
-from ..language.substitution import Unifier, rename, substitute
+from ..actions import ActionError
+from ..language.body import Achieve, Act, Body, BodyFormula, BodyTerm, For, ForkJoin, If, While
+from ..language.substitution import (
+    Unifier,
+    rename,
+    substitute,
+    substitute_literal,
+    with_more_annots,
+)
 from ..language.terms import Literal, Term, TriggerTerm, Var, make_list, plain_text, text
-from ..language.unification import unified
-from ..reasoning.achievement import Finish
-from ..reasoning.actions import ActionError
-from ..reasoning.calls import WAITING, Call
+from ..language.unification import try_unify, unified
 from ..reasoning.circumstance import Circumstance
-from ..reasoning.intentions import Goals, Intention, Means
-from .arguments import a_goal, a_literal
-from .registry import STANDARD
+from ..reasoning.deliberation import Finish
+from ..reasoning.execution import OPERATIONS, WAITING, Call, Waiting
+from ..reasoning.intentions import Event, Goals, Intention, Means
+from ..reasoning.plans import compile_body
+from .registry import STANDARD, a_goal, a_literal, wrong
 
 
 @STANDARD.add(".drop_all_desires", most=0)
@@ -282,3 +287,162 @@ def _description(intention: Intention) -> Literal:
         trigger = TriggerTerm(means.sort, means.literal)
         stack.append(Literal("im", (_label(means), trigger, BodyTerm(tuple(left)), bindings)))
     return Literal("intention", (float(intention.number), make_list(stack)))
+
+
+@STANDARD.add(".suspend", most=1)
+def suspend(call: Call, *goal: Term) -> object:
+    """`.suspend(G?)`: suspend what has a goal, or the intention that calls."""
+    circumstance = call.agent.circumstance
+    reason = Literal("suspend_ia")
+    if not goal:
+        if call.intention is None:
+            return False
+        call.intention.is_suspended = True
+        circumstance.suspend("suspended-self", call.intention, reason)
+        return WAITING
+    wanted = a_literal("suspend", goal[0])
+    u, states = dict(call.unifier), circumstance.states
+    for action in list(circumstance.pending_actions.values()):
+        if action.intention.wants(wanted, u):
+            action.intention.is_suspended = True
+            circumstance.suspend("suspended", action.intention, reason)
+    for _, intention in list(circumstance.pending.values()):
+        if intention.wants(wanted, u):
+            intention.is_suspended = True
+            if states is not None:
+                states.note("suspended", "+!", substitute_literal(wanted, u), reason)
+    running = [circumstance.atomic, *circumstance.running]
+    for candidate in running:
+        if candidate is not None and candidate.wants(wanted, u):
+            candidate.is_suspended = True
+            circumstance.remove_running(candidate)
+            circumstance.suspend("suspended", candidate, reason)
+    current = call.intention
+    suspends_itself = current is not None and current.wants(wanted, u)
+    if current is not None and suspends_itself:
+        current.is_suspended = True
+        circumstance.suspend("suspended-self", current, reason)
+    _suspend_events(circumstance, wanted, u, reason)
+    return WAITING if suspends_itself else u
+
+
+def _suspend_events(
+    circumstance: Circumstance, wanted: Literal, u: Unifier, reason: Literal
+) -> None:
+    """Put off the events of a goal, and those for which an intention waits that has it."""
+    states = circumstance.states
+    for event in circumstance.all_events():
+        intention = event.intention
+        by_stack = intention is not None and intention.wants(wanted, u)
+        if by_stack or _is_goal(event, wanted, u):
+            if event is circumstance.atomic_event:
+                circumstance.atomic_event = None
+            else:
+                circumstance.events.remove(event)
+            circumstance.suspended_events.append(event)
+            if states is not None and event.sort in ("+!", "+?"):
+                states.note("suspended", event.sort, event.literal, reason)
+            if intention is not None:
+                intention.is_suspended = True
+                intention.reason = reason
+
+
+def _is_goal(event: Event, wanted: Literal, u: Unifier) -> bool:
+    return event.sort == "+!" and try_unify(wanted, event.literal, u)
+
+
+@STANDARD.add(".resume", least=1, most=1)
+def resume(call: Call, goal: Term) -> object:
+    """`.resume(G)`: let go on what is suspended and has a goal."""
+    wanted = a_literal("resume", goal)
+    circumstance = call.agent.circumstance
+    u, states, reason = dict(call.unifier), circumstance.states, Literal("resume_ia")
+    for kind, intention in list(circumstance.pending.values()):
+        if not intention.is_suspended or not intention.wants(wanted, u):
+            continue
+        intention.is_suspended = False
+        if states is not None:
+            states.note_top("resumed", intention, reason)
+        if kind == "suspended-self" and intention.top.step is not None:
+            intention.top.step = intention.top.step.next
+        if kind.startswith("suspended"):
+            circumstance.unpend(intention)
+            if intention.number not in circumstance.pending_actions:
+                circumstance.resume(intention)
+        elif states is not None:
+            states.note_top("waiting", intention, intention.reason)
+    for event in list(circumstance.suspended_events):
+        stacked = event.intention
+        if _is_goal(event, wanted, u) or (stacked is not None and stacked.wants(wanted, u)):
+            circumstance.suspended_events.remove(event)
+            if stacked is not None:
+                stacked.is_suspended = False
+            if states is not None and stacked is not None:
+                states.note_top("resumed", stacked, reason)
+            elif states is not None and event.sort in ("+!", "+?"):
+                states.note("resumed", event.sort, event.literal, reason)
+            circumstance.post(event)
+    return u
+
+
+@STANDARD.add(".suspended", least=1, most=2)
+def suspended(call: Call, goal: Term, *reason: Term) -> object:
+    """`.suspended(G, R?)`: hold if an intention that has a goal is suspended or waits; R is why."""
+    wanted = a_literal("suspended", goal)
+    circumstance = call.agent.circumstance
+    waiting = [
+        *((a.intention, Literal("act")) for a in circumstance.pending_actions.values()),
+        *((i, i.reason or Literal("no_reason")) for _, i in circumstance.pending.values()),
+    ]
+    for intention, why in waiting:
+        u = dict(call.unifier)
+        if intention.wants(wanted, u):
+            return unified(reason[0], why, u) if reason else u
+    return False
+
+
+def _body(name: str, term: Term) -> Body:
+    if isinstance(term, BodyTerm):
+        return term.body
+    if isinstance(term, Literal | Var):
+        return (Act(term),)
+    raise wrong(name, f"'{text(term)}' is not the body of a plan.")
+
+
+def _carry_out(call: Call, formula: BodyFormula) -> Waiting:
+    """Carry a control structure out in place of the step that calls."""
+    intention = call.intention
+    assert intention is not None  # none of them is allowed in a context
+    means = intention.top
+    means.step = compile_body((formula,), None if means.step is None else means.step.next)
+    assert means.step is not None  # it begins with the formula
+    OPERATIONS[means.step.operation](call.agent, intention, means, means.step)
+    return WAITING
+
+
+@STANDARD.add(".if_then_else", least=2, most=3, in_context=False)
+def if_then_else(call: Call, condition: Term, then: Term, *otherwise: Term) -> Waiting:
+    """`.if_then_else(F, {a}, {b}?)`: carry out one body or the other."""
+    bodies = [_body("if_then_else", term) for term in (then, *otherwise)]
+    return _carry_out(call, If(condition, bodies[0], bodies[1] if otherwise else ()))
+
+
+@STANDARD.add(".loop", least=2, most=2, in_context=False)
+def loop(call: Call, condition: Term, body: Term) -> Waiting:
+    """`.loop(F, {a})`: carry out a body as long as a formula holds."""
+    return _carry_out(call, While(condition, _body("loop", body)))
+
+
+@STANDARD.add(".foreach", least=2, most=2, in_context=False)
+def foreach(call: Call, generator: Term, body: Term) -> Waiting:
+    """`.foreach(F, {a})`: carry out a body for each answer of a formula."""
+    return _carry_out(call, For(generator, _body("foreach", body)))
+
+
+@STANDARD.add(".fork", least=2, in_context=False)
+def fork(call: Call, kind: Term, *branches: Term) -> Waiting:
+    """`.fork(and, {a}, {b})`: carry out bodies concurrently, until all or the first end."""
+    name = text(kind)
+    if name not in ("and", "or"):
+        raise wrong("fork", "first argument must be 'and' or 'or'.")
+    return _carry_out(call, ForkJoin(name == "and", tuple(_body("fork", b) for b in branches)))

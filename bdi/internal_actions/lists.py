@@ -1,17 +1,26 @@
-"""Actions on lists."""
+"""Internal actions on lists, tests of the kind of a term, and random choices."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from itertools import count
 
-from ..language.containers import Container
-from ..language.order import compare, distinct, standard_order
-from ..language.substitution import Unifier
+from ..actions import ActionError
+from ..language.body import BodyTerm
+from ..language.program import PlanTerm, RuleTerm
+from ..language.substitution import Unifier, compare, distinct, standard_order
 from ..language.terms import (
     EMPTY,
+    Conjunction,
     Cons,
+    Disjunction,
+    Literal,
+    Negation,
     Nil,
+    Operation,
+    Relation,
     Term,
+    TriggerTerm,
     Var,
     is_ground,
     make_list,
@@ -19,11 +28,10 @@ from ..language.terms import (
     text,
 )
 from ..language.unification import unified, unify
-from ..reasoning.actions import ActionError
-from ..reasoning.calls import Call
-from .arguments import a_list, a_number, wrong
+from ..reasoning.execution import Call
 from .beliefs import answers
-from .registry import STANDARD
+from .containers import Container
+from .registry import STANDARD, a_list, a_number, wrong
 
 
 @STANDARD.add(".length", least=2, most=2)
@@ -253,3 +261,88 @@ STANDARD.add(".min", least=2, most=3)(_extreme("min", lambda order: order > 0))
 STANDARD.add(".union", least=3, most=3)(_set_operation("union", lambda a, b: b + a))
 STANDARD.add(".intersection", least=3, most=3)(_set_operation("intersection", _common))
 STANDARD.add(".difference", least=3, most=3)(_set_operation("difference", _without))
+
+
+def _kind(test: Callable[[Term], bool]) -> Callable[..., bool]:
+    return lambda call, term: test(term)
+
+
+def _is_structure(term: Term) -> bool:
+    if isinstance(term, Literal):
+        return not term.is_atom
+    return isinstance(term, Nil | Cons | TriggerTerm | PlanTerm | RuleTerm | BodyTerm | Operation)
+
+
+def _is_literal(term: Term) -> bool:
+    formulas = Conjunction | Disjunction | Negation | Relation
+    return isinstance(term, Literal | TriggerTerm | PlanTerm | RuleTerm | BodyTerm | formulas)
+
+
+def _kinds(term: Term) -> list[str]:
+    """Return the kinds of a term, the narrowest first."""
+    if isinstance(term, Container):
+        return [term.kind, "ground"]
+    return [name for name, test in _KINDS.items() if test(term)]
+
+
+@STANDARD.add(".type", least=2, most=2)
+def kind_of(call: Call, term: Term, kind: Term) -> Iterator[Unifier]:
+    """`.type(T, Kind)`: an answer for each kind that a term is of."""
+    return call.each(kind, map(Literal, _kinds(term)))
+
+
+_KINDS: Mapping[str, Callable[[Term], bool]] = {
+    "number": lambda term: isinstance(term, float),
+    "atom": lambda term: isinstance(term, Literal) and term.is_atom,
+    "literal": _is_literal,
+    "string": lambda term: isinstance(term, str),
+    "list": lambda term: isinstance(term, Nil | Cons),
+    "structure": _is_structure,
+    "rule": lambda term: isinstance(term, RuleTerm),
+    "plan": lambda term: isinstance(term, BodyTerm),
+    # The variables of a rule are its own, and are left as they are.
+    "ground": lambda term: is_ground(term) and not isinstance(term, RuleTerm),
+    "free": lambda term: isinstance(term, Var),
+}
+"""The kinds of `.type`, in its order. A body in braces is a plan, a whole plan is a structure."""
+
+for _name in ("number", "atom", "literal", "string", "list", "structure", "ground"):
+    STANDARD.add(f".{_name}", least=1, most=1)(_kind(_KINDS[_name]))
+STANDARD.add(".var", least=1, most=1)(_kind(_KINDS["free"]))
+
+
+@STANDARD.add(".random", least=1, most=3)
+def random(call: Call, what: Term, *more: Term) -> object:
+    """`.random(X)` or `.random(List, X)`; a last number is that of the answers, 0 for no end."""
+    numbers = call.agent.random
+    if isinstance(what, Nil | Cons):
+        items = list(what)
+        if not more or not isinstance(more[0], Var):
+            raise wrong("random", "second argument must be a variable.")
+        if not items:
+            return False
+        chosen = (items[int(numbers.random() * len(items))] for _ in _times(more[1:]))
+        return call.each(more[0], chosen)
+    if not isinstance(what, Var):
+        raise wrong("random", "first argument must be a variable.")
+    return call.each(what, (numbers.random() for _ in _times(more)))
+
+
+def _times(limit: tuple[Term, ...]) -> Iterator[int]:
+    most = int(a_number("random", limit[0], "last")) if limit else 1
+    return iter(count()) if most == 0 else iter(range(most))
+
+
+@STANDARD.add(".shuffle", least=2, most=2)
+def shuffle(call: Call, elements: Term, result: Term) -> object:
+    """`.shuffle(L, R)`: the elements in an order drawn at random."""
+    items = list(a_list("shuffle", elements, "first"))
+    call.agent.random.shuffle(items)
+    return call.unify(result, make_list(items))
+
+
+@STANDARD.add(".set_random_seed", least=1, most=1)
+def set_random_seed(call: Call, seed: Term) -> bool:
+    """`.set_random_seed(N)`: begin the random numbers anew."""
+    call.agent.random.seed(int(a_number("set_random_seed", seed, "first")))
+    return True

@@ -1,18 +1,212 @@
-"""Messages between the agents of one run, and the directory of what they offer."""
+"""Messages: reading the mailbox, sending, questions that await an answer, the directory.
+
+One belief that it is told it believes, one goal that it is to achieve it adopts. Everything else is
+a goal, `+!kqml_received(Sender, Force, Content, Message)`, for which there are the plans of
+`messages.asl`, and before them those of the program, if it has some.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import overload
 
-from ..language.substitution import Unifier
-from ..language.terms import Cons, Literal, Nil, Term, make_list, plain_text, text
-from ..reasoning.actions import ActionError
-from ..reasoning.calls import WAITING, Call
-from ..reasoning.mail import Question, answers
-from ..reasoning.society import Message, Society
-from .arguments import a_number, wrong
-from .registry import STANDARD
+from ..actions import ActionError, error_annots
+from ..language.loading import parse
+from ..language.program import PlanTerm, Program
+from ..language.substitution import Unifier, rename, sorted_annots, substitute
+from ..language.terms import (
+    FALSE,
+    FROM_SELF,
+    Cons,
+    Literal,
+    Nil,
+    RestVar,
+    Term,
+    Var,
+    make_list,
+    plain_text,
+    text,
+)
+from ..language.unification import unify
+from ..reasoning.beliefs import with_source
+from ..reasoning.execution import WAITING, Call
+from ..reasoning.failure import fail
+from ..reasoning.intentions import Event, Intention
+from ..reasoning.plans import PROTOCOL
+from ..reasoning.state import AgentState, learn
+from ..society import Message, Society
+from .registry import STANDARD, a_number, wrong
+
+
+@cache
+def protocol() -> Program:
+    """Return the plans for messages."""
+    source = Path(__file__).with_name("messages.asl").read_text(encoding="utf-8")
+    return parse(source, PROTOCOL)
+
+
+def read(agent: AgentState, message: Message) -> None:
+    """Do what a message asks for."""
+    if message.reply_to:
+        question = agent.questions.get(message.reply_to)
+        if question is not None:
+            question.answer(message)
+            return
+        if message.is_awaited:
+            # The answer comes after the time for it is over.
+            return
+    content = rename(message.content, agent.names, {})
+    sender = "self" if message.sender == agent.name else message.sender
+    if isinstance(content, Literal) and not agent.plans.has_protocol:
+        said = nested_source(content, Literal(sender))
+        if message.force == "tell" and content.ground:
+            agent.believe(said)
+            return
+        if message.force == "achieve":
+            agent.circumstance.post(Event("+!", with_source(said)))
+            return
+    # Only once a message needs them: most agents never read one that does.
+    learn(agent, protocol())
+    number = Literal(f"mid{message.question}")
+    args = (Literal(sender), Literal(message.force), content, number)
+    agent.circumstance.post(Event("+!", Literal("kqml_received", args)))
+
+
+@overload
+def nested_source(term: Literal, sender: Term) -> Literal: ...
+@overload
+def nested_source(term: Term, sender: Term) -> Term: ...
+def nested_source(term: Term, sender: Term) -> Term:
+    """Return a literal with a sender as its source, in whose annotation its other sources stand.
+
+    A list is returned with each of its elements so.
+    """
+    if isinstance(term, Nil | Cons):
+        return make_list([nested_source(element, sender) for element in term])
+    if not isinstance(term, Literal):
+        return term
+    rest = [annot for annot in term.annots if isinstance(annot, RestVar)]
+    sources = tuple(annot for annot in term.annots if _is_source(annot))
+    others = tuple(a for a in term.annots if not _is_source(a) and not isinstance(a, RestVar))
+    source = Literal("source", (sender,), sources)
+    annots = (*sorted_annots((*others, source)), *rest)
+    return term.with_annots(annots)
+
+
+def without_source(term: Term, source: Term | None = None) -> Term:
+    """Return a literal, a plan or a list of them without their sources, or without one of them."""
+    if isinstance(term, Nil | Cons):
+        return make_list([without_source(element, source) for element in term])
+    if isinstance(term, PlanTerm):
+        return term
+    if not isinstance(term, Literal):
+        return term
+    wanted = None if source is None else Literal("source", (source,))
+    annots = tuple(
+        annot
+        for annot in term.annots
+        if not (_is_source(annot) and (wanted is None or annot == wanted))
+    )
+    return term.with_annots(annots)
+
+
+def _is_source(annot: Term) -> bool:
+    return isinstance(annot, Literal) and annot.functor == "source" and len(annot.args) == 1
+
+
+def answers(agent: AgentState, asked: Term, u: Unifier) -> Iterator[Term]:
+    """Yield what an agent answers to a question: what it believes, without itself as source."""
+    if not isinstance(asked, Literal) or asked.is_internal_action:
+        for solution in agent.logic.solutions(asked, u):
+            yield substitute(asked, solution)
+        return
+    rest = agent.names.fresh("Annots")
+    open_ended = not any(isinstance(annot, RestVar) for annot in asked.annots)
+    annots = (*asked.annots, RestVar(rest.name, fresh=True)) if open_ended else asked.annots
+    query = asked.with_annots(annots)
+    for solution in agent.logic.solutions(query, u):
+        found = substitute(query, solution)
+        if isinstance(found, Literal):
+            kept = tuple(annot for annot in found.annots if annot != FROM_SELF)
+            yield found.with_annots(kept)
+
+
+class AwaitedAnswer:
+    """Question for whose answers an intention waits.
+
+    Args:
+        agent: state of the agent.
+        intention: the intention.
+        number: number of the question.
+        pattern: term with which the answer has to unify, or the list of answers if several are
+            asked.
+        receivers: number of agents asked, or None for one agent and no list.
+        timeout: longest time (ms), if any.
+    """
+
+    def __init__(
+        self,
+        agent: AgentState,
+        intention: Intention,
+        number: int,
+        pattern: Term,
+        receivers: int | None,
+        timeout: int | None,
+    ) -> None:
+        self._agent = agent
+        self._intention = intention
+        self._number = number
+        self._pattern = pattern
+        self._receivers = receivers
+        self._answers: list[Term] = []
+        agent.questions[number] = self
+        agent.circumstance.suspend("ask", intention, Literal("waiting_ask"))
+        if timeout is not None:
+            agent.after(timeout, self._time_out)
+
+    def answer(self, message: Message) -> None:
+        """Take an answer; the intention goes on when it was the last."""
+        content = rename(message.content, self._agent.names, {})
+        sender = Literal(message.sender)
+        if message.force == "untell":
+            content = FALSE
+        elif message.force == "tellHow" or isinstance(content, Literal | Nil | Cons):
+            content = nested_source(content, sender)
+        self._answers.append(content)
+        answered = Literal("ask_answer", (f"mid{self._number}",))
+        if self._receivers is None:
+            self._end(content, answered)
+        elif len(self._answers) == self._receivers:
+            self._end(make_list(self._answers), answered)
+
+    def _time_out(self) -> None:
+        if self._number in self._agent.questions:
+            none = self._receivers is None
+            answer = Literal("timeout") if none else make_list(self._answers)
+            self._end(answer, Literal("send_ask_msg_timeout"))
+
+    def _end(self, answer: Term, reason: Literal) -> None:
+        agent, intention = self._agent, self._intention
+        del agent.questions[self._number]
+        if not agent.circumstance.take_pending(intention, "ask"):
+            return
+        means = intention.top
+        if unify(self._pattern, answer, means.u):
+            if means.step is not None:
+                means.step = means.step.next
+            agent.circumstance.resume(intention, reason)
+        else:
+            pattern = substitute(self._pattern, means.u)
+            shown = pattern if isinstance(pattern, Var) else self._pattern
+            message = (
+                f"reply of an ask message ('{answer}') does not unify with fourth argument of"
+                f" .send ('{shown}')"
+            )
+            fail(agent, intention, error_annots("ask_failed", message))
+
 
 _ASKS = ("askOne", "askAll", "askHow")
 _NUMBER = re.compile(r"mid(\d+)")
@@ -52,7 +246,7 @@ def send(call: Call, receiver: Term, force: Term, content: Term, *more: Term) ->
         return True
     timeout = int(a_number("send", more[1], "fifth")) if len(more) > 1 else None
     receivers = len(names) if is_list else None
-    Question(agent, call.intention, number, more[0], receivers, timeout)
+    AwaitedAnswer(agent, call.intention, number, more[0], receivers, timeout)
     return WAITING
 
 

@@ -1,19 +1,69 @@
-"""Bodies of plans: the formulas that a plan carries out, one after another.
+"""Plan bodies: the steps of a plan, and traversal and replacement of program parts.
 
 `str` of any of them is AgentSpeak again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
-from ..errors import Problem
-from .changes import has_variables, transformed
-from .terms import Literal, Qualified, Quoted, Relation, Term, TriggerTerm, Var, text
+from ..errors import ProgramProblem
+from .terms import (
+    Literal,
+    Qualified,
+    Quoted,
+    Relation,
+    Term,
+    TriggerTerm,
+    Var,
+    parts,
+    rebuilt,
+    text,
+)
+
+
+def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
+    """Return a part of a program with everything replaced for which `change` returns not None.
+
+    Its place in the file stays, as all that does not count when parts are compared.
+    """
+    changed = change(part)
+    if changed is not None:
+        return changed
+
+    def inside(inner: Any) -> Any:
+        return transformed(inner, change)
+
+    if isinstance(part, tuple):
+        return tuple(map(inside, part))
+    if is_dataclass(part) and not isinstance(part, type):
+        counted = [field.name for field in fields(part) if field.compare]
+        return replace(part, **{name: inside(getattr(part, name)) for name in counted})
+    return rebuilt(part, inside)
+
+
+def all_parts(part: Any) -> Iterator[Any]:
+    """Yield a part of a program and everything inside it."""
+    pending = [part]
+    while pending:
+        one = pending.pop()
+        yield one
+        if isinstance(one, tuple):
+            pending += one
+        elif is_dataclass(one) and not isinstance(one, type):
+            pending += [getattr(one, field.name) for field in fields(one)]
+        else:
+            pending += parts(one)
+
+
+def has_variables(part: Any) -> bool:
+    """Return True if there is a variable somewhere in a part of a program."""
+    return any(isinstance(inner, Var) for inner in all_parts(part))
+
 
 #: What a goal, a belief or an action is: a literal, or a variable that stands for one.
 Event: TypeAlias = "Literal | Var | Qualified"
@@ -32,9 +82,9 @@ class Place:
         """Name of the file without its folder, as programs see it."""
         return self.file.replace("\\", "/").rpartition("/")[2]
 
-    def problem(self, message: str) -> Problem:
+    def problem(self, message: str) -> ProgramProblem:
         """Return a problem at this place."""
-        return Problem(self.file, self.line, self.column, message)
+        return ProgramProblem(self.file, self.line, self.column, message)
 
 
 NOWHERE = Place()
@@ -139,7 +189,7 @@ class For:
 
 
 @dataclass(frozen=True)
-class Fork:
+class ForkJoin:
     """Concurrent branches: `|&|` goes on when all have ended, `|||` when the first has."""
 
     all_of: bool
@@ -150,13 +200,13 @@ class Fork:
         sign = " |&| " if self.all_of else " ||| "
         return sign.join(
             str(branch[0])
-            if len(branch) == 1 and not isinstance(branch[0], Fork | If | While | For)
+            if len(branch) == 1 and not isinstance(branch[0], ForkJoin | If | While | For)
             else f"({body_text(branch)})"
             for branch in self.branches
         )
 
 
-BodyFormula: TypeAlias = "Achieve | Test | Update | Act | Constraint | If | While | For | Fork"
+BodyFormula: TypeAlias = "Achieve | Test | Update | Act | Constraint | If | While | For | ForkJoin"
 Body: TypeAlias = tuple[BodyFormula, ...]
 
 

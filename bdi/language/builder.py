@@ -9,7 +9,6 @@ from typing import Any, TypeAlias
 from lark import Token, Transformer_NonRecursive, v_args
 from lark.tree import Meta
 
-from .arithmetic import is_function
 from .body import (
     Achieve,
     Act,
@@ -18,7 +17,7 @@ from .body import (
     BodyTerm,
     Constraint,
     For,
-    Fork,
+    ForkJoin,
     If,
     Place,
     Test,
@@ -26,22 +25,22 @@ from .body import (
     While,
 )
 from .namespaces import THIS
-from .order import sorted_annots
 from .program import Belief, Directive, Goal, Plan, PlanTerm, Rule, RuleTerm, Trigger, plan_change
+from .substitution import is_function, sorted_annots
 from .terms import (
     DEFAULT,
     EMPTY,
     FALSE,
     TRUE,
-    And,
     AnnotatedVar,
     Arithmetic,
+    Conjunction,
+    Disjunction,
     Function,
     List,
     Literal,
+    Negation,
     Nil,
-    Not,
-    Or,
     Qualified,
     Relation,
     RestVar,
@@ -54,7 +53,7 @@ from .terms import (
 )
 
 
-class RefusedError(Exception):
+class ClauseError(Exception):
     """Clause that the grammar allows but the language does not."""
 
     def __init__(self, meta: Meta, message: str) -> None:
@@ -91,7 +90,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     # ---- clauses
 
     def stray(self, meta: Meta, character: Token) -> None:
-        raise RefusedError(meta, stray_message(character))
+        raise ClauseError(meta, stray_message(character))
 
     def directive(self, meta: Meta, name: Token, args: tuple[Term, ...] | None) -> Directive:
         return Directive(str(name), args or (), self._place(meta))
@@ -100,25 +99,25 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         self, meta: Meta, begin: Token, name: Token, args: tuple[Term, ...] | None
     ) -> Directive:
         if begin != "begin":
-            raise RefusedError(meta, f"a directive of two names is {{ begin {name} }}")
+            raise ClauseError(meta, f"a directive of two names is {{ begin {name} }}")
         return Directive(str(name), args or (), self._place(meta), opens=True)
 
     def belief(self, meta: Meta, head: Term, body: Term | None) -> Belief | Rule:
         if not isinstance(head, Literal):
-            raise RefusedError(meta, "a variable cannot be a belief")
+            raise ClauseError(meta, "a variable cannot be a belief")
         if head.is_internal_action:
-            raise RefusedError(meta, f"the internal action {head.functor} cannot be a belief")
+            raise ClauseError(meta, f"the internal action {head.functor} cannot be a belief")
         place = self._place(meta)
         return Belief(head, place) if body is None else Rule(head, body, place)
 
     def initial_goal(self, meta: Meta, goal: Term) -> Goal:
         if not isinstance(goal, Literal):
-            raise RefusedError(meta, "a variable cannot be a goal")
+            raise ClauseError(meta, "a variable cannot be a goal")
         return Goal(goal, self._place(meta))
 
     def plan(self, meta: Meta, label: Literal | Var | None, *parts: Any) -> Plan:
         if isinstance(label, Var):
-            raise RefusedError(meta, "a label that is a variable stands in plans in braces only")
+            raise ClauseError(meta, "a label that is a variable stands in plans in braces only")
         return self._plan(meta, label, *parts)
 
     def _plan(
@@ -151,9 +150,9 @@ class Builder(Transformer_NonRecursive[Token, Any]):
 
     def trigger(self, meta: Meta, update: Token, kind: Token | None, literal: _Event) -> Trigger:
         if update not in ("+", "-", "^"):
-            raise RefusedError(meta, f"a plan begins with '+' or '-', not with '{update}'")
+            raise ClauseError(meta, f"a plan begins with '+' or '-', not with '{update}'")
         if isinstance(literal, Literal) and literal.is_internal_action:
-            raise RefusedError(meta, f"there is no event of {literal.functor}")
+            raise ClauseError(meta, f"there is no event of {literal.functor}")
         return Trigger(str(update), str(kind or ""), literal)
 
     # ---- bodies
@@ -170,7 +169,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
 
     def _not_internal(self, meta: Meta, operator: str, literal: Term) -> None:
         if isinstance(literal, Literal) and literal.is_internal_action:
-            raise RefusedError(
+            raise ClauseError(
                 meta, f"'{operator}' and the internal action {literal.functor} do not combine"
             )
 
@@ -182,12 +181,12 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         if isinstance(belief, PlanTerm):
             action = plan_change(operator, belief)
             if action is None:
-                raise RefusedError(meta, f"'{operator}' and a plan do not combine")
+                raise ClauseError(meta, f"'{operator}' and a plan do not combine")
             return Act(action, self._place(meta))
         if isinstance(belief, RuleTerm) and operator == "-+":
-            raise RefusedError(meta, "'-+' and a rule do not combine")
+            raise ClauseError(meta, "'-+' and a rule do not combine")
         if not isinstance(belief, Literal | Var | Qualified | RuleTerm):
-            raise RefusedError(meta, f"'{operator}' is followed by a belief, not by {text(belief)}")
+            raise ClauseError(meta, f"'{operator}' is followed by a belief, not by {text(belief)}")
         self._not_internal(meta, operator, belief)
         return Update(str(operator), belief, self._place(meta))
 
@@ -198,13 +197,13 @@ class Builder(Transformer_NonRecursive[Token, Any]):
             return formula.body
         if isinstance(formula, Relation):
             return Constraint(formula, self._place(meta))
-        raise RefusedError(meta, f"{text(formula)} is nothing a plan can do")
+        raise ClauseError(meta, f"{text(formula)} is nothing a plan can do")
 
-    def fork(self, meta: Meta, one: _Steps, sign: Token, other: _Steps) -> Fork:
+    def fork(self, meta: Meta, one: _Steps, sign: Token, other: _Steps) -> ForkJoin:
         all_of = sign == "|&|"
-        is_more = isinstance(other, Fork) and other.all_of == all_of
-        others = other.branches if isinstance(other, Fork) and is_more else (_as_body(other),)
-        return Fork(all_of, (_as_body(one), *others), self._place(meta))
+        is_more = isinstance(other, ForkJoin) and other.all_of == all_of
+        others = other.branches if isinstance(other, ForkJoin) and is_more else (_as_body(other),)
+        return ForkJoin(all_of, (_as_body(one), *others), self._place(meta))
 
     def if_(self, meta: Meta, conditional: If) -> If:
         return replace(conditional, place=self._place(meta))
@@ -223,14 +222,14 @@ class Builder(Transformer_NonRecursive[Token, Any]):
 
     # ---- formulas and terms
 
-    def or_(self, meta: Meta, left: Term, right: Term) -> Or:
-        return Or(left, right)
+    def or_(self, meta: Meta, left: Term, right: Term) -> Disjunction:
+        return Disjunction(left, right)
 
-    def and_(self, meta: Meta, left: Term, right: Term) -> And:
-        return And(left, right)
+    def and_(self, meta: Meta, left: Term, right: Term) -> Conjunction:
+        return Conjunction(left, right)
 
-    def not_(self, meta: Meta, formula: Term) -> Not:
-        return Not(formula)
+    def not_(self, meta: Meta, formula: Term) -> Negation:
+        return Negation(formula)
 
     def relation(self, meta: Meta, left: Term, symbol: Token, right: Term) -> Relation:
         return Relation(str(symbol), left, right)
@@ -250,7 +249,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         # A function of the agent's own is a literal with a dot until the agent is known.
         is_own = isinstance(operand, Literal) and operand.is_internal_action
         if not is_own and not isinstance(operand, float | Var | Arithmetic | Function):
-            raise RefusedError(
+            raise ClauseError(
                 meta,
                 f"'{operator}' takes numbers and variables, and {text(operand)} is neither",
             )
@@ -258,7 +257,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def number(self, meta: Meta, token: Token) -> float:
         value = float(token)
         if math.isinf(value):
-            raise RefusedError(meta, f"the number {token} is too large")
+            raise ClauseError(meta, f"the number {token} is too large")
         return value
 
     def string(self, meta: Meta, token: Token) -> str:
@@ -281,7 +280,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         literal = atom(functor) if is_atom else Literal(functor, args or (), kept, negated)
         if literal.is_internal_action and (negated or literal.annots):
             what = "be negated" if negated else "have annotations"
-            raise RefusedError(meta, f"the internal action {name} cannot {what}")
+            raise ClauseError(meta, f"the internal action {name} cannot {what}")
         return Qualified(qualifier, literal) if isinstance(qualifier, Var) else literal
 
     def VAR(self, token: Token) -> Var:
@@ -353,7 +352,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
 
     def rule_term(self, meta: Meta, head: _Event, body: Term) -> RuleTerm:
         if not isinstance(head, Literal):
-            raise RefusedError(meta, "a variable cannot be the head of a rule")
+            raise ClauseError(meta, "a variable cannot be the head of a rule")
         return RuleTerm(Rule(head, body, self._place(meta)))
 
 

@@ -1,19 +1,310 @@
-"""Programs from files and texts."""
+"""Loading of programs from files and texts: inclusion, namespaces and goal patterns.
+
+The parser, and lark with it, is loaded with the first text that is read: programs in the package
+are kept as they were read, and people who run these need none.
+
+After Hübner, Bordini and Wooldridge, "Programming declarative goals using plan patterns" (DALT
+2006). Each pattern takes the plans between its two directives and returns them with those that make
+its goal declarative: achieved when it is believed, tried again when it has failed.
+"""
 
 from __future__ import annotations
 
+import os
+import pickle
 import re
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
 from functools import cache
+from importlib.util import cache_from_source
 from pathlib import Path
+from types import MappingProxyType
+from typing import Any, TypeAlias
 from weakref import WeakValueDictionary
 
-from ..errors import Problem, ProgramError
-from .kept import kept_clauses
+from ..errors import ProgramError, ProgramProblem
+from .body import BodyFormula, Place, Test, Update
 from .namespaces import NO_NAMESPACE, THIS, Namespace
-from .patterns import PATTERNS, WrongPatternError, apply_pattern
 from .program import Belief, Clause, Directive, Goal, Plan, Program, Rule
-from .terms import Literal
-from .texts import read_clauses
+from .terms import TRUE, Conjunction, Literal, Negation, Term, TriggerTerm, text
+from .unification import unified
+
+
+def read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[ProgramProblem, ...]]:
+    """Return the clauses of a text, in order, and the problems of those that cannot be read."""
+    from . import parser
+
+    return parser.read_clauses(source, file)
+
+
+def _parse_part(source: str, before: str = "") -> Any:
+    from . import parser
+
+    return parser.parse_part(source, before)
+
+
+def _wrong_part(source: str, expected: str) -> ProgramError:
+    return ProgramError([ProgramProblem(source, 0, 0, f"{expected} is expected")])
+
+
+def parse_literal(source: str) -> Literal:
+    """Return the belief, goal or percept in `source`, as `gantry_detected(3)[source(percept)]`.
+
+    Raises:
+        ProgramError: `source` is not one literal.
+    """
+    clause = _parse_part(source)
+    if isinstance(clause, Belief):
+        return clause.belief
+    raise _wrong_part(source, "a literal")
+
+
+def parse_term(source: str) -> Term:
+    """Return the term or formula in `source`.
+
+    Raises:
+        ProgramError: `source` is not one term.
+    """
+    clause = _parse_part(source, "term :- ")
+    if isinstance(clause, Rule):
+        return clause.body
+    raise _wrong_part(source, "a term")
+
+
+def parse_trigger(source: str) -> TriggerTerm:
+    """Return the event in `source`, as `+work_completed(_)`."""
+    clause = _parse_part(source)
+    if isinstance(clause, Plan):
+        return TriggerTerm(clause.trigger.sort, clause.trigger.literal)
+    raise _wrong_part(source, "an event, as +b or +!g,")
+
+
+def parse_plan(source: str) -> Plan:
+    """Return the plan in `source`, with or without its full stop."""
+    whole = source.rstrip()
+    clause = _parse_part(whole[:-1] if whole.endswith(".") else whole)
+    if isinstance(clause, Plan):
+        return clause
+    raise _wrong_part(source, "a plan")
+
+
+_Read = tuple[tuple[Clause, ...], tuple[ProgramProblem, ...]]
+
+
+@cache
+def kept_clauses(source: str, file: str) -> _Read:
+    """Return what `read_clauses` does of a program in the package, without reading it again.
+
+    It is kept wherever Python may keep the bytecode of this package, and like that read anew when
+    its text, its place or a file of the reader has changed.
+    """
+    folder = Path(cache_from_source(__file__)).parent
+    kept = folder / f"{Path(file).stem}.{sys.implementation.cache_tag}.clauses"
+    key = (source, file, _reader())
+    with suppress(Exception), kept.open("rb") as stream:  # not there, or whatever damage does
+        if pickle.load(stream) == key:
+            found: _Read = pickle.load(stream)
+            return found
+    found = read_clauses(source, file)
+    if folder.is_dir() and not sys.dont_write_bytecode:
+        unfinished = kept.with_suffix(f".{os.getpid()}")
+        with suppress(OSError):
+            unfinished.write_bytes(pickle.dumps(key) + pickle.dumps(found))
+            unfinished.replace(kept)
+    return found
+
+
+def _reader() -> list[tuple[str, int, int]]:
+    """Return name, time and size of the files that read programs, as Python knows its bytecode."""
+    with os.scandir(Path(__file__).parent) as entries:
+        files = [(entry.name, entry.stat()) for entry in entries if entry.is_file()]
+    return sorted((name, status.st_mtime_ns, status.st_size) for name, status in files)
+
+
+Clauses: TypeAlias = list[Clause]
+_Pattern: TypeAlias = Callable[[Directive, Sequence[Clause]], Clauses]
+
+
+class WrongPatternError(Exception):
+    """Pattern that cannot be applied, with what would be right."""
+
+
+def apply_pattern(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """Return the clauses of a pattern over those inside it.
+
+    Raises:
+        WrongPatternError: its arguments are wrong.
+    """
+    return PATTERNS[directive.name](directive, inner)
+
+
+def _goal(directive: Directive, index: int = 0) -> Literal:
+    goal = directive.args[index] if index < len(directive.args) else None
+    if isinstance(goal, Literal):
+        return goal
+    raise WrongPatternError(f"argument {index + 1} of {directive.name} is a goal, as go(X)")
+
+
+def _plan(source: str, place: Place) -> Plan:
+    try:
+        return replace(parse_plan(source), place=place)
+    except ProgramError as error:
+        raise WrongPatternError(str(error)) from None
+
+
+def _achieves(clause: Clause, goal: Literal) -> bool:
+    if not isinstance(clause, Plan) or clause.trigger.kind != "!":
+        return False
+    return unified(clause.trigger.literal, goal, {}) is not None
+
+
+def _tests(plan: Plan) -> BodyFormula:
+    return Test(plan.trigger.literal, plan.place)
+
+
+def _declarative(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """dg(g): g is achieved when it is believed, which every plan for it has to bring about."""
+    goal, place = _goal(directive), directive.place
+    # First in the program, so that a goal that is believed is achieved without any of its plans,
+    # and so is one that is pursued already.
+    plans: Clauses = [
+        _plan(f"+!{goal} : {goal}", place),
+        _plan(f"+!{goal} : .intend({goal})", place),
+    ]
+    for clause in inner:
+        if isinstance(clause, Plan) and _achieves(clause, goal):
+            clause = replace(clause, body=(*clause.body, _tests(clause)))
+        plans.append(clause)
+    return [*plans, _plan(f"+{goal} <- .succeed_goal({goal})", place)]
+
+
+def _backtracking(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """bdg(g): as dg(g), and g is tried again when it has failed."""
+    goal = _goal(directive)
+    return [*_declarative(directive, inner), _plan(f"-!{goal} <- !{goal}", directive.place)]
+
+
+def _exclusive(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """ebdg(g): as bdg(g), and no plan for g is tried twice."""
+    goal, place = _goal(directive), directive.place
+    plans: Clauses = [_plan(f"+!{goal} : {goal}", place)]
+    number = 0
+    for clause in inner:
+        if isinstance(clause, Plan) and _achieves(clause, goal):
+            number += 1
+            # The plan notes that it has been tried before its first step, so its failure can't come
+            # before.
+            tried = Literal("p__f", (float(number), goal))
+            context: Term = Negation(tried)
+            if clause.context != TRUE:
+                context = Conjunction(context, clause.context)
+            body = (Update("+", tried, clause.place), *clause.body, _tests(clause))
+            clause = replace(clause, context=context, body=body)
+        plans.append(clause)
+    forget = f".abolish(p__f(_,{goal}))"
+    return [
+        *plans,
+        _plan(f"-!{goal} <- !{goal}", place),
+        _plan(f"+{goal} <- {forget}; .succeed_goal({goal})", place),
+        _plan(f"-{goal} <- {forget}", place),
+    ]
+
+
+def _within(directive: Directive, inner: Sequence[Clause], pattern: str) -> Clauses:
+    """Return the clauses of the pattern that an argument names, or else of the usual one."""
+    goal = _goal(directive)
+    chosen = directive.args[1] if len(directive.args) > 1 else Literal(pattern, (goal,))
+    if not isinstance(chosen, Literal) or chosen.functor not in PATTERNS:
+        raise WrongPatternError(f"argument 2 of {directive.name} is a pattern, as {pattern}(g)")
+    return apply_pattern(replace(directive, name=chosen.functor, args=chosen.args), inner)
+
+
+def _blind(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """bc(g, pattern): g is pursued for ever."""
+    goal = _goal(directive)
+    return [*_within(directive, inner, "bdg"), _plan(f"+!{goal} <- !{goal}", directive.place)]
+
+
+def _committed(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    blind = replace(directive, name="bc", args=directive.args[:1])
+    return _blind(blind, inner)
+
+
+def _single_minded(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """smc(g, f): g is pursued until f is believed."""
+    goal, failed = _goal(directive), _goal(directive, 1)
+    return [
+        *_committed(directive, inner),
+        _plan(f"+{failed} <- .fail_goal({goal})", directive.place),
+    ]
+
+
+def _relativised(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """rc(g, m): g is pursued as long as m is believed."""
+    goal, motive = _goal(directive), _goal(directive, 1)
+    return [
+        *_committed(directive, inner),
+        _plan(f"-{motive} <- .succeed_goal({goal})", directive.place),
+    ]
+
+
+def _open_minded(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """omc(g, f, m): g is pursued until f is believed or m is no longer."""
+    goal, failed, motive = (_goal(directive, index) for index in range(3))
+    return [
+        *_committed(directive, inner),
+        _plan(f"+{failed} <- .drop_intention({goal})", directive.place),
+        _plan(f"-{motive} <- .succeed_goal({goal})", directive.place),
+    ]
+
+
+def _maintained(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """mg(g, pattern): g is believed at first, and pursued whenever it is no longer."""
+    goal = _goal(directive)
+    return [
+        Belief(goal, directive.place),
+        *_within(directive, inner, "bc"),
+        _plan(f"-{goal} <- !{goal}", directive.place),
+    ]
+
+
+def _sequenced(directive: Directive, inner: Sequence[Clause]) -> Clauses:
+    """sga("t", "c", g): at each event t in which c holds g is adopted, one after another."""
+    if len(directive.args) != 3 or not all(isinstance(arg, str) for arg in directive.args[:2]):
+        raise WrongPatternError('sga takes an event, a context and a goal: sga("+b", "c", g)')
+    goal, place = _goal(directive, 2), directive.place
+    try:
+        trigger = parse_trigger(str(directive.args[0]))
+        context = text(parse_term(str(directive.args[1])))
+    except ProgramError as error:
+        raise WrongPatternError(str(error)) from None
+    event = f"{trigger.sort}{trigger.literal}"
+    return [
+        _plan(f"{event} : not f__l(_) & {context} <- !f__g({goal})", place),
+        _plan(f"{event} : f__l(_) & ({context}) <- +f__l({goal})", place),
+        _plan(f"+!f__g({goal}) <- +f__l({goal}); !{goal}; -f__l({goal})", place),
+        _plan(f"-!f__g({goal}) <- -f__l({goal})", place),
+        _plan(f"-f__l({goal}) : f__l({goal}) <- !f__g({goal})", place),
+    ]
+
+
+PATTERNS: Mapping[str, _Pattern] = MappingProxyType(
+    {
+        "dg": _declarative,
+        "bdg": _backtracking,
+        "ebdg": _exclusive,
+        "bc": _blind,
+        "smc": _single_minded,
+        "rc": _relativised,
+        "omc": _open_minded,
+        "mg": _maintained,
+        "sga": _sequenced,
+    }
+)
+"""The patterns by the names of their directives."""
+
 
 MAX_TEXT = 4_000_000
 """Length of the longest program that is read (characters); it takes about a minute."""
@@ -69,7 +360,7 @@ def parse_file(path: str | Path, *, namespace: str = "default") -> Program:
     """
     path = Path(path)
     source = _read(path)
-    if isinstance(source, Problem):
+    if isinstance(source, ProgramProblem):
         raise ProgramError([source])
     return _parse(source, str(path), path.parent, namespace)
 
@@ -90,7 +381,7 @@ def parse(source: str, name: str = "<text>", *, folder: str | Path | None = None
 
 def _parse(source: str, name: str, folder: Path | None, namespace: str = "default") -> Program:
     if len(source) > MAX_TEXT:
-        raise ProgramError([Problem(name, 0, 0, _TOO_LONG)])
+        raise ProgramError([ProgramProblem(name, 0, 0, _TOO_LONG)])
     within = NO_NAMESPACE if namespace == "default" else Namespace(namespace)
     found, problems = _read_all(source, name, folder, (), within)
     if problems:
@@ -119,17 +410,17 @@ def _read_all(
     folder: Path | None,
     including: tuple[str, ...],
     namespace: Namespace = NO_NAMESPACE,
-) -> tuple[list[Clause], list[Problem]]:
+) -> tuple[list[Clause], list[ProgramProblem]]:
     """Return the clauses of a text, those of included files in their places, and all problems."""
     read = kept_clauses if Path(file) in _built_in().values() else read_clauses
     clauses, wrong = read(source, file)
-    reading = _Reading(folder, (*including, file), namespace, "::" in source or THIS in source)
+    reading = _FileReader(folder, (*including, file), namespace, "::" in source or THIS in source)
     found = reading.read(list(clauses))
     problems = [*wrong, *reading.problems]
     return found, sorted(problems, key=lambda p: (p.file != file, p.file, p.line, p.column))
 
 
-class _Reading:
+class _FileReader:
     """Reading of one file: carries out its directives."""
 
     def __init__(
@@ -139,7 +430,7 @@ class _Reading:
         namespace: Namespace,
         names_namespaces: bool,
     ) -> None:
-        self.problems: list[Problem] = []
+        self.problems: list[ProgramProblem] = []
         self._folder = folder
         self._including = including
         self._namespace = namespace
@@ -247,7 +538,7 @@ def _open_included(
     if isinstance(found, str):
         return found
     text = _read(found)
-    if isinstance(text, Problem):
+    if isinstance(text, ProgramProblem):
         return f"{found} {text.message}"
     if str(found) in including:
         return f"{name} includes itself"
@@ -276,16 +567,16 @@ def _find_included(name: str, folder: Path | None) -> Path | str:
     return f"there is no file '{name}' {where}"
 
 
-def _read(path: Path) -> str | Problem:
+def _read(path: Path) -> str | ProgramProblem:
     """Return the text of a file that is regular or passed by a shell."""
     try:
         if not (path.is_file() or _HANDED_OVER.fullmatch(str(path))) and path.exists():
-            return Problem(str(path), 0, 0, "is no regular file")
+            return ProgramProblem(str(path), 0, 0, "is no regular file")
         with path.open(encoding="utf-8") as file:
             text = file.read(MAX_TEXT + 1)
     except FileNotFoundError:
-        return Problem(str(path), 0, 0, "there is no such file")
+        return ProgramProblem(str(path), 0, 0, "there is no such file")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-        return Problem(str(path), 0, 0, f"cannot be read: {reason}")
-    return Problem(str(path), 0, 0, _TOO_LONG) if len(text) > MAX_TEXT else text
+        return ProgramProblem(str(path), 0, 0, f"cannot be read: {reason}")
+    return ProgramProblem(str(path), 0, 0, _TOO_LONG) if len(text) > MAX_TEXT else text

@@ -19,15 +19,26 @@ from .body import (
     BodyFormula,
     Constraint,
     For,
-    Fork,
+    ForkJoin,
     If,
     Test,
     Update,
     While,
+    transformed,
 )
-from .changes import transformed
 from .program import Belief, Clause, Goal, Plan, Rule
-from .terms import DEFAULT, And, Literal, Not, Or, Qualified, Relation, Term, Var, rebuilt
+from .terms import (
+    DEFAULT,
+    Conjunction,
+    Disjunction,
+    Literal,
+    Negation,
+    Qualified,
+    Relation,
+    Term,
+    Var,
+    rebuilt,
+)
 
 THIS = "this_ns"
 """Name of the namespace of the file in which it is written."""
@@ -143,14 +154,14 @@ class Namespace:
             return replace(step, condition=self._top(step.condition), body=self._body(step.body))
         if isinstance(step, For):
             return replace(step, generator=self._top(step.generator), body=self._body(step.body))
-        if isinstance(step, Fork):
+        if isinstance(step, ForkJoin):
             return replace(step, branches=tuple(map(self._body, step.branches)))
         assert isinstance(step, Constraint)  # the only other kind: its operands are values
         return step
 
     def _top(self, formula: Any) -> Any:
         """Return a formula with what it asks for in this namespace."""
-        if isinstance(formula, And | Or | Not):
+        if isinstance(formula, Conjunction | Disjunction | Negation):
             return rebuilt(formula, self._top)
         if isinstance(formula, Var):
             return Qualified(Literal(self.name), formula)

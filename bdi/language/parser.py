@@ -1,4 +1,7 @@
-"""From a text to its clauses.
+"""Parser of AgentSpeak: tokens, clauses, and the problems of clauses that cannot be read.
+
+A program has a handful of plans but may have tens of thousands of facts. One pass over the tokens
+of a plain fact takes a small part of the time of the parser.
 
 The grammar is that of one clause, so that a mistake ends with the clause it is in: all wrong
 clauses of a program are reported at once, each with its place.
@@ -6,20 +9,253 @@ clauses of a program are reported at once, each with its place.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+import math
+import sys
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
+from importlib.util import cache_from_source
+from itertools import islice
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput, UnexpectedToken, VisitError
 
-from ..errors import Problem, ProgramError, TooDeepError
-from .builder import Builder, RefusedError, stray_message
-from .facts import plain_fact
-from .program import Clause, Plan
-from .tokens import clauses, grammar, is_block, nesting, tokenize
+from ..errors import ProgramError, ProgramProblem, TooDeepError
+from .body import Place
+from .builder import Builder, ClauseError, stray_message, string_value
+from .program import Belief, Clause, Plan
+from .substitution import is_function
+from .terms import Literal, Term, atom
+
+#: Tokens before a trigger or a body formula; a sign after one of these is an UPDATE.
+_BEFORE_A_STEP = frozenset({"<-", ";", "{", "}", "|||", "|&|"})
+_UPDATES = frozenset({"++", "+<", "+>", "--", "-+"})
+#: Tokens after a step.
+_AFTER_A_STEP = frozenset({";", ")", "}", "|||", "|&|", "."})
+_AFTER_A_SIGNED_LITERAL = _AFTER_A_STEP | {":", "<-", "<:"}
+_ENDS_A_TERM = frozenset({"RPAR", "RSQB", "ATOM", "VAR", "ANONYMOUS", "NUMBER", "STRING"})
+_GOAL_SIGNS = frozenset({"!", "!!", "?"})
+_OPENING = frozenset({"LPAR", "LSQB", "LBRACE"})
+_CLOSING = frozenset({"RPAR", "RSQB", "RBRACE"})
+
+
+@cache
+def grammar() -> Lark:
+    """Return the parser of one clause, made once from the grammar beside this file.
+
+    Its tables are kept beside the bytecode of this file, wherever Python may keep that.
+    """
+    source = Path(__file__).with_name("agentspeak.lark").read_text(encoding="utf-8")
+    kept = Path(cache_from_source(__file__)).with_name("agentspeak.tables")
+    keep = kept.is_file() or (kept.parent.is_dir() and not sys.dont_write_bytecode)
+    return Lark(
+        source,
+        start="clause",
+        parser="lalr",
+        lexer="basic",
+        propagate_positions=True,
+        cache=str(kept) if keep else False,
+    )
+
+
+def tokenize(source: str, previous: str = "") -> Iterator[Token]:
+    """Return the tokens of a text; a character that belongs to none becomes a STRAY token.
+
+    `previous` is the token before the text, empty at the beginning.
+    """
+    reading = grammar().parse_interactive(source)
+    tokens = reading.lexer_thread.lex(reading.parser_state)
+    return _with_semicolons(_with_updates(list(tokens), previous))
+
+
+def _with_semicolons(tokens: Iterator[Token]) -> Iterator[Token]:
+    """Put in the semicolons that a program may leave out before a goal in a body."""
+    in_body, previous = False, ""
+    for token in tokens:
+        if token.type == "DOT":
+            in_body = False
+        in_body = in_body or token.type == "_ARROW"
+        # A goal can't follow a term but as the next step, so the semicolon is clear.
+        if in_body and token.value in _GOAL_SIGNS and previous in _ENDS_A_TERM:
+            yield Token.new_borrow_pos("SEMICOLON", ";", token)
+        yield token
+        previous = token.type
+
+
+def _with_updates(tokens: Sequence[Token], previous: str) -> Iterator[Token]:
+    """Join the signs that begin a trigger or a body formula to one UPDATE token."""
+    around_terms = _brackets_around_terms(tokens)
+    begins_step = previous == "" or previous in _BEFORE_A_STEP
+    in_label = False
+    depth = 0
+    numbered = enumerate(tokens)
+    for index, token in numbered:
+        if token.value == "@" and token.type != "STRING":
+            in_label, depth = True, 0
+        depth += {"[": 1, "]": -1}.get(token.value, 0)
+        begins_step = begins_step or (in_label and depth == 0)
+        if token.type in ("PLUS", "MINUS") and begins_step and not _is_compared(tokens, index):
+            both = token.value + "".join(tokens[index + 1 : index + 2])
+            if both in _UPDATES:
+                next(numbered)
+            else:
+                both = token.value
+            token = Token.new_borrow_pos("UPDATE", both, token)
+            in_label = False
+        yield token
+        if token.type == "LPAR":
+            begins_step = begins_step and index not in around_terms
+        else:
+            begins_step = token.type == "DOT" or token.value in _BEFORE_A_STEP
+
+
+def _is_compared(tokens: Sequence[Token], index: int) -> bool:
+    """Return True if the step that begins with the sign at `index` is a comparison, `-X < 3`."""
+    depth = 0
+    for token in islice(tokens, index + 1, None):
+        # The end of the step came before any comparison: the sign was an update.
+        if depth == 0 and token.value in _AFTER_A_SIGNED_LITERAL:
+            return False
+        if depth == 0 and token.type == "RELATION" and token is not tokens[index + 1]:
+            return True
+        depth += (token.type in _OPENING) - (token.type in _CLOSING)
+    return False
+
+
+def _brackets_around_terms(tokens: Sequence[Token]) -> set[int]:
+    """Return the indices of the opening brackets that cannot enclose a group of steps.
+
+    `(-X) < 3` and `(-b; a)` begin alike: the token after the closing bracket decides.
+    """
+    found: set[int] = set()
+    opened: list[int] = []
+    for index, token in enumerate(tokens):
+        if token.type == "DOT":
+            opened.clear()
+        elif token.type == "LPAR":
+            opened.append(index)
+        elif token.type == "RPAR" and opened:
+            begin = opened.pop()
+            if index + 1 < len(tokens) and tokens[index + 1].value not in _AFTER_A_STEP:
+                found.add(begin)
+    return found
+
+
+def clauses(tokens: Iterator[Token]) -> Iterator[list[Token]]:
+    """Yield the tokens of each clause; a wrong clause ends at its full stop as well.
+
+    The plans inside a plan, in braces after its full stop, are one clause. Where the braces stand
+    before the body, as in `+!g { <- a. +!h <- b. }`, the clause is divided as if they came after.
+    """
+    clause: list[Token] = []
+    braces = 0
+    for token in tokens:
+        clause.append(token)
+        if token.type == "LBRACE":
+            braces += 1
+        elif token.type == "RBRACE":
+            braces -= 1
+        if clause[0].type == "LBRACE":
+            is_over = braces == 0 or (token.type == "DOT" and not is_block(clause))
+        elif token.type in ("DOT", "RBRACE"):
+            opens = _opening(clause) is not None
+            is_over = braces == 0 if opens else token.type == "DOT"
+        else:
+            is_over = False
+        if is_over:
+            yield from _divided(clause)
+            clause, braces = [], 0
+    if clause:
+        yield clause
+
+
+def is_block(clause: Sequence[Token]) -> bool:
+    """Return True for the plans inside a plan, `{ +!g <- a. @l +h. }`."""
+    begins = len(clause) > 1 and clause[0].type == "LBRACE"
+    return begins and (clause[1].type in ("UPDATE", "GOAL_STATE") or clause[1].value == "@")
+
+
+def _opening(clause: Sequence[Token]) -> int | None:
+    """Return the index of the brace that opens a plan before its body."""
+    if clause[0].type not in ("UPDATE", "GOAL_STATE") and clause[0].value != "@":
+        return None
+    depth = 0
+    for index, token in enumerate(clause[:-1]):
+        if token.type == "_ARROW" and depth == 0:
+            return None
+        if token.type == "LBRACE" and depth == 0 and clause[index - 1].type != "RELATION":
+            following = clause[index + 1]
+            is_plan = following.type in ("_ARROW", "UPDATE", "GOAL_STATE", "RBRACE")
+            return index if is_plan or following.value == "@" else None
+        depth += (token.type in _OPENING) - (token.type in _CLOSING)
+    return None
+
+
+def _divided(clause: list[Token]) -> Iterator[list[Token]]:
+    """Yield a clause, one with its braces before the body as plan and plans inside it."""
+    opening = _opening(clause)
+    if opening is None:
+        yield clause
+        return
+    head, inside = clause[:opening], clause[opening + 1 :]
+    if inside and inside[0].type == "_ARROW":
+        stop = next((i for i, token in enumerate(inside) if token.type == "DOT"), len(inside) - 1)
+        head, inside = head + inside[: stop + 1], inside[stop + 1 :]
+    else:
+        head = [*head, Token.new_borrow_pos("DOT", ".", clause[opening])]
+    yield head
+    if len(inside) > 1:
+        yield [clause[opening], *inside]
+
+
+def nesting(tokens: Sequence[Token], brackets: str) -> int:
+    """Return how deep these brackets are nested in a clause; an `elif` is one level."""
+    opening, closing = brackets[::2], brackets[1::2]
+    deepest = depth = 0
+    for token in tokens:
+        if token.type == "STRING":
+            continue
+        if token.value in opening or token.type == "ELIF":
+            depth += 1
+            deepest = max(deepest, depth)
+        elif token.value in closing:
+            depth -= 1
+    return deepest
+
+
+def plain_fact(tokens: Sequence[Token], file: str) -> Belief | None:
+    """Return the belief in the tokens of a fact like `at(robot1, -3.5, "dock").`, else None."""
+    head = tokens[0]
+    if head.type != "ATOM" or len(tokens) < 5 or tokens[1].type != "LPAR" or "." in head:
+        return None
+    if tokens[-2].type != "RPAR" or tokens[-1].type != "DOT":
+        return None
+    args: list[Term] = []
+    rest = iter(tokens[2:-2])
+    for token in rest:
+        if token.type == "ATOM" and "." not in token:
+            args.append(atom(str(token)))
+        elif token.type == "STRING":
+            args.append(string_value(token))
+        else:
+            number = next(rest, token) if token.type == "MINUS" else token
+            if number.type != "NUMBER" or math.isinf(value := float(number)):
+                return None
+            args.append(value if number is token else -value)
+        following = next(rest, None)
+        if following is None:
+            break
+        if following.type != "COMMA":
+            return None
+    else:
+        return None  # no argument, or a comma after the last
+    if is_function(head, len(args)):
+        return None
+    return Belief(Literal(str(head), tuple(args)), Place(file, head.line or 0, head.column or 0))
+
 
 _NAMES = {
     "ATOM": "a name",
@@ -65,29 +301,29 @@ def parse_clause(tokens: Sequence[Token], file: str) -> Any:
     return Builder(file).transform(tree)
 
 
-def _problem(error: Exception, tokens: Sequence[Token], file: str) -> Problem:
+def _problem(error: Exception, tokens: Sequence[Token], file: str) -> ProgramProblem:
     """Return the problem for which a clause could not be read."""
-    if isinstance(error, VisitError) and isinstance(error.orig_exc, RefusedError):
+    if isinstance(error, VisitError) and isinstance(error.orig_exc, ClauseError):
         refused = error.orig_exc
-        return Problem(file, refused.line, refused.column, str(refused))
+        return ProgramProblem(file, refused.line, refused.column, str(refused))
     if isinstance(error, VisitError):
         # A term over the limits of size and depth.
         error = TooDeepError(str(error.orig_exc))
     if isinstance(error, RecursionError | TooDeepError):
         what = "too deeply nested" if isinstance(error, RecursionError) else str(error)
-        return Problem(file, tokens[0].line or 0, tokens[0].column or 0, what)
+        return ProgramProblem(file, tokens[0].line or 0, tokens[0].column or 0, what)
     if isinstance(error, UnexpectedToken):
         token = error.token
         line, column = token.line or 0, token.column or 0
         stray = next((t for t in tokens if t.type == "STRAY"), None)
         if stray is not None and (stray.line, stray.column) <= (line, column):
-            return Problem(file, stray.line or 0, stray.column or 0, stray_message(stray))
+            return ProgramProblem(file, stray.line or 0, stray.column or 0, stray_message(stray))
         found = f"'{token}'"
         if token.type == "$END" or token == _END:
             last = tokens[-1] if token.type == "$END" or len(tokens) < 2 else tokens[-2]
             found, line, column = "the end", last.end_line or 0, last.end_column or 0
         expected = _expected(_acceptable(tokens, error.token))
-        return Problem(file, line, column, f"found {found}, expected {expected}")
+        return ProgramProblem(file, line, column, f"found {found}, expected {expected}")
     raise error
 
 
@@ -126,15 +362,15 @@ REMEMBERED = 50_000
 """Longest text (characters) whose clauses are cached: many people share a few programs."""
 
 
-def read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Problem, ...]]:
+def read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[ProgramProblem, ...]]:
     """Return the clauses of a text, in order, and the problems of those that cannot be read."""
     read = _remembered_clauses if len(source) <= REMEMBERED else _read_clauses
     return read(source, file)
 
 
-def _read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Problem, ...]]:
+def _read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[ProgramProblem, ...]]:
     found: list[Clause] = []
-    problems: list[Problem] = []
+    problems: list[ProgramProblem] = []
     for tokens in clauses(tokenize(source)):
         try:
             if is_block(tokens) and found and isinstance(found[-1], Plan):
@@ -146,12 +382,16 @@ def _read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Pro
     return tuple(found), tuple(problems)
 
 
-def _subplans(tokens: Sequence[Token], file: str, problems: list[Problem]) -> tuple[Plan, ...]:
+def _subplans(
+    tokens: Sequence[Token], file: str, problems: list[ProgramProblem]
+) -> tuple[Plan, ...]:
     """Return the plans in the braces after a plan, and append what is wrong with them."""
     inner = tokens[1:-1] if tokens[-1].type == "RBRACE" else tokens[1:]
     plans: list[Plan] = []
     if tokens[-1].type != "RBRACE":
-        problems.append(Problem(file, tokens[0].line or 0, tokens[0].column or 0, _NOT_CLOSED))
+        problems.append(
+            ProgramProblem(file, tokens[0].line or 0, tokens[0].column or 0, _NOT_CLOSED)
+        )
     for clause in clauses(iter(inner)):
         try:
             if is_block(clause) and plans:
@@ -162,7 +402,7 @@ def _subplans(tokens: Sequence[Token], file: str, problems: list[Problem]) -> tu
             if isinstance(plan, Plan):
                 plans.append(plan)
             else:
-                place = Problem(file, clause[0].line or 0, clause[0].column or 0, _NO_PLAN)
+                place = ProgramProblem(file, clause[0].line or 0, clause[0].column or 0, _NO_PLAN)
                 problems.append(place)
         except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
             problems.append(_problem(error, clause, file))

@@ -11,17 +11,15 @@ from functools import cached_property, partial, wraps
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-from .arithmetic import RUN_FUNCTIONS, is_function
-from .body import NOWHERE, Body, BodyTerm, Place, body_text
-from .changes import all_parts, has_variables, transformed
-from .order import with_more_annots
+from .body import NOWHERE, Body, BodyTerm, Place, all_parts, body_text, has_variables, transformed
+from .substitution import RUN_FUNCTIONS, is_function, with_more_annots
 from .terms import (
     TRUE,
-    And,
+    Conjunction,
+    Disjunction,
     Function,
     Literal,
-    Not,
-    Or,
+    Negation,
     Qualified,
     Quoted,
     Term,
@@ -155,7 +153,7 @@ class Rule(Clause):
         pending = [self.body]
         while pending:
             part = pending.pop()
-            if isinstance(part, And | Or | Not):
+            if isinstance(part, Conjunction | Disjunction | Negation):
                 pending.extend(part.operands)
                 continue
             found.append(part)

@@ -1,17 +1,25 @@
-"""Unifiers, and what they make of terms.
+"""Substitution: unifiers applied to terms, with the order and the arithmetic of terms.
 
 A unifier is a dict from names of variables to terms. It is triangular: a value may contain
 variables that are bound in turn, and `substitute` follows them to the end. Binding a variable
 therefore costs one entry, however large the terms (Baader and Snyder, "Unification theory", 2001).
+
+What `substitute` finds out about a term each time it meets it is found out here once, when a plan
+is loaded: which arguments are constants, and which are plain variables. Forms that are not frequent
+are left to it.
 """
 
 from __future__ import annotations
 
+import math
+import operator
+import statistics
+from collections.abc import Callable, Iterable, Mapping
+from functools import cmp_to_key
 from itertools import count
+from types import MappingProxyType
 from typing import TypeAlias, overload
 
-from .arithmetic import NAN, OPERATORS, apply_function
-from .order import sorted_annots
 from .terms import (
     DEFAULT,
     ONLY_SELF,
@@ -24,6 +32,7 @@ from .terms import (
     Operation,
     Qualified,
     Quoted,
+    Relation,
     RestVar,
     Term,
     TriggerTerm,
@@ -33,7 +42,255 @@ from .terms import (
     parts,
     placed,
     rebuilt,
+    text,
 )
+
+
+def compare(one: Term, other: Term) -> int:
+    """Return a negative number, 0 or a positive one as `one` sorts before, with or after `other`.
+
+    Numbers come first, by value; then strings, lists and literals. Strings compare by their text,
+    quotes included; lists element by element and then by length; literals by functor, strong
+    negation (negated last), arguments, arity and annotations. An unbound variable is greater than
+    anything bound.
+    """
+    if isinstance(one, Var):
+        return _sign(one.name, other.name) if isinstance(other, Var) else 1
+    if isinstance(other, Var):
+        return -1
+    if isinstance(one, float):
+        return _sign(one, other) if isinstance(other, float) else -1
+    if isinstance(other, float):
+        return 1
+    if isinstance(one, str) or isinstance(other, str):
+        if isinstance(one, str) and isinstance(other, str):
+            return _sign(text(one), text(other))
+        return -1 if isinstance(one, str) else 1
+    if isinstance(one, Nil | Cons):
+        if not isinstance(other, Nil | Cons):
+            return -1
+        return _compare_each(tuple(one), tuple(other))
+    if isinstance(other, Nil | Cons):
+        return 1
+    return _compare_structures(one, other)
+
+
+def _sign(one: float | str, other: float | str) -> int:
+    return (one > other) - (one < other)  # type: ignore[operator]
+
+
+def _compare_structures(one: Term, other: Term) -> int:
+    # What has no parts of its own, as a plan, sorts by how it is written.
+    mine, theirs = _parts(one), _parts(other)
+    if mine is None or theirs is None:
+        return _sign(text(one), text(other))
+    return (
+        _sign(mine[0], theirs[0])
+        or _sign(mine[1], theirs[1])
+        or _compare_each(mine[2], theirs[2])
+        or _compare_each(mine[3], theirs[3])
+    )
+
+
+_Parts: TypeAlias = tuple[str, bool, tuple[Term, ...], tuple[Term, ...]]
+
+
+def _parts(term: Term) -> _Parts | None:
+    """Return functor, negation, arguments and annotations of a structure; None if it has none."""
+    if isinstance(term, Literal):
+        return term.functor, term.negated, term.args, term.annots
+    if isinstance(term, Relation):
+        return f" {term.symbol} ", False, term.operands, ()
+    if isinstance(term, Function | Arithmetic):
+        return term.symbol, False, term.operands, ()
+    return None
+
+
+def _compare_each(ones: tuple[Term, ...], others: tuple[Term, ...]) -> int:
+    """Compare sequences element by element, and then by length."""
+    for one, other in zip(ones, others, strict=False):
+        order = compare(one, other)
+        if order:
+            return order
+    return _sign(len(ones), len(others))
+
+
+standard_order = cmp_to_key(compare)
+
+
+def distinct(terms: Iterable[Term]) -> list[Term]:
+    """Return the terms in standard order, each once."""
+    result: list[Term] = []
+    for term in sorted(terms, key=standard_order):
+        if not result or compare(result[-1], term) != 0:
+            result.append(term)
+    return result
+
+
+def with_more_annots(literal: Literal, *annots: Term) -> Literal:
+    """Return a literal with these annotations beside its own."""
+    return literal.with_annots(sorted_annots((*literal.annots, *annots)))
+
+
+def sorted_annots(annots: tuple[Term, ...]) -> tuple[Term, ...]:
+    """Return annotations in standard order and each once; a variable for their tail stays last."""
+    return annots if len(annots) < 2 else tuple(distinct(annots))
+
+
+NAN = math.nan
+
+
+def _divide(x: float, y: float) -> float:
+    if y == 0.0:
+        if x == 0.0 or math.isnan(x):
+            return NAN
+        return math.copysign(math.inf, x) * math.copysign(1.0, y)
+    return x / y
+
+
+def _to_int32(x: float) -> int:
+    if math.isnan(x):
+        return 0
+    # Java's conversion to int: beyond its range the nearest there is, and towards zero.
+    return int(max(-(2.0**31), min(2.0**31 - 1, x)))
+
+
+def _integer_divide(x: float, y: float) -> float:
+    divisor = _to_int32(y)
+    if divisor == 0:
+        return NAN
+    # Towards zero, as Java divides; Python would round down.
+    quotient = abs(_to_int32(x)) // abs(divisor)
+    return float(quotient if (x < 0) == (y < 0) else -quotient)
+
+
+def _modulo(x: float, y: float) -> float:
+    # Java's % has the sign of the first operand, as `fmod` has; Python's that of the second.
+    return NAN if y == 0.0 or math.isinf(x) else math.fmod(x, y)
+
+
+def _power(x: float, y: float) -> float:
+    try:
+        return math.pow(x, y)
+    except ValueError:
+        return math.inf if x == 0.0 else NAN
+    except OverflowError:
+        return -math.inf if x < 0 and y % 2 == 1 else math.inf
+
+
+OPERATORS: Mapping[str, Callable[[float, float], float]] = MappingProxyType(
+    {
+        "+": operator.add,
+        "-": operator.sub,
+        "*": operator.mul,
+        "/": _divide,
+        "div": _integer_divide,
+        "mod": _modulo,
+        "**": _power,
+    }
+)
+
+
+def _round(x: float) -> float:
+    """Round halves up, as Java's `Math.round`."""
+    return x if math.isinf(x) or math.isnan(x) else float(math.floor(x + 0.5))
+
+
+def _logarithm(x: float) -> float:
+    return -math.inf if x == 0.0 else math.log(x)
+
+
+_OF_A_NUMBER: Mapping[str, Callable[[float], float]] = MappingProxyType(
+    {
+        "+": operator.pos,
+        "-": operator.neg,
+        "math.abs": abs,
+        "math.acos": math.acos,
+        "math.asin": math.asin,
+        "math.atan": math.atan,
+        "math.ceil": math.ceil,
+        "math.cos": math.cos,
+        "math.floor": math.floor,
+        "math.log": _logarithm,
+        "math.round": _round,
+        "math.sin": math.sin,
+        "math.sqrt": math.sqrt,
+        "math.tan": math.tan,
+    }
+)
+
+#: Functions of a list of numbers; `math.max` and `math.min` take two numbers as well.
+_OF_NUMBERS: Mapping[str, Callable[[list[float]], float]] = MappingProxyType(
+    {
+        "math.average": statistics.fmean,
+        "math.max": max,
+        "math.mean": statistics.fmean,
+        "math.median": statistics.median,
+        "math.min": min,
+        "math.std_dev": statistics.stdev,
+        "math.sum": math.fsum,
+    }
+)
+
+_CONSTANTS: Mapping[str, float] = MappingProxyType({"math.e": math.e, "math.pi": math.pi})
+
+#: Functions that depend on the run, its random numbers and its time, by their arities.
+RUN_FUNCTIONS: Mapping[str, tuple[int, ...]] = MappingProxyType(
+    {"math.random": (0, 1), "system.time": (0,), ".count": (1,)}
+)
+
+
+def is_function(name: str, arity: int) -> bool:
+    """Return True if `name` is an arithmetic function with that many arguments."""
+    if name in RUN_FUNCTIONS:
+        return arity in RUN_FUNCTIONS[name]
+    if name in _CONSTANTS:
+        return arity == 0
+    if arity == 2:
+        return name in ("math.max", "math.min")
+    return arity == 1 and (name in _OF_A_NUMBER or name in _OF_NUMBERS or name == ".length")
+
+
+def apply_function(
+    name: str, args: tuple[Term, ...], calculate: Callable[..., float] | None = None
+) -> float:
+    """Return the value of a function of ground arguments; NaN if it is not defined for them.
+
+    `calculate` is set for one of RUN_FUNCTIONS and of the user's own. One of these that can't take
+    numbers at all is wrong: its `TypeError` is raised.
+    """
+    try:
+        if name in _OF_NUMBERS:
+            numbers = _numbers(args)
+            if name == "math.sum" and len(args) == 1 and isinstance(args[0], Nil):
+                return 0.0
+            return float(_OF_NUMBERS[name](numbers)) if numbers else NAN
+        if name == ".length":
+            return float(len(args[0]))  # type: ignore[arg-type]
+        if name in _CONSTANTS:
+            return _CONSTANTS[name]
+        if calculate is not None:
+            return float(calculate(*args))
+        function: Callable[..., float] | None = _OF_A_NUMBER.get(name)
+        if function is None or not all(isinstance(arg, float) for arg in args):
+            return NAN
+        return float(function(*args))
+    except TypeError:
+        if calculate is not None and all(isinstance(arg, float) for arg in args):
+            raise
+        return NAN
+    except (ValueError, OverflowError):
+        return NAN
+
+
+def _numbers(args: tuple[Term, ...]) -> list[float]:
+    """Return the numbers of a list, which has only such, or those among the arguments."""
+    values = args[0]
+    if len(args) > 1 or not isinstance(values, Nil | Cons):
+        return [arg for arg in args if isinstance(arg, float)]
+    numbers = [value for value in values if isinstance(value, float)]
+    return numbers if len(numbers) == len(values) else []
+
 
 Unifier: TypeAlias = dict[str, Term]
 
@@ -240,3 +497,71 @@ def variable_names(term: Term) -> tuple[str, ...]:
                 found[part.name] = None
             pending.extend(parts(part))
     return tuple(found)
+
+
+Build: TypeAlias = "Callable[[Unifier], Term]"
+
+
+def builder(term: Term) -> Build:
+    """Return a function equal to `lambda u: substitute(term, u)`, but faster."""
+    if is_ground(term):
+        return lambda u: term
+    if term.__class__ is Var:
+        return _build_variable(term)
+    if isinstance(term, Arithmetic):
+        return _build_arithmetic(term)
+    if isinstance(term, Literal) and all(map(is_ground, term.annots)):
+        return _build_literal(term)
+    return lambda u: substitute(term, u)
+
+
+def _build_variable(variable: Var) -> Build:
+    name = variable.name
+
+    def build(u: Unifier) -> Term:
+        value = u.get(name)
+        if value is None:
+            return variable
+        if value.__class__ is Literal:
+            return value if value.ground else substitute(value, u)
+        return value if value.__class__ is float else substitute(value, u)
+
+    return build
+
+
+def _build_arithmetic(term: Arithmetic) -> Build:
+    left, right = term.operands
+    calculate = OPERATORS[term.symbol]
+    left_of = builder(left)
+    if right.__class__ is float:
+
+        def build_with_constant(u: Unifier) -> Term:
+            left = left_of(u)
+            if left.__class__ is float:
+                return calculate(left, right)
+            return substitute(term, u)
+
+        return build_with_constant
+    right_of = builder(right)
+
+    def build(u: Unifier) -> Term:
+        left, right = left_of(u), right_of(u)
+        if left.__class__ is float and right.__class__ is float:
+            return calculate(left, right)
+        return substitute(term, u)
+
+    return build
+
+
+def _build_literal(literal: Literal) -> Build:
+    build_args = [builder(arg) for arg in literal.args]
+    if len(build_args) == 1:
+        (only,) = build_args
+        return lambda u: literal.with_args((only(u),))
+    if len(build_args) == 2:
+        first, second = build_args
+        return lambda u: literal.with_args((first(u), second(u)))
+    if len(build_args) == 3:
+        first, second, third = build_args
+        return lambda u: literal.with_args((first(u), second(u), third(u)))
+    return lambda u: literal.with_args(tuple([build(u) for build in build_args]))

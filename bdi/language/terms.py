@@ -413,7 +413,7 @@ class Relation(Operation):
     __slots__ = ()
 
 
-class And(Operation):
+class Conjunction(Operation):
     """Conjunction."""
 
     __slots__ = ()
@@ -422,7 +422,7 @@ class And(Operation):
         super().__init__("&", left, right)
 
 
-class Or(Operation):
+class Disjunction(Operation):
     """Disjunction."""
 
     __slots__ = ()
@@ -431,7 +431,7 @@ class Or(Operation):
         super().__init__("|", left, right)
 
 
-class Not(Operation):
+class Negation(Operation):
     """Negation as failure."""
 
     __slots__ = ()

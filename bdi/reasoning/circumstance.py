@@ -1,4 +1,4 @@
-"""An agent's circumstance: its events, and its intentions in all their states.
+"""The circumstance of an agent: its events, its intentions in all states, and its timers.
 
 After the operational semantics of AgentSpeak (Bordini, Hübner and Wooldridge, "Programming
 Multi-Agent Systems in AgentSpeak using Jason", 2007, ch. 10): E the events, I the running
@@ -8,15 +8,67 @@ an atomic intention, no event is taken and no other intention runs.
 
 from __future__ import annotations
 
+import heapq
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import count
 from typing import Protocol, TypeAlias
 
-from ..language.substitution import Unifier
+from ..language.substitution import Unifier, with_more_annots
 from ..language.terms import Literal, Term
-from .alarms import Alarm
 from .intentions import Event, Intention, Wait
+from .plans import PlanLibrary
+
+
+class Timer:
+    """Task that runs at a time, unless it is cancelled before."""
+
+    __slots__ = ("cancelled", "task")
+
+    def __init__(self, task: Callable[[], None]) -> None:
+        self.task = task
+        self.cancelled = False
+
+    def cancel(self) -> None:
+        """Have the task not run."""
+        self.cancelled = True
+
+
+class TimerQueue:
+    """Alarms in order of time (ns), and of setting where they have the same time."""
+
+    def __init__(self) -> None:
+        self.heap: list[tuple[int, int, Timer]] = []
+        self._order = count()
+
+    def set(self, clock: int, task: Callable[[], None]) -> Timer:
+        """Have `task` run at `clock` (ns)."""
+        alarm = Timer(task)
+        heapq.heappush(self.heap, (clock, next(self._order), alarm))
+        return alarm
+
+    @property
+    def next(self) -> int | None:
+        """Time of the next alarm (ns), or None."""
+        heap = self.heap
+        while heap and heap[0][2].cancelled:
+            heapq.heappop(heap)
+        return heap[0][0] if heap else None
+
+    def is_due(self, clock: int) -> bool:
+        """Return True if an alarm is due at `clock` (ns)."""
+        following = self.next
+        return following is not None and following <= clock
+
+    def ring(self, clock: int) -> None:
+        """Run the tasks that are due at `clock` (ns)."""
+        while self.is_due(clock):
+            heapq.heappop(self.heap)[2].task()
+
+    def clear(self) -> None:
+        """Cancel all of them."""
+        self.heap.clear()
 
 
 class States(Protocol):
@@ -99,7 +151,7 @@ class Circumstance:
         self.events: deque[Event] = deque()
         self.atomic_event: Event | None = None
         self.suspended_events: list[Event] = []
-        self.future_events: list[Alarm] = []
+        self.future_events: list[Timer] = []
         self.running: deque[Intention] = deque()
         self.atomic: Intention | None = None
         self.atomic_waits = False
@@ -331,3 +383,46 @@ class Circumstance:
     def _notice(self, event: Event | None) -> None:
         for wait in list(self.waits):
             wait.notice(event)
+
+
+class GoalStates:
+    """Raises an event when a goal comes into another state: at the beginning of the next cycle.
+
+    The states are pending, executing, waiting, suspended, resumed, failed, achieved, dropped and
+    finished. An event comes before all others, and only if there is a plan for it.
+    """
+
+    def __init__(self, circumstance: Circumstance, plans: PlanLibrary) -> None:
+        self._circumstance = circumstance
+        self._plans = plans
+        self._changes: list[Event] = []
+
+    @property
+    def has_changes(self) -> bool:
+        """True if goals have changed since the last cycle."""
+        return bool(self._changes)
+
+    def note(self, state: str, sort: str, goal: Literal, reason: Term | None = None) -> None:
+        """Note that a goal is in another state; `sort` is that of its event, `+!` or `+?`."""
+        why = Literal("reason", ("" if reason is None else reason,))
+        annot = Literal("state", (Literal(state),), (why,))
+        self._changes.append(Event("^" + sort[1:], with_more_annots(goal, annot)))
+
+    def note_top(self, state: str, intention: Intention, reason: Term | None = None) -> None:
+        """Note the state of the goal for which an intention carries out a plan."""
+        if intention.stack and intention.top.sort in ("+!", "+?"):
+            self.note(state, intention.top.sort, intention.top.literal, reason)
+
+    def note_all(self, state: str, intention: Intention, *, but: Literal | None = None) -> None:
+        """Note that all goals of an intention have ended, but one that is noted already."""
+        for means in intention.downwards():
+            if means.sort in ("+!", "+?") and means.literal is not but:
+                self.note(state, means.sort, means.literal)
+                self.note("finished", means.sort, means.literal)
+
+    def post(self) -> None:
+        """Post the events of the goals that have changed."""
+        changes, self._changes = self._changes, []
+        for event in changes:
+            if self._plans.candidates(event.sort, event.literal):
+                self._circumstance.post_state(event)

@@ -1,4 +1,4 @@
-"""Execution of plan bodies: the operation of each kind of step.
+"""Execution of plan bodies: the operation of each step, and calls of internal actions.
 
 An operation carries its step out once. Unless it has raised an event or left the intention
 pending, it moves the intention on.
@@ -6,29 +6,110 @@ pending, it moves the intention on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import TypeAlias
 
+from ..actions import ActionError, error_annots
 from ..language.body import BodyTerm
 from ..language.program import PlanTerm, RuleTerm, plan_change
 from ..language.substitution import Unifier, rename, substitute, variable_names
-from ..language.terms import ONLY_SELF, Literal, Relation, Term, Var, text
-from .achievement import set_deadline
-from .actions import ActionError, error_annots
+from ..language.terms import ONLY_SELF, Literal, Relation, Term, Var, make_term, text
+from ..language.unification import unified
 from .beliefs import with_source
-from .bodies import Step, compile_body
-from .calls import Waiting, call
 from .circumstance import Pending, PendingAction, Refused
-from .deliberation import move_on
+from .deliberation import move_on, set_deadline
 from .failure import end_fork, fail
-from .intentions import Event, Fork, Intention, Means
+from .intentions import Event, Intention, IntentionFork, Means
+from .logic import Answer
+from .plans import BodyStep, compile_body
 from .state import AgentState
 
-Operation: TypeAlias = Callable[[AgentState, Intention, Means, Step], None]
+
+class Call:
+    """One use of an internal action.
+
+    Attributes:
+        agent: state of the agent: its beliefs, plans, circumstance and random numbers.
+        unifier: bindings of the variables. It stays as it is: an action returns new unifiers.
+        intention: the intention that calls, or None in a context or query.
+    """
+
+    __slots__ = ("agent", "intention", "unifier")
+
+    def __init__(self, agent: AgentState, unifier: Unifier, intention: Intention | None) -> None:
+        self.agent = agent
+        self.unifier = unifier
+        self.intention = intention
+
+    def unify(self, one: object, other: object) -> Unifier | None:
+        """Return a unifier with which the two are equal, or None: the answer of an action.
+
+        Python numbers, strs and lists are made terms.
+        """
+        return unified(make_term(one), make_term(other), self.unifier)
+
+    def each(self, variable: Term, values: Iterable[object]) -> Iterator[Unifier]:
+        """Yield a unifier for each of the values with which `variable` unifies.
+
+        It is the answer of an action that has several: a plan takes the first, a query tries all.
+        Python numbers, strs and lists are made terms.
+        """
+        for value in values:
+            solution = self.unify(variable, value)
+            if solution is not None:
+                yield solution
 
 
-def _literal(agent: AgentState, intention: Intention, means: Means, step: Step) -> Literal | None:
+class Waiting:
+    """Answer of an internal action that has suspended its intention."""
+
+
+WAITING = Waiting()
+
+_ANSWERS = (bool, dict, Waiting, Iterator)
+
+
+def call(
+    agent: AgentState, action: Literal, u: Unifier, intention: Intention | None
+) -> Answer | Waiting:
+    """Return the answer of an internal action.
+
+    Raises:
+        ActionError: the action fails.
+        ValueError: its function returned something that is no answer.
+    """
+    internal = agent.actions.get(action.functor)
+    if internal is None:
+        raise ActionError(f"there is no internal action {action.functor}", "action_failed")
+    internal.check(action.functor, len(action.args))
+    args = tuple([substitute(arg, u) for arg in action.args])
+    answer: Answer | Waiting = internal.function(Call(agent, u, intention), *args)
+    if answer is None or isinstance(answer, _ANSWERS):
+        return answer
+    raise ValueError(
+        f"the internal action {action.functor} returned {answer!r}, not True, False, None,"
+        " a unifier or an iterator of unifiers"
+    )
+
+
+def call_in_query(agent: AgentState, action: Literal, u: Unifier) -> Answer:
+    """Return the answer of an internal action in a context or query, False if it fails."""
+    try:
+        answer = call(agent, action, u, None)
+    except ActionError as error:
+        agent.logic.failures += 1
+        agent.warn(f"{action.functor}: {error}")
+        return False
+    return True if isinstance(answer, Waiting) else answer
+
+
+Operation: TypeAlias = Callable[[AgentState, Intention, Means, BodyStep], None]
+
+
+def _literal(
+    agent: AgentState, intention: Intention, means: Means, step: BodyStep
+) -> Literal | None:
     """Return the literal that a step is about; None, and the plan fails, if it is none."""
     literal = step.build(means.u)
     if isinstance(literal, Literal):
@@ -37,7 +118,7 @@ def _literal(agent: AgentState, intention: Intention, means: Means, step: Step) 
     return None
 
 
-def _not_a_literal(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _not_a_literal(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     value = substitute(step.term, means.u)
     if isinstance(value, Var):
         message = f"{step.formula.place.line}: Variable '{value}' must be ground."
@@ -59,7 +140,7 @@ def _export(agent: AgentState, means: Means, literal: Literal) -> Literal:
 # ---- goals
 
 
-def _achieve(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _achieve(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     goal = _literal(agent, intention, means, step)
     if goal is None:
         return
@@ -74,7 +155,7 @@ def _achieve(agent: AgentState, intention: Intention, means: Means, step: Step) 
         _check_deadline(agent, event)
 
 
-def _achieve_new(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _achieve_new(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     goal = _literal(agent, intention, means, step)
     if goal is None:
         return
@@ -93,7 +174,7 @@ def _check_deadline(agent: AgentState, event: Event) -> None:
                 set_deadline(agent, event, limit)
 
 
-def _test(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _test(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     solution = step.check(agent.logic, means.u)
     if solution is not None:
         means.u = solution
@@ -108,7 +189,7 @@ def _test(agent: AgentState, intention: Intention, means: Means, step: Step) -> 
     fail(agent, intention, error_annots("test_goal_failed", message))
 
 
-def _constrain(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _constrain(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     solution = step.check(agent.logic, means.u)
     if solution is None:
         place = step.formula.place
@@ -128,7 +209,7 @@ def _bindings(u: Unifier) -> str:
 # ---- beliefs
 
 
-def _add(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _add(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     changed = step.build(means.u)
     if isinstance(changed, Literal):
         _believe(agent, intention, means, step, changed)
@@ -140,7 +221,7 @@ def _add(agent: AgentState, intention: Intention, means: Means, step: Step) -> N
 
 
 def _change_plan(
-    agent: AgentState, intention: Intention, means: Means, step: Step, value: Term
+    agent: AgentState, intention: Intention, means: Means, step: BodyStep, value: Term
 ) -> None:
     """Add or remove the plan for which a variable stands."""
     action = plan_change(step.operation, value) if isinstance(value, PlanTerm) else None
@@ -151,7 +232,7 @@ def _change_plan(
 
 
 def _believe(
-    agent: AgentState, intention: Intention, means: Means, step: Step, literal: Literal
+    agent: AgentState, intention: Intention, means: Means, step: BodyStep, literal: Literal
 ) -> None:
     """Add a belief at the front, or at the end (`+>`); after `++b` nothing waits for its event."""
     if literal.ground:
@@ -177,7 +258,7 @@ def _post(
         move_on(agent, intention, means)
 
 
-def _delete(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _delete(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     """Remove a belief or a rule; after `--b` nothing waits for its event."""
     changed = step.build(means.u)
     if isinstance(changed, RuleTerm):
@@ -192,7 +273,7 @@ def _delete(agent: AgentState, intention: Intention, means: Means, step: Step) -
     _post(agent, intention, means, "-", removed, waits=step.operation != "--")
 
 
-def _replace(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _replace(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     """`-+b(X)`: remove the first `b` of the agent's own, whatever its arguments, and add this."""
     literal = _literal(agent, intention, means, step)
     if literal is None:
@@ -212,7 +293,7 @@ def _replace(agent: AgentState, intention: Intention, means: Means, step: Step) 
 # ---- actions
 
 
-def _act_externally(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _act_externally(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     _perform(agent, intention, step.build(means.u))  # type: ignore[arg-type]
 
 
@@ -235,11 +316,11 @@ def _perform(agent: AgentState, intention: Intention, action: Literal) -> None:
     circumstance.feedback.append((pending, kept))
 
 
-def _act_internally(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _act_internally(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     _call(agent, intention, means, step.term)  # type: ignore[arg-type]
 
 
-def _do_value(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _do_value(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     """Carry out what a variable stands for."""
     value = step.build(means.u)
     if isinstance(value, BodyTerm):
@@ -284,7 +365,7 @@ def _call(agent: AgentState, intention: Intention, means: Means, action: Literal
 # ---- control
 
 
-def _choose(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _choose(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     solution = step.check(agent.logic, means.u)
     if solution is None:
         means.step = step.branches[1]
@@ -294,19 +375,19 @@ def _choose(agent: AgentState, intention: Intention, means: Means, step: Step) -
     agent.circumstance.add_running(intention)
 
 
-def _begin_while(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _begin_while(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     # Loops are kept in the plan, not in Python: between two rounds other intentions run.
     means.loops = (*means.loops, (means.u, iter(())))
     _repeat_while(agent, intention, means, step)
 
 
-def _repeat_while(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _repeat_while(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     # The condition is asked with the bindings from before the loop: those of a round end with it.
     before, _ = means.loops[-1]
     _iterate(agent, intention, means, step, step.check(agent.logic, before))
 
 
-def _begin_for(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _begin_for(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     # All of them before the first: the body may change what is asked.
     solutions = list(agent.logic.solutions(step.term, means.u))
     if not solutions:
@@ -316,13 +397,13 @@ def _begin_for(agent: AgentState, intention: Intention, means: Means, step: Step
     _repeat_for(agent, intention, means, step)
 
 
-def _repeat_for(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _repeat_for(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     _, solutions = means.loops[-1]
     _iterate(agent, intention, means, step, next(solutions, None))
 
 
 def _iterate(
-    agent: AgentState, intention: Intention, means: Means, step: Step, solution: Unifier | None
+    agent: AgentState, intention: Intention, means: Means, step: BodyStep, solution: Unifier | None
 ) -> None:
     """Begin the body of a loop once more, or go on with the bindings from before the loop."""
     if solution is None:
@@ -335,8 +416,8 @@ def _iterate(
     agent.circumstance.add_running(intention)
 
 
-def _fork(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
-    fork = Fork(step.operation == "|&|", intention)
+def _fork(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
+    fork = IntentionFork(step.operation == "|&|", intention)
     for beginning in step.branches:
         branch = intention.branch(agent.next_intention_number(), fork)
         branch.top.step = beginning
@@ -346,7 +427,7 @@ def _fork(agent: AgentState, intention: Intention, means: Means, step: Step) -> 
     agent.circumstance.forget(intention)
 
 
-def _join(agent: AgentState, intention: Intention, means: Means, step: Step) -> None:
+def _join(agent: AgentState, intention: Intention, means: Means, step: BodyStep) -> None:
     fork = intention.fork
     if fork is not None:
         fork.to_finish -= 1

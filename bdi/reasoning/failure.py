@@ -8,8 +8,7 @@ the intention; what called the goal for which there is one goes on (Bordini, Hü
 from __future__ import annotations
 
 from ..language.body import Achieve, Act, Constraint, Place, Test, Update
-from ..language.order import sorted_annots
-from ..language.substitution import rename, substitute
+from ..language.substitution import rename, sorted_annots, substitute
 from ..language.terms import Literal, Term, Var
 from ..language.unification import unify
 from .intentions import Event, Intention

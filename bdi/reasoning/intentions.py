@@ -10,8 +10,7 @@ from ..language.program import Trigger
 from ..language.substitution import Unifier, substitute, substitute_literal
 from ..language.terms import Literal, Term, Var, text
 from ..language.unification import try_unify
-from .bodies import Step
-from .plans import LoadedPlan
+from .plans import BodyStep, LoadedPlan
 
 
 class Event:
@@ -67,7 +66,7 @@ class Means:
     __slots__ = ("awaited", "first", "literal", "loops", "plan", "sort", "step", "u")
 
     def __init__(
-        self, plan: LoadedPlan, sort: str, literal: Literal, u: Unifier, step: Step | None
+        self, plan: LoadedPlan, sort: str, literal: Literal, u: Unifier, step: BodyStep | None
     ) -> None:
         self.plan = plan
         self.sort = sort
@@ -109,7 +108,7 @@ class Means:
         return copy
 
 
-class Fork:
+class IntentionFork:
     """Branches of an intention, the `whole`, which may itself be a branch of an outer fork."""
 
     def __init__(self, all_of: bool, whole: Intention) -> None:
@@ -138,7 +137,7 @@ class Fork:
             if intention in fork.branches:
                 fork.branches.remove(intention)
 
-    def _around(self) -> Iterator[Fork]:
+    def _around(self) -> Iterator[IntentionFork]:
         fork = self.outer
         while fork is not None:
             yield fork
@@ -173,7 +172,7 @@ class Intention:
         self.in_line = False
         self.reason: Term | None = None
         self.wait: Wait | None = None
-        self.fork: Fork | None = None
+        self.fork: IntentionFork | None = None
         self.fork_point = 0
         self.atomic = 0
         self.outer: Intention | None = None
@@ -208,7 +207,7 @@ class Intention:
         """Iterate over the plans of the stack, the one being carried out first."""
         return reversed(self.stack)
 
-    def branch(self, number: int, fork: Fork) -> Intention:
+    def branch(self, number: int, fork: IntentionFork) -> Intention:
         """Return a copy for a branch of a fork: its own plan on top, those below shared."""
         copy = Intention(number)
         # Below the fork the plans are the same objects: only one branch ever goes on with them.
@@ -245,7 +244,7 @@ class Intention:
         fork.to_finish = 0
         return first
 
-    def leave_fork(self) -> Fork:
+    def leave_fork(self) -> IntentionFork:
         """Leave its fork for the outer one, if there is one; return the fork that it has left."""
         fork = self.fork
         assert fork is not None  # called for branches only

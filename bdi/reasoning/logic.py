@@ -1,14 +1,19 @@
-"""Queries over beliefs and rules, and the formulas of contexts.
+"""Evaluation of contexts and rules: compiled formulas, and resolution (SLD) for recursive rules.
 
 `Logic.solutions` is SLD resolution with negation as failure, depth first and from left to right, as
 in Prolog. It keeps its own stack, so a rule may call itself as deeply as memory allows: a state is
 a unifier and a linked list of the goals still to prove; a choice point is a state to return to or
 an iterator of such states. `Logic.first` decides formulas that need no search directly.
+
+What `Logic.first` and `Logic.solutions` find out about a formula each time they meet it is found
+out here once: which comparison it is, and which query. Forms that are not frequent are left to
+them; so are rules that may lead back to themselves, for which they keep a stack of their own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import operator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import combinations
 from operator import ge, gt, le, lt
 from types import MappingProxyType
@@ -16,12 +21,14 @@ from typing import Any, TypeAlias
 
 from ..errors import TooDeepError
 from ..language.body import Act, BodyTerm, Constraint
-from ..language.order import compare, sorted_annots
-from ..language.program import Plan, PlanTerm, Rule, Trigger
+from ..language.program import Plan, PlanTerm, Rule, Trigger, made_once
 from ..language.substitution import (
     Names,
     Unifier,
+    builder,
+    compare,
     rename,
+    sorted_annots,
     substitute,
     substitute_literal,
     value_of,
@@ -30,11 +37,11 @@ from ..language.substitution import (
 from ..language.terms import (
     EMPTY,
     TRUE,
-    And,
+    Conjunction,
+    Disjunction,
     Literal,
+    Negation,
     Nil,
-    Not,
-    Or,
     Qualified,
     Relation,
     RestVar,
@@ -42,13 +49,14 @@ from ..language.terms import (
     TriggerTerm,
     Var,
     is_ground,
+    is_placed,
     make_list,
     namespace_of,
     placed,
 )
 from ..language.terms import Cons as ListCell
-from ..language.unification import matched, unified, unify
-from .beliefs import BeliefBase
+from ..language.unification import belief_matcher, matched, unified, unify
+from .beliefs import BeliefBase, KeptAnswers, Question, Shelf, Values
 
 #: Answer of an internal action: whether it holds, a unifier, or one unifier after another.
 Answer: TypeAlias = "bool | Unifier | Iterator[Unifier] | None"
@@ -71,7 +79,7 @@ class _Commit:
         self.height = height
 
 
-class _Question:
+class _Subquery:
     """A query that rules may answer; as a goal, the end of a rule's body.
 
     A rule is proved in a unifier of its own, so its cost does not grow with the caller's. At its
@@ -163,13 +171,15 @@ class Logic:
             return next(self.solutions(formula, u), None)
         if isinstance(formula, Relation):
             return self._relate(formula, u)
-        if isinstance(formula, Not):
+        if isinstance(formula, Negation):
             return u if self.first(formula.operands[0], u) is None else None
-        if isinstance(formula, And) and isinstance(formula.operands[0], Relation | Not):
+        if isinstance(formula, Conjunction) and isinstance(
+            formula.operands[0], Relation | Negation
+        ):
             left, right = formula.operands
             solution = self.first(left, u)
             return None if solution is None else self.first(right, solution)
-        if isinstance(formula, Or):
+        if isinstance(formula, Disjunction):
             left, right = formula.operands
             solution = self.first(left, u)
             return self.first(right, u) if solution is None else solution
@@ -234,23 +244,23 @@ class Logic:
                 if solution is None:
                     return None
                 u = solution
-            elif cls is And:
+            elif cls is Conjunction:
                 # Goals are a linked list, shared by all choice points: to go back to one copies
                 # nothing.
                 left, right = goal.operands
                 goals = (left, (right, goals))
-            elif cls is _Question:
+            elif cls is _Subquery:
                 u = self._return(goal, u)
             elif cls is Relation:
                 solution = self._relate(goal, u)
                 if solution is None:
                     return None
                 u = solution
-            elif cls is Or:
+            elif cls is Disjunction:
                 left, right = goal.operands
                 choices.append((u, (right, goals)))
                 goals = (left, goals)
-            elif cls is Not:
+            elif cls is Negation:
                 # Negation as failure (K. L. Clark, "Negation as failure", 1978): the choice point
                 # goes on as if the formula failed. If it holds, `_Commit` takes that away, and all
                 # that was opened since.
@@ -307,7 +317,7 @@ class Logic:
         goals: Goals,
     ) -> Iterator[State]:
         """Yield a state for each belief and rule that may answer a query."""
-        question: _Question | None = None
+        question: _Subquery | None = None
         for clause in candidates:
             if isinstance(clause, Rule):
                 if question is None:
@@ -323,7 +333,7 @@ class Logic:
                 for solution in self._with_annots(literal, clause, u):
                     yield solution, goals
 
-    def _question(self, literal: Literal, u: Unifier) -> _Question:
+    def _question(self, literal: Literal, u: Unifier) -> _Subquery:
         """Return a query with its values and fresh variables in place of its variables."""
         renamed: dict[str, Var] = {}
         args = [value_of(arg, u) for arg in literal.args]
@@ -341,10 +351,10 @@ class Logic:
             if not literal.annots:
                 # In the order that `variable_names` has them, as bindings are made in it.
                 names = tuple(dict.fromkeys(reversed(asked))) if len(asked) > 1 else tuple(asked)
-                return _Question(literal, tuple(args), names, renamed, u)
+                return _Subquery(literal, tuple(args), names, renamed, u)
         query = rename(substitute_literal(literal, u), self.names, renamed)
         assert isinstance(query, Literal)  # as what was renamed
-        return _Question(query, query.args, variable_names(query), renamed, u)
+        return _Subquery(query, query.args, variable_names(query), renamed, u)
 
     def _with_annots(self, literal: Literal, belief: Literal, u: Unifier) -> Iterator[Unifier]:
         """Yield a solution for each choice of annotations that unifies with the query's."""
@@ -375,7 +385,7 @@ class Logic:
                 if solution is not None and placed(inner, space).key == clause.head.key:
                     yield solution, (placed(inner, space), goals)
 
-    def _return(self, question: _Question, scope: Unifier) -> Unifier:
+    def _return(self, question: _Subquery, scope: Unifier) -> Unifier:
         if not question.asked:
             return question.caller
         # Back in the caller: of the rule's own variables, only what the query asked for is kept.
@@ -491,3 +501,282 @@ def _plan_of(elements: list[Term]) -> PlanTerm | None:
     name = None if label.functor == "nolabel" else label
     sort = trigger.sort
     return PlanTerm(Plan(name, Trigger(sort[0], sort[1:], trigger.literal), context, steps))
+
+
+Condition: TypeAlias = "Callable[[Logic, Unifier], Unifier | None]"
+Answers: TypeAlias = "Callable[[Logic, Unifier], Iterable[Unifier]]"
+"""All solutions, in order: a tuple if it is known that there is at most one."""
+
+MOST_KEPT = 64
+"""Largest number of questions of which the answers by rules are kept."""
+
+_COMPARISONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
+    {
+        "<": operator.lt,
+        "<=": operator.le,
+        ">": operator.gt,
+        ">=": operator.ge,
+        "==": operator.eq,
+        "\\==": operator.ne,
+    }
+)
+
+
+# ---- the first solution
+
+
+def condition(formula: Term) -> Condition:
+    """Return a function equal to `lambda logic, u: logic.first(formula, u)`, but faster."""
+    if formula == TRUE:
+        return lambda logic, u: u
+    if isinstance(formula, Relation):
+        if formula.symbol in _COMPARISONS:
+            return _compare(formula)
+        if formula.symbol == "=" and formula.operands[0].__class__ is Var:
+            return _assign(formula)
+    if isinstance(formula, Conjunction):
+        left, right = formula.operands
+        if isinstance(left, Relation | Negation):
+            return _both(condition(left), condition(right))
+        if _is_plain_query(left):
+            return _query(left, right)
+    if isinstance(formula, Negation):
+        inner = condition(formula.operands[0])
+        return lambda logic, u: u if inner(logic, u) is None else None
+    if _is_plain_query(formula):
+        return _query(formula)
+    return lambda logic, u: logic.first(formula, u)
+
+
+def _is_plain_query(formula: Term) -> bool:
+    return isinstance(formula, Literal) and not formula.annots and not formula.is_internal_action
+
+
+def _compare(relation: Relation) -> Condition:
+    holds = _COMPARISONS[relation.symbol]
+    left_of, right_of = map(builder, relation.operands)
+
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        left, right = left_of(u), right_of(u)
+        if left.__class__ is float and right.__class__ is float:
+            return u if holds(left, right) else None
+        return logic.first(relation, u)
+
+    return check
+
+
+def _assign(relation: Relation) -> Condition:
+    """Compile `X = …`, which mostly gives a value to a variable that has none."""
+    variable, value = relation.operands
+    name = variable.name  # type: ignore[union-attr]
+    value_of = builder(value)
+
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        value = value_of(u)
+        if name not in u and (value.__class__ is float or value.__class__ is str):
+            return {**u, name: value}
+        return logic.first(relation, u)
+
+    return check
+
+
+def _both(one: Condition, other: Condition) -> Condition:
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        solution = one(logic, u)
+        return None if solution is None else other(logic, solution)
+
+    return check
+
+
+def _query(query: Term, following: Term | None = None) -> Condition:
+    """Compile a query, and a formula that is to hold as well for the belief that answers it."""
+    assert isinstance(query, Literal)  # a plain query is one
+    key = query.key
+    formula: Term = query if following is None else Conjunction(query, following)
+    rest = None if following is None else condition(following)
+    match = belief_matcher(query)
+    by_rules = _asked(query)
+
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        shelf = logic.shelves.get(key)
+        if shelf is None:
+            return None
+        solution: Unifier | None
+        # Rules may come and go while the agent runs, so each query looks what there is.
+        if shelf.rules:
+            for solution in by_rules(logic, u):
+                if rest is None:
+                    return solution
+                solution = rest(logic, solution)
+                if solution is not None:
+                    return solution
+            return None
+        for belief in shelf.candidates(query, u):
+            solution = match(belief, u)  # type: ignore[arg-type]
+            if solution is None:
+                continue
+            if rest is None:
+                return solution
+            logic.goals_left -= 1
+            if logic.goals_left < 0:
+                logic.give_up(formula)
+            solution = rest(logic, solution)
+            if solution is not None:
+                return solution
+        return None
+
+    return check
+
+
+# ---- all solutions
+
+
+def answers(formula: Term) -> Answers:
+    """Return a function equal to `lambda logic, u: logic.solutions(formula, u)`, but faster."""
+    if isinstance(formula, Conjunction):
+        return _join(*map(answers, formula.operands))
+    if isinstance(formula, Relation | Negation) or formula == TRUE:
+        return _once(condition(formula))
+    if _is_plain_query(formula):
+        return _asked(formula)
+    if isinstance(formula, Literal) and formula.is_internal_action:
+        return _called(formula)
+    return lambda logic, u: logic.solutions(formula, u)
+
+
+def _once(holds: Condition) -> Answers:
+    def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+        solution = holds(logic, u)
+        return () if solution is None else (solution,)
+
+    return found
+
+
+def _join(one: Answers, other: Answers) -> Answers:
+    def both(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+        found = one(logic, u)
+        if found.__class__ is not tuple:
+            return (solution for first in found for solution in other(logic, first))
+        return other(logic, found[0]) if found else found
+
+    return both
+
+
+def _called(action: Literal) -> Answers:
+    """Compile the call of an internal action."""
+
+    def counted(logic: Logic, found: Iterator[Unifier]) -> Iterator[Unifier]:
+        for solution in found:
+            logic.spend(1, action)  # there may be answers without end
+            yield solution
+
+    def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+        answer = logic.call(action, u)
+        if answer is None or answer is False:
+            return ()
+        if answer is True:
+            return (u,)
+        return (answer,) if isinstance(answer, dict) else counted(logic, answer)
+
+    return found
+
+
+def _asked(query: Term) -> Answers:
+    """Compile a query that beliefs and rules may answer."""
+    assert isinstance(query, Literal)  # a plain query is one
+    key = query.key
+    match = belief_matcher(query)
+    build_args = [builder(arg) for arg in query.args]
+
+    def believed(clauses: tuple[Literal | Rule, ...], u: Unifier) -> Iterator[Unifier]:
+        for belief in clauses:
+            solution = match(belief, u)  # type: ignore[arg-type]
+            if solution is not None:
+                yield solution
+
+    def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+        shelf = logic.shelves.get(key)
+        if shelf is None:
+            return ()
+        if not shelf.rules:
+            clauses = shelf.candidates(query, u)
+            if len(clauses) != 1:
+                return believed(clauses, u)
+            solution = match(clauses[0], u)  # type: ignore[arg-type]
+            return () if solution is None else (solution,)
+        question: list[Term | None] = []
+        names: list[str] = []
+        for build in build_args:
+            arg = build(u)
+            if arg.__class__ is Var:
+                names.append(arg.name)
+                question.append(None)
+            elif is_ground(arg):
+                question.append(arg)
+            else:
+                return logic.solutions(query, u)
+        if len(set(names)) < len(names) or not logic.beliefs.has_plain_rules(key):
+            return logic.solutions(query, u)
+        values = _kept(logic, query, tuple(question), u, shelf)
+        return ({**u, **dict(zip(names, one))} for one in values)  # noqa: B905 - equal lengths
+
+    return found
+
+
+def _kept(
+    logic: Logic, query: Literal, question: Question, u: Unifier, shelf: Shelf
+) -> Iterable[Values]:
+    """Return the answers to a question, as far as possible those known."""
+    kept = shelf.answers
+    if kept is None:
+        return _proved(logic, query, question, u)
+    known = kept.get(question)
+    if known is None or not known.lasts:
+        if len(kept) >= MOST_KEPT:
+            kept.clear()
+        source = _proved(logic, query, question, u)
+        known = kept[question] = KeptAnswers(source, lambda: logic.failures)
+    return known
+
+
+def _proved(logic: Logic, query: Literal, question: Question, u: Unifier) -> Iterator[Values]:
+    """Yield the values of the variables among a query's arguments for each of its answers.
+
+    A rule is proved in a unifier of its own, in which the variables of its head have the values of
+    the query's arguments. Those that the query asks for get theirs as the body is proved.
+    """
+    for clause in logic.shelves[query.key].candidates(query, u):
+        logic.spend(1, query)
+        if isinstance(clause, Literal):
+            solution = matched(query, clause, u)
+            if solution is not None:
+                asked = [arg for arg, one in zip(query.args, question, strict=True) if one is None]
+                yield _values(logic, asked, solution)
+            continue
+        scope: Unifier = {}
+        asked = []
+        for inside, value in zip(clause.head.args, question, strict=True):
+            if value is None:
+                if is_placed(inside):
+                    break
+                asked.append(inside)
+            elif inside.__class__ is Var and not is_placed(value):
+                scope[inside.name] = value
+            elif not unify(inside, value, scope):
+                break
+        else:
+            for found in _answers_of(clause)(logic, scope):
+                yield _values(logic, asked, found)
+
+
+def _values(logic: Logic, variables: list[Term], u: Unifier) -> Values:
+    """Return what variables have become, with fresh ones in place of any that are left."""
+    others: dict[str, Var] = {}
+    found = [value_of(variable, u) for variable in variables]
+    return tuple([v if is_ground(v) else rename(v, logic.names, others) for v in found])
+
+
+@made_once
+def _answers_of(rule: Rule) -> Answers:
+    """Return the body of a rule compiled."""
+    return answers(rule.body)

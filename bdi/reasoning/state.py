@@ -1,30 +1,170 @@
-"""State of an agent: all that the reasoning cycle, its steps and internal actions work on."""
+"""State of an agent: percepts, loaded programs, and all that its reasoning shares.
+
+What a program comes to is found out once, however many agents run it: which internal actions it
+calls, and its plans compiled and filed. An agent has a library of its own of the plans that it
+shares with others, and its own beliefs.
+"""
 
 from __future__ import annotations
 
 import logging
 import math
 from collections import deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
 from random import Random
 from typing import Protocol, TypeAlias
 
-from ..errors import TooDeepError
-from ..language.program import Program
-from ..language.substitution import Names, Unifier
-from ..language.terms import Literal
-from .actions import InternalAction
-from .alarms import Alarm, Alarms
+from ..actions import InternalAction, check_actions
+from ..errors import ProgramError, TooDeepError
+from ..language.program import Belief, Plan, Program, Rule, made_once, with_run_functions
+from ..language.substitution import Names, Unifier, rename, substitute_literal
+from ..language.terms import TRUE, Literal
+from ..society import Message, Society
 from .beliefs import BeliefBase, LiveBeliefs, with_source
-from .circumstance import Circumstance, Perform
-from .history import Entry
+from .circumstance import Circumstance, GoalStates, Perform, Timer, TimerQueue
 from .intentions import Event, Intention
 from .logic import Answer, Logic
-from .percepts import Percepts
 from .plans import PlanLibrary
-from .society import Message, Society
+
+KINDS = ("percept", "plan", "action", "print", "log", "ended", "warning")
+"""Kinds of entries."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One thing that happened inside an agent.
+
+    Attributes:
+        time: time at which it happened (s).
+        kind: one of `KINDS`.
+        text: the event, action or message.
+        intention: number of the intention it belongs to, 0 for none.
+        file: file of the program with the step it belongs to, if any.
+        line: line in that file, from 1; 0 for none.
+    """
+
+    time: float
+    kind: str
+    text: str
+    intention: int = 0
+    file: str = ""
+    line: int = 0
+
+    def __str__(self) -> str:
+        place = f"  ({self.file}:{self.line})" if self.line else ""
+        number = f"#{self.intention}" if self.intention else ""
+        return f"{self.time:10.3f}  {number:>4}  {self.kind:<8} {self.text}{place}"
+
+
+class History:
+    """Record of the last entries: `Agent(…, on_event=history.add)`.
+
+    Args:
+        limit: number of entries that are kept.
+    """
+
+    def __init__(self, limit: int = 10_000) -> None:
+        self._entries: deque[Entry] = deque(maxlen=limit)
+
+    def add(self, entry: Entry) -> None:
+        """Append an entry, and drop the oldest if there are too many."""
+        self._entries.append(entry)
+
+    def __repr__(self) -> str:
+        return f"<History of {len(self)} entries>"
+
+    def __iter__(self) -> Iterator[Entry]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+
+Change: TypeAlias = tuple[bool, Literal]
+"""A percept that comes, with True, or goes."""
+
+
+class PerceptBuffer:
+    """The percepts that hold now, and those that come or go with the next `advance`.
+
+    Attributes:
+        at_once: True while the agent runs: percepts come and go without waiting.
+        coming: those that wait for the next `advance`, in order.
+        changed: by their identity, those that have come or gone since the belief base was updated,
+            with True for one that has come.
+    """
+
+    def __init__(self) -> None:
+        self.at_once = False
+        self.coming: list[Change] = []
+        self.changed: dict[object, Change] = {}
+        self._now: dict[object, Literal] = {}
+
+    @property
+    def current(self) -> list[Literal]:
+        """The percepts that hold, in the order in which they came."""
+        return list(self._now.values())
+
+    def notice(self, change: Change) -> None:
+        """Let a percept come or go, with the next `advance` or at once."""
+        if self.at_once:
+            self._change((change,))
+        else:
+            self.coming.append(change)
+
+    def take(self) -> None:
+        """Let those come and go that wait for it."""
+        changes, self.coming = self.coming, []
+        self._change(changes)
+
+    def _change(self, changes: Iterable[Change]) -> None:
+        now, changed = self._now, self.changed
+        for change in changes:
+            added, percept = change
+            key = percept.identity
+            if (key in now) is added:
+                continue
+            if added:
+                now[key] = percept
+            else:
+                del now[key]
+            # Last in order is last in time: what comes again after it went counts from then.
+            if changed:
+                changed.pop(key, None)
+            changed[key] = change
+
+    def update(self, beliefs: BeliefBase) -> list[tuple[str, Literal]]:
+        """Update the beliefs from the percepts; return the changes, deletions before additions.
+
+        A percept that the program has stopped believing although it still holds is new again.
+        """
+        changed, self.changed = self.changed, {}
+        changes = []
+        for there, percept in changed.values():
+            if not there:
+                removed = beliefs.forget_percept(percept)
+                if removed is not None:
+                    changes.append(("-", removed))
+        if beliefs.lost_percepts:
+            changed = self._with_lost(beliefs, changed)
+        for there, percept in changed.values():
+            if there:
+                belief = beliefs.perceive(percept)
+                if belief is not None:
+                    changes.append(("+", belief))
+        return changes
+
+    def _with_lost(
+        self, beliefs: BeliefBase, changed: dict[object, Change]
+    ) -> dict[object, Change]:
+        """Return what has changed, those first that the program has stopped believing."""
+        lost, beliefs.lost_percepts = beliefs.lost_percepts, {}
+        known = ((key, self._now[key]) for key in {**lost, **changed} if key in self._now)
+        return {key: (True, percept) for key, percept in known}
+
 
 MILLISECOND = 1_000_000
 SECOND = 1_000_000_000
@@ -32,7 +172,7 @@ SECOND = 1_000_000_000
 _LOG = logging.getLogger("bdi")
 
 
-class Question(Protocol):
+class AnswerReceiver(Protocol):
     """Question whose answer an intention waits for."""
 
     def answer(self, message: Message) -> None:
@@ -114,12 +254,12 @@ class AgentState:
         self.plans = PlanLibrary()
         self.circumstance = Circumstance()
         self.logic = Logic(self.beliefs, self.names, lambda a, u: query(self, a, u), max_goals)
-        self.percepts = Percepts()
+        self.percepts = PerceptBuffer()
         self.mailbox: deque[Message] = deque()
-        self.questions: dict[int, Question] = {}
+        self.questions: dict[int, AnswerReceiver] = {}
         self.society = society
         self.sleeps = False
-        self.alarms = Alarms()
+        self.alarms = TimerQueue()
         self.tasks: deque[Callable[[], None]] = deque()
         self._seed = seed
         self.clock = nanoseconds(start)
@@ -226,7 +366,7 @@ class AgentState:
             raise TooDeepError(f"more than {self._max_intentions:,} intentions at once")
         return next(self._intention_numbers)
 
-    def after(self, milliseconds: int, task: Callable[[], None]) -> Alarm:
+    def after(self, milliseconds: int, task: Callable[[], None]) -> Timer:
         """Have `task` run after a time."""
         return self.alarms.set(self.clock + milliseconds * MILLISECOND, task)
 
@@ -266,3 +406,120 @@ class AgentState:
 
     def _note_end(self, intention: Intention) -> None:
         self.note("ended", f"intention {intention.number}", intention)
+
+
+def start(agent: AgentState, beliefs: Sequence[Belief] = ()) -> None:
+    """Load the program that an agent starts with; more `beliefs` come before its own.
+
+    Raises:
+        ProgramError: it uses internal actions where they are not allowed, or one label twice.
+    """
+    program = agent.program
+    _check(agent, program)
+    if _functions_of_plans(program).isdisjoint(agent.functions):
+        agent.plans.take(_library(program))
+    else:
+        _file(with_run_functions(program.plans, agent.functions), agent.plans)
+    _note_plans(agent)
+    _begin(agent, program, beliefs)
+
+
+def add_program(agent: AgentState, program: Program) -> None:
+    """Add plans after those there are, then beliefs and goals, which raise events.
+
+    Raises:
+        ProgramError: it uses internal actions where they are not allowed, or a label that is taken.
+    """
+    _check(agent, program)
+    _file(with_run_functions(program.plans, agent.functions), agent.plans)
+    _note_plans(agent)
+    _begin(agent, program)
+
+
+def add_plan(agent: AgentState, plan: Plan, source: Literal, *, first: bool = False) -> None:
+    """Add one plan while the agent runs.
+
+    Raises:
+        ProgramError: it uses internal actions where they are not allowed.
+        ValueError: another plan has its label.
+    """
+    whole = Program(agent.program.source, plans=(plan,))
+    _check(agent, whole)
+    (bound,) = with_run_functions(whole.plans, agent.functions)
+    agent.plans.add(bound, source, first=first)
+    _note_plans(agent)
+
+
+def _check(agent: AgentState, program: Program) -> None:
+    """Check the internal actions of a program, with a warning for each that does not exist."""
+    actions = {**agent.actions, **agent.functions}
+    for problem in check_actions(program, actions, strict=agent.strict):
+        agent.warn(f"{problem} (plans that call it fail)")
+
+
+def learn(agent: AgentState, program: Program) -> None:
+    """Add the plans of a program that the agent needs, once."""
+    if program.source not in agent.known_programs:
+        agent.known_programs.add(program.source)
+        add_program(agent, program)
+
+
+@made_once
+def _functions_of_plans(program: Program) -> frozenset[str]:
+    """Return the names of the arithmetic functions that the plans of a program call."""
+    return frozenset[str]().union(*(plan.functions for plan in program.plans))
+
+
+@made_once
+def _library(program: Program) -> PlanLibrary:
+    """Return the plans of a program, compiled and filed."""
+    library = PlanLibrary()
+    _file(program.plans, library)
+    return library
+
+
+def _file(plans: Sequence[Plan], library: PlanLibrary) -> None:
+    for plan in plans:
+        try:
+            library.add(plan)
+        except ValueError as error:
+            raise ProgramError([plan.place.problem(str(error))]) from None
+
+
+@made_once
+def _believed(program: Program) -> tuple[Belief | Rule, ...]:
+    """Return the beliefs of a program, and its rules as agents believe them: with a source."""
+    return tuple(
+        Rule(with_source(one.head), one.body, one.place) if isinstance(one, Rule) else one
+        for one in program.beliefs
+    )
+
+
+def _note_plans(agent: AgentState) -> None:
+    """Take notice of the kinds of plans there are now."""
+    if agent.plans.has_states and agent.circumstance.states is None:
+        agent.circumstance.states = GoalStates(agent.circumstance, agent.plans)
+
+
+def _begin(agent: AgentState, program: Program, beliefs: Sequence[Belief] = ()) -> None:
+    """Believe what a program believes, and adopt its goals."""
+    clauses = with_run_functions((*beliefs, *_believed(program)), agent.functions)
+    # Each belief goes to the front, so that the first of them stands first in the end.
+    for clause in reversed(clauses):
+        _believe(agent, clause)
+    for goal in program.goals:
+        literal = rename(with_source(goal.goal), agent.names, {})
+        agent.circumstance.post(Event("+!", literal))
+
+
+def _believe(agent: AgentState, clause: Belief | Rule) -> None:
+    if isinstance(clause, Rule):
+        agent.beliefs.add_rule(clause)
+        return
+    literal = clause.belief
+    if not literal.ground:
+        literal = substitute_literal(literal, {})
+    if literal.ground:
+        agent.believe(literal)
+    else:
+        agent.beliefs.add_rule(Rule(with_source(literal), TRUE, clause.place))

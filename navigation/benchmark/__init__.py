@@ -1,13 +1,29 @@
 """Benchmark of planners: questions, measured and judged answers, tables and logs."""
 
-from .attempts import TOUCHES, Asked, Attempt
-from .measuring import SEEDED, benchmark, known
-from .ompl_log import write_ompl_log
+from .measuring import SEEDED, TOUCHES, Asked, Attempt, benchmark, known
 from .peers import PEERS, PeerInfo
-from .questions import QuestionsError, Scene, map_of, scenes, scenes_of
-from .reports import Row, groups, summary, write_csv, write_summary
-from .shortest import MOST_CORNERS, SHORTFALL, ShortestPaths
-from .statistics import Curve, Estimate, cost_over_time, success_over_time
+from .questions import (
+    MOST_CORNERS,
+    SHORTFALL,
+    QuerySet,
+    QuestionsError,
+    ShortestPaths,
+    map_of,
+    scenes,
+    scenes_of,
+)
+from .reports import (
+    Curve,
+    Estimate,
+    PlannerRow,
+    cost_over_time,
+    groups,
+    success_over_time,
+    summary,
+    write_csv,
+    write_ompl_log,
+    write_summary,
+)
 
 __all__ = [
     "MOST_CORNERS",
@@ -20,9 +36,9 @@ __all__ = [
     "Curve",
     "Estimate",
     "PeerInfo",
+    "PlannerRow",
+    "QuerySet",
     "QuestionsError",
-    "Row",
-    "Scene",
     "ShortestPaths",
     "benchmark",
     "cost_over_time",

@@ -1,22 +1,178 @@
-"""A benchmark's answers as tables: a row for each planner, and CSV of rows and answers."""
+"""Results of the planner benchmark: estimates with confidence intervals, tables, and OMPL's log.
+
+Answers to the same question are alike, and so a question counts once, however often it is asked:
+of its runs the share or the median is taken, and the questions are the sample.
+"""
 
 from __future__ import annotations
 
 import csv
 import math
+import platform
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
+from datetime import datetime
+from functools import cache
+from importlib.metadata import version
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .attempts import Asked, Attempt
-from .statistics import Estimate, by_question, median, share
+from .measuring import Asked, Attempt
+
+CONFIDENCE = 0.95
+
+_Z = 1.959963984540054
+"""Of the normal distribution: 2.5 % lie above it."""
+
+Floats = NDArray[np.float64]
+_Value = TypeVar("_Value")
 
 
 @dataclass(frozen=True)
-class Row:
+class Estimate:
+    """A figure, and the interval that holds its true value with 95 % confidence."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A figure over time: from each of `seconds` on it has its value, until the next."""
+
+    seconds: Floats
+    value: Floats
+    low: Floats
+    high: Floats
+
+
+def share(values: Sequence[float]) -> Estimate:
+    """Return the mean of shares, each from 0 to 1, with Wilson's score interval.
+
+    E. B. Wilson, Probable inference, the law of succession, and statistical inference, Journal of
+    the American Statistical Association 22, 1927. Unlike the normal one it holds where all or none
+    succeed.
+    """
+    n = len(values)
+    if not n:
+        return Estimate(math.nan, math.nan, math.nan)
+    p = math.fsum(values) / n
+    # p (1 - p) is the variance of successes and failures, and the largest that any values from 0 to
+    # 1 with this mean can have (R. Bhatia and C. Davis, A better bound on the variance, American
+    # Mathematical Monthly 107, 2000): of shares between, the interval is rather too wide.
+    middle = (p + _Z**2 / (2 * n)) / (1 + _Z**2 / n)
+    half = _Z / (1 + _Z**2 / n) * math.sqrt(p * (1 - p) / n + _Z**2 / (4 * n**2))
+    # Where all or none succeed the interval ends at p, but for rounding.
+    return Estimate(p, max(0.0, min(p, middle - half)), min(1.0, max(p, middle + half)))
+
+
+def median(values: Sequence[float]) -> Estimate:
+    """Return the median, with the interval between two of the sorted values.
+
+    How many of n values lie below the true median is binomial with n and 1/2, whatever they are
+    distributed like: H. A. David and H. N. Nagaraja, Order statistics, 3rd edition 2003, 7.1. Of
+    fewer than six values no two are far enough apart: it is then from -inf to inf.
+    """
+    ordered = np.sort(np.asarray(values, dtype=float))
+    if not len(ordered) or np.isnan(ordered).any():
+        return Estimate(math.nan, math.nan, math.nan)
+    low, high = _ranks(len(ordered))
+    return Estimate(
+        _middle(ordered),
+        float(ordered[low]) if low >= 0 else -math.inf,
+        float(ordered[high]) if low >= 0 else math.inf,
+    )
+
+
+def by_question(attempts: Iterable[Attempt], values: Iterable[_Value]) -> list[list[_Value]]:
+    """Return the values of each question, in the order that the questions were asked."""
+    groups: dict[int, list[_Value]] = {}
+    for attempt, value in zip(attempts, values, strict=True):
+        groups.setdefault(attempt.asked.query, []).append(value)
+    return list(groups.values())
+
+
+def success_over_time(attempts: Sequence[Attempt]) -> Curve:
+    """Return the share of the questions for which there was a path after so many seconds."""
+    first = [a.first_seconds if a.right else math.inf for a in attempts]
+    seconds = _instants(first)
+    questions = by_question(attempts, first)
+    shares = [
+        share([sum(one <= t for one in question) / len(question) for question in questions])
+        for t in seconds
+    ]
+    return _curve(seconds, shares)
+
+
+def cost_over_time(attempts: Sequence[Attempt]) -> Curve:
+    """Return the median of the best length so far over the shortest, after so many seconds.
+
+    A question without a path so far counts as infinitely long, so that no planner gains by
+    answering only the easy ones: J. D. Gammell, M. P. Strub and V. N. Hartmann, Planner Developer
+    Tools (PDT), 2022. Those that no path answers are left out.
+    """
+    attempts = [attempt for attempt in attempts if attempt.asked.shortest != math.inf]
+    seconds = _instants(one.cpu_seconds for a in attempts for one in a.progress)
+    if not len(seconds):
+        return _curve(seconds, [])
+    ratios = by_question(attempts, [_ratios(attempt, seconds) for attempt in attempts])
+    per_question = np.array([[_middle(c) for c in np.sort(runs, axis=0).T] for runs in ratios])
+    return _curve(seconds, [median(column) for column in per_question.T])
+
+
+MOST_INSTANTS = 120
+"""So many points a curve has at most."""
+
+
+def _instants(times: Iterable[float]) -> Floats:
+    """Return finite times, sorted; of many those that part them evenly."""
+    finite = np.unique([t for t in times if math.isfinite(t)])
+    if len(finite) > MOST_INSTANTS:
+        finite = finite[np.linspace(0, len(finite) - 1, MOST_INSTANTS).astype(int)]
+    return finite.astype(float)
+
+
+def _ratios(attempt: Attempt, seconds: Floats) -> Floats:
+    """Return the best length over the shortest after each of `seconds`; infinite without one."""
+    times = [one.cpu_seconds for one in attempt.progress] if attempt.right else []
+    shortest = attempt.asked.shortest
+    lengths = [one.length / shortest if shortest else 1.0 for one in attempt.progress]
+    best = np.array([math.inf, *lengths[: len(times)]])
+    return best[np.searchsorted(times, seconds, side="right")]
+
+
+def _curve(seconds: Floats, estimates: Sequence[Estimate]) -> Curve:
+    figures = np.array([(e.value, e.low, e.high) for e in estimates]).reshape(-1, 3)
+    return Curve(seconds, *figures.T)
+
+
+def _middle(ordered: Floats) -> float:
+    """Return the median of sorted values, which may be infinite."""
+    low, high = float(ordered[(len(ordered) - 1) // 2]), float(ordered[len(ordered) // 2])
+    return low if low == high else (low + high) / 2
+
+
+@cache
+def _ranks(n: int) -> tuple[int, int]:
+    """Return the places (from 0) of the ends of the interval; -1 where there are too few."""
+    # The true median is below the value at the place k (from 0) if at most k of the n lie below it.
+    # The innermost place at which that has a probability of at most 2.5 % is the lower end; the
+    # upper one mirrors it.
+    below = 0.0
+    for k in range(n):
+        below += math.comb(n, k) / 2**n
+        if below > (1 - CONFIDENCE) / 2:
+            return k - 1, n - k
+    return -1, n
+
+
+@dataclass(frozen=True)
+class PlannerRow:
     """Results of one planner on one floor: milliseconds of CPU, metres.
 
     Of what a question's runs differ in, their median (or share) is taken first; see `statistics`.
@@ -60,7 +216,7 @@ class Row:
     """The median."""
 
 
-def summary(attempts: Sequence[Attempt]) -> list[Row]:
+def summary(attempts: Sequence[Attempt]) -> list[PlannerRow]:
     """Return one row for each floor and planner, in the order they were asked."""
     return [_row(group) for group in groups(attempts)]
 
@@ -73,7 +229,7 @@ def groups(attempts: Sequence[Attempt]) -> list[list[Attempt]]:
     return list(found.values())
 
 
-def _row(group: Sequence[Attempt]) -> Row:
+def _row(group: Sequence[Attempt]) -> PlannerRow:
     found = [attempt for attempt in group if attempt.solved]
     faults = Counter(attempt.wrong for attempt in group if attempt.wrong)
     cpu = [1000 * attempt.cpu_seconds for attempt in group]
@@ -83,7 +239,7 @@ def _row(group: Sequence[Attempt]) -> Row:
         values = by_question(among, [of(attempt) for attempt in among])
         return median([float(np.median(runs)) for runs in values])
 
-    return Row(
+    return PlannerRow(
         floorplan=group[0].asked.floorplan,
         planner=group[0].asked.planner,
         queries=len({attempt.asked.query for attempt in group}),
@@ -135,11 +291,11 @@ def _line(attempt: Attempt, own: Sequence[str]) -> list[object]:
     ]
 
 
-def write_summary(rows: Sequence[Row], path: Path) -> None:
+def write_summary(rows: Sequence[PlannerRow], path: Path) -> None:
     """Write every row as a line of `path`; `_low` and `_high` end columns of an interval."""
     header: list[str] = []
     lines: list[list[object]] = [[] for _ in rows]
-    for field in fields(Row):
+    for field in fields(PlannerRow):
         values = [getattr(row, field.name) for row in rows]
         interval = bool(values) and isinstance(values[0], Estimate)
         header += [field.name, *([f"{field.name}_low", f"{field.name}_high"] if interval else [])]
@@ -155,3 +311,94 @@ def _write(
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(lines)
+
+
+def write_ompl_log(
+    attempts: Sequence[Attempt], path: Path, *, seed: int, seconds: float | None = None
+) -> None:
+    """Write the answers on one floor as OMPL's benchmark log.
+
+    `ompl_benchmark_statistics` and Planner Arena read it. What bears the name of one of OMPL's
+    properties is that property, but that times are of the CPU; the others are this benchmark's
+    own. `seconds` is the budget of an answer, where there was one.
+    """
+    lines = "".join(f"{line}\n" for line in _log(attempts, seed, seconds))
+    path.write_text(lines, encoding="utf-8")
+
+
+_PROPERTIES = (
+    "time REAL",
+    "solved BOOLEAN",
+    "simplification time REAL",
+    "memory REAL",
+    "solution length REAL",
+    "solution clearance REAL",
+    "solution smoothness REAL",
+    "solution segments INTEGER",
+    "least clearance REAL",
+    "turning REAL",
+    "shortest length REAL",
+    "length ratio REAL",
+    "correct solution BOOLEAN",
+    "collision checks INTEGER",
+    "query INTEGER",
+    "run INTEGER",
+)
+
+_PROGRESS = ("time REAL", "iterations INTEGER", "best cost REAL")
+
+
+def _log(attempts: Sequence[Attempt], seed: int, seconds: float | None) -> Iterator[str]:
+    planners = groups(attempts)
+    most = max(attempt.cpu_seconds for attempt in attempts)
+    yield f"OMPL version {version('ompl')}"
+    yield f"Experiment {'_'.join(attempts[0].asked.floorplan.split())}"
+    yield "0 experiment properties"
+    yield f"Running on {'_'.join(platform.node().split()) or 'UNKNOWN'}"
+    yield f"Starting at {datetime.now().isoformat(timespec='seconds')}"
+    yield "<<<|"
+    yield "Floorwalker's planner benchmark. Runs go through all queries; times are of the CPU."
+    yield "|>>>"
+    yield "<<<|"
+    yield platform.processor() or platform.machine()
+    yield "|>>>"
+    yield f"{seed} is the random seed"
+    # Without a budget of time, and of memory, these are no limits.
+    yield f"{most if seconds is None else seconds:.6f} seconds per run"
+    yield "0 MB per run"
+    yield f"{len(attempts) // len(planners)} runs per planner"
+    spent = sum(attempt.cpu_seconds for attempt in attempts)
+    yield f"{spent:.6f} seconds spent to collect the data"
+    yield "0 enum types"
+    yield f"{len(planners)} planners"
+    for runs in planners:
+        yield f"geometric_{runs[0].asked.planner}"
+        yield "0 common properties"
+        yield f"{len(_PROPERTIES)} properties for each run"
+        yield from _PROPERTIES
+        yield f"{len(runs)} runs"
+        yield from (_run(attempt) for attempt in runs)
+        yield f"{len(_PROGRESS)} progress properties for each run"
+        yield from _PROGRESS
+        yield f"{len(runs)} runs"
+        yield from (_progress(attempt) for attempt in runs)
+        yield "."
+
+
+def _run(attempt: Attempt) -> str:
+    asked = attempt.asked
+    values: list[float | str] = [attempt.planning_seconds, int(attempt.solved)]
+    values += [attempt.simplification_seconds, attempt.memory]
+    if attempt.solved:
+        values += [attempt.length, attempt.ompl_clearance, attempt.ompl_smoothness]
+        values += [attempt.bends + 1, attempt.clearance, attempt.turning]
+        values += [asked.shortest, attempt.ratio]
+    else:
+        values += ["", "", "", "", "", "", asked.shortest, ""]
+    values += [int(attempt.right), attempt.checks, asked.query, asked.run]
+    return "".join(f"{value}; " for value in values)
+
+
+def _progress(attempt: Attempt) -> str:
+    samples = [(one.cpu_seconds, one.iterations, one.length) for one in attempt.progress]
+    return "".join("".join(f"{value}," for value in sample) + ";" for sample in samples)

@@ -1,7 +1,7 @@
 from navigation.kernels.follower cimport Follower
 from navigation.kernels.gauge cimport Course, Gauge
 from navigation.kernels.numbers cimport Numbers
-from navigation.kernels.odometer cimport Figure, Odometer
+from navigation.kernels.odometer cimport TaylorModel, PathLength
 
 cdef double _INFINITE
 cdef Course _NO_COURSE
@@ -9,7 +9,7 @@ cdef Numbers _NONE
 cdef Py_ssize_t _SOME
 cdef double _NEAR
 
-cdef class Encounter:
+cdef class EncounterBounds:
     cdef Follower person
     cdef Follower machine
     cdef list[Gauge] gauges

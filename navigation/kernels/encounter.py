@@ -15,13 +15,13 @@ if not cython.compiled:
     from .follower import Follower
     from .gauge import Course, Gauge
     from .numbers import Numbers, at, put, room
-    from .odometer import Figure, Odometer
+    from .odometer import PathLength, TaylorModel
 else:
     from cython.cimports.libc.math import copysign, cos, sin, sqrt
     from cython.cimports.navigation.kernels.follower import Follower
     from cython.cimports.navigation.kernels.gauge import Course, Gauge
     from cython.cimports.navigation.kernels.numbers import Numbers, at, put, room
-    from cython.cimports.navigation.kernels.odometer import Figure, Odometer
+    from cython.cimports.navigation.kernels.odometer import PathLength, TaylorModel
 
 _INFINITE: float = float("inf")
 
@@ -32,7 +32,7 @@ _SOME: cython.Py_ssize_t = 64  # ends of intervals, to begin with
 _NEAR: float = 1e-9  # metres; nearer than this, the direction to the other is mostly rounding
 
 
-class Encounter:
+class EncounterBounds:
     """The motions of a person and a machine, and a stretch of time in which each is one cubic.
 
     Distances are those between the two places, or between the surfaces of `gauges`.
@@ -49,7 +49,7 @@ class Encounter:
         self.machine = Follower(machine)
         self.gauges = gauges
         self.course = Course() if gauges else _NO_COURSE
-        self.ways: tuple[Odometer, ...] = ()
+        self.ways: tuple[PathLength, ...] = ()
         self.slack = rounding
         self.since = self.until = 0.0
         self.near = self.far = self.offset = 0.0
@@ -58,11 +58,11 @@ class Encounter:
         self.ends = _NONE
         self.left = 0
 
-    def odometers(self) -> tuple[Odometer, ...]:
+    def odometers(self) -> tuple[PathLength, ...]:
         """Return those of the person and of the machine."""
         raise NotImplementedError
 
-    def paths(self) -> tuple[Odometer, ...]:
+    def paths(self) -> tuple[PathLength, ...]:
         """Return the odometers, made where a law asks for them."""
         if not self.ways:
             self.ways = self.odometers()
@@ -381,8 +381,8 @@ class Encounter:
         self.close_in(begin, end)
         return self.near, self.far
 
-    def speed_of(self, machine: bool, begin: float, end: float) -> Figure:
+    def speed_of(self, machine: bool, begin: float, end: float) -> TaylorModel:
         """Return the speed of the person or the machine."""
-        figure: Figure = Figure()
+        figure: TaylorModel = TaylorModel()
         (self.machine if machine else self.person).speed(begin, end, figure)
         return figure

@@ -1,5 +1,5 @@
 from navigation.kernels.numbers cimport Numbers
-from navigation.kernels.odometer cimport Figure
+from navigation.kernels.odometer cimport TaylorModel
 
 cdef double _INFINITE
 cdef Py_ssize_t _WIDTH
@@ -29,4 +29,4 @@ cdef class Follower:
     cdef int go_on(self) except? -1
     cdef int enter(self, double t) noexcept
     cdef int pace(self, double middle, double half) noexcept
-    cdef int speed(self, double begin, double end, Figure figure) except? -1
+    cdef int speed(self, double begin, double end, TaylorModel figure) except? -1

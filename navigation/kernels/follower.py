@@ -15,11 +15,11 @@ if not cython.compiled:
     from math import sqrt
 
     from .numbers import Doubles, Numbers, are_finite, at
-    from .odometer import Figure, row_at, speed_along
+    from .odometer import TaylorModel, row_at, speed_along
 else:
     from cython.cimports.libc.math import sqrt
     from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, are_finite, at
-    from cython.cimports.navigation.kernels.odometer import Figure, row_at, speed_along
+    from cython.cimports.navigation.kernels.odometer import TaylorModel, row_at, speed_along
 
 _INFINITE: float = float("inf")
 
@@ -136,7 +136,7 @@ class Follower:
         self.high = speed + slack
         return 0
 
-    def speed(self, begin: float, end: float, figure: Figure) -> cython.int:
+    def speed(self, begin: float, end: float, figure: TaylorModel) -> cython.int:
         """Give the speed from `begin` to `end`, an interval within the piece."""
         if self.row < 0 or self.row >= self.rows:
             return figure.set(0.0, 0.0, 0.0, 0.0)

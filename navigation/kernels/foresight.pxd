@@ -30,7 +30,7 @@ cdef double _LEAST
 cdef double _SAME_WAY
 cdef double _CLOSES_UP
 
-cdef class Foresight:
+cdef class TrajectoryChoice:
     cdef Throng throng
     cdef Py_ssize_t me
     cdef double radius

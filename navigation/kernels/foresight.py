@@ -78,7 +78,7 @@ _SAME_WAY: float = 0.7  # least cosine between the directions of two of whom one
 _CLOSES_UP: float = 1.5
 
 
-class Foresight:
+class TrajectoryChoice:
     """Foresight of the `me`-th of a throng, who decides which of some `walks` to take.
 
     At up to `top_speed` (m/s). `radius` and `comfort`, the distance that they keep where there is

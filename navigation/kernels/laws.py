@@ -10,14 +10,14 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from .encounter import Encounter
-    from .odometer import Figure, Odometer
+    from .encounter import EncounterBounds
+    from .odometer import PathLength, TaylorModel
 else:
-    from cython.cimports.navigation.kernels.encounter import Encounter
-    from cython.cimports.navigation.kernels.odometer import Figure, Odometer
+    from cython.cimports.navigation.kernels.encounter import EncounterBounds
+    from cython.cimports.navigation.kernels.odometer import PathLength, TaylorModel
 
 
-class Law:
+class LawEvaluator:
     """A separation law: `distance` from two speeds, `require` of an encounter, in `out`.
 
     `of_speeds` is False where two speeds are not all it asks for, and `steady` True where not even
@@ -28,28 +28,28 @@ class Law:
         self.of_speeds = of_speeds
         self.steady = steady
         self.source = source
-        self.out = Figure()
+        self.out = TaylorModel()
 
     def distance(self, human: float, robot: float) -> float:
         return 0.0
 
-    def require(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         return 0
 
     def required(
-        self, encounter: Encounter, begin: float, end: float
+        self, encounter: EncounterBounds, begin: float, end: float
     ) -> tuple[float, float, float, float]:
         """Return the required distance over an interval: value, slope, slack and curve."""
         self.require(encounter, begin, end)
         return self.out.numbers()
 
 
-class LinearLaw(Law):
+class LinearLaw(LawEvaluator):
     """`human` · v_H + `robot` · v_R + `stopping` + `intrusion`."""
 
     def __init__(self, human: float, robot: float, stopping: float, intrusion: float) -> None:
         super().__init__(True, steady=human == 0.0 == robot)
-        self.speeds = Figure(), Figure()
+        self.speeds = TaylorModel(), TaylorModel()
         self.human = human
         self.robot = robot
         self.stopping = stopping
@@ -58,12 +58,12 @@ class LinearLaw(Law):
     def distance(self, human: float, robot: float) -> float:
         return human * self.human + robot * self.robot + self.stopping + self.intrusion
 
-    def require(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         fixed: float = self.stopping + self.intrusion
         if self.steady:
             return self.out.set(fixed, 0.0, 0.0, 0.0)
-        human: Figure
-        robot: Figure
+        human: TaylorModel
+        robot: TaylorModel
         human, robot = self.speeds
         encounter.person.speed(begin, end, human)
         encounter.machine.speed(begin, end, robot)
@@ -75,7 +75,7 @@ class LinearLaw(Law):
         )
 
 
-class IntegralLaw(Law):
+class PathIntegralLaw(LawEvaluator):
     """The integral form (`navigation.IntegralLaw`); `stopping` is negative where it is braking."""
 
     def __init__(self, t1: float, t2: float, stopping: float, allowance: float) -> None:
@@ -85,9 +85,9 @@ class IntegralLaw(Law):
         self.stopping = stopping
         self.allowance = allowance
 
-    def require(self, encounter: Encounter, begin: float, end: float) -> cython.int:
-        human: Odometer
-        robot: Odometer
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+        human: PathLength
+        robot: PathLength
         human, robot = encounter.paths()
         human.look_ahead(begin, end, self.t1 + self.t2)
         robot.look_ahead(begin, end, self.t1)
@@ -108,10 +108,10 @@ class IntegralLaw(Law):
         )
 
 
-class ScaledLaw(Law):
+class ScaledLaw(LawEvaluator):
     """`factor` times another law, capped first at `cap` metres."""
 
-    def __init__(self, law: Law, factor: float, cap: float) -> None:
+    def __init__(self, law: LawEvaluator, factor: float, cap: float) -> None:
         super().__init__(law.of_speeds, steady=law.steady)
         self.law = law
         self.factor = factor
@@ -120,9 +120,9 @@ class ScaledLaw(Law):
     def distance(self, human: float, robot: float) -> float:
         return self.factor * min(self.law.distance(human, robot), self.cap)
 
-    def require(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         self.law.require(encounter, begin, end)
-        whole: Figure = self.law.out
+        whole: TaylorModel = self.law.out
         half: float = (end - begin) / 2
         around: float = (abs(whole.slope) + abs(whole.curve) * half / 2) * half + whole.slack
         # The cap bends the figure. Where it is out of reach nothing changes; else two bounds
@@ -139,7 +139,7 @@ class ScaledLaw(Law):
         return self.out.set((low + high) / 2, 0.0, (high - low) / 2, 0.0)
 
 
-class OwnLaw(Law):
+class PythonLaw(LawEvaluator):
     """A law that is written in Python: `source` has a method `distance`, `required` or both."""
 
     def __init__(self, source: Any, of_speeds: bool, of_motions: bool) -> None:
@@ -149,7 +149,7 @@ class OwnLaw(Law):
     def distance(self, human: float, robot: float) -> float:
         return float(self.source.distance(human, robot))
 
-    def require(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         if self.of_motions:
             required = self.source.required(encounter, begin, end)
             return self.out.set(required.value, required.slope, required.slack, required.curve)

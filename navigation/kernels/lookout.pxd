@@ -1,23 +1,23 @@
 from navigation.kernels.braking cimport Stops
-from navigation.kernels.encounter cimport Encounter
-from navigation.kernels.laws cimport Law
+from navigation.kernels.encounter cimport EncounterBounds
+from navigation.kernels.laws cimport LawEvaluator
 from navigation.kernels.numbers cimport Numbers
-from navigation.kernels.odometer cimport Figure
+from navigation.kernels.odometer cimport TaylorModel
 
 cdef double _INFINITE
 cdef Py_ssize_t _WIDTH
 cdef Py_ssize_t _PERSON
 
-cdef class Towards(Law):
-    cdef Figure pace
-    cdef Law law
+cdef class Towards(LawEvaluator):
+    cdef TaylorModel pace
+    cdef LawEvaluator law
     cdef double speed
     cdef double since
     cdef double fixed
     cdef double margin
-    cdef int require(self, Encounter encounter, double begin, double end) except? -1
+    cdef int require(self, EncounterBounds encounter, double begin, double end) except? -1
 
-cdef class Part:
+cdef class MotionSpan:
     cdef Numbers table
     cdef double begin
     cdef double end
@@ -29,7 +29,7 @@ cdef class Part:
     cdef double last_speed
 
 cdef class Lookout:
-    cdef Law law
+    cdef LawEvaluator law
     cdef double margin
     cdef double rounding
     cdef double resolution
@@ -41,13 +41,13 @@ cdef class Lookout:
     ) except? -1
     cdef double required(self, list[double] people, Py_ssize_t k, double speed) except? -1
     cdef bint hinders(
-        self, list[double] people, Py_ssize_t k, Part on, double since
+        self, list[double] people, Py_ssize_t k, MotionSpan on, double since
     ) except -1
     cdef bint in_reach(
-        self, list[double] people, Py_ssize_t k, Part on, double since
+        self, list[double] people, Py_ssize_t k, MotionSpan on, double since
     ) except -1
     cdef double room(
-        self, list[double] people, Py_ssize_t k, Part on, double since
+        self, list[double] people, Py_ssize_t k, MotionSpan on, double since
     ) except? -1
 
 cpdef double nearest_on(

@@ -21,50 +21,52 @@ if not cython.compiled:
     from math import sqrt
 
     from .braking import Stops
-    from .encounter import Encounter
-    from .laws import Law
+    from .encounter import EncounterBounds
+    from .laws import LawEvaluator
     from .numbers import Doubles, Numbers, at
-    from .odometer import Figure, Odometer, row_at
+    from .odometer import PathLength, TaylorModel, row_at
     from .pieces import rate_at, rest, value_at
-    from .watch import TooClose, Watch
+    from .watch import ChangeSearch, TooCloseTest
 else:
     from cython.cimports.libc.math import sqrt
     from cython.cimports.navigation.kernels.braking import Stops
-    from cython.cimports.navigation.kernels.encounter import Encounter
-    from cython.cimports.navigation.kernels.laws import Law
+    from cython.cimports.navigation.kernels.encounter import EncounterBounds
+    from cython.cimports.navigation.kernels.laws import LawEvaluator
     from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
-    from cython.cimports.navigation.kernels.odometer import Figure, Odometer, row_at
+    from cython.cimports.navigation.kernels.odometer import PathLength, TaylorModel, row_at
     from cython.cimports.navigation.kernels.pieces import rate_at, rest, value_at
-    from cython.cimports.navigation.kernels.watch import TooClose, Watch
+    from cython.cimports.navigation.kernels.watch import ChangeSearch, TooCloseTest
 
 _INFINITE: float = float("inf")
 _WIDTH: cython.Py_ssize_t = WIDTH
 _PERSON: cython.Py_ssize_t = 4  # numbers of a person's row
 
 
-class Towards(Law):
+class Towards(LawEvaluator):
     """What `law` asks for if somebody walks straight at the machine, on their distance at `since`.
 
     It is `fixed` metres where that is not less than 0; `margin` metres are kept in addition.
     """
 
-    def __init__(self, law: Law, speed: float, since: float, fixed: float, margin: float) -> None:
+    def __init__(
+        self, law: LawEvaluator, speed: float, since: float, fixed: float, margin: float
+    ) -> None:
         super().__init__(False)
-        self.pace = Figure()
+        self.pace = TaylorModel()
         self.law = law
         self.speed = speed
         self.since = since
         self.fixed = fixed
         self.margin = margin
 
-    def require(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         half: float = (end - begin) / 2
         walked: float = self.speed * (begin + half - self.since)
         # Straight towards the machine the distance shrinks by the top speed, which is the same as a
         # person who stands and a requirement that grows by it.
         if self.fixed >= 0.0:
             return self.out.set(walked + self.fixed, self.speed, 0.0, 0.0)
-        pace: Figure = self.pace
+        pace: TaylorModel = self.pace
         encounter.machine.speed(begin, end, pace)
         around: float = (abs(pace.slope) + abs(pace.curve) * half / 2) * half + pace.slack
         low: float = self.law.distance(self.speed, max(pace.value - around, 0.0))
@@ -74,17 +76,17 @@ class Towards(Law):
         )
 
 
-class Part:
+class MotionSpan:
     """A part of a motion, from `begin` to `end` (seconds): its ends, and a bound of its speed."""
 
-    def __init__(self, odometer: Odometer, begin: float, end: float) -> None:
+    def __init__(self, odometer: PathLength, begin: float, end: float) -> None:
         table: Numbers = odometer.table
         row: Doubles = at(table)
         self.table = table
         self.begin = begin
         self.end = end
         odometer.look(begin, end)
-        figure: Figure = odometer.out
+        figure: TaylorModel = odometer.out
         self.fastest = figure.value + abs(figure.slope) * ((end - begin) / 2) + figure.slack
         rows: cython.Py_ssize_t = len(table) // _WIDTH
         o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, begin), 0)
@@ -106,7 +108,9 @@ class Lookout:
     Laws that look ahead are sure of `rounding` metres; instants are found to `resolution` seconds.
     """
 
-    def __init__(self, law: Law, margin: float, rounding: float, resolution: float) -> None:
+    def __init__(
+        self, law: LawEvaluator, margin: float, rounding: float, resolution: float
+    ) -> None:
         self.law = law
         self.margin = margin
         self.rounding = rounding
@@ -125,8 +129,8 @@ class Lookout:
         if not people or now >= finish:
             return finish, -1
         # Mostly everybody is far away, and one bound for the whole motion says so.
-        odometer: Odometer = Odometer(motion)
-        whole: Part = Part(odometer, now, finish)
+        odometer: PathLength = PathLength(motion)
+        whole: MotionSpan = MotionSpan(odometer, now, finish)
         near: cython.bint = False
         for k in range(len(people) // _PERSON):
             near = near or self.in_reach(people, k, whole, now)
@@ -136,12 +140,14 @@ class Lookout:
         ahead: float = least
         while until < finish:
             then: float = min(now + ahead, finish)
-            on: Part = Part(odometer, until, then)
+            on: MotionSpan = MotionSpan(odometer, until, then)
             # Safe until `then` and safe through the stop from there: one may decide anew at that
             # time. Doubling asks for as many stops as the logarithm of the time, and finds at least
             # half of it.
             stop: Numbers = stops.table(motion, then)
-            stopping: Part = Part(Odometer(stop), then, at(stop)[len(stop) - _WIDTH + 1])
+            stopping: MotionSpan = MotionSpan(
+                PathLength(stop), then, at(stop)[len(stop) - _WIDTH + 1]
+            )
             for k in range(len(people) // _PERSON):
                 if self.hinders(people, k, on, now) or self.hinders(people, k, stopping, now):
                     return until, k
@@ -157,9 +163,9 @@ class Lookout:
         That is after `least` seconds of the motion, or at the end of the stop from there.
         """
         then: float = min(now + least, at(motion)[len(motion) - _WIDTH + 1])
-        on: Part = Part(Odometer(motion), now, then)
+        on: MotionSpan = MotionSpan(PathLength(motion), now, then)
         stop: Numbers = stops.table(motion, then)
-        stopping: Part = Part(Odometer(stop), then, at(stop)[len(stop) - _WIDTH + 1])
+        stopping: MotionSpan = MotionSpan(PathLength(stop), then, at(stop)[len(stop) - _WIDTH + 1])
         return -min(self.room(people, 0, on, now), self.room(people, 0, stopping, now))
 
     def required(self, people: list[float], k: cython.Py_ssize_t, speed: float) -> float:
@@ -170,7 +176,7 @@ class Lookout:
         return self.law.distance(people[k * _PERSON + 2], speed) + self.margin
 
     def hinders(
-        self, people: list[float], k: cython.Py_ssize_t, on: Part, since: float
+        self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
     ) -> cython.bint:
         """Return whether somebody, seen at `since`, may come too close on a part."""
         # Two cheap answers first: too close at the end, or out of reach all the while. Only what
@@ -185,13 +191,13 @@ class Lookout:
         # A motion of no length stands for ever where it is.
         still: Numbers = rest(0.0, 0.0, x, y, 0.0)
         law: Towards = Towards(self.law, people[o + 2], since, people[o + 3], self.margin)
-        encounter: Encounter = Encounter(still, on.table, [], 0.0)
-        judge: TooClose = TooClose(law, self.rounding)
-        watch: Watch = Watch(judge, encounter, on.begin, on.end, self.resolution)
+        encounter: EncounterBounds = EncounterBounds(still, on.table, [], 0.0)
+        judge: TooCloseTest = TooCloseTest(law, self.rounding)
+        watch: ChangeSearch = ChangeSearch(judge, encounter, on.begin, on.end, self.resolution)
         return watch.change() is not None
 
     def in_reach(
-        self, people: list[float], k: cython.Py_ssize_t, on: Part, since: float
+        self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
     ) -> cython.bint:
         """Return whether the two may come too close on a part, whatever they do on the way."""
         o: cython.Py_ssize_t = k * _PERSON
@@ -202,7 +208,9 @@ class Lookout:
         dy: float = people[o + 1] - on.y
         return sqrt(dx * dx + dy * dy) < reach
 
-    def room(self, people: list[float], k: cython.Py_ssize_t, on: Part, since: float) -> float:
+    def room(
+        self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
+    ) -> float:
         """Return the metres left at the end of a part beyond what is asked for there."""
         o: cython.Py_ssize_t = k * _PERSON
         asked: float = self.required(people, k, on.last_speed)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..quadrature import NODES_8, WEIGHTS_8
+from ..polynomials import NODES_8, WEIGHTS_8
 
 if TYPE_CHECKING:
     import cython
@@ -39,7 +39,7 @@ _NODES: Numbers = numbers([1.0 + node for node in NODES_8])
 _WEIGHTS: Numbers = numbers(WEIGHTS_8)
 
 
-class Figure:
+class TaylorModel:
     """A figure over an interval: within `slack` of value + slope u + curve u² / 2.
 
     u is the time from the middle of the interval (`navigation.Enclosure`).
@@ -77,7 +77,7 @@ def row_at(
 
 
 def speed_along(
-    c: Doubles, row: cython.Py_ssize_t, begin: float, end: float, figure: Figure
+    c: Doubles, row: cython.Py_ssize_t, begin: float, end: float, figure: TaylorModel
 ) -> cython.int:
     """Give the speed of a piece over an interval within it, m/s.
 
@@ -117,7 +117,7 @@ def speed_along(
     return figure.set(speed, 0.0, change, 0.0)
 
 
-class Odometer:
+class PathLength:
     """Path length and speed of a motion at any time. Jumps add no length."""
 
     def __init__(self, table: Numbers) -> None:
@@ -127,8 +127,8 @@ class Odometer:
         self.total = 0.0
         self.start = row[0]
         self.finish = row[len(table) - _WIDTH + 1]
-        self.out = Figure()
-        self.near = Figure()
+        self.out = TaylorModel()
+        self.near = TaylorModel()
 
     def cut(self) -> tuple[Numbers, float]:
         """Return the table of stretches in which the speed is smooth, and the whole length."""
@@ -197,12 +197,12 @@ class Odometer:
         low = max(low, 0.0)
         return self.out.set((low + high) / 2, 0.0, (high - low) / 2, 0.0)
 
-    def path_ahead(self, begin: float, end: float, seconds: float) -> Figure:
+    def path_ahead(self, begin: float, end: float, seconds: float) -> TaylorModel:
         """Return `look_ahead`'s figure, to be read at once."""
         self.look_ahead(begin, end, seconds)
         return self.out
 
-    def speed_within(self, begin: float, end: float) -> Figure:
+    def speed_within(self, begin: float, end: float) -> TaylorModel:
         """Return `look`'s figure, to be read at once."""
         self.look(begin, end)
         return self.out

@@ -15,20 +15,20 @@ else:
 if not cython.compiled:
     from math import cos, sin, sqrt
 
-    from .encounter import Encounter
+    from .encounter import EncounterBounds
     from .follower import Follower
     from .gauge import Gauge
-    from .laws import Law
+    from .laws import LawEvaluator
     from .numbers import Numbers
-    from .odometer import Figure
+    from .odometer import TaylorModel
 else:
     from cython.cimports.libc.math import cos, sin, sqrt
-    from cython.cimports.navigation.kernels.encounter import Encounter
+    from cython.cimports.navigation.kernels.encounter import EncounterBounds
     from cython.cimports.navigation.kernels.follower import Follower
     from cython.cimports.navigation.kernels.gauge import Gauge
-    from cython.cimports.navigation.kernels.laws import Law
+    from cython.cimports.navigation.kernels.laws import LawEvaluator
     from cython.cimports.navigation.kernels.numbers import Numbers
-    from cython.cimports.navigation.kernels.odometer import Figure
+    from cython.cimports.navigation.kernels.odometer import TaylorModel
 
 _INFINITE: float = float("inf")
 
@@ -39,27 +39,27 @@ UNDECIDED: cython.int = -1
 _SURE: float = 1e-12  # metres; so that rounding can't leave a tie undecided
 
 
-class Judge:
+class IntervalTest:
     """A condition on an encounter, decided over an interval: 1 holds, 0 does not, -1 undecided."""
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         return 0
 
-    def verdict(self, encounter: Encounter, begin: float, end: float) -> bool | None:
+    def verdict(self, encounter: EncounterBounds, begin: float, end: float) -> bool | None:
         """Return whether it holds throughout (True), nowhere (False), or None."""
         decided: cython.int = self.holds(encounter, begin, end)
         return None if decided < 0 else decided == 1
 
 
-class TooClose(Judge):
+class TooCloseTest(IntervalTest):
     """The distance is less than `law` requires; laws that look ahead are sure of `rounding`."""
 
-    def __init__(self, law: Law, rounding: float) -> None:
+    def __init__(self, law: LawEvaluator, rounding: float) -> None:
         self.law = law
         self.rounding = rounding
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
-        law: Law = self.law
+    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+        law: LawEvaluator = self.law
         if not law.of_speeds:
             return self.short_of(encounter, begin, end)
         person: Follower = encounter.person
@@ -87,7 +87,7 @@ class TooClose(Judge):
             )
         return UNDECIDED
 
-    def short_of(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def short_of(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         margin_bounds(self.law, encounter, begin, end)
         if encounter.near >= -self.rounding:
             return 0
@@ -98,10 +98,12 @@ class TooClose(Judge):
         return UNDECIDED
 
 
-def margin_bounds(law: Law, encounter: Encounter, begin: float, end: float) -> cython.int:
+def margin_bounds(
+    law: LawEvaluator, encounter: EncounterBounds, begin: float, end: float
+) -> cython.int:
     """Bound distance − required: `near`, `far` of the encounter; `offset` is near the least."""
     law.require(encounter, begin, end)
-    out: Figure = law.out
+    out: TaylorModel = law.out
     if begin == end:
         encounter.measure(begin - encounter.since, 0.0, 0.0, 0.0)
         encounter.near -= out.value
@@ -114,13 +116,13 @@ def margin_bounds(law: Law, encounter: Encounter, begin: float, end: float) -> c
     return 0
 
 
-class Faster(Judge):
+class MovingTest(IntervalTest):
     """The machine moves faster than `limit` m/s."""
 
     def __init__(self, limit: float) -> None:
         self.limit = limit
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         half: float = (end - begin) / 2
         machine: Follower = encounter.machine
         machine.pace(begin - encounter.since + half, half)
@@ -129,30 +131,30 @@ class Faster(Judge):
         return 1 if machine.low > self.limit else UNDECIDED
 
 
-class Approaching(Judge):
+class ApproachingTest(IntervalTest):
     """The places of the two come closer to each other."""
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         encounter.close_in(begin, end)
         if encounter.near >= 0.0:
             return 0
         return 1 if encounter.far < 0.0 else UNDECIDED
 
 
-class Apart(Judge):
+class ApartTest(IntervalTest):
     """The distance is at least `metres`."""
 
     def __init__(self, metres: float) -> None:
         self.metres = metres
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         encounter.apart_over(begin, end, 0.0, 0.0)
         if encounter.far + encounter.slack / 2 < self.metres:
             return 0
         return 1 if encounter.near + encounter.slack >= self.metres else UNDECIDED
 
 
-class Overlapping(Judge):
+class OverlappingTest(IntervalTest):
     """Two rectangles that turn with the bodies overlap by more than `depth` metres.
 
     So they do if they overlap by as much along each normal of their sides: the separating axes of
@@ -177,7 +179,7 @@ class Overlapping(Judge):
         self.reach = sqrt(along * along + across * across)
         self.other_reach = sqrt(other_along * other_along + other_across * other_across)
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         one: Follower = encounter.person
         other: Follower = encounter.machine
         half: float = (end - begin) / 2
@@ -239,25 +241,25 @@ def turned(body: Follower, u: float, half: float) -> float:
     return half * (rate + half * (abs(body.r2 + 3 * body.r3 * u) + half * abs(body.r3)))
 
 
-class Not(Judge):
+class NotTest(IntervalTest):
     """Another condition does not hold."""
 
-    def __init__(self, other: Judge) -> None:
+    def __init__(self, other: IntervalTest) -> None:
         self.other = other
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         verdict: cython.int = self.other.holds(encounter, begin, end)
         return verdict if verdict < 0 else 1 - verdict
 
 
-class Both(Judge):
+class BothTest(IntervalTest):
     """Two conditions hold at once."""
 
-    def __init__(self, first: Judge, second: Judge) -> None:
+    def __init__(self, first: IntervalTest, second: IntervalTest) -> None:
         self.first = first
         self.second = second
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         one: cython.int = self.first.holds(encounter, begin, end)
         if one == 0:
             return 0
@@ -267,27 +269,32 @@ class Both(Judge):
         return 1 if one == 1 and other == 1 else UNDECIDED
 
 
-class OwnJudge(Judge):
+class CustomTest(IntervalTest):
     """A condition that is written in Python."""
 
     def __init__(self, condition: Any) -> None:
         self.condition = condition
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         verdict = self.condition.holds(encounter, begin, end)
         if verdict is None:
             return UNDECIDED
         return 1 if verdict else 0
 
 
-class Watch:
+class ChangeSearch:
     """Finds the instants at which a condition begins and ceases to hold, one after another.
 
     Undecided intervals are halved, left half first, until they are no longer than `resolution`.
     """
 
     def __init__(
-        self, judge: Judge, encounter: Encounter, begin: float, end: float, resolution: float
+        self,
+        judge: IntervalTest,
+        encounter: EncounterBounds,
+        begin: float,
+        end: float,
+        resolution: float,
     ) -> None:
         self.judge = judge
         self.encounter = encounter
@@ -310,7 +317,11 @@ class Watch:
 
 
 def next_change(
-    judge: Judge, encounter: Encounter, end: float, resolution: float, held: cython.bint
+    judge: IntervalTest,
+    encounter: EncounterBounds,
+    end: float,
+    resolution: float,
+    held: cython.bint,
 ) -> float:
     """Return the next instant at which a condition that was `held` or not changes; or infinity."""
     t: float
@@ -339,7 +350,7 @@ def next_change(
 
 
 def first_change(
-    judge: Judge,
+    judge: IntervalTest,
     person: Numbers,
     machine: Numbers,
     begin: float,
@@ -347,14 +358,14 @@ def first_change(
     resolution: float,
 ) -> float | None:
     """Return the first instant at which a condition on places and speeds holds, or None."""
-    encounter: Encounter = Encounter(person, machine, _NO_GAUGES, 0.0)
+    encounter: EncounterBounds = EncounterBounds(person, machine, _NO_GAUGES, 0.0)
     encounter.start(begin)
     t: float = next_change(judge, encounter, end, resolution, False)
     return None if t == _INFINITE else t
 
 
 def first_interval(
-    judge: Judge,
+    judge: IntervalTest,
     person: Numbers,
     machine: Numbers,
     begin: float,
@@ -362,8 +373,8 @@ def first_interval(
     resolution: float,
 ) -> tuple[float, float] | None:
     """Return the first interval in which a condition on places and speeds holds, or None."""
-    encounter: Encounter = Encounter(person, machine, _NO_GAUGES, 0.0)
-    watch: Watch = Watch(judge, encounter, begin, end, resolution)
+    encounter: EncounterBounds = EncounterBounds(person, machine, _NO_GAUGES, 0.0)
+    watch: ChangeSearch = ChangeSearch(judge, encounter, begin, end, resolution)
     since = watch.change()
     if since is None:
         return None
@@ -373,7 +384,7 @@ def first_interval(
 
 
 def least(
-    law: Law | None, encounter: Encounter, begin: float, end: float, tolerance: float
+    law: LawEvaluator | None, encounter: EncounterBounds, begin: float, end: float, tolerance: float
 ) -> tuple[float, float]:
     """Return the first instant at which distance − required is least (seconds), and how much.
 
@@ -413,7 +424,9 @@ def least(
     return float(when), float(best)
 
 
-def margin_over(law: Law | None, encounter: Encounter, begin: float, end: float) -> cython.int:
+def margin_over(
+    law: LawEvaluator | None, encounter: EncounterBounds, begin: float, end: float
+) -> cython.int:
     """See `margin_bounds`; without a law, bound the distance."""
     if law is None:
         return encounter.apart_over(begin, end, 0.0, 0.0)

@@ -7,7 +7,7 @@ of an agent.
 """
 
 from ..core.origins import OriginError, Origins
-from .connection import ConnectError, Connection, ServiceError
+from .connection import ConnectError, RosbridgeConnection, ServiceError
 from .exchange import Exchange
 from .remote_agent import RemoteAgent
 from .server import AddressError, RosbridgeServer, listen_at
@@ -18,11 +18,11 @@ __all__ = [
     "AddressError",
     "BridgeError",
     "ConnectError",
-    "Connection",
     "Exchange",
     "OriginError",
     "Origins",
     "RemoteAgent",
+    "RosbridgeConnection",
     "RosbridgeServer",
     "ServiceError",
     "Session",

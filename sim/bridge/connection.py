@@ -15,7 +15,7 @@ from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 
 from floorplan import UserError
 
-from .message_types import MessageError, MessageType, conform, message_type
+from .messages import MessageError, MessageType, conform, message_type
 from .protocol import encode
 
 ANSWER_WITHIN = 5.0
@@ -40,7 +40,7 @@ class ServiceError(UserError):
 Heard = Callable[[dict[str, Any]], None]
 
 
-class Connection:
+class RosbridgeConnection:
     """Subscribes, publishes and calls services; for use with `async with`.
 
     `complained(text)` takes the complaints of the server. Subscribers get messages in the order in
@@ -56,7 +56,7 @@ class Connection:
         self._numbers = itertools.count(1)
         self._outgoing: asyncio.Queue[str] = asyncio.Queue()
 
-    async def __aenter__(self) -> Connection:
+    async def __aenter__(self) -> RosbridgeConnection:
         """Connect; `ConnectError` says why that fails."""
         logger = logging.getLogger(f"{__name__}.websockets")
         logger.addHandler(logging.NullHandler())

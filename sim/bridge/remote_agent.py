@@ -1,20 +1,279 @@
-"""An AgentSpeak agent that drives a person at the other end of a rosbridge."""
+"""AgentSpeak agent that controls a person at a remote rosbridge server."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Collection
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import bdi
+from floorplan import Point
+from navigation import CollisionWorld, PathPlanner, PlanningError
 
+from ..core.rules import Notice
 from ..core.scenario import PersonEntry, Scenario
-from ..people.minds import make_agent
+from ..people.actions import MindError
+from ..people.minds import Mind, make_agent
+from ..people.perception import Percepts
 from ..people.programs import EXTERNAL
-from .connection import ConnectError, Connection, LostError, ServiceError
-from .remote_person import RemotePerson
-from .workcell import ENDED, BridgeError
+from .connection import ConnectError, LostError, RosbridgeConnection, ServiceError
+from .messages import NOWHERE
+from .workcell import (
+    ACTION,
+    BLOCKED,
+    BOOL,
+    DETECTED,
+    ENDED,
+    GO_HOME,
+    GOAL,
+    PERCEPTS,
+    POINT,
+    REACHED,
+    START,
+    STOP,
+    STRING,
+    UNSAFE,
+    BridgeError,
+)
+
+_REPETITION = 0.5
+"""Seconds. A violation that is heard of again within them is the same one."""
+
+_PERCEPT_OF = {heard: percept for percept, heard in PERCEPTS.items()}
+
+
+class RemotePerson:
+    """The body of an agent at the other end of a rosbridge.
+
+    Its percepts go to `mind`, whose actions are to be `act`; `perceived()` is called when there
+    are new ones. The floor is that of `trial`. With `waypoints` it plans paths itself and sends
+    their waypoints one by one, instead of leaving that to a navigation stack at the other end.
+    `now()` is the time there, seconds.
+    """
+
+    def __init__(
+        self,
+        trial: Scenario,
+        entry: PersonEntry,
+        mind: Mind,
+        *,
+        waypoints: bool,
+        now: Callable[[], float],
+        perceived: Callable[[], None],
+        notice: Callable[[str], None],
+    ) -> None:
+        self.name = entry.name
+        self._rules = trial.rules
+        self._now = now
+        self._perceived = perceived
+        self._notice = notice
+        self._waypoints = waypoints
+        self._radius = entry.radius or trial.floorplan.human.radius
+        self._world = CollisionWorld(trial.floorplan)
+        self._lanes = {lane.name: lane for lane in trial.floorplan.lanes}
+        self._planner = PathPlanner(self._world, self._radius)
+        self._percepts = Percepts(mind)
+        self._noticing = SampledNotice(trial.rules.notice)
+        self._offered: Collection[str] = ()
+        self._at: Point = (0.0, 0.0)
+        self._gantry: Point | None = None
+        self._ahead: list[Point] = []
+        """Waypoints that are still to be sent."""
+        self._started = False
+        self._quiet_until = -math.inf
+        self._repeats = False
+        self._unsafe_at: dict[str, float] = {}
+        """Time at which each kind of violation was last heard of (s)."""
+        self._unavailable: set[str] = set()
+
+    def connect(
+        self, connection: RosbridgeConnection, offered: Collection[str], *, repeats: bool = True
+    ) -> None:
+        """Hear and act through `connection`, whose server has the topics `offered`.
+
+        With `repeats` the server repeats violations until they are answered.
+        """
+        self._connection = connection
+        self._repeats = repeats
+        self._offered = offered
+        for name in self._lanes:
+            connection.subscribe(
+                f"/ariac/{name}_status", "ariac_msgs/AGVStatus", partial(self._place_agv, name)
+            )
+        ours = [topic for topic in (DETECTED, BLOCKED) if topic in offered]
+        connection.subscribe("/ariac_human/state", "ariac_msgs/HumanState", self._see)
+        for topic in (REACHED, UNSAFE, *ours, START):
+            connection.subscribe(topic, STRING if topic == BLOCKED else BOOL, self._hear(topic))
+
+    def _hear(self, topic: str) -> Callable[[dict[str, Any]], None]:
+        def hear(message: dict[str, Any]) -> None:
+            percept = _PERCEPT_OF.get((topic, message["data"]))
+            if percept == "human_start":
+                self._start()
+            elif percept is not None and self._started:
+                self._take(percept)
+
+        return hear
+
+    def _start(self) -> None:
+        if not self._started:
+            self._started = True
+            self._noticing.start_over(self._now())
+            self._percepts.see("human_start")
+            self._perceived()
+
+    def _take(self, percept: str) -> None:
+        """Turn a percept as the topics have it into the mind's."""
+        if percept == "work_completed":
+            if self._ahead:
+                self._send_goal(self._ahead.pop(0))
+                return
+            self._percepts.see("at", *self._at)
+        elif percept in ("path_blocked", "goal_blocked"):
+            self._ahead.clear()
+        elif percept in ("gantry_disabled", "agv_danger") and self._is_repeated(percept):
+            return
+        if percept.startswith("gantry") and self._gantry is not None:
+            self._percepts.see("gantry_at", *self._gantry)
+        self._count(percept)
+
+    def _count(self, percept: str) -> None:
+        self._percepts.count(percept)
+        self._perceived()
+
+    def _is_repeated(self, percept: str) -> bool:
+        """Whether a violation has been perceived: the original reports it ten times a second."""
+        now = self._now()
+        if now < self._quiet_until:
+            return True
+        if DETECTED in self._offered:
+            # Ours is repeated until it is answered, and on its way a little longer.
+            before = self._unsafe_at.get(percept, -math.inf)
+            self._unsafe_at[percept] = now
+            return self._repeats and now - before < _REPETITION
+        pause = self._rules.pause_after_agv
+        if percept == "gantry_disabled":
+            pause = self._rules.gantry_disabled + self._rules.grace
+        self._quiet_until = now + (self._rules.report_every or pause)
+        return False
+
+    def _see(self, state: dict[str, Any]) -> None:
+        self._at = _place(state["human_position"])
+        gantry = _place(state["robot_position"])
+        self._gantry = None if gantry == _place(NOWHERE) else gantry
+        if self._gantry is None or DETECTED in self._offered or not self._started:
+            return
+        distance = math.dist(self._at, self._gantry)
+        speeds = (math.hypot(*_place(state[f"{one}_velocity"])) for one in ("human", "robot"))
+        if self._noticing.see(self._now(), distance, *speeds):
+            self._take("gantry_detected")
+
+    def _place_agv(self, name: str, status: dict[str, Any]) -> None:
+        low, high = self._lanes[name].limits
+        self._world.move_agv(name, min(max(status["position"], low), high))
+
+    def act(self, action: bdi.Literal) -> bool:
+        """Carry out an external action of the agent; return whether it could be.
+
+        `MindError` where its arguments are no position.
+        """
+        name = action.functor
+        if name == "move":
+            return self._move(action)
+        if name == "stop_movement":
+            return self._stop()
+        if name == "move_to_gantry":
+            return self._move_to_gantry()
+        if name in ("teleport_safe", "teleport_agv"):
+            self._ahead.clear()
+            self._noticing.start_over(self._now())
+            return self._send(GO_HOME, BOOL, data=name == "teleport_safe")
+        if ACTION in self._offered:
+            return self._send(ACTION, STRING, data=str(action))
+        if name not in self._unavailable:
+            self._unavailable.add(name)
+            self._notice(f"{self.name}: the other end offers no topic for {name}")
+        return False
+
+    def _move(self, action: bdi.Literal) -> bool:
+        numbers = [argument for argument in action.args if isinstance(argument, float)]
+        if len(numbers) != len(action.args) or len(numbers) not in (2, 3):
+            raise MindError(f"{self.name}: the action {action} should be move(x, y, z)")
+        return self._go((numbers[0], numbers[1]))
+
+    def _move_to_gantry(self) -> bool:
+        if self._gantry is None:
+            return False
+        self._stop()
+        free = self._world.nearest_free(self._gantry, self._radius)
+        return free is not None and self._go(free)
+
+    def _stop(self) -> bool:
+        self._ahead.clear()
+        return self._send(STOP, BOOL, data=True)
+
+    def _go(self, goal: Point) -> bool:
+        if not self._waypoints:
+            return self._send_goal(goal)
+        try:
+            path = self._planner.plan(self._at, goal)
+        except PlanningError as why:
+            self._count("goal_blocked" if why.reason == "goal_blocked" else "path_blocked")
+            return False
+        self._ahead = [(float(x), float(y)) for x, y in path.points[1:]] or [goal]
+        return self._send_goal(self._ahead.pop(0))
+
+    def _send_goal(self, goal: Point) -> bool:
+        return self._send(GOAL, POINT, x=goal[0], y=goal[1], z=0.0)
+
+    def _send(self, topic: str, type_: str, **message: Any) -> bool:
+        self._connection.publish(topic, type_, message)
+        return True
+
+
+class SampledNotice:
+    """Notices the gantry once per approach, as the referee's `NoticeWatch` does, from samples.
+
+    An approach is over when the two have parted by `rule.parting` metres from where they were
+    nearest, or `rule.every` seconds after the noticing.
+    """
+
+    def __init__(self, rule: Notice) -> None:
+        self._rule = rule
+        self._nearest: float | None = None
+        """The least distance since the gantry was noticed, until the approach is over."""
+        self._silent_until = -math.inf
+        self._before = math.inf
+
+    def see(self, t: float, distance: float, human_speed: float, robot_speed: float) -> bool:
+        """Return whether the gantry is noticed at `t` (s), at a distance (m) and speeds (m/s)."""
+        approaching, self._before = distance < self._before, distance
+        if self._nearest is None:
+            inside = distance < self._rule.law.distance(human_speed, robot_speed)
+            if not (inside and approaching and t >= self._silent_until):
+                return False
+            if self._rule.every is None:
+                self._nearest = distance
+            else:
+                self._silent_until = t + self._rule.every
+            return True
+        has_parted = distance > self._nearest + self._rule.parting
+        self._nearest = None if has_parted else min(distance, self._nearest)
+        return False
+
+    def start_over(self, t: float) -> None:
+        """Begin anew at `t` (s), after `rule.silent` seconds: the person starts or was moved."""
+        self._nearest = None
+        self._silent_until = max(self._silent_until, t + self._rule.silent)
+        self._before = math.inf
+
+
+def _place(point: dict[str, Any]) -> Point:
+    return (point["x"], point["y"])
+
 
 FOREVER = 1e12
 """Seconds. The next wakeup of an agent that waits for nothing."""
@@ -76,7 +335,7 @@ class RemoteAgent:
         delay, connected = FIRST_RETRY, False
         while not self._ended:
             try:
-                async with Connection(self._url, complained=self._complain) as connection:
+                async with RosbridgeConnection(self._url, complained=self._complain) as connection:
                     connected, delay = True, FIRST_RETRY
                     self._notice(f"connected to {self._url}")
                     await self._drive(connection)
@@ -90,7 +349,7 @@ class RemoteAgent:
                 await asyncio.sleep(delay)
                 delay = min(2 * delay, LAST_RETRY)
 
-    async def _drive(self, connection: Connection) -> None:
+    async def _drive(self, connection: RosbridgeConnection) -> None:
         topics = await _listed(connection, "topics")
         services = await _listed(connection, "services")
         self._in_steps = "/floorwalker/advance" in services and await self._may_step(connection)
@@ -104,14 +363,14 @@ class RemoteAgent:
         else:
             await self._go_along(connection)
 
-    async def _may_step(self, connection: Connection) -> bool:
+    async def _may_step(self, connection: RosbridgeConnection) -> bool:
         """Whether the server lets us decide when its time goes on; then it waits from now on."""
         with suppress(ServiceError):
             await connection.call("/floorwalker/advance", {"until": -1.0})
             return True
         return False
 
-    async def _go_in_steps(self, connection: Connection) -> None:
+    async def _go_in_steps(self, connection: RosbridgeConnection) -> None:
         while not self._ended:
             wakeup = self._agent.next_wakeup
             until = FOREVER if wakeup is None else wakeup
@@ -121,7 +380,7 @@ class RemoteAgent:
             if not self._ended:
                 self._agent.advance(self._now)
 
-    async def _go_along(self, connection: Connection) -> None:
+    async def _go_along(self, connection: RosbridgeConnection) -> None:
         loop = asyncio.get_running_loop()
         begin = loop.time() - self._now
         self._think()
@@ -167,7 +426,7 @@ class RemoteAgent:
         self._notice(f"{self._url} says: {text}")
 
 
-async def _listed(connection: Connection, what: str) -> list[str]:
+async def _listed(connection: RosbridgeConnection, what: str) -> list[str]:
     """The names that a service of rosapi lists; none where there is no rosapi."""
     try:
         names = (await connection.call(f"/rosapi/{what}", {})).get(what)

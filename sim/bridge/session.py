@@ -1,4 +1,4 @@
-"""A session of the bridge: the clients it needs, and its time, which stands still without them."""
+"""Session of the bridge: its clients, and the pace of its time."""
 
 from __future__ import annotations
 
@@ -7,18 +7,67 @@ import math
 import socket
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
+from typing import Any, Protocol
 
+from floorplan import UserError
+
+from ..core.clock import Tempo, checked_speed
 from ..core.origins import Origins
 from ..people.programs import EXTERNAL
+from ..simulation import Simulation
 from .client import Client
-from .exchange import Exchange, RefusedError
-from .human_topics import COMMANDS, START
+from .exchange import Exchange, RefusedError, provide_rosapi
 from .machine_topics import TRAJECTORY
-from .pacing import PAUSED, BridgeTempo, Viewer, attend
-from .rosapi import provide_rosapi
 from .server import RosbridgeServer, listen_at
-from .workcell import ENDED, STARTED, BridgeError, Workcell
+from .workcell import COMMANDS, ENDED, START, STARTED, BridgeError, Workcell
+
+PERIOD = 0.1
+"""Seconds of the wall clock between two looks at what the page wants."""
+
+PAUSED = "it is paused on its page"
+
+
+class Viewer(Protocol):
+    """A page that shows a run under way; what is wanted there is carried out in `attend`."""
+
+    def follow(self, simulation: Simulation, tempo: Tempo | None = None) -> None:
+        """Show a run that has started, and let the page change its tempo."""
+
+    def attend(self, simulation: Simulation) -> None:
+        """Carry out what the page wants, and send it what has changed."""
+
+    def leave(self) -> None:
+        """Carry out no more: the run is over."""
+
+
+class BridgeTempo:
+    """The speed and the pauses of a session: `changed()` is called after each change."""
+
+    def __init__(self, speed: float) -> None:
+        self.speed = speed
+        self.paused = False
+        self.changed: Callable[[], None] = lambda: None
+
+    def change(self, *, speed: float | None = None, paused: bool | None = None) -> None:
+        """Go on with another speed, pause, or go on; a run without a speed gets none."""
+        if speed is not None and not self.speed:
+            raise UserError("time goes on as soon as all clients can follow: it has no speed")
+        if speed is not None:
+            self.speed = checked_speed(speed)
+        if paused is not None:
+            self.paused = paused
+        self.changed()
+
+
+async def attend(viewer: Viewer, simulation: Simulation) -> None:
+    """Do what a page wants, and show it what happens, until this is cancelled."""
+    try:
+        while True:
+            viewer.attend(simulation)
+            await asyncio.sleep(PERIOD)
+    finally:
+        viewer.leave()
+
 
 RATE = 10
 """Hz, in simulated time: the rate at which the state is published."""

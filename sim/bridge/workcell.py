@@ -1,24 +1,216 @@
-"""A trial's simulation as topics and services of ROS."""
+"""Simulation of a trial as ROS topics and services, with the topics of its people.
+
+Topics and types are those of the ARIAC 2023 competition. `/ariac_human/gantry_detected`,
+`/ariac_human/blocked` and `/ariac_human/action` are ours.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from functools import partial
 
+import shapely
 from simpy.core import StopSimulation
 
+import bdi
 from floorplan import UserError
 
 from ..core.body import Body
 from ..core.clock import Turn
 from ..core.recorder import Event, Listener
+from ..people.actions import MindError
 from ..people.minds import Outside
+from ..people.person import Person
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
 from ..trials.trial import Trial
-from .exchange import Exchange, RefusedError
-from .human_topics import HumanTopics
+from .client import Client
+from .exchange import Admit, Exchange, RefusedError, Values
 from .machine_topics import AgvTopics, GantryTopics
-from .readings import human_state, order_message, seconds, transforms
+from .messages import human_state, order_message, seconds, transforms
+
+START = "/ariac/start_human"
+REACHED = "/ariac_human/position_reached"
+UNSAFE = "/ariac_human/unsafe_distance"
+DETECTED = "/ariac_human/gantry_detected"
+BLOCKED = "/ariac_human/blocked"
+GOAL = "/ariac_human/goal_position"
+STOP = "/ariac_human/stop"
+GO_HOME = "/ariac_human/go_home"
+GO_HOME_AGV = "/ariac_human/go_home_agv"
+ACTION = "/ariac_human/action"
+
+BOOL, POINT, STRING = "std_msgs/Bool", "geometry_msgs/Point", "std_msgs/String"
+
+COMMANDS: dict[str, tuple[str, Callable[[Values], bdi.Literal | None]]] = {
+    GOAL: (POINT, lambda point: bdi.Literal("move", (point["x"], point["y"], 0.0))),
+    STOP: (BOOL, lambda message: bdi.Literal("stop_movement") if message["data"] else None),
+    GO_HOME: (
+        BOOL,
+        lambda message: bdi.Literal("teleport_safe" if message["data"] else "teleport_agv"),
+    ),
+    GO_HOME_AGV: (BOOL, lambda message: bdi.Literal("teleport_agv") if message["data"] else None),
+    ACTION: (STRING, lambda message: bdi.parse_literal(message["data"])),
+}
+"""The topics that an agent publishes on: their types, and the action of a message, if any."""
+
+PERCEPTS: dict[str, tuple[str, bool | str]] = {
+    "human_start": (START, True),
+    "work_completed": (REACHED, True),
+    "gantry_detected": (DETECTED, True),
+    "gantry_disabled": (UNSAFE, True),
+    "agv_danger": (UNSAFE, False),
+    "path_blocked": (BLOCKED, "path_blocked"),
+    "goal_blocked": (BLOCKED, "goal_blocked"),
+}
+"""The topic of a percept, and the data that stands for it there."""
+
+_ANSWERS = frozenset({GOAL, STOP, GO_HOME, GO_HOME_AGV})
+"""The topics on which an agent answers a violation."""
+
+_HAPPENINGS = {
+    "human_started": "human_start",
+    "arrived": "work_completed",
+    "gantry_detected": "gantry_detected",
+    "path_blocked": "path_blocked",
+}
+"""The percept that an event is for its person."""
+
+
+_TOLERANCE = 0.5
+"""Metres. A goal without room is moved by so much at most, as Nav2's planners do by default."""
+
+
+class HumanTopics:
+    """Publishes the percepts of `person`, and carries out commands from outside."""
+
+    def __init__(
+        self, person: Person, simulation: Simulation, exchange: Exchange, admit: Admit
+    ) -> None:
+        self.outside = person.mind if isinstance(person.mind, Outside) else None
+        """The mind of the person, if it is outside."""
+        self._person = person
+        self._clock = simulation.clock
+        self._boundary = simulation.trial.floorplan.boundary
+        self._simulation = simulation
+        self._referee = simulation.referee
+        self._exchange = exchange
+        self._admit = admit
+        self._unanswered: tuple[str, float] | None = None
+        """The violation that the agent has not answered yet, and its time (s)."""
+        self._topics = {
+            START: exchange.advertise(START, BOOL, heard=self._start, latched=1),
+            REACHED: exchange.advertise(REACHED, BOOL),
+            UNSAFE: exchange.advertise(UNSAFE, BOOL),
+            DETECTED: exchange.advertise(DETECTED, BOOL),
+            BLOCKED: exchange.advertise(BLOCKED, STRING),
+        }
+        for topic, (type_, _) in COMMANDS.items():
+            exchange.listen(topic, type_, partial(self._command, topic))
+        exchange.provide("/ariac_human/teleport", "std_srvs/Trigger", self._teleport)
+        exchange.provide("/ariac/set_human_safe_zone_penalty", "std_srvs/Trigger", self._penalise)
+
+    def publish(self, percept: str) -> None:
+        """Publish a percept, where there is a topic for it."""
+        if percept in PERCEPTS:
+            topic, data = PERCEPTS[percept]
+            self._exchange.publish(self._topics[topic], {"data": data})
+            if topic == UNSAFE and self.outside is not None:
+                self._unanswered = (percept, self._clock.now)
+
+    def repeat(self) -> None:
+        """Publish a violation again that the agent has not answered.
+
+        The competition's own agent drops what comes too soon after its start or the violation
+        before, and relies on hearing it again.
+        """
+        if self._unanswered is not None:
+            topic, data = PERCEPTS[self._unanswered[0]]
+            self._exchange.publish(self._topics[topic], {"data": data})
+
+    def event(self, event: Event) -> None:
+        """Publish the percept of an event, for a person with a mind of their own."""
+        if self.outside is not None or event.get("person") != self._person.name:
+            return
+        if event["kind"] == "violation":
+            machine = self._simulation.machines[event["with"]]
+            is_robot = machine.shape.category == "robot"
+            self.publish("gantry_disabled" if is_robot else "agv_danger")
+        elif event["kind"] in _HAPPENINGS:
+            self.publish(_HAPPENINGS[event["kind"]])
+
+    def _command(self, topic: str, message: Values) -> None:
+        _, action_of = COMMANDS[topic]
+        try:
+            action = action_of(message)
+        except bdi.ProgramError as why:
+            raise RefusedError(f"{message['data'][:60]!r} is no action: {why}") from None
+        if topic == GOAL:
+            self._require_on_floor(message["x"], message["y"])
+            action = self._with_room(message["x"], message["y"])
+        if action is not None and not self._is_done(topic):
+            self._act(action)
+        if action is not None and topic in _ANSWERS:
+            self._unanswered = None
+
+    def _is_done(self, topic: str) -> bool:
+        """Return True for the wish to be sent home of a person who has been, for that violation."""
+        put_home_at = self._person.put_home_at
+        if topic not in (GO_HOME, GO_HOME_AGV) or self._unanswered is None or put_home_at is None:
+            return False
+        # At the instant of the violation itself the agent comes first (`Person.warn`).
+        return self._unanswered[1] <= put_home_at and self._clock.now > put_home_at
+
+    def _require_on_floor(self, x: float, y: float) -> None:
+        if not self._boundary.covers(shapely.Point(x, y)):
+            low_x, low_y, high_x, high_y = self._boundary.bounds
+            raise RefusedError(
+                f"the goal ({x:g}, {y:g}) is outside the floor"
+                f" (x {low_x:g} … {high_x:g}, y {low_y:g} … {high_y:g})"
+            )
+
+    def _with_room(self, x: float, y: float) -> bdi.Literal:
+        """Return the action that leads to a goal, or close to it if something fixed is there.
+
+        A goal on which only a vehicle stands is left: people wait for it to be free.
+        """
+        world, radius = self._person.walker.world, self._person.walker.human.radius
+        if world.fixed_space(radius).nearest((x, y)) != (x, y):
+            for agv in self._simulation.agvs:
+                agv.stand_in(world)
+            near = world.nearest_free((x, y), radius)
+            if near is not None and math.dist(near, (x, y)) <= _TOLERANCE:
+                x, y = near
+        return bdi.Literal("move", (x, y))
+
+    def _start(self, message: Values) -> None:
+        if message["data"]:
+            self._admit(START)
+            self._person.start()
+
+    def _act(self, action: bdi.Literal) -> None:
+        if self.outside is None:
+            raise RefusedError(
+                f"{self._person.name} has a mind of their own;"
+                " give them the personality external to command them"
+            )
+        self._admit(action.functor)
+        try:
+            self._person.act(action)
+        except MindError as why:
+            raise RefusedError(str(why)) from None
+
+    def _teleport(self, _: Client, __: Values) -> Values:
+        self._act(bdi.Literal("teleport_agv"))
+        return {"success": True, "message": f"{self._person.name} is in the safe zone"}
+
+    def _penalise(self, _: Client, __: Values) -> Values:
+        self._admit("penalty")
+        counted = self._referee.penalise(self._person)
+        effect = "a penalty, and the gantry is disabled" if counted else "counted already"
+        return {"success": True, "message": f"{effect}; penalties: {self._referee.penalties}"}
+
 
 READY, STARTED, ANNOUNCED, ENDED = 1, 2, 3, 4
 """Phases of ariac_msgs/CompetitionState; ANNOUNCED: started, and all orders are announced."""

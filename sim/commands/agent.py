@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import completion
-from .consoles import say
+from .terminal import say
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

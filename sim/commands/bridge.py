@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules, Seed, TrialName
-from .browser import open_in_browser
-from .consoles import say
-from .interrupts import leave_to_asyncio
 from .run import INTERRUPTED, changed, print_result, recording_of
+from .terminal import leave_to_asyncio, open_in_browser, say
 
 if TYPE_CHECKING:
     import socket

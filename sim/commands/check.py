@@ -1,7 +1,9 @@
-"""`floorwalker check`: say everything that is wrong with files, each with its place."""
+"""`floorwalker check`, `convert` and `list`."""
 
 from __future__ import annotations
 
+import itertools
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,13 +12,13 @@ import typer
 
 from . import completion
 from .arguments import NoOwnCode
-from .consoles import say
-from .notices import print_floor_notices, print_notices
+from .terminal import print_floor_notices, print_notices, say
 
 if TYPE_CHECKING:
-    from bdi import Problem
+    from bdi import ProgramProblem
     from floorplan import Floorplan
-    from sim import Trial
+
+    from .. import Trial
 
 
 def check(
@@ -99,7 +101,7 @@ def _built_in(name: str) -> Iterator[str]:
 
 
 def _study(path: Path, own_code: bool) -> str:
-    from ..studies.study import Study
+    from ..studies.design import Study
 
     study = Study.load(path, own_code=own_code)
     trials = _number(len(study.trials), "trial")
@@ -108,7 +110,8 @@ def _study(path: Path, own_code: bool) -> str:
 
 def _program(file: str) -> str:
     import bdi
-    from sim.people.programs import load_program
+
+    from ..people.programs import load_program
 
     program = load_program(file, Path())
     assert program is not None  # it is no name of somebody outside
@@ -117,8 +120,8 @@ def _program(file: str) -> str:
 
 
 def _trial(trial: Trial, file: str) -> str:
-    from sim.people.doubts import doubts_in
-    from sim.trials.names import in_words
+    from ..people.actions import doubts_in
+    from ..trials.names import in_words
 
     print_floor_notices(trial.floorplan)
     print_notices(trial)
@@ -130,7 +133,7 @@ def _trial(trial: Trial, file: str) -> str:
     return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {people}{work}"
 
 
-def _print_doubts(doubts: Iterable[Problem]) -> None:
+def _print_doubts(doubts: Iterable[ProgramProblem]) -> None:
     """Print what is doubtful in programs."""
     for doubt in doubts:
         say(str(doubt), err=True)
@@ -139,7 +142,8 @@ def _print_doubts(doubts: Iterable[Problem]) -> None:
 def _warn_of_short_laws(trial: Trial, file: str) -> None:
     """Warn, at its place, of a rule set that counts on shorter stops than machines may take."""
     import floorplan
-    from sim.machines.law_audit import in_words, short_laws
+
+    from ..machines.kinds import in_words, short_laws
 
     found = short_laws(trial)
     if not found:
@@ -172,3 +176,82 @@ def _floor(plan: Floorplan) -> str:
 
 def _number(count: int, thing: str) -> str:
     return f"{count} {thing}" if count == 1 else f"{count} {thing}s"
+
+
+def convert(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="IN", help="A built-in name, or a file.", autocompletion=completion.floor
+        ),
+    ],
+    target: Annotated[
+        Path,
+        typer.Argument(metavar="OUT", help="Ends in .yaml, .wkt, .geojson, or .pgm (a ROS map)."),
+    ],
+    resolution: Annotated[
+        float | None,
+        typer.Option(help="Of a ROS map: metres per cell, 0.05 if it is not given."),
+    ] = None,
+) -> None:
+    """Write the floor IN in the format of OUT. A --resolution makes a .yaml a ROS map."""
+    import floorplan
+
+    plan = floorplan.load(source)
+    print_floor_notices(plan)
+    suffix = ".pgm" if resolution is not None else target.suffix.lower()
+    files = floorplan.map_files(target) if suffix == ".pgm" else (target,)
+    written = sorted(files, key=lambda file: file != target)  # OUT itself comes first
+    if Path(source).exists():
+        for one in written:
+            if one.exists() and one.samefile(source):
+                raise floorplan.UserError(
+                    f"{target}: {one} would take the place of IN; give another name"
+                )
+    plan.save(target, resolution=resolution)
+    if lost := floorplan.lost(plan, suffix):
+        say(f"{target} has no room for: {', '.join(lost)}", err=True)
+    say(f"Wrote {' and '.join(map(str, written))}")
+
+
+def list_all() -> None:
+    """List what comes with Floorwalker.
+
+    That is floorplans, trials, planners, personalities, gantry controllers and rule sets.
+    """
+    import bdi
+    import floorplan
+    import navigation
+
+    from ..core.rules import RULE_SETS
+    from ..machines.gantry.controllers import CONTROLLERS
+    from ..trials.trial import BUILT_IN, builtin_trials
+
+    sections = {
+        "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},
+        "trials": {name: _opening(BUILT_IN / f"{name}.yaml", "#") for name in builtin_trials()},
+        "planners": {info.name: info.summary for info in navigation.planners()},
+        "personalities": {
+            name: _opening(path, "//").partition(": ")[2] for name, path in bdi.programs().items()
+        },
+        "controllers": {
+            name: (controller.__doc__ or "").split("\n")[0].rstrip(".")
+            for name, controller in CONTROLLERS.items()
+        },
+        "rule sets": {rules.name: rules.summary for rules in RULE_SETS.values()},
+    }
+    width = max(len(name) for section in sections.values() for name in section)
+    for title, entries in sections.items():
+        say(title)
+        for name, summary in entries.items():
+            say(f"  {name:<{width}}  {summary}".rstrip())
+
+
+def _opening(file: Path, mark: str) -> str:
+    """Return the first sentence of the comment that a file begins with, after a `mark` a line."""
+    lines = file.read_text(encoding="utf-8").splitlines()
+    comment = " ".join(
+        line.removeprefix(mark).strip()
+        for line in itertools.takewhile(lambda line: line.startswith(mark), lines)
+    )
+    return re.split(r"\.(?:\s|$)", comment)[0]

@@ -1,19 +1,26 @@
-"""`floorwalker plan`: the path from one place on a floor to another."""
+"""`floorwalker plan` and `floorwalker benchmark`."""
 
 from __future__ import annotations
 
+import math
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..core.output import replacing, writing
 from . import completion
 from .arguments import Coordinate, GoalX, Radius, StartX
-from .consoles import say
+from .terminal import plain_console, progress_bars, say
 
 if TYPE_CHECKING:
-    from navigation import CollisionWorld
+    from collections.abc import Sequence
+
+    from floorplan import Floorplan
+    from navigation import CollisionWorld, PlannerChoice
     from navigation import Path as PlannedPath
+    from navigation.benchmark import Attempt, PlannerRow
 
 
 def plan(
@@ -52,7 +59,8 @@ def plan(
 
     import floorplan as floors
     import navigation
-    from sim.people.planners import find_planner
+
+    from ..people.programs import find_planner
 
     world = navigation.CollisionWorld(floors.load(floorplan))
     for name, place in _pairs(agv or [], "--agv"):
@@ -65,7 +73,7 @@ def plan(
     cpu_seconds = time.process_time() - begin
     if plot is not None:
         _draw(world, planned, seeker.radius, plot)
-    say(_as_json(planned, cpu_seconds) if json else _in_words(planned, cpu_seconds))
+    say(_as_json(planned, cpu_seconds) if json else _path_in_words(planned, cpu_seconds))
 
 
 def _pairs(texts: list[str], option: str) -> list[tuple[str, str]]:
@@ -103,7 +111,7 @@ def _value(text: str) -> float | int | bool | str:
     return text
 
 
-def _in_words(planned: PlannedPath, cpu_seconds: float) -> str:
+def _path_in_words(planned: PlannedPath, cpu_seconds: float) -> str:
     lines = [
         f"{planned.length:.3f} m by {planned.planner}, {planned.clearance:.3f} m clear,"
         f" {planned.checks} checks, {1000 * cpu_seconds:.1f} ms"
@@ -128,6 +136,279 @@ def _as_json(planned: PlannedPath, cpu_seconds: float) -> str:
 
 
 def _draw(world: CollisionWorld, planned: PlannedPath, radius: float, path: Path) -> None:
-    from sim.views import plots
+    from ..views import plots
 
     plots.save(plots.path(world, planned, radius=radius), path)
+
+
+_ODD = r"[^\w.-]"
+"""Characters of names that are left out of names of files."""
+
+QUERIES = 20
+"""Number of seeded questions where none is given."""
+
+
+def benchmark(
+    floorplan: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A built-in name or a file; again for more. All built-in by default, or the map"
+            " that the questions are about.",
+            autocompletion=completion.floor,
+        ),
+    ] = None,
+    planner: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A planner's name, or 'NAME: {parameter: value}'; again for more. All by default."
+            " Peers where installed: JuPedSim, extremitypathfinder, pyastar2d, scikit-image."
+            " PRM-of-corners is OMPL's own roadmap.",
+            autocompletion=completion.contender,
+        ),
+    ] = None,
+    queries: Annotated[
+        int | None,
+        typer.Option(min=1, help="Questions on each floor: 20 by default, or all of the file."),
+    ] = None,
+    questions: Annotated[
+        Path | None,
+        typer.Option(
+            help="A CSV file (x0, y0, x1, y1, and AGVs), or a MovingAI .scen.",
+            autocompletion=completion.questions,
+        ),
+    ] = None,
+    runs: Annotated[int, typer.Option(min=1, help="Times that each question is asked.")] = 1,
+    iterations: Annotated[
+        int | None, typer.Option(min=1, help="Budget of OMPL's planners; each its own by default.")
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option(help="Budget of CPU time for each answer of OMPL's; depends on the machine."),
+    ] = None,
+    longest: Annotated[
+        float | None,
+        typer.Option(help="Paths of more than so many times the shortest count as wrong."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the questions and the planners.")] = 0,
+    radius: Radius = None,
+    cell: Annotated[
+        float | None, typer.Option(help="Metres of a cell of a MovingAI map: 1 by default.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="A folder for CSV, OMPL benchmark logs and a report.")
+    ] = None,
+) -> None:
+    """Measure planners: success, CPU time, length, clearance, memory.
+
+    Lengths are compared with the shortest path.
+    """
+    from navigation import planners
+    from navigation.benchmark import benchmark as measure
+    from navigation.benchmark import known, summary
+
+    for name, figure in (("--seconds", seconds), ("--longest", longest), ("--radius", radius)):
+        least = 1.0 if name == "--longest" else 0.0
+        if figure is not None and not (least < figure < math.inf):
+            wrong = f"must be above {least:g} and finite, found {figure:g}"
+            raise typer.BadParameter(wrong, param_hint=name)
+    asked = {known(one): one for one in map(_planner, planner or [i.name for i in planners()])}
+    names = list(asked)
+    plans = _floors(floorplan, questions, cell)
+    if questions is None:
+        queries = queries or QUERIES
+    if out is not None:
+        with writing(out):
+            out.mkdir(parents=True, exist_ok=True)
+    total = None if queries is None else len(plans) * len(names) * queries * runs
+    with progress_bars() as bar:
+        from rich.markup import escape
+
+        task = bar.add_task("", total=total)
+
+        def progress(floor: str, name: str) -> None:
+            bar.update(task, advance=1, description=escape(f"{floor}: {name}"))
+
+        attempts = measure(
+            plans,
+            list(asked.values()),
+            queries=queries,
+            runs=runs,
+            seed=seed,
+            radius=radius,
+            questions=questions,
+            iterations=iterations,
+            seconds=seconds,
+            longest=longest,
+            progress=progress,
+        )
+    rows = summary(attempts)
+    _print_tables(rows)
+    _warn_of_unknown(attempts, longest)
+    if seconds is not None:
+        say("Budgets of time: the results depend on the machine.", err=True)
+    if out is None:
+        return
+    terms = {
+        "planners": ", ".join(names),
+        "questions": _queries_in_words(rows, questions, seed),
+        "runs": f"{runs} of each question",
+        "radius": ", ".join(
+            f"{plan.human.radius if radius is None else radius:g} m on {plan.name}"
+            for plan in plans
+        ),
+        "budget": _budget(iterations, seconds),
+        "longest allowed": "any" if longest is None else f"{longest:g} times the shortest",
+    }
+    with writing(out):
+        _write(attempts, rows, plans, out, seed, seconds, terms)
+
+
+def _warn_of_unknown(attempts: Sequence[Attempt], longest: float | None) -> None:
+    """Say on which floors lengths are not compared, and what `--longest` cannot judge there."""
+    from navigation.benchmark import MOST_CORNERS
+
+    unjudged = "" if longest is None else "; --longest does not judge these"
+    for floor in dict.fromkeys(attempt.asked.floorplan for attempt in attempts):
+        shortest = {a.asked.query: a.asked.shortest for a in attempts if a.asked.floorplan == floor}
+        if unknown := sum(math.isnan(length) for length in shortest.values()):
+            say(
+                f"{floor}: no shortest length is known of {unknown} of {len(shortest)} questions,"
+                f" because the floor has more than {MOST_CORNERS:,} corners{unjudged}",
+                err=True,
+            )
+
+
+def _planner(text: str) -> str | PlannerChoice:
+    """Return the peer, or the choice of a planner; one of the user's own is imported from here."""
+    from floorplan import UserError
+    from navigation import PlannerChoice, planners
+    from navigation.benchmark import PEERS
+
+    from ..people.programs import find_planner
+
+    peers = [peer.name for peer in PEERS]
+    if text in peers:
+        return text
+    choice = None
+    try:
+        choice = PlannerChoice.of(text)
+        return find_planner(choice, Path.cwd())
+    except UserError as why:
+        known = [info.name for info in planners()]
+        unknown = choice is not None and not choice.is_own and choice.name not in known
+        others = f" (peers: {', '.join(peers)})" if unknown else ""
+        raise UserError(f"--planner {text}: {why}{others}") from None
+
+
+def _floors(
+    floorplan: list[str] | None, questions: Path | None, cell: float | None
+) -> list[Floorplan]:
+    """Return the floors to ask on: of a scenario without a floor, its map."""
+    import floorplan as floors
+    from navigation.benchmark import map_of
+
+    sources: list[str] = list(floorplan or [])
+    if questions is not None and not sources:
+        if questions.suffix.lower() != ".scen":
+            raise floors.UserError(
+                f"--questions {questions} needs --floorplan: the floor they are about"
+            )
+        sources = [str(map_of(questions))]
+    maps = [source for source in sources if source.lower().endswith(".map")]
+    if cell is not None and not maps:
+        raise floors.UserError(f"--cell {cell:g} is of a MovingAI map, and there is none")
+    return [
+        floors.load_movingai(Path(source), floors.CELL if cell is None else cell)
+        if source in maps
+        else floors.load(source)
+        for source in sources or floors.builtin()
+    ]
+
+
+def _queries_in_words(rows: Sequence[PlannerRow], questions: Path | None, seed: int) -> str:
+    counts = ", ".join(
+        f"{count} on {floor}" for floor, count in {r.floorplan: r.queries for r in rows}.items()
+    )
+    return f"{counts}; {f'of {questions.name}' if questions else 'drawn'}, seed {seed}"
+
+
+def _budget(iterations: int | None, seconds: float | None) -> str:
+    words = [] if iterations is None else [f"{iterations:,} iterations"]
+    words += [] if seconds is None else [f"{seconds:g} s of CPU time"]
+    return " or ".join(words) or "of iterations, each planner's own"
+
+
+def _print_tables(rows: Sequence[PlannerRow]) -> None:
+    """Print a table for each floor."""
+    from rich.table import Table
+
+    with_listed = any(not math.isnan(row.listed_ratio.value) for row in rows)
+    for floor in dict.fromkeys(row.floorplan for row in rows):
+        table = Table(title=floor)
+        table.add_column("planner", overflow="fold")
+        for title in (
+            "solved\n95 %",
+            "wrong",
+            "CPU ms\nmedian",
+            "\n99 %",
+            "checks\nmedian",
+            "length ÷\nshortest",
+            "\nat most",
+            *(["÷ listed\nmedian"] if with_listed else []),
+            "clear\nm, least",
+            "turning\nrad",
+        ):
+            table.add_column(title, justify="right", no_wrap=True)
+        for row in rows:
+            if row.floorplan == floor:
+                table.add_row(*_cells(row, with_listed))
+        plain_console(120).print(table)
+
+
+def _cells(row: PlannerRow, with_listed: bool) -> list[str]:
+    return [
+        row.planner,
+        f"{row.solved.value:.0%}\n{row.solved.low:.0%}–{row.solved.high:.0%}",
+        str(row.wrong),
+        f"{row.cpu.value:.2f}{_spread(row)}",
+        f"{row.cpu_99:.2f}",
+        f"{row.checks:.0f}",
+        _figure(row.ratio.value, 4),
+        _figure(row.ratio_most, 4),
+        *([_figure(row.listed_ratio.value, 4)] if with_listed else []),
+        _figure(row.clearance_least, 4),
+        _figure(row.turning, 2),
+    ]
+
+
+def _figure(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if math.isfinite(value) else "–"
+
+
+def _spread(row: PlannerRow) -> str:
+    return f"\n{row.cpu.low:.2f}–{row.cpu.high:.2f}" if math.isfinite(row.cpu.low) else ""
+
+
+def _write(
+    attempts: Sequence[Attempt],
+    rows: Sequence[PlannerRow],
+    plans: Sequence[Floorplan],
+    out: Path,
+    seed: int,
+    seconds: float | None,
+    terms: dict[str, str],
+) -> None:
+    from navigation.benchmark import write_csv, write_ompl_log, write_summary
+
+    from ..views.benchmark_page import write_page
+
+    with replacing(out / "benchmark.csv") as unfinished:
+        write_csv(attempts, unfinished)
+    with replacing(out / "summary.csv") as unfinished:
+        write_summary(rows, unfinished)
+    for plan in plans:
+        there = [attempt for attempt in attempts if attempt.asked.floorplan == plan.name]
+        with replacing(out / f"{re.sub(_ODD, '_', plan.name)}.log") as unfinished:
+            write_ompl_log(there, unfinished, seed=seed, seconds=seconds)
+    write_page(attempts, plans, out / "report.html", terms=terms, on_the_clock=seconds is not None)
+    say(f"wrote {out}/report.html, CSV of all answers and an OMPL log for each floor", err=True)

@@ -7,12 +7,11 @@ from pathlib import Path
 import floorplan
 from floorplan import Floorplan
 
+from ..runs.recording import load_run
 from ..runs.run import Recorded
-from ..runs.run_folder import load_run
 from ..simulation import run
 from ..trials.checks import check
-from ..trials.shortening import lasting
-from ..trials.trial import Trial, builtin_trials
+from ..trials.trial import Trial, builtin_trials, lasting
 
 
 def run_from(

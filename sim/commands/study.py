@@ -1,4 +1,4 @@
-"""`floorwalker study`: run many trials, and print their outcome."""
+"""`floorwalker study` and `floorwalker report`."""
 
 from __future__ import annotations
 
@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..core.folder_names import folder_for
+from ..core.output import folder_for
 from . import completion
 from .arguments import NoOwnCode
-from .consoles import plain_console, progress_bars, say, visible
 from .run import INTERRUPTED
+from .terminal import plain_console, progress_bars, say, visible
 
 if TYPE_CHECKING:
-    from sim.studies import Study, StudyResults
+    from ..studies import Study, StudyResults
+
 
 WIDTH = 120
 """Characters in a line of the table where no terminal says how many there are."""
@@ -52,7 +53,7 @@ def study(
 
     A study that was stopped goes on from there.
     """
-    from sim.studies import Study, save_trial
+    from ..studies import Study, save_trial
 
     chosen = Study.load(file, own_code=not no_own_code)
     folder = folder_for(chosen.name, "studies") if out is None else out
@@ -78,7 +79,7 @@ def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> 
     """Run what is left of a study, with a progress bar and an estimate on a terminal."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
-    from sim.studies import run_study
+    from ..studies import run_study
 
     shown = (
         TextColumn("{task.description}", markup=False),
@@ -119,7 +120,7 @@ def _report(results: StudyResults) -> None:
     """
     from rich.table import Table
 
-    from sim.studies import figure
+    from ..studies import figure
 
     compared = results.comparison
     table = Table(title=results.study.name, title_justify="left")
@@ -153,3 +154,60 @@ def _report(results: StudyResults) -> None:
     if nowhere := [measure.words for measure in named if measure not in measures]:
         console.print(f"0 in every row: {', '.join(nowhere)}", highlight=False)
     console.print(f"{results.folder / 'report.html'} shows it", highlight=False, soft_wrap=True)
+
+
+def report(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="SOURCE",
+            help="A run's folder, a trial (which is run), or a study file (of which is run what"
+            " is not done yet).",
+            autocompletion=completion.trial,
+        ),
+    ],
+    out: Annotated[Path, typer.Option(help="The report: .html, or .pdf where there is Chromium.")],
+    results: Annotated[
+        Path | None,
+        typer.Option(help="The folder with the results of the study (studies/NAME if not given)."),
+    ] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes for the runs of a study; all cores by default."),
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Seconds to simulate of a trial, if not all of it.")
+    ] = None,
+    no_own_code: NoOwnCode = False,
+) -> None:
+    """Write a report that can be handed to an auditor.
+
+    It has the assumptions, laws, figures and limits of a run or a study.
+    """
+    from floorplan import UserError
+
+    from ..studies import Study, safety_report
+    from ..views.safety_report.page import require_writable
+    from .sources import is_study, run_from
+
+    require_writable(out)
+    if not is_study(source):
+        for option, given in (("--results", results), ("--jobs", jobs)):
+            if given is not None:
+                raise typer.BadParameter("is for studies only", param_hint=option)
+        if (Path(source) / "results.csv").is_file():
+            raise UserError(f"{source} has the results of a study: give its file, with --results")
+        safety_report(run_from(source, duration, own_code=not no_own_code), out)
+        say(str(out))
+        return
+    if duration is not None:
+        raise typer.BadParameter("is for trials only; a study may vary it", param_hint="--duration")
+    study = Study.load(source, own_code=not no_own_code)
+    folder = folder_for(study.name, "studies") if results is None else results
+    measured = carried_out(study, folder, jobs, "loky")
+    with progress_bars() as bars:
+        bar = bars.add_task("looking at all runs", total=len(study))
+        safety_report(
+            measured, out, jobs=jobs, progress=lambda done: bars.update(bar, completed=done)
+        )
+    say(str(out))

@@ -24,7 +24,7 @@ from typing_extensions import dataclass_transform
 
 from floorplan import Point
 
-from .numbers import is_number
+from .entries import is_number
 
 Named = Literal[
     "person",
@@ -102,9 +102,9 @@ class EventKind:
     _given: ClassVar[Mapping[str, Any]]
     """The defaults of the fields that have one, by their names in Python."""
 
-    def __init_subclass__(cls) -> None:
-        """Make the subclass a frozen dataclass, and register it."""
-        kind = kind_of(cls.__name__)
+    def __init_subclass__(cls, kind: str = "") -> None:
+        """Make the subclass a frozen dataclass, and register it under `kind`, or its own name."""
+        kind = kind or kind_of(cls.__name__)
         known = EVENT_KINDS.get(kind, cls)
         if known.__module__ == __name__ != cls.__module__:
             raise TypeError(f"there is a kind of event {kind!r} already; take another name")
@@ -267,7 +267,7 @@ class PersonalityChanged(EventKind):
     personality: Annotated[str, "personality"]
 
 
-class Goal(EventKind):
+class GoalChanged(EventKind, kind="goal"):
     """A person wants to go somewhere; `station` is null where there is none."""
 
     person: _Person
@@ -649,7 +649,7 @@ class Said(EventKind):
     text: str
 
 
-class Notice(EventKind):
+class FileNotice(EventKind, kind="notice"):
     """Something in an ARIAC trial file that is read in another way than it is written there."""
 
     text: str

@@ -1,13 +1,20 @@
-"""Files that are there only when all of them is, and errors of writing them."""
+"""Output files: names of folders, and files that are written completely or not at all."""
 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+
+def folder_for(name: str, parent: str) -> Path:
+    """Return the folder right in `parent` for a trial or a study named `name`, whatever it is."""
+    plain = re.sub(r"[/\\]", "-", name)
+    return Path(parent) / (plain if plain.strip(".") else "unnamed")
 
 
 class OutputError(OSError):

@@ -19,7 +19,7 @@ from navigation import (
     TooClose,
 )
 
-from .machine import MachineShape
+from .body import MachineShape
 
 MachineMeasure = Literal["none", "stop", "disable"]
 """Consequence of a violation for the machine."""

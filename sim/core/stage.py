@@ -1,24 +1,151 @@
-"""The stage of a trial: everything that people and machines share while it runs."""
+"""Stage of a trial: shared state of people and machines, closures, triggers, machine models."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Any, ClassVar, Protocol
 
-from floorplan import Floorplan, Obstacle, Point
-from navigation import CollisionWorld, Motion
+from pydantic import BaseModel, ConfigDict, TypeAdapter
+from typing_extensions import Self
 
-from .body import Body
+from floorplan import Door, Fault, Floorplan, Obstacle, Point
+from navigation import CollisionWorld, Motion, Stop
+
+from .body import Body, Category, Machine, MachineShape
 from .clock import Clock
-from .closures import Closures
+from .entries import Start
 from .events import DoorClosed, DoorOpened, EventKind, ObstacleCame, ObstacleWent
-from .machine import Machine
-from .recorder import Record
+from .recorder import Event, Record
 from .rules import RuleSet
-from .triggers import Triggers
+
+Interval = tuple[float, float]
+"""From when to when, seconds; the end may be infinite."""
+
+
+@dataclass(frozen=True)
+class DoorTimes:
+    """When a door is closed, or when it is open; it is the other one in between."""
+
+    closed: tuple[Interval, ...] | None = None
+    open: tuple[Interval, ...] | None = None
+
+    @property
+    def intervals(self) -> tuple[Interval, ...]:
+        """The times that are given, whichever they are."""
+        return (self.closed or ()) + (self.open or ())
+
+    def is_open(self, t: float) -> bool:
+        """Return whether the door is open at `t` (seconds)."""
+        return (self.open is None) != _within(self.intervals, t)
+
+
+@dataclass(frozen=True)
+class TimedObstacle:
+    """An obstacle that stands on the floor within the intervals of `there`."""
+
+    obstacle: Obstacle
+    there: tuple[Interval, ...]
+
+
+@dataclass(frozen=True)
+class Closures:
+    """The obstacles of a trial that are not always there: closed doors, and what comes and goes."""
+
+    plan: Floorplan
+    doors: dict[str, DoorTimes]
+    timed: tuple[TimedObstacle, ...]
+
+    def at(self, t: float) -> dict[str, Obstacle]:
+        """Return the obstacles that are there at `t` (seconds), by name."""
+        shut = (door.closed for door in self.plan.doors if not self._is_open(door, t))
+        there = (one.obstacle for one in self.timed if _within(one.there, t))
+        return {one.name: one for one in (*shut, *there)}
+
+    def changes(self, end: float) -> list[float]:
+        """Return the instants from 0 to `end` (seconds) at which something may change."""
+        given = [times.intervals for times in self.doors.values()]
+        given += [one.there for one in self.timed]
+        return sorted({t for t in _edges(given) if 0 < t < end})
+
+    def _is_open(self, door: Door, t: float) -> bool:
+        times = self.doors.get(door.name)
+        return door.is_open if times is None else times.is_open(t)
+
+
+def _within(intervals: Iterable[Interval], t: float) -> bool:
+    return any(begin <= t < end for begin, end in intervals)
+
+
+def _edges(given: Iterable[tuple[Interval, ...]]) -> Iterator[float]:
+    return (t for intervals in given for interval in intervals for t in interval)
+
+
+Action = Callable[[], None]
+
+
+@dataclass
+class _Waiting:
+    """Somebody waits for `start`, and has seen it `seen` times."""
+
+    start: Start
+    who: str | None
+    action: Action
+    seen: int = 0
+
+
+class Triggers:
+    """Calls each action once, when its condition is met."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._waiting: list[_Waiting] = []
+        self._each: dict[str, list[Callable[[Event], None]]] = {}
+
+    def add(self, start: Start, action: Action, who: str | None = None) -> None:
+        """Call `action` at the time of `start`, or as soon as what it names has happened.
+
+        `who` is the person who waits.
+        """
+        if start.time is not None:
+            self._clock.call_at(start.time, action)
+        else:
+            self._waiting.append(_Waiting(start, who, action))
+
+    def each(self, kind: str, action: Callable[[Event], None]) -> None:
+        """Call `action` with every event of this kind from now on."""
+        self._each.setdefault(kind, []).append(action)
+
+    def notify(self, event: Event) -> None:
+        """Call the actions that have waited for the event, in the order of their waiting."""
+        for told in self._each.get(event["kind"], ()):
+            told(event)
+        due = []
+        for waiting in self._waiting:
+            if _is(event, waiting.start, waiting.who):
+                waiting.seen += 1
+                if waiting.seen == waiting.start.count:
+                    due.append(waiting)
+        if due:
+            # Off the list before any action, which may wait for something, or cause events, itself.
+            self._waiting = [waiting for waiting in self._waiting if waiting not in due]
+        for waiting in due:
+            waiting.action()
+
+
+def _is(event: Event, start: Start, who: str | None) -> bool:
+    kind: str = event["kind"]
+    if start.event is not None:
+        person = start.person or who
+        return kind == start.event and event.get("person", person) == person
+    if start.order_submitted is not None:
+        return kind == "order_submitted" and start.order_submitted == str(event["order"])
+    if start.part_placed is None or kind != "job_done" or event["job"] != "pick_place":
+        return False
+    return start.part_placed.items() <= {"part": event["part"], "agv": event["to"]}.items()
 
 
 class Bystander(Protocol):
@@ -222,3 +349,57 @@ class Stage:
             person.floor_changed(came)
         for machine in self.machines.values():
             machine.floor_changed()
+
+
+class MachineModel(ABC):
+    """Description of one machine in a trial; the model of a kind is a frozen dataclass.
+
+    Its fields are the keys in a trial file. The name of the machine is given where it is asked.
+    """
+
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+    category: ClassVar[Category | None] = None
+    """Category of every machine of the kind; None if that is known once it has its shape."""
+
+    key_schema: ClassVar[type[BaseModel] | None] = None
+    """Model of its keys in a trial file, if these are not its fields."""
+
+    @classmethod
+    def read(cls, name: str, keys: Mapping[str, Any]) -> Self:
+        """Return the model of the machine `name` with these keys of a trial file.
+
+        `pydantic.ValidationError` if there is something wrong with them.
+        """
+        return TypeAdapter(cls).validate_python(dict(keys))
+
+    @abstractmethod
+    def shape(self, name: str, plan: Floorplan) -> MachineShape:
+        """Return the shape of the machine `name` on this floor, as others see it."""
+
+    @abstractmethod
+    def make(self, name: str, stage: Stage) -> Machine:
+        """Return the machine `name`, which does nothing until `begin`."""
+
+    def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterable[Fault]:
+        """Return the faults it has on this floor, each with its place among the keys.
+
+        `vehicles` are the names of those in the trial.
+        """
+        return ()
+
+    def longest_stop(self, plan: Floorplan) -> Stop | None:
+        """Return the longest and farthest stop that its limits leave it; None if not known."""
+        return None
+
+
+@dataclass(frozen=True)
+class MachineEntry:
+    """A machine of a trial: its kind, and what that kind's keys are for it.
+
+    `kind` is the name of a kind, a `MachineModel`, or `package.module:Class`, a model of one's own
+    that stands beside the trial.
+    """
+
+    kind: str | type[MachineModel]
+    keys: dict[str, Any] = field(default_factory=dict)

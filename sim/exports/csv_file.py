@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..record.outcome import Outcome
-from ..record.trajectory import write_trajectory
+from ..record.outcome import Outcome, write_trajectory
 
 
 def write(run: Outcome, path: Path, rate: float) -> None:

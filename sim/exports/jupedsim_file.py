@@ -38,7 +38,7 @@ _TABLES = """
 
 
 @dataclass(frozen=True)
-class Agent:
+class RecordedAgent:
     """A person between two instants (seconds) at which they were put elsewhere."""
 
     id: int
@@ -83,7 +83,7 @@ def _write(run: Outcome, database: sqlite3.Connection, rate: float) -> None:
         )
 
 
-def _agents(run: Outcome) -> Iterator[Agent]:
+def _agents(run: Outcome) -> Iterator[RecordedAgent]:
     number = 0
     for person in run.scene.people:
         first, last = run.presence[person.name]
@@ -91,11 +91,11 @@ def _agents(run: Outcome) -> Iterator[Agent]:
         ends = [*jumps, last] if first < run.duration else []
         for begin, end in zip([first, *jumps], ends, strict=False):
             number += 1
-            yield Agent(number, person.name, begin, end)
+            yield RecordedAgent(number, person.name, begin, end)
 
 
 def _rows(
-    run: Outcome, agents: list[Agent], times: Array, frames: range
+    run: Outcome, agents: list[RecordedAgent], times: Array, frames: range
 ) -> list[tuple[float, ...]]:
     """Return frame, id, x, y and the heading as a unit vector, by frame and agent."""
     rows: list[tuple[float, ...]] = []

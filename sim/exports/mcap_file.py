@@ -48,8 +48,8 @@ from foxglove.messages import (
 from ..core.recorder import Event
 from ..record.figures import COSTS
 from ..record.outcome import Outcome
-from . import drawing, log, shapes, track
-from .track import nanoseconds
+from . import scene
+from .scene import nanoseconds
 
 _LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel.Error}
 
@@ -134,9 +134,9 @@ class _Writer:
 
     def write(self, rate: float) -> None:
         """Write everything, in order of time."""
-        self._draw(self._floor, drawing.floor(self._run), 0.0)
-        self._draw(self._bodies, drawing.bodies(self._run), 0.0)
-        for moment in track.moments(self._run, rate):
+        self._draw(self._floor, scene.floor(self._run), 0.0)
+        self._draw(self._bodies, scene.bodies(self._run), 0.0)
+        for moment in scene.moments(self._run, rate):
             if moment.event is not None:
                 self._write_event(moment.event)
             if moment.path is not None:
@@ -147,7 +147,7 @@ class _Writer:
     def _draw(
         self,
         channel: SceneUpdateChannel,
-        things: list[shapes.Thing],
+        things: list[scene.Thing],
         t: float,
         lifetime: float = 0.0,
     ) -> None:
@@ -155,34 +155,34 @@ class _Writer:
         channel.log(SceneUpdate(entities=entities), log_time=nanoseconds(t))
 
     def _write_event(self, event: Event) -> None:
-        line = log.line(event)
+        line = scene.line(event)
         message = Log(
             timestamp=_stamp(line.t), level=_LEVELS[line.level], message=line.text, name=line.name
         )
         self._events.log(message, log_time=nanoseconds(line.t))
         if event["kind"] == "violation":
-            mark = drawing.violation(self._run, event)
-            self._draw(self._violations, [mark], line.t, drawing.ALARM_TIME)
+            mark = scene.violation(self._run, event)
+            self._draw(self._violations, [mark], line.t, scene.ALARM_TIME)
 
-    def _write_path(self, path: track.WalkedPath) -> None:
+    def _write_path(self, path: scene.WalkedPath) -> None:
         self._paths[path.person].log(
             PosesInFrame(
                 timestamp=_stamp(path.t),
-                frame_id=drawing.ROOT_FRAME,
+                frame_id=scene.ROOT_FRAME,
                 poses=[_pose(*point) for point in path.points],
             ),
             log_time=nanoseconds(path.t),
         )
 
-    def _write_poses(self, t: float, poses: tuple[track.Pose, ...]) -> None:
+    def _write_poses(self, t: float, poses: tuple[scene.Pose, ...]) -> None:
         stamp, log_time = _stamp(t), nanoseconds(t)
-        transforms = [_transform(stamp, *place) for place in drawing.frames(self._run, poses)]
+        transforms = [_transform(stamp, *place) for place in scene.frames(self._run, poses)]
         self._frames.log(FrameTransforms(transforms=transforms), log_time=log_time)
         for pose in poses:
             self._poses[pose.body].log(
                 PoseInFrame(
                     timestamp=stamp,
-                    frame_id=drawing.ROOT_FRAME,
+                    frame_id=scene.ROOT_FRAME,
                     pose=_pose(pose.x, pose.y, pose.rotation),
                 ),
                 log_time=log_time,
@@ -192,14 +192,14 @@ class _Writer:
 def _transform(stamp: Timestamp, frame: str, x: float, y: float, rotation: float) -> FrameTransform:
     return FrameTransform(
         timestamp=stamp,
-        parent_frame_id=drawing.ROOT_FRAME,
+        parent_frame_id=scene.ROOT_FRAME,
         child_frame_id=frame,
         translation=Vector3(x=x, y=y, z=0.0),
         rotation=_turned(rotation),
     )
 
 
-def _entity(thing: shapes.Thing, t: float, lifetime: float) -> SceneEntity:
+def _entity(thing: scene.Thing, t: float, lifetime: float) -> SceneEntity:
     entity: dict[str, list[Any]] = {}
     for shape in thing.shapes:
         kind, primitive = _primitive(shape)
@@ -214,7 +214,7 @@ def _entity(thing: shapes.Thing, t: float, lifetime: float) -> SceneEntity:
     )
 
 
-def _primitive(shape: shapes.Shape) -> tuple[str, Any]:
+def _primitive(shape: scene.Shape) -> tuple[str, Any]:
     """The field of a SceneEntity that a shape belongs into, and what to put there."""
     color = Color(r=shape.color[0], g=shape.color[1], b=shape.color[2], a=shape.color[3])
     x, y, z = shape.at
@@ -247,7 +247,7 @@ def _primitive(shape: shapes.Shape) -> tuple[str, Any]:
     )
 
 
-def _points(points: tuple[shapes.Point3, ...]) -> list[Point3]:
+def _points(points: tuple[scene.Point3, ...]) -> list[Point3]:
     return [Point3(x=x, y=y, z=z) for x, y, z in points]
 
 

@@ -8,8 +8,7 @@ import numpy as np
 import pyarrow as pa
 from pyarrow.parquet import ParquetWriter
 
-from ..record.outcome import Outcome
-from ..record.trajectory import blocks
+from ..record.outcome import Outcome, blocks
 
 SCHEMA = pa.schema(
     [

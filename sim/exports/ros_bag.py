@@ -1,4 +1,4 @@
-"""A run as a ROS 2 bag: transforms, poses, velocities, paths, markers and the log.
+"""ROS 2 bag of a run, with its messages.
 
 The bag's storage is SQLite and its version 8, which every ROS 2 reads from Humble on. The shapes
 of bodies are written once, each in a frame of its own; `/tf` moves the frames.
@@ -6,11 +6,13 @@ of bodies are written once, each in a frame of its own; `/tf` moves the frames.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 from rosbags.interfaces import (
     Qos,
     QosDurability,
@@ -21,12 +23,136 @@ from rosbags.interfaces import (
 )
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys.stores import ros2_humble as ros
 
 from ..core.recorder import Event
 from ..record.outcome import Outcome
-from . import drawing, log, track
-from . import ros_messages as messages
-from .track import nanoseconds
+from . import scene
+from .scene import ROOT_FRAME, LogLine, Pose, Shape, Thing, WalkedPath, nanoseconds
+
+LEVELS = {
+    "info": ros.rcl_interfaces__msg__Log.INFO,
+    "warning": ros.rcl_interfaces__msg__Log.WARN,
+    "error": ros.rcl_interfaces__msg__Log.ERROR,
+}
+
+_Marker = ros.visualization_msgs__msg__Marker
+
+_KINDS = {
+    "cube": _Marker.CUBE,
+    "cylinder": _Marker.CYLINDER,
+    "arrow": _Marker.ARROW,
+    "line": _Marker.LINE_STRIP,
+    "triangles": _Marker.TRIANGLE_LIST,
+    "label": _Marker.TEXT_VIEW_FACING,
+}
+
+_NOTHING = np.empty(0, np.uint8)
+
+
+def transforms(
+    t: float, frames: Iterable[tuple[str, float, float, float]]
+) -> ros.tf2_msgs__msg__TFMessage:
+    """Return where frames are at `t` (seconds), each given as (name, x, y, rotation)."""
+    return ros.tf2_msgs__msg__TFMessage(
+        [
+            ros.geometry_msgs__msg__TransformStamped(
+                _header(t),
+                frame,
+                ros.geometry_msgs__msg__Transform(_vector(x, y, 0.0), _turned(rotation)),
+            )
+            for frame, x, y, rotation in frames
+        ]
+    )
+
+
+def pose_message(t: float, pose: Pose) -> ros.geometry_msgs__msg__PoseStamped:
+    """Return the pose of a body at `t` (seconds)."""
+    return ros.geometry_msgs__msg__PoseStamped(
+        _header(t), _pose(pose.x, pose.y, 0.0, pose.rotation)
+    )
+
+
+def velocity_message(t: float, pose: Pose) -> ros.geometry_msgs__msg__TwistStamped:
+    """Return the velocity of a body at `t` (seconds), along the axes of the floor."""
+    twist = ros.geometry_msgs__msg__Twist(_vector(pose.vx, pose.vy, 0.0), _vector(0.0, 0.0, 0.0))
+    return ros.geometry_msgs__msg__TwistStamped(_header(t), twist)
+
+
+def path_message(walked: WalkedPath) -> ros.nav_msgs__msg__Path:
+    """Return the path of a person from one goal to the next."""
+    header = _header(walked.t)
+    poses = [
+        ros.geometry_msgs__msg__PoseStamped(header, _pose(x, y, 0.0, rotation))
+        for x, y, rotation in walked.points
+    ]
+    return ros.nav_msgs__msg__Path(header, poses)
+
+
+def log_line(line: LogLine) -> ros.rcl_interfaces__msg__Log:
+    """Return a line of the log."""
+    level = LEVELS[line.level]
+    return ros.rcl_interfaces__msg__Log(_stamp(line.t), level, line.name, line.text, "", "", 0)
+
+
+def markers(
+    t: float, things: Iterable[Thing], lifetime: float = 0.0
+) -> ros.visualization_msgs__msg__MarkerArray:
+    """Return things to draw from `t` on; `lifetime` in seconds, 0 for ever."""
+    return ros.visualization_msgs__msg__MarkerArray(
+        [
+            _marker(t, thing, number, shape, lifetime)
+            for thing in things
+            for number, shape in enumerate(thing.shapes)
+        ]
+    )
+
+
+def _marker(t: float, thing: Thing, number: int, shape: Shape, lifetime: float) -> Any:
+    length, width, height = shape.size
+    return _Marker(
+        header=_header(t, thing.frame),
+        ns=thing.name,
+        id=number,
+        type=_KINDS[shape.kind],
+        action=_Marker.ADD,
+        pose=_pose(*shape.at, shape.yaw),
+        scale=_vector(length, width, width if shape.kind == "arrow" else height),
+        color=ros.std_msgs__msg__ColorRGBA(*shape.color),
+        lifetime=ros.builtin_interfaces__msg__Duration(int(lifetime), round(lifetime % 1 * 1e9)),
+        frame_locked=True,
+        points=[ros.geometry_msgs__msg__Point(*point) for point in shape.points],
+        colors=[],
+        texture_resource="",
+        texture=ros.sensor_msgs__msg__CompressedImage(_header(0.0, ""), "", _NOTHING),
+        uv_coordinates=[],
+        text=shape.text,
+        mesh_resource="",
+        mesh_file=ros.visualization_msgs__msg__MeshFile("", _NOTHING),
+        mesh_use_embedded_materials=False,
+    )
+
+
+def _header(t: float, frame: str = ROOT_FRAME) -> ros.std_msgs__msg__Header:
+    return ros.std_msgs__msg__Header(_stamp(t), frame)
+
+
+def _stamp(t: float) -> ros.builtin_interfaces__msg__Time:
+    return ros.builtin_interfaces__msg__Time(*divmod(nanoseconds(t), 10**9))
+
+
+def _pose(x: float, y: float, z: float, rotation: float) -> ros.geometry_msgs__msg__Pose:
+    return ros.geometry_msgs__msg__Pose(ros.geometry_msgs__msg__Point(x, y, z), _turned(rotation))
+
+
+def _vector(x: float, y: float, z: float) -> ros.geometry_msgs__msg__Vector3:
+    return ros.geometry_msgs__msg__Vector3(x, y, z)
+
+
+def _turned(rotation: float) -> ros.geometry_msgs__msg__Quaternion:
+    z, w = math.sin(rotation / 2), math.cos(rotation / 2)
+    return ros.geometry_msgs__msg__Quaternion(0.0, 0.0, z, w)
+
 
 VERSION: Literal[8] = 8
 
@@ -93,26 +219,26 @@ class _Topics:
 
     def write(self, rate: float) -> None:
         """Write everything, in order of time."""
-        things = [*drawing.floor(self._run), *drawing.bodies(self._run)]
-        self._markers(0.0, messages.markers(0.0, things))
-        for moment in track.moments(self._run, rate):
+        things = [*scene.floor(self._run), *scene.bodies(self._run)]
+        self._markers(0.0, markers(0.0, things))
+        for moment in scene.moments(self._run, rate):
             if moment.event is not None:
                 self._write_event(moment.event)
             if moment.path is not None:
-                self._paths[moment.path.person](moment.t, messages.path(moment.path))
+                self._paths[moment.path.person](moment.t, path_message(moment.path))
             if moment.poses:
-                frames = drawing.frames(self._run, moment.poses)
-                self._frames(moment.t, messages.transforms(moment.t, frames))
+                frames = scene.frames(self._run, moment.poses)
+                self._frames(moment.t, transforms(moment.t, frames))
             for pose in moment.poses:
-                self._poses[pose.body](moment.t, messages.pose(moment.t, pose))
-                self._velocities[pose.body](moment.t, messages.velocity(moment.t, pose))
+                self._poses[pose.body](moment.t, pose_message(moment.t, pose))
+                self._velocities[pose.body](moment.t, velocity_message(moment.t, pose))
 
     def _write_event(self, event: Event) -> None:
-        line = log.line(event)
-        self._events(line.t, messages.log_line(line))
+        line = scene.line(event)
+        self._events(line.t, log_line(line))
         if event["kind"] == "violation":
-            mark = drawing.violation(self._run, event)
-            self._violations(line.t, messages.markers(line.t, [mark], drawing.ALARM_TIME))
+            mark = scene.violation(self._run, event)
+            self._violations(line.t, markers(line.t, [mark], scene.ALARM_TIME))
 
     def _topic(self, name: str, kind: str, *qualities: Qos) -> Topic:
         connection = self._bag.add_connection(

@@ -27,7 +27,7 @@ SIGN_OF_LIFE = 5.0
 """Seconds between two signs of life on a quiet stream, which show that a reader is gone."""
 
 
-class Stream:
+class MessageStream:
     """Messages, kept from the first one on: a reader who comes late gets them all."""
 
     def __init__(self) -> None:
@@ -99,7 +99,7 @@ class PageServer:
         self,
         page: Callable[[], str],
         *,
-        stream: Stream | None = None,
+        stream: MessageStream | None = None,
         control: Control | None = None,
         port: int = 0,
     ) -> None:
@@ -142,7 +142,7 @@ class _Server(ThreadingHTTPServer):
 class _Handler(BaseHTTPRequestHandler):
     root: str
     make_page: Callable[[], str]
-    messages: Stream | None
+    messages: MessageStream | None
     answer: Control | None
 
     def do_HEAD(self) -> None:
@@ -197,7 +197,7 @@ class _Handler(BaseHTTPRequestHandler):
         if self.command != "HEAD":
             self.wfile.write(content)
 
-    def _send_stream(self, stream: Stream) -> None:
+    def _send_stream(self, stream: MessageStream) -> None:
         last = self.headers.get("Last-Event-ID", "")
         self.send_response(HTTPStatus.OK)
         self.send_header("Content-Type", "text/event-stream")

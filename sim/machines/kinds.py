@@ -1,12 +1,13 @@
-"""The kinds of machines, and the machines of a floor and of a trial, of whatever kind."""
+"""Kinds of machines: registry, machines of a floor and a trial, and the audit of their laws."""
 
 from __future__ import annotations
 
 import ast
 import inspect
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -22,13 +23,21 @@ from floorplan import (
     shown,
     suggestion,
 )
+from navigation import IntegralLaw, SeparationLaw, required_at_speeds
 
-from ..core.machine import Category, Machine, MachineShape
-from ..core.machine_model import MachineEntry, MachineModel
-from ..core.own_code import import_own
-from ..core.own_source import REFUSED, Kind, OwnCodeError, Source, find_source, is_derived
+from ..core.body import Category, Machine, MachineShape
+from ..core.custom_code import (
+    REFUSED,
+    CodeLocation,
+    Kind,
+    OwnCodeError,
+    find_source,
+    import_own,
+    is_derived,
+)
 from ..core.scenario import AgvMove, GantryEntry, Scenario
-from ..core.stage import Stage
+from ..core.stage import MachineEntry, MachineModel, Stage
+from ..safety.laws import OwnLaw
 from .agv.model import AgvModel
 from .gantry.model import GantryModel
 from .gantry.robot import GANTRY
@@ -193,7 +202,7 @@ def moves_of(scenario: Scenario) -> Iterator[tuple[Place, Sequence[AgvMove]]]:
                     yield ("machines", name), model.moves
 
 
-def own_kind(entry: MachineEntry, folder: Path, *, own_code: bool = True) -> Source:
+def own_kind(entry: MachineEntry, folder: Path, *, own_code: bool = True) -> CodeLocation:
     """Return the source of a machine's own kind, which is not imported; `MachineError` if none."""
     kind = str(entry.kind)
     if ":" not in kind:
@@ -236,3 +245,82 @@ def _on(
     for lane in plan.lanes:
         models[lane.name] = AgvModel(lane, moves.get(lane.name, ()), lane.name in yielding)
     return models
+
+
+FAR = 2.0
+"""Sizes of a floor. A law that asks for more was probably meant in other units."""
+
+_ROUNDING = 1e-9
+"""Seconds or metres. A law that is short by less is not short."""
+
+
+@dataclass(frozen=True)
+class ShortLaw:
+    """A law that states a shorter stop than its machine may take, in seconds and metres.
+
+    `law` is its key in the rule set; `stopping` is None where the law computes it from `t2`.
+    """
+
+    machine: str
+    law: str
+    t2: float
+    needed_t2: float
+    stopping: float | None
+    needed_stopping: float
+
+
+def short_laws(trial: Scenario) -> tuple[ShortLaw, ...]:
+    """Return the machines of `trial` for which the law states too short a stop.
+
+    Only the two forms of ISO/TS 15066 state one, as `t2` and `stopping`: others are not judged.
+    """
+    plan, rules = trial.floorplan, trial.rules
+    found = []
+    for name, model in models_of(trial, own=False).items():
+        key, law = rules.law_and_key_of(model.shape(name, plan))
+        stop = model.longest_stop(plan)
+        if stop is not None and isinstance(law, SeparationLaw | IntegralLaw):
+            time, distance = stop
+            stated = math.inf if law.stopping is None else law.stopping
+            if time > law.t2 + _ROUNDING or distance > stated + _ROUNDING:
+                found.append(ShortLaw(name, key, law.t2, time, law.stopping, distance))
+    return tuple(found)
+
+
+def far_laws(trial: Scenario) -> dict[str, float]:
+    """Return the laws that ask for more room than there is, by their keys, and how much (metres).
+
+    That is more than `FAR` times the diagonal of the floor, of somebody at the usual top speed
+    near a machine that stands. Laws of one's own are not asked.
+    """
+    plan, rules = trial.floorplan, trial.rules
+    west, south, east, north = plan.boundary.bounds
+    room = FAR * math.hypot(east - west, north - south)
+    laws = dict(
+        rules.law_and_key_of(model.shape(name, plan))
+        for name, model in models_of(trial, own=False).items()
+    )
+    asked = {
+        key: required_at_speeds(law, plan.human.max_speed, 0.0)
+        for key, law in laws.items()
+        if not isinstance(law, OwnLaw)
+    }
+    return {key: metres for key, metres in asked.items() if metres > room}
+
+
+def in_words(found: Iterable[ShortLaw]) -> str:
+    """Return the stops that the laws state and those the machines need, rounded up to 0.01."""
+    machines: dict[str, list[str]] = {}
+    for short in found:
+        stated = _stop(short.t2, short.stopping)
+        needed = _stop(_rounded_up(short.needed_t2), _rounded_up(short.needed_stopping))
+        machines.setdefault(f"{stated} (up to {needed} needed)", []).append(short.machine)
+    return "; ".join(f"{', '.join(names)} {figures}" for figures, names in machines.items())
+
+
+def _stop(time: float, distance: float | None) -> str:
+    return f"{time:g} s" if distance is None else f"{time:g} s and {distance:g} m"
+
+
+def _rounded_up(figure: float) -> float:
+    return math.ceil(100 * figure - 1e-6) / 100

@@ -1,15 +1,15 @@
 """Trials of the ARIAC competition: their files, their orders, and the points for them."""
 
-from ..core.workload import (
+from ..core.scenario import (
     AssemblyTask,
+    ChallengePerson,
     CombinedTask,
-    Human,
     Item,
     KittingTask,
     Load,
     Malfunction,
     Order,
-    Part,
+    PartType,
     Workload,
 )
 from .dispatcher import Dispatcher
@@ -17,16 +17,16 @@ from .scoring import Inserted, assembly_score, best_score, kitting_score
 
 __all__ = [
     "AssemblyTask",
+    "ChallengePerson",
     "CombinedTask",
     "Dispatcher",
-    "Human",
     "Inserted",
     "Item",
     "KittingTask",
     "Load",
     "Malfunction",
     "Order",
-    "Part",
+    "PartType",
     "Workload",
     "assembly_score",
     "best_score",

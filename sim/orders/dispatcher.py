@@ -6,22 +6,18 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from ..core.body import Machine
 from ..core.events import OrderAnnounced, OrderSubmitted, RobotMalfunction
-from ..core.machine import Machine
+from ..core.scenario import AssemblyTask, CombinedTask, KittingTask, Order, Workload
 from ..core.stage import Stage
-from ..core.workload import AssemblyTask, CombinedTask, KittingTask, Order, Workload
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot
-from .assembly import AssemblyWork, CombinedWork
-from .belt import Belt
-from .fleet import Fleet
-from .inventory import Inventory
-from .kitting import KittingWork
+from .inventory import Belt, Fleet, Inventory
 from .scoring import best_score
-from .work import Cell, Work, when_all_are_done
+from .work import AssemblyWork, Cell, CombinedWork, KittingWork, Work, when_all_are_done
 
 
-class _Progress:
+class _OrderProgress:
     """Progress of an order; times in seconds."""
 
     def __init__(self, order: Order) -> None:
@@ -78,7 +74,7 @@ class Dispatcher:
             plan, inventory, self._fleet, gantry.handling, stage.record, workload.faulty
         )
         gantry.gripper.will_lose(workload.drops)
-        self._orders = {order.id: _Progress(order) for order in workload.orders}
+        self._orders = {order.id: _OrderProgress(order) for order in workload.orders}
         self._waiting: list[Order] = []
         self._begun: list[Work] = []
         self._finished: list[Work] = []

@@ -1,16 +1,103 @@
-"""Inventory of the workcell while a trial runs: the places of parts and trays."""
+"""Inventory of the ARIAC workcell: parts, trays, conveyor, and AGVs."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
 
-from floorplan import Floorplan, Point
+from floorplan import Floorplan, Lane, Point
+from navigation import Motion
+from navigation.motion import Piece
 
-from ..core.workload import Item, Load, Part, Workload
-from .belt import Belt
-from .layout import BELT
+from ..core.events import PartCame, PartMissed, PartTaken
+from ..core.scenario import Conveyor, Item, Load, PartType, Workload
+from ..core.stage import Stage
+from ..machines.agv.agv import Agv
+from ..machines.gantry.tasks import Passing, Step
+from .layout import BELT, BELT_SPEED, belt_ends
 from .scoring import Inserted
+
+
+@dataclass(eq=False)
+class _Conveyed:
+    number: int
+    item: Item
+    passing: Passing
+    promised: bool = False
+    is_gone: bool = False
+
+
+class Belt:
+    """Parts on the conveyor: where each of them is follows from when it was put on.
+
+    An order has parts promised, also such as are yet to come. `missed(passing)` is called for
+    those that fall off.
+    """
+
+    def __init__(
+        self, stage: Stage, conveyor: Conveyor, seed: int, missed: Callable[[Passing], None]
+    ) -> None:
+        self._stage = stage
+        self._missed = missed
+        self.parts_missed = 0
+        self._parts = [
+            _Conveyed(number, item, Passing(track, partial(self._taken, number)))
+            for number, (time, item, across) in enumerate(conveyor.coming(seed))
+            for track in [track_of(stage.floorplan, time, across)]
+        ]
+
+    def begin(self, came: Callable[[], None]) -> None:
+        """Let parts come, each at its time; `came()` is called then."""
+        for one in self._parts:
+            self._stage.clock.call_at(one.passing.track.start, partial(self._came, one, came))
+            self._stage.clock.call_at(one.passing.track.end, partial(self._fall, one))
+
+    def take(self, part: PartType) -> tuple[int, Item] | None:
+        """Promise the next such part that is there or comes; return its number and the item."""
+        for one in self._parts:
+            if one.item.part == part and not (one.promised or one.is_gone):
+                one.promised = True
+                return one.number, one.item
+        return None
+
+    def step(self, number: int, seconds: float) -> Step:
+        """Return the step of picking a part from the belt."""
+        return Step("pick", seconds, place=BELT, passing=self._parts[number].passing)
+
+    def has_come(self, passing: Passing) -> bool:
+        """Return whether a part is on the belt, or has been."""
+        return passing.track.start <= self._stage.clock.now
+
+    def _came(self, one: _Conveyed, came: Callable[[], None]) -> None:
+        track = one.passing.track
+        at, to = (track.state(t).at for t in (track.start, track.end))
+        part = str(one.item.part)
+        self._stage.record(PartCame(part=part, number=one.number, at=at, to=to, falls=track.end))
+        came()
+
+    def _taken(self, number: int) -> None:
+        one = self._parts[number]
+        one.is_gone = True
+        at = one.passing.track.state(self._stage.clock.now).at
+        self._stage.record(PartTaken(part=str(one.item.part), number=number, at=at))
+
+    def _fall(self, one: _Conveyed) -> None:
+        if not one.is_gone:
+            one.is_gone = True
+            self.parts_missed += 1
+            at = one.passing.track.state(self._stage.clock.now).at
+            self._stage.record(PartMissed(part=str(one.item.part), number=one.number, at=at))
+            self._missed(one.passing)
+
+
+def track_of(plan: Floorplan, time: float, across: float) -> Motion:
+    """Return the motion of a part that is put on at `time` (s), `across` metres from the middle."""
+    (x, begin), (_, end) = belt_ends(plan)
+    seconds = (begin - end) / BELT_SPEED
+    x_of, y_of = (x + across, 0.0, 0.0, 0.0), (begin, -BELT_SPEED, 0.0, 0.0)
+    return Motion((Piece(time, time + seconds, x_of, y_of, (0.0, 0.0, 0.0, 0.0)),))
 
 
 class Inventory:
@@ -32,7 +119,7 @@ class Inventory:
             for footprint in [plan.obstacle(name).footprint.centroid]
         }
 
-    def take(self, part: Part, near: Point) -> tuple[str, int, Item] | None:
+    def take(self, part: PartType, near: Point) -> tuple[str, int, Item] | None:
         """Take a part out of a bin; return the bin, the slot, and the item.
 
         The nearest bin is preferred, and before that parts that need not be turned over. Where no
@@ -90,7 +177,7 @@ class Inventory:
         """Take tray and items off an AGV."""
         self._loads[agv] = Load()
 
-    def insert(self, station: str, part: Part) -> None:
+    def insert(self, station: str, part: PartType) -> None:
         """Insert a part at an assembly station."""
         self._inserted.setdefault(station, {})[part.type] = Inserted(part)
 
@@ -101,3 +188,46 @@ class Inventory:
     def hand_over(self, station: str) -> None:
         """Take away the parts inserted at a station, and put an empty insert there."""
         self._inserted.pop(station, None)
+
+
+TOLERANCE = 1e-6
+"""Metres. Distance to a location within which an AGV stands there."""
+
+
+class Fleet:
+    """Sends AGVs to where orders need them, and keeps them there."""
+
+    def __init__(self, agvs: Iterable[Agv]) -> None:
+        self._agvs = {agv.lane.name: agv for agv in agvs}
+        self._sent: dict[str, str] = {}
+
+    def lane(self, name: str) -> Lane:
+        """Return the lane of an AGV."""
+        return self._agvs[name].lane
+
+    def serving(self, station: str) -> list[str]:
+        """Return the AGVs that can go to an assembly station."""
+        return [name for name, agv in self._agvs.items() if station in agv.lane.serves]
+
+    def send(self, name: str, location: str) -> None:
+        """Let an AGV go to a location, and come back to it after any other move."""
+        under_way = self._sent.get(name) == location and not self._agvs[name].stands
+        self._sent[name] = location
+        if not under_way and not self.is_at(name, location):
+            self._agvs[name].drive(location)
+
+    def release(self, name: str) -> None:
+        """Let an AGV go wherever its moves take it."""
+        self._sent.pop(name, None)
+
+    def is_at(self, name: str, location: str) -> bool:
+        """Return True if an AGV stands at a location."""
+        agv = self._agvs[name]
+        off = agv.lane_position - agv.lane.lane_position(location)
+        return agv.stands and abs(off) < TOLERANCE
+
+    def stopped(self, agv: Agv) -> None:
+        """Send on an AGV that has come to rest, if it should be elsewhere."""
+        name = agv.lane.name
+        if name in self._sent:
+            self.send(name, self._sent[name])

@@ -12,40 +12,41 @@ from pydantic import BaseModel, ValidationError
 import floorplan
 from floorplan import Document, Floorplan, Problem
 
-from ..core.blackout import Blackout
+from ..core.entries import Blackout, Start
 from ..core.rules import ARIAC2023
-from ..core.scenario import GantryEntry, PersonEntry, Scenario, TrialError
-from ..core.start import Start
-from ..core.workload import (
+from ..core.scenario import (
     AssemblyTask,
+    ChallengePerson,
     CombinedTask,
     Conveyor,
     Drop,
-    Human,
+    GantryEntry,
     Item,
     KittingTask,
     Load,
     Malfunction,
     Order,
-    Part,
+    PartType,
+    PersonEntry,
+    Scenario,
+    TrialError,
     Workload,
 )
 from ..machines.gantry.robot import GANTRY
-from .checks import agv_name, problems
+from .checks import agv_name, notices, problems
 from .layout import BELT_REACH
-from .notices import notices
 from .schema import (
     AgvLoad,
     AgvPart,
+    AriacTrialFile,
     Challenge,
-    Condition,
     ConveyorBelt,
     ConveyorPart,
     KittingTrays,
     Lot,
     OrderEntry,
     Parts,
-    TrialFile,
+    StartCondition,
 )
 
 FLOOR = "ariac2023"
@@ -121,19 +122,19 @@ def people_of(workload: Workload) -> tuple[PersonEntry, ...]:
     )
 
 
-def _readable(document: Document) -> tuple[TrialFile, tuple[Problem, ...]]:
+def _readable(document: Document) -> tuple[AriacTrialFile, tuple[Problem, ...]]:
     """Return the file, with None for entries that can't be read, and the problems of those."""
     try:
-        return document.checked(TrialFile, TrialError), ()
+        return document.checked(AriacTrialFile, TrialError), ()
     except TrialError as why:
         if not isinstance(document.data, dict):
             raise
         return _salvaged(document.data), why.problems
 
 
-def _salvaged(data: dict[str, Any]) -> TrialFile:
+def _salvaged(data: dict[str, Any]) -> AriacTrialFile:
     parts = _dict(data.get("parts"))
-    return TrialFile.model_construct(
+    return AriacTrialFile.model_construct(
         kitting_trays=_read(KittingTrays, data.get("kitting_trays")),
         parts=Parts.model_construct(
             bins={
@@ -165,7 +166,7 @@ def _list(data: object) -> list[Any]:
     return data if isinstance(data, list) else []
 
 
-def _workload(file: TrialFile, source: str) -> Workload:
+def _workload(file: AriacTrialFile, source: str) -> Workload:
     parts, trays = file.parts or Parts(), file.kitting_trays or KittingTrays()
     challenges = file.challenges or []
     return Workload(
@@ -200,7 +201,7 @@ def _workload(file: TrialFile, source: str) -> Workload:
             if blackout is not None and blackout.duration and blackout.is_of_people
         ),
         humans=tuple(
-            Human(human.behavior, _start(human))
+            ChallengePerson(human.behavior, _start(human))
             for challenge in challenges
             for human in (challenge.human, challenge.human_operator)
             if human is not None
@@ -256,7 +257,7 @@ def _order(entry: OrderEntry) -> Order:
     return Order(entry.id, task, _start(entry.announcement), entry.priority)
 
 
-def _start(condition: Condition) -> Start:
+def _start(condition: StartCondition) -> Start:
     if condition.submission_condition is not None:
         return Start(None, order_submitted=condition.submission_condition.order_id)
     placed = condition.part_place_condition
@@ -270,5 +271,5 @@ def _item(lot: Lot | AgvPart | ConveyorPart) -> Item:
     return Item(_part(lot), lot.flipped)
 
 
-def _part(entry: Any) -> Part:
-    return Part(entry.color, entry.type)
+def _part(entry: Any) -> PartType:
+    return PartType(entry.color, entry.type)

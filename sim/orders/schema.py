@@ -157,7 +157,7 @@ class Submission(Strictly):
     order_id: Text
 
 
-class Condition(Strictly):
+class StartCondition(Strictly):
     """Condition that something waits for: one of the three."""
 
     time_condition: NotNegative | None = None
@@ -165,7 +165,7 @@ class Condition(Strictly):
     submission_condition: Submission | None = None
 
     @model_validator(mode="after")
-    def _one_of_them(self) -> "Condition":
+    def _one_of_them(self) -> "StartCondition":
         given = [self.time_condition, self.part_place_condition, self.submission_condition]
         if sum(condition is not None for condition in given) != 1:
             raise UserError(
@@ -174,20 +174,20 @@ class Condition(Strictly):
         return self
 
 
-class HumanChallenge(Condition):
+class HumanChallenge(StartCondition):
     """A person on the floor."""
 
     behavior: Literal["indifferent", "antagonistic", "helpful"]
 
 
-class MalfunctionChallenge(Condition):
+class MalfunctionChallenge(StartCondition):
     """Robots that stand still for a while."""
 
     duration: Positive
     robots_to_disable: list[Robot]
 
 
-class BlackoutChallenge(Condition):
+class BlackoutChallenge(StartCondition):
     """Sensors that see nothing for a while."""
 
     duration: NotNegative
@@ -252,7 +252,7 @@ class KitProduct(Strictly):
     quadrant: Quadrant
 
 
-class Pose(Strictly):
+class InsertPose(Strictly):
     """Pose of a part in the insert: metres, and roll, pitch, yaw."""
 
     xyz: Vector
@@ -264,7 +264,7 @@ class AssemblyProduct(Strictly):
 
     type: Type
     color: Color
-    assembled_pose: Pose | None = None
+    assembled_pose: InsertPose | None = None
     assembly_direction: Vector | None = None
 
 
@@ -297,7 +297,7 @@ class OrderEntry(Strictly):
 
     id: Text
     type: Literal["kitting", "assembly", "combined"]
-    announcement: Condition
+    announcement: StartCondition
     priority: Flag = False
     kitting_task: Kitting | None = None
     assembly_task: Assembly | None = None
@@ -311,7 +311,7 @@ class OrderEntry(Strictly):
         return self
 
 
-class TrialFile(Strictly):
+class AriacTrialFile(Strictly):
     """All of a trial file. `assembly_inserts` came in with ARIAC 2024."""
 
     time_limit: TimeLimit = -1.0

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from ..core.workload import AssemblyTask, CombinedTask, KittingTask, Load, Part
+from ..core.scenario import AssemblyTask, CombinedTask, KittingTask, Load, PartType
 
 TRAY_POINTS = 3
 KIT_PART_POINTS = 3
@@ -23,7 +23,7 @@ ASSEMBLY_BONUS = 4
 class Inserted:
     """A part that was inserted at an assembly station, and whether its pose is right."""
 
-    part: Part
+    part: PartType
     right_pose: bool = True
 
 
@@ -65,14 +65,14 @@ def best_score(task: KittingTask | AssemblyTask | CombinedTask) -> int:
     return n * full + n * ASSEMBLY_BONUS
 
 
-def _kit_part_points(part: Part, shipment: Load, quadrant: int, faulty: set[int]) -> int:
+def _kit_part_points(part: PartType, shipment: Load, quadrant: int, faulty: set[int]) -> int:
     item = shipment.items.get(quadrant)
     if item is None or item.part.type != part.type or quadrant in faulty:
         return 0
     return KIT_PART_POINTS - (item.part.color != part.color) - item.flipped
 
 
-def _inserted_points(part: Part, inserted: Inserted | None, full: int) -> int:
+def _inserted_points(part: PartType, inserted: Inserted | None, full: int) -> int:
     if inserted is None:
         return 0
     return full - (inserted.part.color != part.color) - (not inserted.right_pose)

@@ -1,4 +1,4 @@
-"""An order that is being worked on: the gantry's tasks for it, and its outcome."""
+"""Work on kitting, assembly and combined orders as tasks of the gantry."""
 
 from __future__ import annotations
 
@@ -11,13 +11,57 @@ from typing import Any
 
 from floorplan import Floorplan, Point
 
+from ..core.events import PartFaulty
 from ..core.recorder import Record
-from ..core.workload import Item, Order, Part
+from ..core.scenario import AssemblyTask, CombinedTask, Item, KittingTask, Load, Order, PartType
 from ..machines.gantry.tasks import Handling, Step, Task
 from . import layout
-from .carried import Carried, Found
-from .fleet import Fleet
-from .inventory import Inventory
+from .inventory import Fleet, Inventory
+from .layout import DISPOSAL_BINS, QUADRANTS, assembly_table
+from .scoring import assembly_score, kitting_score
+
+Found = tuple[Item, Step]
+"""A part, and the step by which it is picked."""
+
+
+class Carried:
+    """A part that the gantry carries for an order; another takes its place if it is lost.
+
+    The `last` step brings it where it belongs, `put` takes note of that. `another()` finds the
+    next one; where there is none, the part is one of those that are `missing`.
+    """
+
+    def __init__(
+        self,
+        item: Item,
+        last: Step,
+        put: Callable[[Item], None],
+        *,
+        another: Callable[[], Found | None],
+        missing: list[PartType],
+    ) -> None:
+        self.item: Item | None = item
+        self._part = item.part
+        self._last = last
+        self._put = put
+        self._another = another
+        self._missing = missing
+
+    def put_down(self) -> None:
+        """Take note that it is where it belongs, if it has not been given up."""
+        if self.item is not None:
+            self._put(Item(self.item.part, faulty=self.item.faulty))  # turned over, if need be
+
+    def lost(self) -> tuple[Step, ...]:
+        """Return the steps that bring another; none if there is none."""
+        found = self._another()
+        if found is None:
+            self.item = None
+            self._missing.append(self._part)
+            return ()
+        self.item, pick = found
+        return (pick, self._last)
+
 
 Action = Callable[[], None]
 
@@ -36,7 +80,7 @@ class Cell:
     handling: Handling
     record: Record
     faulty: Mapping[str, frozenset[int]] = field(default_factory=dict)
-    found_faulty: list[Part] = field(default_factory=list)
+    found_faulty: list[PartType] = field(default_factory=list)
 
     def place(self, obstacle: str) -> Point:
         """Return the middle of an obstacle: x, y in metres."""
@@ -63,7 +107,7 @@ class Work(ABC):
     def __init__(self, order: Order, cell: Cell, holds: tuple[str, ...]) -> None:
         self.order = order
         self.holds = holds
-        self.missing: list[Part] = []
+        self.missing: list[PartType] = []
         self._cell = cell
 
     @abstractmethod
@@ -181,3 +225,297 @@ def when_all_are_done(tasks: list[Task], action: Action) -> None:
         task.done = partial(count, task.done)
     if not tasks:
         action()
+
+
+class KittingWork(Work):
+    """Fetch the tray, put the parts on it in any order, and send the AGV off.
+
+    Parts that already lie where they should stay; others that are in the way are thrown away.
+    """
+
+    def __init__(self, order: Order, task: KittingTask, cell: Cell) -> None:
+        super().__init__(order, cell, (task.agv,))
+        self._kit = task
+        self._faulty = {*cell.faulty.get(order.id, ())}
+
+    def begin(self) -> list[Task]:
+        """See `Work.begin`."""
+        kit, cell = self._kit, self._cell
+        lane = cell.fleet.lane(kit.agv)
+        cell.fleet.send(kit.agv, lane.start)
+        load = cell.inventory.load(kit.agv)
+        tasks: list[Task] = []
+        if load.tray != kit.tray and (slot := cell.inventory.take_tray(kit.tray)) is not None:
+            tasks.append(self._fetch_tray(kit.agv, kit.tray, slot))
+            load = Load(kit.tray)
+        for quadrant, part in kit.products.items():
+            tasks += self._fill(quadrant, part, load.items.get(quadrant))
+        for quadrant in load.items:
+            if quadrant not in kit.products:
+                tasks.append(self._clear(quadrant))
+        when_all_are_done(tasks, partial(cell.fleet.send, kit.agv, kit.destination))
+        return tasks
+
+    def ready(self) -> bool:
+        """See `Work.ready`."""
+        return self._cell.fleet.is_at(self._kit.agv, self._kit.destination)
+
+    def score(self) -> int:
+        """See `Work.score`."""
+        return kitting_score(
+            self._kit, self._cell.inventory.load(self._kit.agv), arrived=self.ready()
+        )
+
+    def hand_over(self) -> None:
+        """Take the kit off its AGV, unless it is at an assembly station: there it is needed."""
+        lane = self._cell.fleet.lane(self._kit.agv)
+        location = lane.serves.get(self._kit.destination, self._kit.destination)
+        if location not in lane.serves.values():
+            self._cell.inventory.unload(self._kit.agv)
+
+    def _fill(self, quadrant: int, part: PartType, there: Item | None) -> list[Task]:
+        """Return the tasks that get `part` into a quadrant in which there is `there`."""
+        agv, cell = self._kit.agv, self._cell
+        if there == Item(part):
+            return []
+        if there is not None and there.part == part:
+            return [self._placing(quadrant, there, agv, self._from_agv(agv, quadrant, there))]
+        found = cell.inventory.take(part, cell.home(agv))
+        if found is None:
+            self.missing.append(part)
+            return []
+        bin, slot, item = found
+        cleared = [self._clear(quadrant)] if there is not None else []
+        return [*cleared, self._placing(quadrant, item, bin, self._from_bin(bin, slot, item))]
+
+    def _placing(self, quadrant: int, item: Item, origin: str, pick: Step) -> Task:
+        agv, cell = self._kit.agv, self._cell
+        put = partial(cell.inventory.lay, agv, quadrant)
+        place = self._onto_agv(agv, quadrant)
+        carried = self._carried(item, place, put, cell.home(agv))
+
+        def lost() -> tuple[Step, ...]:
+            cell.inventory.lift(agv, quadrant)  # if it came from there
+            return carried.lost()
+
+        def check() -> tuple[Step, ...]:
+            if carried.item is None or not self._is_faulty(quadrant, carried.item):
+                return ()
+            # What is thrown away is nothing that the gripper was to lose.
+            away = self._throwing_away(quadrant, "take_away")
+            another = lost()
+            task.given_up = not another
+            return (*away, *another)
+
+        task = self._task(
+            "pick_place",
+            (pick, place),
+            carried.put_down,
+            {"part": str(item.part), "from": origin, "to": agv, "quadrant": quadrant},
+            stage=2,
+            check=check,
+            lost=lost,
+        )
+        return task
+
+    def _is_faulty(self, quadrant: int, item: Item) -> bool:
+        """Return the outcome of the quality check of what was placed, and record a fault."""
+        if not (item.faulty or quadrant in self._faulty):
+            return False
+        self._faulty.discard(quadrant)
+        self._cell.found_faulty.append(item.part)
+        fields = {"part": str(item.part), "order": self.order.id, "agv": self._kit.agv}
+        self._cell.record(PartFaulty(**fields, quadrant=quadrant))
+        return True
+
+    def _clear(self, quadrant: int) -> Task:
+        """Return the task of throwing away the part in a quadrant."""
+        agv, cell = self._kit.agv, self._cell
+        item = cell.inventory.load(agv).items[quadrant]
+        steps = self._throwing_away(quadrant, "pick")
+        done = partial(cell.inventory.lift, agv, quadrant)
+        fields = {"part": str(item.part), "from": agv, "to": steps[1].place}
+        return self._task("dispose", steps, done, fields, stage=1)
+
+    def _throwing_away(self, quadrant: int, action: str) -> tuple[Step, Step]:
+        agv, cell = self._kit.agv, self._cell
+        bin = cell.nearest(DISPOSAL_BINS, cell.home(agv))
+        return (
+            Step(action, cell.handling.pick, place=agv, offset=self._quadrant(agv, quadrant)),
+            Step("place", cell.handling.place, place=bin),
+        )
+
+
+class _AtStation(Work):
+    """Common part of assembly and combined orders: parts are inserted at a station."""
+
+    def __init__(
+        self, order: Order, task: AssemblyTask | CombinedTask, cell: Cell, agvs: tuple[str, ...]
+    ) -> None:
+        super().__init__(order, cell, (*agvs, task.station))
+        self._assembly = task
+
+    def ready(self) -> bool:
+        """See `Work.ready`."""
+        return True
+
+    def score(self) -> int:
+        """See `Work.score`."""
+        inserted = self._cell.inventory.inserted(self._assembly.station)
+        return assembly_score(self._assembly, inserted)
+
+    def hand_over(self) -> None:
+        """See `Work.hand_over`."""
+        self._cell.inventory.hand_over(self._assembly.station)
+
+    def _insert_from_agv(self, agv: str, quadrant: int, item: Item, *, stage: int) -> Task:
+        """Take an item from an AGV that has come to the station, and insert it."""
+        station, cell = self._assembly.station, self._cell
+        carried = self._inserted(item)
+
+        def done() -> None:
+            if not task.given_up:
+                cell.inventory.lift(agv, quadrant)
+                carried.put_down()
+
+        def lost() -> tuple[Step, ...]:
+            cell.inventory.lift(agv, quadrant)
+            return carried.lost()
+
+        task = self._task(
+            "assemble",
+            (self._from_agv(agv, quadrant, item), self._inserting()),
+            done,
+            {"part": str(item.part), "from": agv, "to": station},
+            stage=stage,
+            ready=partial(cell.fleet.is_at, agv, station),
+            lost=lost,
+        )
+        return task
+
+    def _insert_from_bin(self, bin: str, slot: int, item: Item, *, stage: int) -> Task:
+        """Carry an item from its bin to the station, and insert it."""
+        carried = self._inserted(item)
+        return self._task(
+            "assemble",
+            (self._from_bin(bin, slot, item), self._inserting()),
+            carried.put_down,
+            {"part": str(item.part), "from": bin, "to": self._assembly.station},
+            stage=stage,
+            lost=carried.lost,
+        )
+
+    def _inserted(self, item: Item) -> Carried:
+        """Return a part on its way to be inserted."""
+        station, cell = self._assembly.station, self._cell
+        near = cell.place(assembly_table(station))
+        return self._carried(
+            item, self._inserting(), lambda one: cell.inventory.insert(station, one.part), near
+        )
+
+    def _inserting(self) -> Step:
+        table = assembly_table(self._assembly.station)
+        return Step("insert", self._cell.handling.insert, place=table)
+
+
+class AssemblyWork(_AtStation):
+    """Send the AGVs with the parts to the station, and insert the parts there in any order.
+
+    A part that none of them has is carried over from a bin.
+    """
+
+    def __init__(self, order: Order, task: AssemblyTask, cell: Cell) -> None:
+        super().__init__(order, task, cell, task.agvs)
+        self._agvs = task.agvs
+
+    def begin(self) -> list[Task]:
+        """See `Work.begin`."""
+        task, cell = self._assembly, self._cell
+        on_agvs = {
+            (agv, quadrant): item
+            for agv in self._agvs
+            for quadrant, item in cell.inventory.load(agv).items.items()
+        }
+        near = cell.place(assembly_table(task.station))
+        tasks = []
+        for part in task.products:
+            place = next((place for place, item in on_agvs.items() if item.part == part), None)
+            if place is not None:
+                cell.fleet.send(place[0], task.station)
+                tasks.append(self._insert_from_agv(*place, on_agvs.pop(place), stage=0))
+            elif (found := cell.inventory.take(part, near)) is not None:
+                tasks.append(self._insert_from_bin(*found, stage=0))
+            else:
+                self.missing.append(part)
+        return tasks
+
+
+class CombinedWork(_AtStation):
+    """Make a kit on an AGV, send it to the station, and insert the parts there in any order.
+
+    A part for which the AGV has no room is carried over from its bin.
+    """
+
+    def __init__(
+        self, order: Order, task: CombinedTask, cell: Cell, agv: str, needed_trays: set[int]
+    ) -> None:
+        super().__init__(order, task, cell, (agv,))
+        self._agv = agv
+        self._needed_trays = needed_trays
+
+    def begin(self) -> list[Task]:
+        """See `Work.begin`."""
+        task, cell, agv = self._assembly, self._cell, self._agv
+        lane = cell.fleet.lane(agv)
+        kit: list[Task] = []
+        assembly: list[Task] = []
+        load = cell.inventory.load(agv)
+        present = dict(load.items)
+        free = [quadrant for quadrant in QUADRANTS if quadrant not in present]
+        for part in task.products:
+            at = next((q for q, item in present.items() if item.part == part), None)
+            if at is not None:
+                assembly.append(self._insert_from_agv(agv, at, present.pop(at), stage=2))
+                continue
+            found = cell.inventory.take(part, cell.home(agv))
+            if found is None:
+                self.missing.append(part)
+            elif free:
+                quadrant = free.pop(0)
+                inserting = self._insert_from_agv(agv, quadrant, Item(part), stage=2)
+                kit.append(self._kit(quadrant, *found, inserting))
+                assembly.append(inserting)
+            else:
+                assembly.append(self._insert_from_bin(*found, stage=2))
+        if kit and load.tray is None:
+            spare = cell.inventory.take_spare_tray(self._needed_trays)
+            if spare is not None:
+                slot, tray = spare
+                kit.insert(0, self._fetch_tray(agv, tray, slot))
+        if kit:
+            cell.fleet.send(agv, lane.start)
+        if assembly:
+            when_all_are_done(kit, partial(cell.fleet.send, agv, task.station))
+        return kit + assembly
+
+    def _kit(self, quadrant: int, bin: str, slot: int, item: Item, inserting: Task) -> Task:
+        """Return the task of placing a part; without the part it is not `inserting` it either."""
+        agv, cell = self._agv, self._cell
+        place = self._onto_agv(agv, quadrant)
+        put = partial(cell.inventory.lay, agv, quadrant)
+        carried = self._carried(item, place, put, cell.home(agv))
+
+        def lost() -> tuple[Step, ...]:
+            steps = carried.lost()
+            if not steps:
+                inserting.give_up()
+            return steps
+
+        return self._task(
+            "pick_place",
+            (self._from_bin(bin, slot, item), place),
+            carried.put_down,
+            {"part": str(item.part), "from": bin, "to": agv, "quadrant": quadrant},
+            stage=1,
+            lost=lost,
+        )

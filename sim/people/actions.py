@@ -1,4 +1,4 @@
-"""The actions that a mind can decide on, carried out on the floor."""
+"""Actions of people: carry out what a mind decides, and check the actions of programs."""
 
 from __future__ import annotations
 
@@ -10,15 +10,18 @@ from functools import cache
 import bdi
 from floorplan import Point, SafeZone, UserError
 
+from ..core.body import Machine
 from ..core.events import Teleport
-from ..core.machine import Machine
+from ..core.scenario import Scenario
 from ..core.stage import Stage
-from .attention import Attention, NobodyError
 from .errand import Errand
+from .interaction import Interaction, NobodyError
+from .perception import PERCEPTS
+from .programs import load_program, modules_of
 from .steering.crowd import Crowd
 from .steering.traveller import Traveller
 from .walker import Walker
-from .worker import Worker
+from .work import Worker
 
 GLANCE_AHEAD = 2.0
 """Seconds. `step_between` goes to where the gantry will be after this time."""
@@ -49,7 +52,7 @@ class Actions:
         stage: Stage,
         walker: Walker,
         errand: Errand,
-        attention: Attention,
+        attention: Interaction,
         home: SafeZone,
         crowd: Crowd,
         worker: Worker | None = None,
@@ -255,3 +258,26 @@ def _value(term: bdi.Term) -> float | str | None:
     if isinstance(term, bdi.Literal) and not term.args:
         return term.functor
     return None
+
+
+def doubts_in(scenario: Scenario) -> tuple[bdi.ProgramProblem, ...]:
+    """Return what is doubtful in the programs of all people of a trial."""
+    used = {
+        (personality, modules_of(person.actions, scenario.actions)): None
+        for person in scenario.people
+        for personality in (person.personality, *(one.personality for one in person.changes))
+    }
+    programs = [
+        load_program(personality, scenario.folder, modules, own_code=scenario.own_code)
+        for personality, modules in used
+    ]
+    found = (doubt for one in programs if one is not None for doubt in doubts_of(one))
+    return tuple(dict.fromkeys(found))
+
+
+def doubts_of(program: bdi.Program) -> tuple[bdi.ProgramProblem, ...]:
+    """Return what a person who runs the program probably does not do as its author meant it."""
+    triggers = (plan.trigger for name in bdi.programs() for plan in bdi.load(name).plans)
+    events = {one.literal.functor for one in triggers if not one.kind}  # type: ignore[union-attr]
+    events |= {*PERCEPTS}
+    return bdi.doubts(program, actions=numbers_of_arguments(), events=sorted(events))

@@ -1,18 +1,52 @@
-"""Errands: a person walks to a goal, round whatever comes between."""
+"""Errand of a person: walk to a goal, replan, and wait beside an occupied goal."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection
 
-from floorplan import Point
-from navigation import PlanningError
+from floorplan import Human, Point
+from navigation import CollisionWorld, Disc, PlanningError
 
-from ..core.events import Arrived, Goal, GoalFree, GoalOccupied, PathBlocked, Replanned
+from ..core.body import Machine
+from ..core.events import Arrived, GoalChanged, GoalFree, GoalOccupied, PathBlocked, Replanned
 from ..core.stage import Stage
-from .percepts import Senses
-from .waiting_place import WaitingPlaces
+from .perception import Senses
 from .walker import Walker
+
+SPARE = 0.1
+"""Metres. Distance beyond the needed one at which people wait."""
+
+_ZONE = "the zone that a vehicle needs to set out"
+
+
+class WaitingPlaces:
+    """Finds where a person waits beside a goal, so that the vehicle there can leave."""
+
+    def __init__(self, stage: Stage, world: CollisionWorld, human: Human) -> None:
+        self._stage = stage
+        self._world = world
+        self._human = human
+
+    def occupant(self, goal: Point) -> Machine | None:
+        """Return the vehicle that is all that keeps a person from standing at `goal`."""
+        radius, vehicles = self._human.radius, [*self._stage.vehicles]
+        names = [vehicle.name for vehicle in vehicles]
+        if not self._world.as_if(away=names).free(goal, radius):
+            return None
+        for vehicle in vehicles:
+            others = [name for name in names if name != vehicle.name]
+            if not self._world.as_if(away=others).free(goal, radius):
+                return vehicle
+        return None
+
+    def beside(self, goal: Point, vehicle: Machine) -> Point | None:
+        """Return the free place nearest to `goal` that lets the vehicle set out, if any."""
+        radius = self._human.radius
+        kept = vehicle.zone(self._human.max_speed) + SPARE - radius
+        zone = Disc(vehicle.centre, max(kept, SPARE))
+        return self._world.as_if({_ZONE: zone}).nearest_free(goal, radius)
+
 
 BESIDE = 1e-3
 """Metres. Further from their goal than this, people have arrived beside somebody else."""
@@ -44,7 +78,7 @@ class Errand:
     def go(self, goal: Point) -> bool:
         """Set out for `goal`; return True if there is a path to it, or to a place to wait."""
         self._stage.place_machines()
-        self._record(Goal(person=self._name, station=self._station_at(goal), at=goal))
+        self._record(GoalChanged(person=self._name, station=self._station_at(goal), at=goal))
         return self._set_out(goal)
 
     def _set_out(self, goal: Point) -> bool:

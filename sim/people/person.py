@@ -1,4 +1,4 @@
-"""A person: a mind in a body on the floor.
+"""A person: a mind in a body on the floor, with drawn parameters and an entrance.
 
 This is where beliefs meet geometry: what happens around a person becomes percepts (`Senses`), and
 the actions that their mind decides on (`Actions`) become errands and motions (`Errand`, `Walker`).
@@ -7,42 +7,124 @@ the actions that their mind decides on (`Actions`) become errands and motions (`
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from random import Random
+from typing import Any, TypeVar
 
 import bdi
 from floorplan import Human, Point, UserError
 from navigation import PathPlanner
 
-from ..core.body import Body
-from ..core.clock import Alarm, Turn
+from ..core.body import Body, Machine
+from ..core.clock import Alarm, Clock, Turn
+from ..core.entries import ALL_ROUND, Duration, drawn_figure, seed_of
 from ..core.events import Awaited, Entered, HumanStarted, Left, PersonalityChanged
-from ..core.machine import Machine
-from ..core.noticing import ALL_ROUND
-from ..core.scenario import PersonEntry
+from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
 from ..safety.referee import Referee
 from .actions import Actions, MindError
-from .attention import Attention
-from .drawing import lag_of
-from .entrances import LOOKS_AGAIN, Entrances
 from .errand import Errand
-from .eyes import Eyes
+from .interaction import Interaction
 from .minds import Mind, as_term
-from .percepts import Senses
-from .playback import Playback
+from .perception import Senses, SocialPerception, Vision
 from .programs import find_program
-from .regard import Regard
 from .steering.crowd import Crowd
 from .steering.manners import Manners
 from .steering.starting import wings
 from .steering.traveller import AT_THE_DOOR
-from .tracks.walks import RecordedWalk
+from .tracks.recorded_walks import Playback, RecordedWalk
 from .walker import Walker
-from .work_board import WorkBoard
-from .worker import Worker
+from .work import WorkBoard, Worker
+
+_Made = TypeVar("_Made", bound=Scenario)
+
+
+def with_figures(scenario: _Made) -> _Made:
+    """Return the scenario in which every figure of its people is a number."""
+    people = tuple(_with_figures(entry, scenario.seed) for entry in scenario.people)
+    return scenario if people == scenario.people else replace(scenario, people=people)
+
+
+def _with_figures(entry: PersonEntry, seed: int) -> PersonEntry:
+    if isinstance(entry.max_speed, tuple | Duration):
+        speed = drawn_figure(entry.max_speed, seed, f"speed {entry.name}")
+        entry = replace(entry, max_speed=speed)
+    if entry.noticing == ALL_ROUND:
+        return entry
+    figures: dict[str, Any] = {
+        name: drawn_figure(given, seed, f"{name} {entry.name}")
+        for name in ("field_of_view", "reaction_time")
+        for given in [getattr(entry.noticing, name)]
+        if given is not None
+    }
+    return replace(entry, noticing=replace(entry.noticing, **figures))
+
+
+def speed_of(entry: PersonEntry, usual: float) -> float:
+    """Return the top speed (m/s) of somebody `with_figures`; `usual` is that of the floor."""
+    speed = usual if entry.max_speed is None else entry.max_speed
+    assert not isinstance(speed, tuple | Duration)
+    return speed
+
+
+def lag_of(entry: PersonEntry, seed: int) -> Callable[[], float] | None:
+    """Return what gives the next lag (s) of somebody's agent; None if it has none.
+
+    The lags are drawn from the trial's `seed` and the name alone.
+    """
+    lag = entry.agent_lag
+    if lag is None:
+        return None
+    low, high = lag if isinstance(lag, tuple) else (lag, lag)
+    return partial(Random(seed_of(seed, f"lag {entry.name}")).uniform, low, high)
+
+
+LOOKS_AGAIN = 0.5
+"""Seconds until somebody who finds no room to come in looks again."""
+
+
+class Entrances:
+    """People who want to come in: a queue for each place, first in, first out.
+
+    Only the first of a queue looks for room, however many wait behind them.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._queues: dict[Point, deque[tuple[float, Callable[[], bool]]]] = {}
+
+    def join(self, place: Point, come_in: Callable[[], bool]) -> None:
+        """Queue at `place`; `come_in` is called when it is their turn, and returns whether it went.
+
+        It is called at once, and every `LOOKS_AGAIN` seconds after that while they are the first.
+        """
+        queue = self._queues.setdefault(place, deque())
+        queue.append((self._clock.now, come_in))
+        if len(queue) == 1:
+            self._look(place)
+
+    def _look(self, place: Point) -> None:
+        queue, now = self._queues[place], self._clock.now
+        _, come_in = queue[0]
+        if not come_in():
+            queue[0] = (now + LOOKS_AGAIN, come_in)
+        else:
+            queue.popleft()
+        if queue:
+            self._clock.call_at(self._next(queue, now), lambda: self._look(place), Turn.NOTICE)
+
+    def _next(self, queue: deque[tuple[float, Callable[[], bool]]], now: float) -> float:
+        """Return when the first looks, who has looked in vain before at their own pace."""
+        t, come_in = queue[0]
+        while t < now:
+            t += LOOKS_AGAIN
+        queue[0] = (t, come_in)
+        return t
+
 
 MOST_AT_ONCE = 1000
 """Number of times a person may think or act at one instant; more count as an endless program."""
@@ -117,7 +199,7 @@ class Person:
         self._eyes = (
             None
             if entry.noticing == ALL_ROUND
-            else Eyes(stage, self.walker.body, human, entry.noticing)
+            else Vision(stage, self.walker.body, human, entry.noticing)
         )
         self._thought = thought
         self._senses = Senses(stage.clock, self._think, lag_of(entry, seed))
@@ -129,11 +211,11 @@ class Person:
                 stage, entry, board, body=self.walker.body, human=human, senses=self._senses
             )
         )
-        self._attention = Attention(stage, self.walker, self._errand, crowd, slot)
+        self._attention = Interaction(stage, self.walker, self._errand, crowd, slot)
         self._actions = Actions(
             stage, self.walker, self._errand, self._attention, home, crowd, self.worker
         )
-        self._regard = Regard(stage, self.walker.body, self._senses)
+        self._regard = SocialPerception(stage, self.walker.body, self._senses)
         self._crowd = crowd
         self._enforcing = Alarm(stage.clock, self._enforce, Turn.INSISTENCE)
         self._reason = "gantry"

@@ -1,18 +1,132 @@
-"""Programs of personalities: finding, loading and naming them."""
+"""Programs, internal actions and planners of people: find, load, and name them."""
 
 from __future__ import annotations
 
+import ast
+import inspect
 import os
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import Any, TypeVar
+
+import ompl.base as ob
 
 import bdi
 from floorplan import Problem, UserError, is_file, is_there, suggestion
+from navigation import PlannerChoice, PlannerError
 
+from ..core.custom_code import (
+    REFUSED,
+    CodeLocation,
+    Definition,
+    Kind,
+    OwnCodeError,
+    definitions_in,
+    find_source,
+    import_own,
+    is_derived,
+    parameters,
+)
 from ..core.scenario import PersonEntry, Scenario, TrialError
-from .own_actions import import_actions, modules_of, names_of, sources_of
+
+
+def _registered(definition: Definition) -> list[str]:
+    """Return the names under which the decorators of a function register it."""
+    if not isinstance(definition, ast.FunctionDef):
+        return []
+    return [
+        call.args[0].value
+        for call in definition.decorator_list
+        if isinstance(call, ast.Call)
+        and isinstance(call.func, ast.Attribute)
+        and call.func.attr in ("add", "function")
+        and call.args
+        and isinstance(call.args[0], ast.Constant)
+        and isinstance(call.args[0].value, str)
+        and "." in call.args[0].value
+    ]
+
+
+ACTIONS = Kind(
+    words='function with @actions.add("name") or @actions.function("name"), as own actions are',
+    written=lambda definition: bool(_registered(definition)),
+    made=callable,
+)
+"""The kind of function that a program of a person may use."""
+
+
+def modules_of(of_person: str | None, of_trial: str | None) -> tuple[str, ...]:
+    """Return the modules with actions that a person and the trial name; the person's go before."""
+    return tuple(dict.fromkeys(name for name in (of_trial, of_person) if name is not None))
+
+
+def sources_of(
+    personality: str | bdi.Program | Path, modules: Sequence[str], folder: Path, *, own_code: bool
+) -> list[CodeLocation]:
+    """Return the modules with the actions that a person's program may use; none is imported.
+
+    They are `modules`, right in `folder`, and those beside a program `NAME/NAME.asl`. Of two
+    actions of one name the later counts.
+    `OwnCodeError` says what is missing, or that own code is refused.
+    """
+    found = [_first(module, folder) for module in modules]
+    program = _file_of(personality, folder)
+    if program is not None and program.parent.name == program.stem:
+        beside = sorted(program.parent.glob("*.py"))
+        found += [_first(file.stem, program.parent) for file in beside if _names_in(file)]
+    if found and not own_code:
+        raise OwnCodeError(f"the actions of {found[0].module!r}: {REFUSED}")
+    return found
+
+
+def names_of(sources: Sequence[CodeLocation]) -> frozenset[str]:
+    """Return the names of the actions and functions in some modules."""
+    return frozenset(name for source in sources for name in _names_in(source.file))
+
+
+def import_actions(sources: Sequence[CodeLocation]) -> bdi.InternalActions:
+    """Return the actions and functions in some modules, which are imported.
+
+    `OwnCodeError` if that fails.
+    """
+    found = bdi.InternalActions()
+    for source in sources:
+        function: Any = import_own(source)
+        for value in function.__globals__.values():
+            if isinstance(value, bdi.InternalActions):
+                found.update(value)
+                found.functions.update(value.functions)
+    return found
+
+
+def _file_of(personality: str | bdi.Program | Path, folder: Path) -> Path | None:
+    if isinstance(personality, bdi.Program):
+        return Path(personality.source)
+    path = folder / personality
+    if path.suffix == ".asl":
+        return path
+    inside = path / f"{path.name}.asl"
+    return inside if is_file(inside) else None
+
+
+def _names_in(file: Path) -> list[str]:
+    definitions = definitions_in(file.stem, file)
+    return [name for one in definitions.values() for name in _registered(one)]
+
+
+def _first(module: str, folder: Path) -> CodeLocation:
+    """Return the first function in a module that is registered as an action."""
+    path = folder.joinpath(*module.split("."))
+    file = path.with_name(f"{path.name}.py")
+    there = is_file(file)
+    names = definitions_in(module, file) if there else {}
+    first = next((name for name, one in names.items() if _registered(one)), None)
+    if there and first is None:
+        raise OwnCodeError(f"{module!r} has no {ACTIONS.words}")
+    return find_source(f"{module}:{first or 'actions'}", folder, ACTIONS)
+
 
 EXTERNAL = "external"
 """The personality of a person who runs no program, but is commanded from outside; likewise the
@@ -132,3 +246,74 @@ def _try_out(program: bdi.Program, own: frozenset[str]) -> None:
     actions = bdi.InternalActions({name: bdi.InternalAction(lambda call, *a: True) for name in own})
     actions.functions.update(dict.fromkeys(own, lambda *numbers: 0.0))
     bdi.Agent(program, actions=actions, strict=True)
+
+
+_Made = TypeVar("_Made", bound=Scenario)
+
+
+PLANNER = Kind(
+    words="planner: a planner is a subclass of ompl.base.Planner",
+    written=is_derived,
+    made=lambda found: inspect.isclass(found) and issubclass(found, ob.Planner),
+)
+"""The kind of class that a trial names as its planner."""
+
+
+def planner_of(entry: PersonEntry, scenario: Scenario) -> PlannerChoice:
+    """Return the planner that finds a person's paths: their own, else the trial's."""
+    return scenario.planner if entry.planner is None else entry.planner
+
+
+def with_planner(scenario: _Made, planner: PlannerChoice | str) -> _Made:
+    """Return the same scenario in which everybody has this planner."""
+    choice = PlannerChoice.of(planner)
+    planner_source(choice, scenario.folder, own_code=scenario.own_code)
+    people = tuple(replace(person, planner=None) for person in scenario.people)
+    return replace(scenario, planner=choice, people=people)
+
+
+def find_planner(choice: PlannerChoice, folder: Path, *, own_code: bool = True) -> PlannerChoice:
+    """Return `choice`, ready to be asked: one of the user's own, in `folder`, is imported.
+
+    Without `own_code` that is refused. `PlannerError` says what is missing.
+    """
+    source = planner_source(choice, folder, own_code=own_code)
+    try:
+        found = choice if source is None else replace(choice, kind=import_own(source))
+        found.check()
+    except OwnCodeError as why:
+        raise PlannerError(f"the planner {why}") from why
+    except UserError as why:
+        raise PlannerError(str(why)) from why
+    return found
+
+
+def planner_source(
+    choice: PlannerChoice, folder: Path, *, own_code: bool = True
+) -> CodeLocation | None:
+    """Return the source of a planner of the user's own, which is not imported; None for others.
+
+    `PlannerError` is as of `find_planner`, as far as the source shows what is missing.
+    """
+    try:
+        choice.check()
+    except UserError as why:
+        raise PlannerError(str(why)) from why
+    if not choice.is_own or choice.kind is not None:
+        return None
+    if not own_code:
+        raise PlannerError(f"the planner {choice.name!r}: {REFUSED}")
+    try:
+        source = find_source(choice.name, folder, PLANNER)
+    except OwnCodeError as why:
+        raise PlannerError(f"the planner {why}") from why
+    assert isinstance(source.definition, ast.ClassDef)
+    taken = parameters(source.definition)
+    if taken is not None and not taken.any_name:
+        # The first is OMPL's space information.
+        known = taken.names[1:]
+        for name in choice.own_parameters:
+            if name not in known:
+                hint = f"; {suggestion(name, known)}" if known else ""
+                raise PlannerError(f"the planner {choice.name} has no parameter {name!r}{hint}")
+    return source

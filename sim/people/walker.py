@@ -26,11 +26,11 @@ from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
 from ..core.events import PathBlocked, Replanned
 from ..core.stage import Stage
-from .foreseen import GAP, among_vehicles, any_moves, any_touches
 from .steering.crowd import Crowd
 from .steering.manners import Manners
 from .steering.speed_zones import SpeedZones
 from .steering.traveller import Traveller
+from .steering.vehicle_conflicts import GAP, among_vehicles, any_moves, any_touches
 
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""

@@ -10,8 +10,7 @@ from typing import Any, Literal
 
 from ..core import events
 from ..core.scenario import Scenario
-from ..machines.kinds import may_be
-from ..machines.law_audit import short_laws
+from ..machines.kinds import may_be, short_laws
 from . import words
 from .finished import CAUSES
 from .social_metrics import DISTANCES, MOVEMENT, PROGRESS

@@ -23,12 +23,12 @@ from navigation import (
     walked_and_stood,
 )
 
-from ..core.machine import Category, Machine
+from ..core.body import Category, Machine
 from ..core.scenario import Scenario
 from ..people.person import Person
+from ..safety.monitors import SeparationMonitor
 from ..safety.referee import Referee
-from ..safety.watches import SeparationWatch
-from .zone_exposure import Stay, zone_exposures
+from .sampling import Stay, zone_exposures
 
 CAUSES = ("gantry", "person")
 """Causes of a violation with a gantry: which of the two moved."""
@@ -136,7 +136,7 @@ class Finished:
 
     def _together(
         self, category: Category
-    ) -> Iterator[tuple[SeparationWatch, Motion, Motion, list[tuple[float, float]]]]:
+    ) -> Iterator[tuple[SeparationMonitor, Motion, Motion, list[tuple[float, float]]]]:
         """Yield each watch on a person beside such a machine, their motions, and spans (seconds).
 
         These are those in which the person was on the floor and, if it is a vehicle, it drove.

@@ -1,10 +1,14 @@
-"""Outcome of a run."""
+"""Outcome of a run, and its trajectories as a CSV table."""
 
 from __future__ import annotations
 
+import csv
+import io
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from pathlib import Path
+from typing import Any, TextIO
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,11 +17,9 @@ from floorplan import Floorplan
 from navigation import Motion, is_of_speeds
 
 from ..core.body import PERSON
-from ..core.recorder import Event, Thought
-from ..core.scene import Scene
-from ..safety.requirement_curve import Curve, is_plain
-from .presence import presence
-from .sampling import instants, sample_all
+from ..core.recorder import Event, Scene, Thought
+from ..safety.laws import Curve, is_of_speeds_alone
+from .sampling import Array, blocks_of_instants, instants, presence, sample_all
 from .social_metrics import metrics
 
 
@@ -76,7 +78,7 @@ class Outcome:
             raise KeyError((person, machine))
         speeds = [np.hypot(*self.motions[name].velocity(times).T) for name in (person, machine)]
         distance: Any = law.distance
-        if is_plain(law):  # its formula takes arrays as well
+        if is_of_speeds_alone(law):  # its formula takes arrays as well
             return np.array(np.broadcast_to(distance(*speeds), times.shape), dtype=np.float64)
         return np.asarray(np.vectorize(distance, otypes=[np.float64])(*speeds))
 
@@ -130,3 +132,127 @@ class Outcome:
             "body": np.broadcast_to(np.array(list(self.motions), dtype=str), seen.shape)[seen],
             **dict(zip(("x", "y", "rotation", "vx", "vy"), figures.T, strict=True)),
         }
+
+
+def csv_line(cells: Iterable[str]) -> str:
+    """Return texts as a line of CSV, in quotes where they have to be."""
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(cells)
+    return line.getvalue()
+
+
+class WholeLines:
+    """Writes lines into a new file at `path` (UTF-8), each at once and whole or not at all.
+
+    `FileExistsError` if there is a file already.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("xb", buffering=0)
+        self._end = 0
+
+    def write(self, line: str) -> None:
+        """Add a line; `OSError` if there is no room, and then nothing of it is left."""
+        data = memoryview(f"{line}\n".encode())
+        at = 0
+        try:
+            while at < len(data):
+                at += self._file.write(data[at:])
+        except OSError:
+            self._file.truncate(self._end)
+            self._file.seek(self._end)
+            raise
+        self._end += len(data)
+
+    def close(self) -> None:
+        """Write no more."""
+        self._file.close()
+
+
+COLUMNS = ("t", "body", "x", "y", "rotation", "vx", "vy")
+"""Seconds, a name, metres, metres, radians, m/s, m/s."""
+
+NANOSECOND = 1e-9
+"""Seconds between the samples before and after a jump."""
+
+DECIMALS = 6
+"""Decimals of the figures."""
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Rows of a trajectory: for each body its figures (N, 5) at N instants, and which it has."""
+
+    times: Array
+    is_regular: NDArray[np.bool_]
+    """False for the instants of jumps, which are not a rate apart."""
+    figures: dict[str, Array]
+    there: dict[str, NDArray[np.bool_]]
+
+
+def blocks(run: Outcome, rate: float) -> Iterator[Block]:
+    """Yield the rows of all bodies in order of time, `rate` instants a second (Hz).
+
+    Who is not on the floor has none. Around a jump a body has two more, a nanosecond apart, so that
+    nobody takes it for a fast walk.
+    """
+    jumps = {name: _jumps(run, name) for name in run.motions}
+    count = 0
+    for times in blocks_of_instants(run.duration, rate):
+        count += len(times)
+        since, until = times[0], count / rate
+        near = {name: t[(since <= t) & (t < until)] for name, t in jumps.items()}
+        if any(map(len, near.values())):
+            yield _with_jumps(run, times, near)
+        else:
+            there = {name: run.is_present(name, times) for name in run.motions}
+            regular = np.ones(len(times), dtype=bool)
+            yield Block(times, regular, sample_all(run.motions, times), there)
+
+
+def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
+    """Write the `blocks` of a run as CSV: seconds, metres, radians, m/s."""
+    decimals = 3 if (1000 / rate).is_integer() else 9
+    file.write(csv_line(COLUMNS))
+    names = {name: csv_line([name]).rstrip("\n") for name in run.motions}
+    for block in blocks(run, rate):
+        stamps = [
+            f"{t:.{decimals if is_regular else 9}f}"
+            for t, is_regular in zip(block.times.tolist(), block.is_regular.tolist(), strict=True)
+        ]
+        tables = []
+        for name, samples in block.figures.items():
+            rows = zip(stamps, _texts(samples), block.there[name].tolist(), strict=True)
+            cell = names[name]
+            tables.append([f"{t},{cell},{row}\n" if seen else "" for t, row, seen in rows])
+        file.writelines(line for rows in zip(*tables, strict=True) for line in rows)
+
+
+def _jumps(run: Outcome, body: str) -> Array:
+    """Return the instants around those at which a body on the floor is put elsewhere on it."""
+    begin, end = run.presence[body]
+    jumps = np.array([t for t in run.motions[body].jumps if begin < t < end])
+    return np.union1d(jumps - NANOSECOND, jumps)
+
+
+def _with_jumps(run: Outcome, times: Array, jumps: Mapping[str, Array]) -> Block:
+    """Return the rows at `times`, and those at the `jumps` of bodies between them."""
+    both = np.union1d(times, np.concatenate([*jumps.values()]))
+    regular = np.isin(both, times)
+    there = {
+        name: run.is_present(name, both) & (regular | np.isin(both, jumps[name]))
+        for name in run.motions
+    }
+    return Block(both, regular, sample_all(run.motions, both), there)
+
+
+def _texts(samples: NDArray[np.float64]) -> list[str]:
+    """Return the figures of each of `samples` (N, 5) as they stand in a line.
+
+    A body that stands has the same ones again and again: they are written out once.
+    """
+    figures = np.round(samples, DECIMALS) + 0.0
+    fresh = np.ones(len(figures), dtype=bool)
+    fresh[1:] = (figures[1:] != figures[:-1]).any(axis=1)
+    texts = [",".join(map(repr, row)) for row in figures[fresh].tolist()]
+    return [texts[k] for k in (np.cumsum(fresh) - 1).tolist()]

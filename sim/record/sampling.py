@@ -1,14 +1,54 @@
-"""Motions as tables: where bodies are at instants a rate apart."""
+"""Sampling of motions: presence, sample times, grid cells, and dwell times in zones."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
-from floorplan import UserError
+from floorplan import Floorplan, UserError, Zone
 from navigation import Motion
+
+from ..core.recorder import Event
+
+Span = tuple[float, float]
+"""From when to when, seconds."""
+
+ROUNDING = 1e-8
+"""Seconds. Instants of events are rounded to less than this."""
+
+
+def presence(
+    motions: Mapping[str, Motion], events: Iterable[Event], duration: float
+) -> dict[str, Span]:
+    """Return when each body of a run is on the floor; nobody comes twice.
+
+    Those who are awaited are not before they have entered, and who has left is not any more. The
+    instants are those of the motions, to which events are rounded.
+    """
+    spans = dict.fromkeys(motions, (0.0, duration))
+    for event in events:
+        kind, person = event["kind"], event.get("person")
+        if kind not in ("awaited", "entered", "left") or person not in spans:
+            continue
+        begin, end = spans[person]
+        if kind == "awaited":
+            spans[person] = (duration, duration)
+        elif kind == "entered":
+            spans[person] = (_exact(motions[person], event["t"]), end)
+        else:
+            spans[person] = (begin, _exact(motions[person], event["t"]))
+    return spans
+
+
+def _exact(motion: Motion, t: float) -> float:
+    """Return the instant of the jump that was recorded for `t` (seconds)."""
+    return next((jump for jump in motion.jumps if abs(jump - t) < ROUNDING), t)
+
 
 Array = NDArray[np.float64]
 
@@ -64,3 +104,104 @@ def _count(duration: float, rate: float) -> int:
     require_rate(rate)
     # The product may be a hair less than the whole number that is meant: 4.35 × 100 is.
     return int(duration * rate + 1e-9) + 1
+
+
+CellArray = NDArray[np.float64]
+
+_HAIR = 1e-9
+"""Metres. Cells that are beyond a radius by no more than this still count."""
+
+
+def cells_of(plan: Floorplan, side: float) -> tuple[int, int]:
+    """Return how many rows and columns of cells with this side (metres) the floor's bounds take."""
+    west, south, east, north = plan.boundary.bounds
+    return (math.ceil((north - south) / side), math.ceil((east - west) / side))
+
+
+def spread(
+    cells: CellArray, side: float, radius: float, join: Callable[..., CellArray], nothing: float
+) -> CellArray:
+    """Return each cell (of this side) joined with all within `radius` metres of it.
+
+    `nothing` is what stands beyond the floor.
+    """
+    reach = math.ceil(radius / side)
+    rows, columns = cells.shape
+    padded = np.pad(cells, reach, constant_values=nothing)
+    joined = np.full_like(cells, nothing)
+    for i in range(-reach, reach + 1):
+        for j in range(-reach, reach + 1):
+            # One shift of the whole array for each cell of the disc: a dilation, or a sum, by its
+            # mask.
+            if math.hypot(i, j) * side < radius + _HAIR:
+                joined = join(joined, padded[reach + i :, reach + j :][:rows, :columns])
+    return joined
+
+
+MOMENT = 0.02
+"""Seconds. Whoever moves is looked at so often."""
+
+TimeArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stay:
+    """Somebody who is on the floor for a `span` of a run, and `too_close` within some intervals."""
+
+    motion: Motion
+    span: Span
+    too_close: Sequence[Span]
+
+
+def zone_exposures(zones: Sequence[Zone], stays: Sequence[Stay]) -> dict[str, dict[str, float]]:
+    """Return figures of each zone by name, of all people together; where their centre is counts.
+
+    `time_occupied` and `time_too_close` are in seconds, right to 0.02 s for each time that
+    somebody goes in or out; `entries` is how often somebody comes in, or is there at first.
+    """
+    figures: dict[str, dict[str, float]] = {
+        zone.name: {"time_occupied": 0.0, "time_too_close": 0.0, "entries": 0} for zone in zones
+    }
+    for stay in stays if zones else ():
+        times, lengths = moments(stay.motion, *stay.span)
+        x, y = stay.motion.position(times).reshape(-1, 2).T
+        near = within(times, stay.too_close)
+        for zone in zones:
+            inside = _inside(zone, x, y)
+            mine = figures[zone.name]
+            mine["time_occupied"] += float(lengths[inside].sum())
+            mine["entries"] += int(np.sum(inside[1:] & ~inside[:-1])) + int(inside[:1].sum())
+            mine["time_too_close"] += float((lengths * near)[inside].sum())
+    return figures
+
+
+def _inside(zone: Zone, x: TimeArray, y: TimeArray) -> NDArray[np.bool_]:
+    """Return which places (metres, (N,) each) are in a zone; only those in its bounds are asked."""
+    west, south, east, north = zone.area.bounds
+    inside: NDArray[np.bool_] = (x >= west) & (x <= east) & (y >= south) & (y <= north)
+    inside[inside] = shapely.intersects_xy(zone.area, x[inside], y[inside])
+    return inside
+
+
+def moments(motion: Motion, begin: float, end: float) -> tuple[TimeArray, TimeArray]:
+    """Return the middles and lengths (seconds, (N,) each) of parts of a motion between instants.
+
+    Parts in which it moves are no longer than `MOMENT`; in the others it stands.
+    """
+    if end <= begin:
+        return np.empty(0), np.empty(0)
+    middles, lengths = [], []
+    for piece in motion.cut(begin, end).pieces:
+        duration = piece.end - piece.begin
+        count = max(1, math.ceil(duration / MOMENT)) if piece.moves else 1
+        middles.append(piece.begin + duration / count * (np.arange(count) + 0.5))
+        lengths.append(np.full(count, duration / count))
+    return np.concatenate(middles), np.concatenate(lengths)
+
+
+def within(times: TimeArray, intervals: Sequence[Span]) -> NDArray[np.bool_]:
+    """Return for each of `times` (seconds) whether it lies in one of the intervals."""
+    found = np.zeros(len(times), dtype=bool)
+    for begin, end in intervals:
+        found |= (times >= begin) & (times < end)
+    return found

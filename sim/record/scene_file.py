@@ -1,4 +1,4 @@
-"""A scene as JSON, and back: `scene.json` of a recording.
+"""Scene file of a recording (`scene.json`), and strict parsing of JSON.
 
 Areas are GeoJSON polygons, everything else the fields of the values by name. A field that an
 older recording does not have gets its default.
@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic_core import from_json
 from shapely import GEOSException
 from shapely.geometry import Polygon, mapping, shape
 
@@ -29,12 +30,33 @@ from floorplan import (
 )
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
-from ..core.machine import MachineShape
+from ..core.body import MachineShape
+from ..core.recorder import Figure, Pose, Scene
 from ..core.rules import Notice, RuleSet
-from ..core.scene import Figure, Pose, Scene
 from ..machines.kinds import machines_on
-from ..safety.own_law import OwnLaw
-from .strict_json import parse_json, require_figures
+from ..safety.laws import OwnLaw
+
+LARGEST_OF_ALL = 1e30
+"""No figure of a run is larger, coefficients and seeds among them."""
+
+
+def parse_json(text: str) -> Any:
+    """Return the value in `text`; `ValueError` if it is no JSON, or has a larger number."""
+    value = from_json(text, allow_inf_nan=False)
+    require_figures(value, LARGEST_OF_ALL)
+    return value
+
+
+def require_figures(value: Any, most: float) -> None:
+    """Raise `UserError` if a number in `value`, or in what it holds, is not within ±`most`."""
+    if isinstance(value, dict):
+        value = [*value.values()]
+    if isinstance(value, list):
+        for inner in value:
+            require_figures(inner, most)
+    elif isinstance(value, int | float) and not abs(value) <= most:
+        raise UserError(f"a number is larger than {most:g}")
+
 
 FORMAT = "floorwalker-scene/1"
 """Value of `format`, by which a reader knows the file."""

@@ -1,19 +1,53 @@
-"""Runs that can be looked at: a recorded one, and one of a trial that is at hand."""
+"""Runs as values: a recorded one, and one of a loaded trial, with its view in a notebook."""
 
 from __future__ import annotations
 
+import html
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ..record.outcome import Outcome
-from ..trials.comparison import Verdict
+from ..record.summary import figures_in_words
 from ..trials.expectations import verdicts
+from ..trials.timeline import Verdict
 from ..trials.trial import Trial
-from ..views.notebook import as_html
+from ..views.replay import render
+from ..views.replay_data import replay_data
 
 if TYPE_CHECKING:
     from ..views.plots import RunPlots
+
+
+REPLAY_HEIGHT = 720
+"""Pixels."""
+
+
+def as_html(run: Outcome) -> str:
+    """Return a table of the run's figures, and its replay page in a frame of its own."""
+    return f"<div>{_table(run)}{_replay(run)}</div>"
+
+
+def _table(run: Outcome) -> str:
+    # A run that was broken off has no figures.
+    figures = figures_in_words(run.summary) if run.summary else []
+    rows = [("trial", run.scene.trial), ("duration", f"{run.duration:g} s"), *figures]
+    lines = "".join(
+        f'<tr><th scope="row" style="text-align:left">{html.escape(name)}</th>'
+        f'<td style="text-align:left">{html.escape(value)}</td></tr>'
+        for name, value in rows
+    )
+    return f"<table><tbody>{lines}</tbody></table>"
+
+
+def _replay(run: Outcome) -> str:
+    page = html.escape(render(replay_data(run)))
+    style = f"width:100%;height:{REPLAY_HEIGHT}px;border:0"
+    # In a sandbox the page runs its scripts, but can't reach the notebook around it.
+    return (
+        f'<iframe title="Replay" sandbox="allow-scripts" loading="lazy" style="{style}"'
+        f' srcdoc="{page}"></iframe>'
+    )
 
 
 @dataclass(frozen=True, repr=False)

@@ -1,22 +1,143 @@
-"""Notification that a person comes near a machine: once for each approach."""
+"""Proximity of two bodies: collisions, distance between people, and approach notifications."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
+import math
+from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache, partial
+from itertools import combinations
 
-from navigation import Apart, FixedDistance, TooClose
+from navigation import Apart, Box, Condition, FixedDistance, Not, Overlapping, TooClose, first_time
 
+from ..core.body import Body, Machine
 from ..core.clock import Alarm, Turn
-from ..core.machine import Machine
-from ..core.stage import Stage
-from .watches import Pair
+from ..core.events import Collision, PeopleTooNear
+from ..core.stage import Bystander, Stage
+from .monitors import Pair
+
+
+class NearnessMonitor:
+    """Calls `notify` as two bodies come so near that `near` holds (True), and as `parted` does."""
+
+    def __init__(
+        self,
+        stage: Stage,
+        bodies: tuple[Body, Body],
+        near: Condition,
+        parted: Condition,
+        notify: Callable[[bool], None],
+    ) -> None:
+        self.is_near = False
+        self._stage = stage
+        self._bodies = bodies
+        self._near = near
+        self._parted = parted
+        self._notify = notify
+        self._alarm = Alarm(stage.clock, self._ring, Turn.NOTICE)
+        for body in bodies:
+            body.on_change.append(self._reconsider)
+        self._reconsider()
+
+    def _reconsider(self) -> None:
+        one, other = (body.motion for body in self._bodies)
+        now = self._stage.clock.now
+        end = max(now, min(max(one.end, other.end), self._stage.end))
+        awaited = self._parted if self.is_near else self._near
+        self._alarm.set(first_time(awaited, one, other, now, end))
+
+    def _ring(self) -> None:
+        self.is_near = not self.is_near
+        self._reconsider()
+        self._notify(self.is_near)
+
+
+DEPTH = 1e-3
+"""Metres. Boxes that overlap by no more only touch, as those of machines side by side may."""
+
+
+@lru_cache(maxsize=1024)
+def _conditions(box: Box, others: Box) -> tuple[Condition, Condition]:
+    """Return when two boxes collide, and when they have parted."""
+    return Overlapping(box, others, DEPTH), Not(Overlapping(box, others))
+
+
+class Collisions:
+    """Watches every two of some machines whose boxes are not above each other."""
+
+    def __init__(self, stage: Stage, machines: Iterable[Machine]) -> None:
+        self.count = 0
+        """Number of times that two machines ran into each other."""
+        self._stage = stage
+        boxes = [(machine, machine.shape.box) for machine in machines]
+        for (one, box), (other, others) in combinations(boxes, 2):
+            if box.is_level_with(others):
+                near, parted = _conditions(box, others)
+                notify = partial(self._changed, one, other)
+                NearnessMonitor(stage, (one.body, other.body), near, parted, notify)
+
+    def _changed(self, one: Machine, other: Machine, is_near: bool) -> None:
+        if not is_near:
+            return
+        self.count += 1
+        (vx, vy, _), (wx, wy, _) = one.body.state.velocity, other.body.state.velocity
+        self._stage.record(
+            Collision(machine=one.name, with_=other.name, speed=math.hypot(wx - vx, wy - vy))
+        )
+
+
+PARTED = 1e-3
+"""Metres beyond the distance at which two have parted: rounding does not count twice."""
+
+
+class Distancing:
+    """Watches every two of some people, who have `radii` (m), for bodies nearer than `required`."""
+
+    def __init__(
+        self, stage: Stage, people: Sequence[Bystander], radii: Sequence[float], required: float
+    ) -> None:
+        self.count = 0
+        """Number of times that two came too near to each other."""
+        self._stage = stage
+        self._required = required
+        self._time = 0.0
+        self._since: dict[tuple[Bystander, Bystander], float] = {}
+        for (one, mine), (other, theirs) in combinations(zip(people, radii, strict=True), 2):
+            near = required + mine + theirs
+            NearnessMonitor(
+                stage,
+                (one.body, other.body),
+                TooClose(FixedDistance(near)),
+                Apart(near + PARTED),
+                partial(self._changed, one, other, near),
+            )
+
+    @property
+    def time(self) -> float:
+        """How long (s) people were too near until now, all pairs together."""
+        now = self._stage.clock.now
+        return self._time + sum(now - since for since in self._since.values())
+
+    def _changed(self, one: Bystander, other: Bystander, near: float, is_near: bool) -> None:
+        now = self._stage.clock.now
+        if not is_near:
+            self._time += now - self._since.pop((one, other))
+            return
+        self.count += 1
+        self._since[one, other] = now
+        # From surface to surface: `near` is between centres.
+        apart = math.dist(one.body.at, other.body.at) - near + self._required
+        self._stage.record(
+            PeopleTooNear(
+                person=one.name, other=other.name, distance=apart, required=self._required
+            )
+        )
+
 
 PARTING = 0.1
 """Metres. Distance beyond the watched one to which the two have to part before another approach."""
 
 
-class ProximityWatch:
+class ApproachMonitor:
     """Calls `came_near` when a person comes within a distance of a machine's axis.
 
     It watches from when `near` gives the distance on.

@@ -8,11 +8,19 @@ from functools import cache, partial
 
 from navigation import AnyLaw
 
+from ..core.body import Machine
 from ..core.clock import Alarm, Turn
 from ..core.events import GantryDetected, Penalty, ProtectiveStop, ProtectiveStopEnded, Violation
-from ..core.machine import Machine
 from ..core.stage import Bystander, Stage
-from .watches import BesideVehicles, Cause, Hold, NoticeWatch, Noticing, Pair, SeparationWatch
+from .monitors import (
+    BesideVehicles,
+    Cause,
+    Hold,
+    Noticing,
+    NoticingMonitor,
+    Pair,
+    SeparationMonitor,
+)
 
 PEOPLE = "people"
 """The reason for which a machine is held in a protective stop."""
@@ -34,7 +42,7 @@ class Referee:
         self.protective_stops = 0
         self.protective_stop_time = 0.0
         """Seconds, of all machines together; those that still last count from `close` on."""
-        self.watches: list[SeparationWatch] = []
+        self.watches: list[SeparationMonitor] = []
         self._condition_of = cache(lambda machine: stage.rules.condition_of(machine.shape))
         """The condition of a violation by a machine, the same for all people."""
         self._noticing = Noticing(stage.rules.notice)
@@ -42,8 +50,8 @@ class Referee:
         self._clock = stage.clock
         self._record = stage.record
         self._beside: dict[Bystander, BesideVehicles] = {}
-        self._stops: dict[SeparationWatch, Hold] = {}
-        self._notices: dict[Bystander, list[NoticeWatch]] = {}
+        self._stops: dict[SeparationMonitor, Hold] = {}
+        self._notices: dict[Bystander, list[NoticingMonitor]] = {}
         self._stopped: dict[Machine, tuple[float, set[Bystander]]] = {}
         self._silent_until: dict[Bystander, float] = {}
         self._sanctions: dict[Machine, _Sanction] = {}
@@ -53,7 +61,7 @@ class Referee:
         offset = self.rules.measured_at(machine.shape)
         pair = Pair(self._stage, person, machine, offset)
         law = self.rules.law_of(machine.shape)
-        watch = SeparationWatch(pair, law, self._condition_of(machine), self._violated)
+        watch = SeparationMonitor(pair, law, self._condition_of(machine), self._violated)
         self.watches.append(watch)
         if self.rules.machine == "stop":
             stop = Hold(pair, watch.law, machine.shape.top_speed, self._stop_for)
@@ -69,7 +77,7 @@ class Referee:
                 body.on_change.append(self._stops[watch].reconsider)
         if machine.shape.category == "robot":
             self._sanctions.setdefault(machine, _Sanction(self, machine))
-            notice = NoticeWatch(pair, self._noticing, self._notice)
+            notice = NoticingMonitor(pair, self._noticing, self._notice)
             self._notices.setdefault(person, []).append(notice)
             person.body.on_jump.append(notice.start_over)
             for body in (person.body, machine.body):
@@ -122,7 +130,7 @@ class Referee:
         )
         pair.person.warn("gantry_detected", pair.machine)
 
-    def _violated(self, watch: SeparationWatch) -> None:
+    def _violated(self, watch: SeparationMonitor) -> None:
         """Record a violation, and apply its consequences."""
         pair, rules = watch.pair, self.rules
         person, machine = pair.person, pair.machine

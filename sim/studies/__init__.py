@@ -1,16 +1,11 @@
 """Many trials: which, in which variations, run on all cores or a cluster, and what came of it."""
 
-from .comparison import Comparison, Group, Measure, Spread
-from .definition import Row, StudyError
-from .draws import Choice, Distribution, Normal, Shuffled, Uniform
-from .effects import Contrast, Effect
+from .comparison import Comparison, Contrast, Effect, Measure, RowGroup, Spread, StudyResults
+from .design import Choice, Distribution, Normal, Row, Shuffled, Study, StudyError, Uniform
 from .folder import save_trial
-from .many import WorkerError, run_many
 from .report import figure
-from .results import StudyResults
-from .running import run_study
+from .running import WorkerError, run_many, run_study
 from .safety import safety_report
-from .study import Study
 from .variables import KINDS, Variable, variable
 
 __all__ = [
@@ -20,10 +15,10 @@ __all__ = [
     "Contrast",
     "Distribution",
     "Effect",
-    "Group",
     "Measure",
     "Normal",
     "Row",
+    "RowGroup",
     "Shuffled",
     "Spread",
     "Study",

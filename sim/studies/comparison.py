@@ -1,18 +1,21 @@
-"""A study's rows put side by side: in groups of the same combination, measure by measure."""
+"""Comparison of groups of rows: measures, bootstrap intervals and effect sizes."""
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..machines.kinds import KINDS
 from ..record.figures import FIGURES
-from .study import Study
+from .design import Study
 from .table import Cell, TableError
 
 CONFIDENCE = 0.95
@@ -144,7 +147,7 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Group:
+class RowGroup:
     """The rows of one combination: its value of each factor, and which rows they are."""
 
     values: tuple[str, ...]
@@ -164,7 +167,7 @@ class Comparison:
     """
 
     factors: tuple[str, ...]
-    groups: tuple[Group, ...]
+    groups: tuple[RowGroup, ...]
     spreads: dict[Measure, tuple[Spread | None, ...]]
     values: dict[Measure, Floats]
 
@@ -196,7 +199,7 @@ def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
     keys = list(zip(*(map(_shown, columns[factor]) for factor in factors), strict=True))
     keys = keys or [()] * len(columns["row"])
     groups = tuple(
-        Group(key, np.array([k for k, other in enumerate(keys) if other == key]))
+        RowGroup(key, np.array([k for k, other in enumerate(keys) if other == key]))
         for key in dict.fromkeys(keys)
     )
     named = (one for measure in measures() for one in measure.of_each(columns))
@@ -229,3 +232,107 @@ def spread(values: Floats) -> Spread | None:
 
 def _shown(value: Cell) -> str:
     return "" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """Cliff's delta of two groups, and the ends of the interval that holds the true one."""
+
+    delta: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """Two groups that differ in one factor only, and the effect of that on each telling measure.
+
+    An effect is None where no repetition has the figure in both.
+    """
+
+    one: RowGroup
+    other: RowGroup
+    effects: dict[Measure, Effect | None]
+
+
+def contrasts(compared: Comparison) -> Iterator[Contrast]:
+    """Yield every pair of groups that differ in one factor, the first factor's pairs first.
+
+    They are compared by the `telling` measures.
+    """
+    measures = compared.telling
+    for factor in range(len(compared.factors)):
+        for one, other in itertools.combinations(compared.groups, 2):
+            pairs = zip(one.values, other.values, strict=True)
+            differing = [k for k, (a, b) in enumerate(pairs) if a != b]
+            if differing == [factor]:
+                effects = {
+                    measure: cliffs_delta(
+                        compared.values[measure][one.rows], compared.values[measure][other.rows]
+                    )
+                    for measure in measures
+                }
+                yield Contrast(one, other, effects)
+
+
+def cliffs_delta(one: Floats, other: Floats) -> Effect | None:
+    """Return how often figures of `one` are above those of `other`, less how often below.
+
+    That is P(X > Y) - P(X < Y) over all pairs of rows, from -1 to 1: N. Cliff, "Dominance
+    statistics: Ordinal analyses to answer ordinal questions", Psychological Bulletin 114, 1993.
+    The k-th figures of both are of one repetition, which all combinations meet with the same
+    draws; repetitions in which either is missing (NaN) are left out, None if none is left. The
+    interval is the percentile bootstrap over repetitions, as that of `comparison.spread`.
+    """
+    count = min(len(one), len(other))
+    there = ~(np.isnan(one[:count]) | np.isnan(other[:count]))
+    x, y = one[:count][there], other[:count][there]
+    n = len(x)
+    if not n:
+        return None
+    order = np.argsort(y, kind="stable")
+    below = np.searchsorted(y[order], x, "left")
+    up_to = np.searchsorted(y[order], x, "right")
+
+    def deltas(times: Floats) -> Floats:
+        """Return the delta of each row of `times`: how often each repetition is taken."""
+        passed = np.concatenate([np.zeros((len(times), 1)), times[:, order].cumsum(axis=1)], axis=1)
+        # Of the sorted others, an x is above those before `below`, and below those from `up_to` on:
+        # passed[below] - (n - passed[up_to]).
+        above_less_below: Floats = passed[:, below] + passed[:, up_to] - n
+        dominance: Floats = (times * above_less_below).sum(axis=1)
+        return dominance / n**2
+
+    drawn = np.random.default_rng(0).multinomial(n, np.full(n, 1 / n), size=RESAMPLES)
+    tail = (1 - CONFIDENCE) / 2
+    low, high = np.quantile(deltas(drawn.astype(float)), [tail, 1 - tail])
+    return Effect(float(deltas(np.ones((1, n)))[0]), float(low), float(high))
+
+
+@dataclass(frozen=True)
+class StudyResults:
+    """Results of a study: their folder, and their table column by column."""
+
+    study: Study
+    folder: Path
+    columns: dict[str, list[Cell]]
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.columns["row"])
+
+    @cached_property
+    def comparison(self) -> Comparison:
+        """The rows in groups, one for each combination, and how their figures are spread."""
+        return compare(self.columns, factors(self.study))
+
+    @cached_property
+    def contrasts(self) -> tuple[Contrast, ...]:
+        """Effects of one factor alone: Cliff's delta with intervals."""
+        return tuple(contrasts(self.comparison))
+
+    @property
+    def failed(self) -> dict[int, str]:
+        """Errors of the rows that have no figures, by number."""
+        errors = zip(self.columns["row"], self.columns["error"], strict=True)
+        return {int(row or 0): str(error) for row, error in errors if error is not None}

@@ -1,27 +1,274 @@
-"""Running a study: rows on many processes, results in their order, as they come."""
+"""Execution of many trials: backends, worker processes and progress."""
 
 from __future__ import annotations
 
+import logging
+import os
+import signal
+import threading
+import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
-from floorplan import require
+from floorplan import UserError, require
 
-from ..core.folder_names import folder_for
+from ..core.output import folder_for
 from ..runs.run import Run
+from ..simulation import run
 from ..trials.trial import Trial
-from .definition import Row
+from .comparison import StudyResults
+from .design import Row, Study
 from .folder import RESULTS, StudyFolder, writing_to
-from .many import WorkerError, run_many
-from .measuring import error_in, figures_of, record_of
-from .parquet import write_parquet
 from .report import write_report
-from .results import StudyResults
-from .study import Study
-from .table import read_table
+from .table import error_in, figures_of, read_table, record_of, write_parquet
+
+if TYPE_CHECKING:
+    from joblib import Parallel
+
+
+AHEAD = "4 * n_jobs"
+"""Number of trials handed out before their results are asked for, as joblib reads it."""
+
+QUIET = "ignore:resource_tracker:UserWarning"
+"""The warnings of loky's resource tracker, as a filter of Python's."""
+
+
+@contextmanager
+def backend_of(name: str, jobs: int) -> Iterator[Parallel]:
+    """Yield what calls functions on the backend called `name`, and yields results in their order.
+
+    "dask" runs on the cluster of the current client; where there is none, on the one that
+    DASK_SCHEDULER_ADDRESS names, or on `jobs` local processes. `ValueError` if there is no such
+    backend or what it needs is not installed. What else uses joblib meanwhile is not affected.
+    """
+    import joblib
+
+    if name == "dask":
+        with _without_logs("distributed", "tornado.application", "asyncio"), _dask_client(jobs):
+            with joblib.parallel_config(backend="dask"):
+                parallel = joblib.Parallel(return_as="generator", pre_dispatch=AHEAD)
+            yield parallel
+        return
+    own = {}
+    if name == "loky":
+        own = {"initializer": _leave_interrupts_to_the_main_process}
+        if jobs != 1:
+            _start_quiet_tracker()
+    with joblib.parallel_config(backend=name, n_jobs=jobs, **own):
+        parallel = joblib.Parallel(return_as="generator", pre_dispatch=AHEAD)
+    yield parallel
+
+
+def _leave_interrupts_to_the_main_process() -> None:
+    """A terminal's Ctrl-C goes to all processes; one of them is enough to stop the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _start_quiet_tracker() -> None:
+    """Start the process in which loky keeps track of semaphores, without its warnings.
+
+    It warns of those that an interrupt catches between their making and their being forgotten,
+    cleans them up, and warns of those that are gone by then: nothing that anybody can use.
+    """
+    from joblib.externals.loky.backend import resource_tracker
+
+    before = os.environ.get("PYTHONWARNINGS")
+    os.environ["PYTHONWARNINGS"] = ",".join(filter(None, [before, QUIET]))
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        if before is None:
+            del os.environ["PYTHONWARNINGS"]
+        else:
+            os.environ["PYTHONWARNINGS"] = before
+
+
+@contextmanager
+def _without_logs(*names: str) -> Iterator[None]:
+    """Keep these logs silent: what goes wrong comes as an error, once."""
+    loggers = [logging.getLogger(name) for name in names]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+@contextmanager
+def _dask_client(jobs: int) -> Iterator[None]:
+    """See to it that there is a Dask client in this context: the current one, or one of its own."""
+    try:
+        import dask
+        from distributed import Client, LocalCluster, get_client
+    except ImportError:
+        raise UserError("the backend dask needs: pip install 'floorwalker[dask]'") from None
+    try:
+        get_client()
+    except ValueError:
+        pass
+    else:
+        yield
+        return
+    if dask.config.get("scheduler-address", None):
+        with Client():
+            yield
+        return
+    with _leaving_interrupts_to_this_process():
+        cluster = LocalCluster(
+            n_workers=jobs,
+            threads_per_worker=1,
+            # Any port will do: without an address Dask takes 8787, and warns where that is taken.
+            dashboard_address="localhost:0",
+            silence_logs=logging.CRITICAL,
+        )
+    with cluster, Client(cluster):
+        yield
+
+
+@contextmanager
+def _leaving_interrupts_to_this_process() -> Iterator[None]:
+    """Processes that are started in this context take no notice of Ctrl-C."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # there is no Ctrl-C in other threads, and no way to say so
+        return
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, usual)
+
+
+Kept = TypeVar("Kept")
+Failed = Callable[[Exception], Kept]
+
+_END: Any = object()
+
+_LABEL: ContextVar[str] = ContextVar("label", default="")
+"""Beginning of the warnings of the trial under way."""
+
+
+class WorkerError(RuntimeError):
+    """A process that ran trials came to an end."""
+
+
+@overload
+def run_many(
+    trials: Iterable[Trial], *, jobs: int | None = None, backend: str = "loky"
+) -> Iterator[Run]: ...
+
+
+@overload
+def run_many(
+    trials: Iterable[Trial],
+    *,
+    keep: Callable[[Run], Kept],
+    failed: Callable[[Exception], Kept] | None = None,
+    jobs: int | None = None,
+    backend: str = "loky",
+    label: Callable[[], str] = lambda: "",
+) -> Iterator[Kept]: ...
+
+
+def run_many(
+    trials: Iterable[Trial],
+    *,
+    keep: Callable[[Run], Any] | None = None,
+    failed: Callable[[Exception], Any] | None = None,
+    jobs: int | None = None,
+    backend: str = "loky",
+    label: Callable[[], str] = lambda: "",
+) -> Iterator[Any]:
+    """Run `trials` and yield their runs in the order of the trials, as they come.
+
+    They run on `jobs` processes (all cores by default) of a joblib `backend`; with "dask", on the
+    cluster of the current `dask.distributed` client, or a local one. The runs don't depend on
+    either. Each process works out once what belongs to a floor, however many trials are on it;
+    `trials` may be endless: no more than a few of each process are taken ahead.
+
+    Runs are large, and have to come from one process to another: `keep` takes each run where it
+    was made, and what it returns is yielded in its place. What a trial raises is raised here when
+    its turn comes, and ends all; with `failed`, what that makes of the error is yielded instead.
+    Warnings of programs begin with the `label` of the trial that was taken last.
+    `ValueError` if there is no such backend, `WorkerError` if a process dies.
+    """
+    import joblib
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    one = joblib.delayed(_left_of)
+    with backend_of(backend, jobs or os.cpu_count() or 1) as parallel:
+        results = parallel(one(trial, keep, failed, label()) for trial in trials)
+        try:
+            while True:
+                with _without_noise():
+                    result = next(results, _END)
+                if result is _END:
+                    break
+                yield result
+        except TerminatedWorkerError:
+            raise WorkerError(
+                "a worker process was killed or ran out of memory;"
+                " use fewer jobs if memory is short"
+            ) from None
+        finally:
+            with _without_noise():
+                results.close()
+
+
+def _left_of(
+    trial: Trial,
+    keep: Callable[[Run], Any] | None,
+    failed: Callable[[Exception], Any] | None,
+    label: str,
+) -> Any:
+    """Return what is to be kept of the run of a trial, or of its error."""
+    token = _LABEL.set(label)
+    logging.getLogger("bdi").addFilter(_labelled)
+    try:
+        finished = run(trial)
+    except Exception as why:  # the user's own controllers and laws may raise anything
+        if failed is None:
+            raise
+        return failed(why)
+    finally:
+        _LABEL.reset(token)
+    return finished if keep is None else keep(finished)
+
+
+def _labelled(warning: logging.LogRecord) -> bool:
+    """Put the label of the trial under way before a warning."""
+    warning.msg = f"{_LABEL.get()}{warning.msg}"
+    return True
+
+
+@contextmanager
+def _without_noise() -> Iterator[None]:
+    """Keep joblib's remarks on its workers, which are of no use, from the user.
+
+    That one was started anew; and, when rows are taken back, that loky's thread missed one.
+    """
+    usual = threading.excepthook
+
+    def hook(why: threading.ExceptHookArgs) -> None:
+        loky = why.thread is not None and why.thread.name == "ExecutorManagerThread"
+        if not (loky and why.exc_type is KeyError):
+            usual(why)
+
+    threading.excepthook = hook
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", category=UserWarning, module="joblib")
+            yield
+    finally:
+        threading.excepthook = usual
+
 
 Found = TypeVar("Found")
 

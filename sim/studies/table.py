@@ -1,20 +1,131 @@
-"""A study's results as CSV that grows line by line, and can be gone on with after any stop."""
+"""Table of results: rows, digests, CSV and Parquet."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Iterator
+import errno
+import hashlib
+import os
+import traceback
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
 from floorplan import UserError
 
+from ..core.custom_code import DEFECT, is_ours
 from ..core.output import replacing
-from ..record.lines import csv_line
-from ..record.strict_json import LARGEST_OF_ALL
-from .digests import Digests, digest_of
-from .measuring import Record
+from ..record.figures import FIGURES
+from ..record.outcome import csv_line
+from ..record.scene_file import LARGEST_OF_ALL
+from ..record.social_metrics import metrics
+from ..runs.run import Run
+from .design import Row
+
+LENGTH = 16
+"""Characters of one digest."""
+
+
+class Digests:
+    """The file at `path`, with the digest of one row after the other, opened to be gone on with.
+
+    A last one that was not written to its end is taken off again.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("a+b", buffering=0)
+        self._file.seek(0)
+        lines = self._file.read().decode("ascii", "replace").split("\n")[:-1]
+        self._known: list[str] = [*takewhile(lambda line: len(line) == LENGTH, lines)]
+        self.keep(len(self._known))
+
+    def __len__(self) -> int:
+        """Return the number of rows that are known."""
+        return len(self._known)
+
+    def knows(self, row: int, digest: str) -> bool:
+        """Return whether the row of that number had this digest when it was measured."""
+        return self._known[row] == digest
+
+    def keep(self, rows: int) -> None:
+        """Forget all but the first `rows`."""
+        del self._known[rows:]
+        self._file.truncate(rows * (LENGTH + 1))
+
+    def add(self, digest: str) -> None:
+        """Note the digest of the next row."""
+        line = f"{digest}\n".encode()
+        if self._file.write(line) < len(line):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        self._known.append(digest)
+
+    def close(self) -> None:
+        """Stop writing."""
+        self._file.close()
+
+
+def digest_of(cells: Iterable[tuple[str, str]]) -> str:
+    """The digest of a row: of its columns and texts, empty ones left out.
+
+    So it stays the same when the table gets columns that the row has nothing in.
+    """
+    text = "".join(f"{name}\0{cell}\0" for name, cell in cells if cell)
+    return hashlib.sha256(text.encode()).hexdigest()[:LENGTH]
+
+
+Record = dict[str, Any]
+"""One line of a study's results: column by column, numbers, texts, or None."""
+
+_LEFT_OUT = frozenset(path for path, figure in FIGURES.items() if not figure.column)
+
+
+def figures_of(finished: Run, *, with_metrics: bool = False) -> Record:
+    """Return the figures of a run: those of its summary, and its metrics if asked for.
+
+    Nothing here depends on where or when it ran.
+    """
+    summary = {key: value for key, value in finished.summary.items() if key not in _LEFT_OUT}
+    if with_metrics:
+        summary["metrics"] = metrics(finished)
+    return {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
+
+
+def error_in(why: Exception) -> Record:
+    """Return what stands in place of figures where a trial failed: what it raised, on one line.
+
+    An error that no input may cause is told apart, and has the place where it arose.
+    """
+    words = f"{type(why).__name__}: {why}"
+    if not is_ours(why) and not isinstance(why, OSError):
+        at = traceback.extract_tb(why.__traceback__)[-1]
+        words = f"{DEFECT}: {words} ({Path(at.filename).name}, line {at.lineno})"
+    return {"error": " ".join(words.split())}
+
+
+def record_of(row: Row, figures: Record) -> Record:
+    """Return the line of `row`: its number, its parameters, and its figures or error."""
+    record: Record = {"row": row.number}
+    record |= {name: _plain(value) for name, value in row.parameters.items()}
+    return record | figures
+
+
+def flat(figures: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Figures within figures by their names joined with dots; of a list, how long it is."""
+    for key, value in figures.items():
+        name = f"{above}{key}"
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{name}.")
+        elif isinstance(value, list | tuple):
+            yield name, len(value)
+        else:
+            yield name, value
+
+
+def _plain(value: Any) -> Any:
+    return " ".join(str(one) for one in value) if isinstance(value, tuple) else value
+
 
 Cell = str | float | None
 """A text, a number, or nothing."""
@@ -30,7 +141,7 @@ class TableError(UserError):
     """A file that holds no results, or damaged ones."""
 
 
-class Table:
+class ResultsTable:
     """The CSV file at `path`, opened to be gone on with.
 
     Every line is on disk as soon as it is added, and its digest in the file `DIGESTS` beside it. A
@@ -199,3 +310,23 @@ def _keep_lines(path: Path, count: int) -> None:
         end = file.tell()
         if file.read(1):
             file.truncate(end)
+
+
+def write_parquet(columns: Mapping[str, Sequence[Cell]], path: Path) -> bool:
+    """Write `columns` to `path`; whether pyarrow was there to do it."""
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        return False
+    arrays = {name: pyarrow.array(_alike(values)) for name, values in columns.items()}
+    with replacing(path) as unfinished:
+        parquet.write_table(pyarrow.table(arrays), unfinished)
+    return True
+
+
+def _alike(values: Sequence[Cell]) -> list[Cell]:
+    """The values of a column, whole numbers as floats where others are not whole."""
+    if any(isinstance(value, float) for value in values):
+        return [float(value) if isinstance(value, int) else value for value in values]
+    return list(values)

@@ -27,9 +27,8 @@ from floorplan import (
 )
 from navigation import PlannerChoice, PlannerError
 
-from ..core.manners import MannersEntry, Side, Spread
-from ..core.noticing import Drawn
-from ..core.own_source import OwnCodeError
+from ..core.custom_code import OwnCodeError
+from ..core.entries import AT_ONCE, Drawn, Duration, MannersEntry, Side, Spread, Start
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from ..core.scenario import (
     ANYWHERE,
@@ -39,23 +38,33 @@ from ..core.scenario import (
     TrialError,
     spot,
 )
-from ..core.start import AT_ONCE, Start
-from ..core.work import Duration
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
-from ..people.own_actions import modules_of, sources_of
-from ..people.planners import planner_source
-from ..people.programs import EXTERNAL, find_program
+from ..people.programs import EXTERNAL, find_program, modules_of, planner_source, sources_of
 from ..people.steering.own_steering import steering_source
-from ..people.tracks.walks import track_faults
-from .budget import budget_faults
-from .command_checks import command_faults
+from ..people.tracks.recorded_walks import track_faults
 from .expectations import expectation_problems
-from .names import agvs, checked_name, machines, orders, parts, people, stations
-from .own_events import event_kinds, own_event_kinds
-from .place_checks import closed_place_faults, door_faults, obstacle_faults
-from .work_checks import list_faults, person_faults
+from .feasibility import (
+    budget_faults,
+    closed_place_faults,
+    command_faults,
+    door_faults,
+    list_faults,
+    obstacle_faults,
+    person_faults,
+)
+from .names import (
+    agvs,
+    checked_name,
+    event_kinds,
+    machines,
+    orders,
+    own_event_kinds,
+    parts,
+    people,
+    stations,
+)
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
 """Names that people may have."""

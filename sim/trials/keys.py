@@ -1,53 +1,164 @@
-"""The keys of a trial file: how they are read, and the values that they stand for."""
+"""Keys of a trial file and of commands, and the values that they stand for."""
 
 from dataclasses import replace
-from typing import Annotated, Any
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    Discriminator,
-    Field,
-    Tag,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from floorplan import (
     Flag,
     NotNegative,
     Number,
+    Obstacle,
+    ObstacleSchema,
     Pair,
     Positive,
     Range,
     Strictly,
     UserError,
+    footprint,
+    read_yaml,
     suggestion,
     whole,
 )
 from navigation import PlannerChoice
 
-from ..core.blackout import Blackout
-from ..core.keys import Keys
-from ..core.manners import MannersEntry, Side
-from ..core.noticing import NoticingEntry
-from ..core.recorded_track import RecordedTrack
+from ..core.entries import (
+    COMMANDS,
+    Blackout,
+    Command,
+    Keys,
+    MannersEntry,
+    NoticingEntry,
+    RecordedTrack,
+    Side,
+    Start,
+)
 from ..core.rules import PAPER
 from ..core.scenario import (
     ASSUMED,
     USUAL_PLANNER,
     PersonalityChange,
     PersonEntry,
+    Scenario,
     Source,
+    TrialError,
 )
-from ..core.start import Start
-from ..machines.agv.keys import AgvKeys
-from ..machines.gantry.keys import GantryKeys
+from ..machines.agv.model import AgvKeys
+from ..machines.gantry.model import GantryKeys
 from .checks import CONDITIONS, LARGEST_SEED, NAME
-from .command_keys import CommandEntries
-from .place_keys import DoorKeys, TimedKeys
+from .feasibility import command_faults
 from .rules_file import RuleKeys
-from .work_keys import DrawnKeys, Length, TimeOfDay, WorkerKeys, WorkListEntry, time_of_day
+from .schedule_keys import (
+    DoorKeys,
+    DrawnKeys,
+    Length,
+    TimedKeys,
+    TimeOfDay,
+    WorkerKeys,
+    WorkListEntry,
+    time_of_day,
+)
+
+_Made = TypeVar("_Made", bound=Scenario)
+
+
+class _Keys(Keys):
+    stands_for = Command
+    time: NotNegative
+
+
+class _Send(_Keys):
+    send: str
+    to: Pair | str
+
+
+class _Block(ObstacleSchema):
+    time: NotNegative
+    block: Annotated[str, Field(min_length=1)]
+    z: Range = (0.0, 1.0)
+
+    def value(self) -> Command:
+        return Command(self.time, block=Obstacle(self.block, footprint(self), *self.z))
+
+
+class _Clear(_Keys):
+    clear: str
+
+
+class _Hold(_Keys):
+    hold: str
+
+
+class _Release(_Keys):
+    release: str
+
+
+def _one_command(value: Any) -> Any:
+    if isinstance(value, dict) and len(value.keys() & {*COMMANDS}) != 1:
+        raise UserError(f"give a time and one of {', '.join(COMMANDS)}")
+    return value
+
+
+def _command_tag(value: Any) -> str:
+    """Return which command it is, by a word that is none of its keys."""
+    named = (name for name in COMMANDS if isinstance(value, dict) and name in value)
+    return f"to {next(named, COMMANDS[0])}"
+
+
+_Command = Annotated[
+    Annotated[
+        Annotated[_Send, Tag("to send")]
+        | Annotated[_Block, Tag("to block")]
+        | Annotated[_Clear, Tag("to clear")]
+        | Annotated[_Hold, Tag("to hold")]
+        | Annotated[_Release, Tag("to release")],
+        Discriminator(_command_tag),
+    ],
+    BeforeValidator(_one_command),
+]
+
+CommandEntries = Annotated[
+    Annotated[str, Tag("file")] | Annotated[list[_Command], Tag("list")],
+    Discriminator(lambda value: "file" if isinstance(value, str) else "list"),
+]
+"""Commands in order of time, or the file that has them."""
+
+
+class _CommandFile(Strictly):
+    commands: list[_Command]
+
+
+class _OneCommand(Strictly):
+    command: _Command
+
+
+def commanded(trial: _Made, path: Path) -> _Made:
+    """Return the trial with the commands in the file at `path`.
+
+    `TrialError` names the file, and the lines in it that can't be or can't be in this trial.
+    """
+    document = read_yaml(path, TrialError)
+    commands = commands_of(document.checked(_CommandFile, TrialError).commands)
+    made = replace(trial, commands=commands)
+    problems = [document.problem(said, "commands", *at) for said, at in command_faults(made)]
+    if problems:
+        raise TrialError(document.file, problems)
+    return made
+
+
+def commands_of(entries: list[Any]) -> tuple[Command, ...]:
+    """Return the commands that the keys stand for."""
+    return tuple(entry.value() for entry in entries)
+
+
+def read_command(keys: Any) -> Command:
+    """Return the command with these keys; pydantic's `ValidationError` says what is wrong."""
+    command: Command = _OneCommand.model_validate({"command": keys}).command.value()
+    return command
+
 
 _Planner = Annotated[Any, AfterValidator(PlannerChoice.of)]
 """A planner: its name, or `{name: RRTConnect, range: 1.0}`."""

@@ -1,36 +1,154 @@
-"""Trials: scenarios that are read from files, and written into them."""
+"""Trials: load, shorten and save scenarios, and warn about likely mistakes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import bdi
 import floorplan
-from floorplan import Document, Floorplan, Place, Problem, suggestion
+from floorplan import Document, Fault, Floorplan, Place, Problem, suggestion
 
-from ..core.machine_model import MachineEntry
+from ..core.custom_code import OwnCodeError
+from ..core.entries import WorkList
 from ..core.output import write_whole
-from ..core.own_source import OwnCodeError
-from ..core.scenario import PersonEntry, Scenario, TrialError
-from ..core.work import WorkList
-from ..machines.agv.moves import MOST_MOVES, number_of
+from ..core.scenario import PersonEntry, Scenario, TrialError, spot
+from ..core.stage import DoorTimes, Interval, MachineEntry
+from ..machines.agv.model import MOST_MOVES, number_of
 from ..machines.gantry.controllers import ControllerError, controller_source
+from ..machines.gantry.robot import GANTRY
+from ..machines.kinds import KINDS, far_laws, is_own
 from ..orders import reading
-from ..people.own_actions import modules_of
-from ..people.programs import load_program
-from .budget import people_fault
+from ..people.programs import load_program, modules_of
 from .checks import faults
-from .command_keys import commanded, commands_of
-from .keys import TrialKeys
-from .likely_slips import likely_slips
-from .own_names import out_of_reach
+from .feasibility import people_fault
+from .keys import TrialKeys, commanded, commands_of
 from .rules_file import build_rules
-from .trial_writing import to_yaml
-from .work_keys import at_instants, shift_at_instants
+from .schedule_keys import at_instants, shift_at_instants
+from .writing import out_of_reach, to_yaml
+
+_Made = TypeVar("_Made", bound=Scenario)
+
+
+def lasting(trial: _Made, seconds: float) -> _Made:
+    """Return the trial with this duration; what would begin after its end is left out."""
+    if seconds >= trial.duration:
+        return replace(trial, duration=seconds, until_submitted=False)
+    timed = ((one, _begun(one.there, seconds)) for one in trial.obstacles)
+    return replace(
+        trial,
+        duration=seconds,
+        until_submitted=False,
+        people=tuple(_of_person(person, seconds) for person in trial.people),
+        work={
+            name: replace(held, tasks=tuple(task for task in held.tasks if task.time < seconds))
+            for name, held in trial.work.items()
+        },
+        doors={name: _of_door(times, seconds) for name, times in trial.doors.items()},
+        obstacles=tuple(replace(one, there=there) for one, there in timed if there),
+    )
+
+
+def _of_person(person: PersonEntry, end: float) -> PersonEntry:
+    return replace(
+        person,
+        schedule=tuple(task for task in person.schedule if task.time < end),
+        breaks=tuple(task for task in person.breaks if task.time < end),
+        shifts=_begun(person.shifts, end),
+    )
+
+
+def _of_door(times: DoorTimes, end: float) -> DoorTimes:
+    closed, opened = (
+        None if given is None else _begun(given, end) for given in (times.closed, times.open)
+    )
+    return DoorTimes(closed, opened)
+
+
+def _begun(intervals: tuple[Interval, ...], end: float) -> tuple[Interval, ...]:
+    return tuple(one for one in intervals if one[0] < end)
+
+
+FASTEST = 4.0
+"""m/s. Whoever is faster runs."""
+
+VISITOR = "visitor"
+"""The built-in personality that goes to its sink."""
+
+
+def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
+    """Return a notice on each likely slip: a name that is nobody's, an idle sink, an odd figure.
+
+    Names in rule sets and floors of files of their own may be those of other trials: they are left
+    out.
+    """
+    faults = [*_laws(trial, document.data.get("rules")), *_places(trial, document.data)]
+    entries = document.data.get("people") or ()
+    faults += [*_sinks(trial, entries), *_speeds(entries), *_far_laws(trial)]
+    return tuple(document.problem(message, *place) for message, place in faults)
+
+
+def _laws(trial: Scenario, rules: Any) -> Iterator[Fault]:
+    """Yield the laws for machines, or kinds of them, that are not there."""
+    if not isinstance(rules, dict) or any(is_own(entry) for entry in trial.machines.values()):
+        return  # code of one's own says itself of what kind its machine is
+    lanes = [lane.name for lane in trial.floorplan.lanes]
+    machines = [*([GANTRY] if trial.floorplan.gantry else []), *lanes, *trial.machines]
+    known = dict.fromkeys((*machines, *KINDS))
+    for name in rules.get("laws", ()):
+        if name not in known:
+            hint = suggestion(name, known)
+            yield f"no machine and no kind is called {name!r}; {hint}", ("rules", "laws", name)
+
+
+def _speeds(entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
+    """Yield the walking speeds at which nobody walks."""
+    for k, keys in enumerate(entries):
+        speed = keys.get("max_speed")
+        if isinstance(speed, int | float) and speed > FASTEST:
+            message = f"{speed:g} m/s are {3.6 * speed:g} km/h, and nobody walks so fast"
+            yield message, ("people", k, "max_speed")
+
+
+def _far_laws(trial: Scenario) -> Iterator[Fault]:
+    """Yield the laws that nobody can keep on a floor so small."""
+    for key, metres in far_laws(trial).items():
+        message = f"{key} asks for {metres:,.0f} m, far more than the floor is long"
+        yield f"{message}; its terms are in seconds and metres", ("rules", *key.split("."))
+
+
+def _sinks(trial: Scenario, entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
+    """Yield the sinks of those who walk the stations, where there is none."""
+    stations = {station.position for station in trial.floorplan.patrolled}
+    for k, keys in enumerate(entries):
+        personality = keys.get("personality", PersonEntry.personality)
+        if "sink" not in keys or personality == VISITOR or personality not in bdi.programs():
+            continue
+        if spot(trial.floorplan, keys["sink"]) not in stations:
+            message = f"no station is there, and {personality} people go to no other place"
+            yield f"{message}; those of the personality {VISITOR} do", ("people", k, "sink")
+
+
+def _places(trial: Scenario, data: dict[str, Any]) -> Iterator[Fault]:
+    """Yield the zones and gates that concern, by a name or pattern, nobody who is there."""
+    floor = data["floorplan"]
+    if not isinstance(floor, dict):
+        return
+    bodies = [person.name for person in trial.people]
+    bodies += [lane.name for lane in trial.floorplan.lanes] + [*trial.machines]
+    for key, places in (("zones", trial.floorplan.zones), ("gates", trial.floorplan.gates)):
+        for place in places:
+            if place.name not in floor.get(key, ()):
+                continue
+            for k, pattern in enumerate(place.concerns):
+                alone = replace(place, concerns=(pattern,))
+                if bodies and not any(map(alone.is_about, bodies)):
+                    message = f"nobody is called {pattern!r}; {suggestion(pattern, bodies)}"
+                    yield message, ("floorplan", key, place.name, "concerns", k)
+
 
 BUILT_IN = Path(__file__).parents[1] / "data" / "trials"
 """Folder of the trials that come with Floorwalker."""

@@ -9,13 +9,13 @@ from typing import Any
 from floorplan import Floorplan, Gantry, Gate, Lane, Obstacle, Zone
 from navigation import AnyLaw, Piece, SeparationLaw, required_at_speeds
 
-from ..core.machine import MachineShape
+from ..core.body import MachineShape
 from ..core.recorder import rounded
 from ..core.rules import RuleSet
 from ..machines.kinds import rails_under
 from ..record.figures import COSTS
 from ..record.outcome import Outcome
-from ..safety.requirement_curve import is_plain
+from ..safety.laws import is_of_speeds_alone
 from .replay import FORMAT
 
 
@@ -168,7 +168,7 @@ def _watches(run: Outcome) -> list[dict[str, Any]]:
 
 
 def _law(law: AnyLaw) -> dict[str, float]:
-    """A plain law (see `is_plain`) by its terms."""
+    """A plain law (see `is_of_speeds_alone`) by its terms."""
     if isinstance(law, SeparationLaw):
         terms = {"t1": law.t1, "t2": law.t2}
         return {**terms, "stopping": law.stopping, "intrusion": law.intrusion}
@@ -181,7 +181,7 @@ def _notice(rules: RuleSet, law: AnyLaw) -> dict[str, Any]:
     if scaled.law == law:
         return notice
     # The page can't draw the distance of another law that is not plain.
-    return {**notice, "notice_law": _law(scaled.law)} if is_plain(scaled.law) else {}
+    return {**notice, "notice_law": _law(scaled.law)} if is_of_speeds_alone(scaled.law) else {}
 
 
 def piece_data(piece: Piece) -> list[Any]:

@@ -1,12 +1,93 @@
-"""Reports: HTML pages of one look that need nothing else."""
+"""HTML reports: colours, charts as SVG elements, and the writer of a page."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import io
+import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
+
+from floorplan import UserError
 
 from ..core.output import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+class MissingExtraError(ImportError, UserError):
+    """A package that Floorwalker can do without, but not here; the message says how to get it."""
+
+
+# M. Okabe and K. Ito, "Color universal design", 2008.
+BLUE = "#0072b2"
+ORANGE = "#e69f00"
+VERMILION = "#d55e00"
+GREEN = "#009e73"
+PURPLE = "#cc79a7"
+SKY = "#56b4e9"
+
+# Beside them, for what is not told apart by its colour.
+BLACK = "#222222"
+GREY = "#8a8a8a"
+PALE = "#d9d9d9"
+PALE_ORANGE = "#fbe6bd"
+BROWN = "#8a6d3b"
+
+
+INK = "#123456"
+"""Stands for the page's colour of text, and is replaced by it."""
+
+COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN)
+"""Colours of rows and lines, in their order."""
+
+
+def page_chart(name: str, size: tuple[float, float], draw: Callable[[Figure], None]) -> str | None:
+    """Return what `draw` draws, `size` inches wide and high, as an SVG element.
+
+    `name` is that of no other chart on the page. None if matplotlib is not there.
+    """
+    try:
+        import matplotlib as mpl
+        from matplotlib.figure import Figure
+    except ImportError:
+        return None
+    settings: Any = {"svg.fonttype": "none", "svg.hashsalt": name, "font.size": 10}
+    settings |= dict.fromkeys(("text.color", "axes.edgecolor", "axes.labelcolor"), INK)
+    settings |= {"xtick.color": INK, "ytick.color": INK, "font.family": "sans-serif"}
+    with mpl.rc_context(settings):
+        figure = Figure(figsize=size, layout="constrained")
+        draw(figure)
+        text = io.StringIO()
+        figure.savefig(text, format="svg", transparent=True, metadata={"Date": None})
+    return _for_a_page(text.getvalue())
+
+
+def name_rows(axes: Axes, names: Sequence[str]) -> None:
+    """Name the rows of a chart, the first on top, and leave nothing but a grid around them."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.tick_params(axis="y", length=0)
+    axes.spines[["left", "right", "top"]].set_visible(False)
+    draw_grid(axes, "x")
+
+
+def draw_grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
+    """Draw the grid of a chart, below what it shows."""
+    axes.grid(axis=which, alpha=0.2, color=INK)
+    axes.set_axisbelow(True)
+
+
+def _for_a_page(drawn: str) -> str:
+    """The SVG element alone, in the page's colour of text."""
+    return as_element(drawn).replace(INK, "currentColor")
+
+
+def as_element(drawn: str) -> str:
+    """Return the SVG element of a drawn file alone, without what is said about it."""
+    return re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
 
 
 def write_report_page(

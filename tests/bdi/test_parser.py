@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import bdi
-from bdi.language.texts import parse_term
+from bdi.language.loading import parse_term
 
 PIECES = st.sampled_from(
     [

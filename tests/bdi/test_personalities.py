@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import bdi
-from bdi.language import kept
+from bdi.language import loading as kept
 from bdi.language.terms import TRUE
 
 STATIONS = ["station(s1,0,0)", "station(s2,10,0)", "station(s3,10,10)", "station(s4,0,10)"]

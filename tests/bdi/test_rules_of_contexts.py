@@ -9,8 +9,7 @@ import pytest
 import bdi
 from bdi.language.substitution import Unifier, substitute
 from bdi.language.terms import Term
-from bdi.reasoning.compiled import answers, condition
-from bdi.reasoning.logic import Logic
+from bdi.reasoning.logic import Logic, answers, condition
 
 FORMULAS = (
     "p(X)",

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import bdi
-from bdi.language.order import compare
-from bdi.language.substitution import Names, rename, substitute, variable_names
+from bdi.language.substitution import Names, compare, rename, substitute, variable_names
 from bdi.language.terms import is_ground
 from bdi.language.unification import unify
 

@@ -14,17 +14,16 @@ import bdi
 import floorplan
 import sim
 from navigation.benchmark import map_of, scenes_of
-from sim.bridge import Connection, Exchange, Workcell
+from sim.bridge import Exchange, RosbridgeConnection, Workcell
 from sim.bridge.client import Client
-from sim.bridge.ledger import Account, Ledger
-from sim.bridge.remote_person import RemotePerson
+from sim.bridge.protocol import Account, Ledger
+from sim.bridge.remote_agent import RemotePerson
 from sim.commands.percept_script import read_percepts
-from sim.people.tracks.bags import read_bag_tracks
-from sim.people.tracks.jupedsim_tracks import read_jupedsim_tracks
-from sim.people.tracks.text_tracks import read_parquet_tracks
+from sim.people.tracks.recorded_walks import read_bag_tracks
+from sim.people.tracks.tables import read_jupedsim_tracks, read_parquet_tracks
+from sim.studies.comparison import StudyResults
 from sim.studies.folder import StudyFolder
 from sim.studies.report import write_report
-from sim.studies.results import StudyResults
 from sim.studies.table import read_table
 from sim.views.replay import recordings_in, render
 from sim.views.replay_data import replay_data
@@ -165,7 +164,7 @@ def to_agent(path):
 
     async def take():
         trial = sim.Trial.parse(SERVED)
-        connection = Connection("ws://nowhere")
+        connection = RosbridgeConnection("ws://nowhere")
         RemotePerson(
             trial,
             trial.people[0],

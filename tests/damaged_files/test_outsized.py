@@ -9,7 +9,7 @@ import pytest
 
 import floorplan
 import sim
-from sim.trials.command_keys import commanded
+from sim.trials.keys import commanded
 
 from .readers import READERS, prepare
 

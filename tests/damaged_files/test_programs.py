@@ -5,9 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import bdi
-from bdi.language.facts import plain_fact
-from bdi.language.parser import parse_clause
-from bdi.language.tokens import clauses, tokenize
+from bdi.language.parser import clauses, parse_clause, plain_fact, tokenize
 
 ENDLESS = {
     "a goal that calls itself": "!g. +!g <- !g.",

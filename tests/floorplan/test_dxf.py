@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floorplan
-from floorplan.dxf_file import TOLD, open_drawing
+from floorplan.formats.dxf import TOLD, open_drawing
 
 ezdxf = pytest.importorskip("ezdxf")
 

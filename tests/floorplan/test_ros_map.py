@@ -7,7 +7,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import floorplan
-from floorplan.trace import trace
+from floorplan.formats.raster import trace
 
 FREE, UNKNOWN, OCCUPIED = 254, 205, 0
 

@@ -74,7 +74,7 @@ def test_missing_file():
 
 @given(st.text(alphabet="POLYGN()0123. ,-e\n", max_size=60))
 def test_any_text_is_a_floor_or_one_clear_error(text):
-    from floorplan.wkt import parse_wkt
+    from floorplan.formats.wkt import parse_wkt
 
     try:
         plan = parse_wkt(text)

@@ -25,9 +25,8 @@ from navigation.benchmark import (
     write_csv,
     write_ompl_log,
 )
-from navigation.benchmark.attempts import Judge, Spent
-from navigation.benchmark.contenders import Answer
-from navigation.benchmark.geometry import ompl_clearance, ompl_smoothness
+from navigation.benchmark.measuring import Evaluator, Spent, ompl_clearance, ompl_smoothness
+from navigation.benchmark.peers import Answer
 
 
 @pytest.fixture(scope="module")
@@ -280,7 +279,7 @@ def test_senseless_terms_are_refused(options, words):
 
 def test_wrong_answers_are_noticed():
     asked = Asked("barred", "somebody", 0, 0, 0, (1, 2), (9, 2), (), 14.0, math.nan, 1.5)
-    judge = Judge(CollisionWorld(BARRED), 0.3)
+    judge = Evaluator(CollisionWorld(BARRED), 0.3)
 
     def fault(points, reason="", **other):
         line = None if points is None else np.array(points, dtype=float)

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from navigation.benchmark import Asked, Attempt, cost_over_time, success_over_time
-from navigation.benchmark.contenders import Progress
-from navigation.benchmark.statistics import median, share
+from navigation.benchmark.peers import Progress
+from navigation.benchmark.reports import median, share
 
 
 @pytest.mark.parametrize("n", [1, 4, 10, 50, 200])

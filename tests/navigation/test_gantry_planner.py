@@ -9,7 +9,7 @@ from shapely.geometry import box
 import floorplan
 from floorplan import Obstacle
 from navigation import PlanningError
-from navigation.gantry_planner import GantryPlanner
+from navigation.planner import GantryPlanner
 
 
 @pytest.fixture(scope="module")

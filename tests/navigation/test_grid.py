@@ -11,8 +11,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from navigation import CHUNK, Legs, WaysRound, numbers
+from navigation.freespace import Walls
 from navigation.kernels.grid import block_discs, grid_path
-from navigation.walls import Walls
 
 HALL = shapely.box(-40.0, -40.0, 40.0, 40.0)
 CELL, RADIUS = 0.3, 0.2

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from navigation import quadrature
+from navigation import polynomials as quadrature
 from navigation.kernels import COMPILED
 
 AS_PYTHON = """
@@ -56,7 +56,8 @@ for _ in range(40):
     digest.update(repr(remote).encode())
     for law in laws:
         for stop in stops if hasattr(law, "distance") else ():
-            found = navigation.Lookout(law, 0.01).safe_until(machine.table, stop, people, 2.0, 0.2)
+            horizon = navigation.StoppingHorizon(law, 0.01)
+            found = horizon.safe_until(machine.table, stop, people, 2.0, 0.2)
             digest.update(repr((found, [*stop.table(machine.table, 3.0)])).encode())
         for solids in (None, shapes):
             digest.update(repr((

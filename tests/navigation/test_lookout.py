@@ -60,7 +60,7 @@ def test_a_motion_is_safe_for_as_long_as_it_is_said_and_no_longer(gantry, ends, 
         known = navigation.is_of_speeds(law)
         fixed = -1.0 if known else navigation.required_at_speeds(law, speed, TOP) + MARGIN
         rows += (x, y, speed, fixed)
-    lookout = navigation.Lookout(law, MARGIN)
+    lookout = navigation.StoppingHorizon(law, MARGIN)
     until, who = lookout.safe_until(motion.table, stops, rows, NOW, LEAST)
     looks = [NOW]
     while looks[-1] < motion.end:

@@ -16,8 +16,8 @@ import floorplan
 import navigation
 from navigation import AxisLimits, AxisState, Motion, Piece, State
 from navigation.kernels.pieces import along_legs
+from navigation.machines import to_position
 from navigation.motion import motion_of
-from navigation.profiles import to_position
 
 coordinate = st.floats(-20, 20)
 point = st.tuples(coordinate, coordinate)

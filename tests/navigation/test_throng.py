@@ -5,7 +5,7 @@ import math
 import shapely
 
 import navigation
-from navigation.walls import Walls
+from navigation.freespace import Walls
 
 NOW, GAP, RADIUS = 3.0, 0.006, 0.3
 NOWHERE = (False, math.inf, math.inf)

@@ -8,7 +8,7 @@ import shapely
 
 import navigation
 from navigation import numbers
-from navigation.walls import Walls
+from navigation.freespace import Walls
 
 GAP = 0.006
 START, TOP, FASTEST, ACCELERATION = 7.0, 0.9, 1.2, 2.5

@@ -14,7 +14,7 @@ import bdi
 import navigation
 import sim
 from floorplan import starting_fault
-from sim.core.closures import DoorTimes
+from sim.core.stage import DoorTimes
 
 from .floors import divided_floor, random_floor, standing_place
 

@@ -11,7 +11,7 @@ from replay_viewer import Viewer
 from waiting import HANG
 
 from sim.cli import main
-from sim.views.chromium import installed_chromium
+from sim.views.browser import installed_chromium
 
 ARGUMENTS = [
     "--no-sandbox",

@@ -8,8 +8,8 @@ import typer
 
 import floorplan
 from navigation.benchmark import benchmark, summary
-from sim.commands.benchmark import benchmark as command
-from sim.views.benchmark import write_page
+from sim.commands.plan import benchmark as command
+from sim.views.benchmark_page import write_page
 
 ROWS = ["........", "..@@@...", "..@.....", "....@@..", "........", "........"]
 MAP = "\n".join(["type octile", "height 6", "width 8", "map", *ROWS])

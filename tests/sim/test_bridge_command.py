@@ -7,7 +7,7 @@ import pytest
 from bridge_parts import Client, Command, relay, require_whole
 
 import sim
-from sim.trials.command_keys import commanded
+from sim.trials.keys import commanded
 
 OUTSIDE = """
 floorplan: ariac2023

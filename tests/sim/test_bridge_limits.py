@@ -15,7 +15,7 @@ from waiting import HANG, until
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from sim.bridge import OriginError, Origins
-from sim.bridge.ledger import Ledger
+from sim.bridge.protocol import Ledger
 
 TEXT = "std_msgs/String"
 UPGRADE = (

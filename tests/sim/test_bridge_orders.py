@@ -4,11 +4,10 @@ import pytest
 from bridge_parts import Client, served
 
 import sim
-from sim.bridge.message_types import conform, message_type
-from sim.bridge.readings import order_message
-from sim.orders import AssemblyTask, CombinedTask, KittingTask, Order, Part
+from sim.bridge.messages import conform, message_type, order_message
+from sim.orders import AssemblyTask, CombinedTask, KittingTask, Order, PartType
 
-PUMP, BATTERY = Part("purple", "pump"), Part("red", "battery")
+PUMP, BATTERY = PartType("purple", "pump"), PartType("red", "battery")
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.uri import parse_uri
 
 import sim
-from sim.bridge.ledger import Ledger
-from sim.bridge.outbox import LONGEST_QUEUE
+from sim.bridge.client import LONGEST_QUEUE
+from sim.bridge.protocol import Ledger
 
 SOUND = ("/clock", "/ariac_human/state", "/tf", "/joint_states")
 

@@ -7,8 +7,8 @@ import pytest
 
 import sim
 from sim.core.clock import Clock
-from sim.people.entrances import LOOKS_AGAIN, Entrances
-from sim.trials import budget
+from sim.people.person import LOOKS_AGAIN, Entrances
+from sim.trials import feasibility as budget
 
 HALL = """
 floorplan:

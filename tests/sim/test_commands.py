@@ -7,7 +7,7 @@ from shapely.geometry import box
 
 import sim
 from floorplan import Obstacle
-from sim.trials.command_keys import commanded
+from sim.trials.keys import commanded
 
 TRIAL = """
 floorplan: ariac2023

@@ -9,10 +9,8 @@ from hypothesis import strategies as st
 from run_events import events, first
 
 import sim
-from sim.trials.comparison import Comparison
-from sim.trials.expectations import expectation_problems, verdicts
-from sim.trials.occurrences import complement
-from sim.trials.summary_fields import summary_fields
+from sim.trials.expectations import expectation_problems, summary_fields, verdicts
+from sim.trials.timeline import NumberCondition, complement
 
 TRIAL = """\
 floorplan: ariac2023
@@ -297,17 +295,17 @@ def test_every_figure_of_the_summary_can_be_expected(run):
 
 @given(st.floats(-100, 100), st.floats(0, 10), st.floats(-120, 120))
 def test_a_tolerance_is_what_it_says(middle, more, figure):
-    wanted = Comparison.parse(f"{middle!r} ± {more!r}")
+    wanted = NumberCondition.parse(f"{middle!r} ± {more!r}")
     low, high = (Fraction(repr(middle)) + sign * Fraction(repr(more)) for sign in (-1, 1))
     assert wanted.passes(figure) == (float(low) <= figure <= float(high))
 
 
 def test_a_tolerance_is_meant_in_decimals():
-    wanted = Comparison.parse("0.7 ± 0.1")
+    wanted = NumberCondition.parse("0.7 ± 0.1")
     assert wanted.passes(0.8)
     assert wanted.passes(0.6)
     assert not wanted.passes(0.8000001)
-    assert str(Comparison.parse("27.53674 +/- 0.000001")) == "27.53674 ± 0.000001"
+    assert str(NumberCondition.parse("27.53674 +/- 0.000001")) == "27.53674 ± 0.000001"
 
 
 @given(st.lists(st.floats(0, 10), max_size=8, unique=True))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sim
-from sim.core.events import Goal
+from sim.core.events import GoalChanged
 from sim.record.figures import FIGURES, SummaryFigure
 from sim.record.summary import figures_in_words
 from sim.record.words import plain
@@ -25,7 +25,7 @@ def own_figures(monkeypatch):
         of=lambda run: sum(len(motion.pieces) > 1 for motion in run.motions.values()),
         label="goals set",
         words=plain,
-        events=(Goal, {}),
+        events=(GoalChanged, {}),
         measure="chief",
     )
     waits = SummaryFigure(path="people.NAME.waits", of=lambda run, person: 0, label="waits")

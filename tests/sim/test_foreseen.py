@@ -4,7 +4,8 @@ import pytest
 
 import sim
 from navigation import Cylinder, Shapes, agv_box, minimum_separation
-from sim.people import foreseen, walker
+from sim.people import walker
+from sim.people.steering import vehicle_conflicts as foreseen
 
 TRIAL = """
 floorplan: ariac2023

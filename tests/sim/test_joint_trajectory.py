@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 
 import floorplan
 from navigation import State, standing
-from sim.bridge.message_types import conform, message_type
-from sim.bridge.readings import JOINTS, joint_state, joint_values, pose_of
-from sim.bridge.trajectory import TrajectoryError, target_of, trajectory_motion
+from sim.bridge.machine_topics import TrajectoryError, target_of, trajectory_motion
+from sim.bridge.messages import JOINTS, conform, joint_state, joint_values, message_type, pose_of
 
 GANTRY = floorplan.load("ariac2023").gantry
 TYPE = message_type("trajectory_msgs/JointTrajectory")

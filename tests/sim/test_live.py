@@ -16,8 +16,8 @@ from run_events import record
 from waiting import HANG, Hand, until
 
 import sim
-from sim.live.page_server import PageServer, Stream
-from sim.trials.command_keys import commanded
+from sim.live.page_server import MessageStream, PageServer
+from sim.trials.keys import commanded
 
 
 def get(server, path="/", method="GET", body=None, **headers):
@@ -67,7 +67,7 @@ def _other_address():
 
 
 def test_head_is_answered_with_the_headers_alone():
-    with PageServer(lambda: "<p>ä</p>", stream=Stream()) as server:
+    with PageServer(lambda: "<p>ä</p>", stream=MessageStream()) as server:
         for path, kind in (("/", "text/html; charset=utf-8"), ("/stream", "text/event-stream")):
             response = get(server, path, "HEAD")
             assert (response.status, response.getheader("Content-Type")) == (200, kind)
@@ -84,7 +84,7 @@ def test_a_port_that_is_taken_is_said():
 
 
 def test_a_late_reader_gets_every_message_and_one_who_comes_back_the_rest():
-    stream = Stream()
+    stream = MessageStream()
     for k in range(3):
         stream.send(json.dumps(k))
     with PageServer(lambda: "", stream=stream) as server:
@@ -98,7 +98,7 @@ def test_a_late_reader_gets_every_message_and_one_who_comes_back_the_rest():
 
 
 def test_messages_come_as_they_are_sent():
-    stream = Stream()
+    stream = MessageStream()
     got = stream.messages()
     thread = threading.Thread(target=lambda: stream.send("1"))
     thread.start()

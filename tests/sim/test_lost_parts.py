@@ -6,7 +6,7 @@ import pytest
 from run_events import events
 
 import sim
-from sim.orders import Item, Part
+from sim.orders import Item, PartType
 
 JOBS = """
 floorplan: ariac2023
@@ -133,7 +133,7 @@ def test_the_real_sample_file_has_faulty_and_dropped_parts(shared_data):
     assert work.faulty == {"MMB30H56": {1, 2}, "MMB30H00": {1}}
     assert work.drops == (sim.Drop("green battery", 1, 2.0),)
     assert {slot for slot, item in work.bins["bin6"].items() if item.faulty} == {3, 7}
-    assert work.bins["bin6"][3] == Item(Part("blue", "battery"), faulty=True)
+    assert work.bins["bin6"][3] == Item(PartType("blue", "battery"), faulty=True)
     run = sim.run(replace(trial, people=(), gantry=sim.GantryEntry("oblivious")))
     assert run.summary["parts_faulty"] == len(events(run, "part_faulty")) > 0
 

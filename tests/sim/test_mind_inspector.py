@@ -7,7 +7,7 @@ from run_events import beliefs_after, events, record
 
 import bdi
 import sim
-from sim.people.mind_inspector import MindInspector
+from sim.people.minds import MindInspector
 
 PROGRAM = """
 step(10).

@@ -12,7 +12,7 @@ from run_events import events, record
 import bdi
 import navigation
 import sim
-from sim.people.regard import mentioned
+from sim.people.perception import mentioned
 
 FLOOR = """
 name: hall

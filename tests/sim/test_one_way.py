@@ -7,7 +7,7 @@ from small_floors import LANE, run_on
 
 import floorplan
 import sim
-from sim.runs.run_folder import load_run
+from sim.runs.recording import load_run
 
 AISLES = """\
 name: aisles

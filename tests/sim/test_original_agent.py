@@ -10,7 +10,7 @@ from websockets.exceptions import ConnectionClosedOK
 
 import sim
 from sim.people.minds import make_agent
-from sim.people.percepts import Percepts
+from sim.people.perception import Percepts
 
 DROPS = 10.0
 """Seconds for which it drops violations after its start, after the last one, after a teleport."""

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 import sim
-from sim.core.own_parameters import Parameters, parameters
+from sim.core.custom_code import Parameters, parameters
 from sim.machines.gantry.controllers import controller_source
 
 CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.views.packed_motions import BLOCK, pack, unpack
+from sim.views.replay import BLOCK, pack, unpack
 
 number = st.floats(-999, 999).map(lambda value: round(value, 9) + 0.0)
 cubic = st.lists(number | st.just(0.0), min_size=1, max_size=4)

@@ -16,7 +16,7 @@ from run_events import events
 import floorplan
 import navigation
 import sim
-from sim.core.manners import MannersEntry
+from sim.core.entries import MannersEntry
 
 GO = """
 +human_start <- !next.

@@ -14,7 +14,7 @@ import floorplan
 import navigation
 import sim
 from sim.people.steering.speed_zones import SpeedZones
-from sim.runs.run_folder import load_run
+from sim.runs.recording import load_run
 
 TWO_ROOMS = """\
 boundary: [[0, 0], [20, 0], [20, 10], [0, 10]]

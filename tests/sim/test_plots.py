@@ -22,11 +22,9 @@ import floorplan
 import sim
 from navigation import CollisionWorld, PathPlanner, join, standing, walk
 from sim.views import plots
-from sim.views.plots.curves import instants
-from sim.views.plots.density_map import profiles_of
-from sim.views.plots.floor import draw_floor, floor_figure
-from sim.views.plots.heat_map import CELL, time_covered
-from sim.views.plots.names import draw_names
+from sim.views.plots.floor import draw_floor, draw_names, floor_figure
+from sim.views.plots.maps import HEAT_CELL, profiles_of, time_covered
+from sim.views.plots.style import instants
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -163,7 +161,7 @@ def test_separation_of_a_long_run_is_drawn_in_columns(run, monkeypatch):
     (axes,) = run.plot.separation("ada").axes
     _, distance = curve(axes, "distance")
     _, required = curve(axes, "required distance")
-    module = sys.modules["sim.views.plots.separation"]
+    module = sys.modules["sim.views.plots.time_series"]
     monkeypatch.setattr(module, "DENSEST", 0)  # as if the run were a long one
     monkeypatch.setattr(module, "COLUMNS", 20)
     (axes,) = run.plot.separation("ada").axes
@@ -310,7 +308,7 @@ def test_a_part_of_a_run(run):
 def test_a_heat_map_adds_up(run):
     """A person's disc covers π r² for all the time since the start."""
     seconds = time_covered(run)
-    area = CELL**2 * seconds.sum()
+    area = HEAT_CELL**2 * seconds.sum()
     everybody = math.pi * 0.3**2 * (60.0 + 55.0)
     assert area == pytest.approx(everybody, rel=0.03)
 
@@ -324,9 +322,9 @@ def test_a_heat_map_shows_how_long_somebody_walked_over_a_spot():
     event = {"t": 0.0, "kind": "human_started", "person": "ada"}
     run = sim.Recorded(scene, motion.end, {}, (event,), {"ada": motion}, {})
     seconds = time_covered(run)
-    row, column = int(2.0 / CELL), int(5.0 / CELL)
-    assert seconds[row, column] == pytest.approx(2 * 0.4 / 0.5, abs=2 * CELL / 0.5)
-    assert seconds[int(1.5 / CELL), column] == 0.0
+    row, column = int(2.0 / HEAT_CELL), int(5.0 / HEAT_CELL)
+    assert seconds[row, column] == pytest.approx(2 * 0.4 / 0.5, abs=2 * HEAT_CELL / 0.5)
+    assert seconds[int(1.5 / HEAT_CELL), column] == 0.0
     later = sim.Recorded(scene, motion.end, {}, (), {"ada": motion}, {})
     assert time_covered(later).sum() == 0.0
     two = plots.heat_map([run, run]).axes[0].images[0].get_array()

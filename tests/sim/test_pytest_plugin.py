@@ -37,12 +37,12 @@ PLUGIN = [] if INSTALLED else ["-p", "sim.pytest_plugin"]
 @pytest.fixture(scope="module")
 def everything_is_loaded():
     """Extensions can't be loaded twice, and a pytest run in this process forgets what it loads."""
-    import sim.testing.items
+    import sim.testing.trial_items
     import sim.testing.variations
 
-    assert sim.testing.items.TrialFile and sim.testing.variations.vary
+    assert sim.testing.trial_items.TrialFile and sim.testing.variations.vary
     trial = sim.Trial.parse(FAILS.replace("duration: 30", "duration: 5"))
-    sim.testing.failures.render(sim.testing.failures.replay_data(sim.run(trial)))
+    sim.testing.trial_items.render(sim.testing.trial_items.replay_data(sim.run(trial)))
     return trial
 
 

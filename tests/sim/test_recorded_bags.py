@@ -137,7 +137,7 @@ def test_a_run_that_was_exported_can_be_walked_again(tmp_path):
     apart = sim.run(again).motions["eve"].position(times) - first.motions["eve"].position(times)
     assert np.hypot(*apart.T).max() < 0.01
     study = sim.Study("again", (again,))
-    assert any("bag" in name for name in sim.studies.identity.identity(study))
+    assert any("bag" in name for name in sim.studies.folder.identity(study))
 
 
 WALK = [stamped(t, 2 + t, 5.0) for t in TIMES]

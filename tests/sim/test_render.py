@@ -12,7 +12,8 @@ import sim
 from sim.cli import main
 
 pytest.importorskip("matplotlib")
-from sim.views import chromium, plots
+from sim.views import browser as chromium
+from sim.views import plots
 from sim.views.plots.film import Film
 from sim.views.plots.style import person_colour
 

@@ -8,17 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.bridge.ledger import Account, Ledger
-from sim.bridge.message_types import (
-    MESSAGES,
-    MessageError,
-    UnknownTypeError,
-    conform,
-    message_type,
-)
-from sim.bridge.outbox import MOST_REPLIES, Outbox, Stream
+from sim.bridge.client import MOST_REPLIES, Outbox, TopicQueue
+from sim.bridge.messages import MESSAGES, MessageError, UnknownTypeError, conform, message_type
 from sim.bridge.protocol import (
+    Account,
     Fragment,
+    Ledger,
     ProtocolError,
     Reassembly,
     Subscribe,
@@ -207,7 +202,7 @@ def everything_in(outbox):
 def test_the_oldest_messages_of_a_topic_go_first_when_too_many_wait():
     account = an_account()
     outbox = Outbox(account)
-    short, long = Stream(2), Stream(10)
+    short, long = TopicQueue(2), TopicQueue(10)
     for k in range(4):
         outbox.put(short, f"short{k}")
         outbox.put(long, f"long{k}")
@@ -255,7 +250,7 @@ def test_of_all_clients_the_one_with_the_most_is_let_go():
 def test_what_waits_of_a_topic_can_be_dropped():
     account = an_account()
     outbox = Outbox(account)
-    stream = Stream(10)
+    stream = TopicQueue(10)
     outbox.reply("kept")
     before = account.held
     outbox.put(stream, "gone")

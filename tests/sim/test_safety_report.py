@@ -9,11 +9,10 @@ from small_floors import GANTRY, on_floor
 
 import navigation
 import sim
-from sim.record.incidents import incidents, time_on_floor, time_too_close
-from sim.record.risk import risk
-from sim.studies.findings import MARGIN, TOO_NEAR, VIOLATIONS, findings, with_findings
-from sim.studies.sensitivity import sensitivities
-from sim.views import chromium
+from sim.record.incidents import incidents, risk, time_on_floor, time_too_close
+from sim.studies.report import sensitivities
+from sim.studies.safety import MARGIN, TOO_NEAR, VIOLATIONS, findings, with_findings
+from sim.views import browser as chromium
 
 TRIAL = on_floor(
     """\
@@ -214,7 +213,7 @@ def test_sources_are_written_and_refused_for_what_has_none():
 
 
 def test_laws_of_all_kinds_have_a_sheet():
-    from sim.views.safety_report.laws import law_sheet
+    from sim.views.safety_report.assumptions import law_sheet
 
     laws = (
         navigation.SeparationLaw(t1=0.25, t2=1.5),

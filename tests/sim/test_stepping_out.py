@@ -9,7 +9,7 @@ from run_events import events, first
 
 import navigation
 import sim
-from sim.core.machine import MachineShape
+from sim.core.body import MachineShape
 from sim.people.steering.vehicles import cover
 
 FLOOR = """

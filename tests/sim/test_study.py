@@ -18,7 +18,7 @@ from waiting import HANG, until
 import sim
 from sim.studies import save_trial
 from sim.studies.folder import StudyFolder
-from sim.studies.table import Table, read_table
+from sim.studies.table import ResultsTable, read_table
 
 TRIAL = """\
 floorplan: ariac2023
@@ -135,7 +135,7 @@ def test_rows_run_on_the_cluster_of_the_current_client(study, tmp_path):
         Client(cluster) as client,
     ):
         sim.run_study(study, tmp_path / "out", backend="dask")
-        worked = client.run(lambda: "sim.studies.many" in sys.modules)
+        worked = client.run(lambda: "sim.studies.running" in sys.modules)
     assert list(worked.values()) == [True, True]
     assert len(lines(tmp_path / "out" / "results.csv")) == 16
 
@@ -181,9 +181,9 @@ def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
 
 LEAKY = """
 from joblib.externals.loky.backend import resource_tracker
-from sim.studies.backends import backend
+from sim.studies.running import backend_of
 
-with backend("loky", 2):
+with backend_of("loky", 2):
     resource_tracker.register("/never-made", "semlock")
 """
 
@@ -385,7 +385,7 @@ RECORDS = [
 
 
 def written(path, records):
-    table = Table(path)
+    table = ResultsTable(path)
     for record in records[table.rows :]:
         table.add(record)
     table.close()
@@ -409,7 +409,7 @@ def test_a_table_cut_anywhere_is_gone_on_with(cut, tmp_path_factory):
 
 
 def test_a_defect_in_a_row_is_told_apart_from_what_a_user_may_mend():
-    from sim.studies.measuring import error_in
+    from sim.studies.table import error_in
 
     def failing(cause):
         try:

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.studies.comparison import compare
-from sim.studies.effects import cliffs_delta, contrasts
+from sim.studies.comparison import cliffs_delta, compare, contrasts
 
 figures = st.lists(st.integers(-3, 3), min_size=1, max_size=25).map(lambda v: np.array(v, float))
 

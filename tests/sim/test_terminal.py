@@ -9,7 +9,7 @@ import pytest
 from run_events import record
 
 import sim
-from sim.commands.consoles import plain_console, visible
+from sim.commands.terminal import plain_console, visible
 
 RED = "\x1b[31mred\x9b0m"
 CONTROL = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f]")

@@ -15,7 +15,7 @@ import bdi
 import floorplan
 import sim
 from sim.trials.keys import AgvKeys, Keys, PersonKeys, TrialKeys
-from sim.trials.own_names import own_names
+from sim.trials.writing import own_names
 
 ROOT = Path(__file__).resolve().parents[2]
 FLOOR = floorplan.load("ariac2023")

@@ -8,7 +8,7 @@ import pytest
 import floorplan
 import sim
 from navigation import standing, walk
-from sim.core.machine import MachineShape
+from sim.core.body import MachineShape
 from sim.views.replay import render
 from sim.views.replay_data import replay_data
 
@@ -87,7 +87,7 @@ def test_the_replay_page_shows_them(run, browser, tmp_path):
 def test_exports_have_them(run, tmp_path, ending):
     if ending != ".sqlite":
         pytest.importorskip("foxglove" if ending else "rosbags")
-        from sim.exports import drawing
+        from sim.exports import scene as drawing
 
         things = {thing.name: thing for thing in (*drawing.floor(run), *drawing.bodies(run))}
         press, cart = things["press"].shapes[0], things["cart"].shapes[0]

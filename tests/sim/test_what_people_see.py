@@ -7,7 +7,7 @@ from run_events import events
 
 import sim
 import sim.simulation
-from sim.people import company
+from sim.people import population as company
 
 LOOKS = """
 +human_start <- !look; move(5, -10, 0).

@@ -7,7 +7,7 @@ const NOTHING = new Uint8Array();
 
 /**
  * The pieces of one body in `bytes`, as far as they go, by `index`: {count, jumps, blocks: [[begin, gone, at, size], …]}.
- * How a block is written stands in `sim/views/packed_motions.py`.
+ * How a block is written stands in `sim/views/replay.py`.
  */
 class PackedPieces {
   constructor({ count, jumps, blocks }, bytes) {

@@ -1,11 +1,16 @@
-"""AGVs: they drive along their lanes when the trial says so, and may yield to people."""
+"""AGVs: drive on a lane, yield to people, and slow down or stop before obstacles."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from functools import partial
+from itertools import pairwise
 
-from floorplan import Lane, Point
+import numpy as np
+import shapely
+
+from floorplan import Gate, Lane, Point, Zone, rectangle
 from navigation import (
     AxisState,
     CollisionWorld,
@@ -15,17 +20,132 @@ from navigation import (
     agv_stops,
     join,
     lane_state,
+    paced,
     required_at_speeds,
 )
 
-from ...core.body import Body
+from ...core.body import Body, Machine, MachineShape
 from ...core.clock import Alarm, Turn
 from ...core.events import AgvBlocked, AgvMoved, AgvYielded
-from ...core.machine import Machine, MachineShape
 from ...core.scenario import AgvMove
 from ...core.stage import Stage
-from ...safety.foresight import Foresight, Pedestrian, Stoppable
-from .lane_parts import SLIGHT, last_before, part_behind, part_within, run_slowly, slow_parts
+from ...safety.stopping_check import Pedestrian, Stoppable, StoppingCheck
+
+MARGIN = 0.1
+"""Metres. An AGV stops so far from what is in its way."""
+
+SLIGHT = 1e-6
+"""Metres, and m/s. What is less than this counts as nothing."""
+
+Part = tuple[float, float]
+"""Lane positions from the least to the greatest, metres."""
+
+
+def part_within(lane: Lane, area: shapely.Geometry) -> Part | None:
+    """Return the lane positions at which the AGV covers some of `area`, if there are any."""
+    low, high = lane.limits
+    middle = lane.position((low + high) / 2)
+    # All that the AGV ever covers on its lane: from half a length before its first place to half a
+    # length behind its last.
+    swept = rectangle(middle, lane.direction, high - low + lane.length, lane.width)
+    shared = shapely.intersection(area, swept)
+    if shared.area <= SLIGHT**2:
+        return None
+    (x, y), (c, s) = lane.origin, lane.direction
+    corners = shapely.get_coordinates(shared) - (x, y)
+    along = corners @ np.array([c, s])
+    return float(along.min()) - lane.length / 2, float(along.max()) + lane.length / 2
+
+
+def part_behind(lane: Lane, gate: Gate, at: float, to: float) -> Part | None:
+    """Return the lane positions that `gate` closes to a run from `at` to `to`, if there are any.
+
+    Those with the centre on its far side at which the AGV stands on its line: none to a run in its
+    direction.
+    """
+    (nx, ny), (c, s) = gate.normal, lane.direction
+    ahead = nx * c + ny * s
+    if ahead * (to - at) >= 0:
+        return None
+    course = shapely.linestrings([lane.position(q) for q in lane.limits])
+    crossing = shapely.intersection(course, shapely.linestrings(gate.ends))
+    if crossing.is_empty:
+        return None
+    (x, y), (ox, oy) = shapely.get_coordinates(crossing)[0], lane.origin
+    q = float((x - ox) * c + (y - oy) * s)
+    # As a box at an angle to the line: half its length, and half its width times the tangent of the
+    # angle between lane and gate's direction.
+    reach = (lane.length + abs(ny * c - nx * s) / abs(ahead) * lane.width) / 2
+    return (q, q + reach) if ahead > 0 else (q - reach, q)
+
+
+def last_before(part: Part, at: float, to: float) -> float | None:
+    """Return the last lane position before `part` on a run from `at` to `to`; None if it is clear.
+
+    Who is in the part already stays.
+    """
+    low, high = part
+    if to >= at:
+        return None if high <= at or to <= low else max(at, low - MARGIN)
+    return None if low >= at or to >= high else min(at, high + MARGIN)
+
+
+def run_slowly(
+    lane: Lane, state: AxisState, to: float, start: float, slow: Iterable[tuple[Part, float]]
+) -> Motion:
+    """Return a run on `lane` to the position `to`, begun at `start` (seconds).
+
+    It is no faster than the speed (m/s) of each of the parts that are driven `slow`ly. One that
+    has to turn back, or is too fast for a part, brakes first.
+    """
+    at, speed = state.position, state.velocity
+    way = 1.0 if to >= at else -1.0
+    low, high = sorted((at, to))
+    ahead = [(part, limit) for part, limit in slow if part[0] < high and low < part[1]]
+    if not ahead:
+        return agv_run(lane, state, to, start)
+    edges = {e for part, _ in ahead for e in part if low + SLIGHT < e < high - SLIGHT}
+    points = sorted({at, to, *edges}, reverse=way < 0)
+    if speed * way >= 0.0 and len(points) > 1:
+        motion = paced(
+            [lane.position(q) for q in points],
+            start,
+            initial_speed=abs(speed),
+            top_speed=[_limit(lane, sum(leg) / 2, ahead) for leg in pairwise(points)],
+            max_speed=lane.max_speed,
+            max_acceleration=lane.max_acceleration,
+        )
+        if motion is not None:
+            return _looking_along(lane, motion)
+    if abs(speed) < SLIGHT:
+        return agv_run(lane, state, to, start)
+    stop = agv_stop(lane, state, start)
+    rested = lane_state(lane, stop.state(stop.end))
+    # From rest there is nothing to brake for, so this calls itself once at most.
+    onwards = run_slowly(lane, AxisState(rested.position), to, stop.end, ahead)
+    return Motion((*stop.pieces, *onwards.pieces))
+
+
+def slow_parts(lane: Lane, zones: Sequence[Zone]) -> list[tuple[Part, float]]:
+    """Return the parts of a lane that lie in zones with a speed limit (m/s) for its AGV."""
+    return [
+        (part, zone.max_speed)
+        for zone in zones
+        if zone.max_speed is not None and zone.is_about(lane.name)
+        for part in [part_within(lane, zone.area)]
+        if part is not None
+    ]
+
+
+def _limit(lane: Lane, q: float, slow: Iterable[tuple[Part, float]]) -> float:
+    return min([lane.max_speed, *(limit for (low, high), limit in slow if low <= q <= high)])
+
+
+def _looking_along(lane: Lane, motion: Motion) -> Motion:
+    """Return `motion` with the rotation that an AGV has on its lane at all times."""
+    rotation = (lane.heading, 0.0, 0.0, 0.0)
+    return Motion(tuple(piece._replace(rotation=rotation) for piece in motion.pieces))
+
 
 LOOK = 0.1
 """Seconds. An AGV that yields looks where people are no sooner than that after the last time."""
@@ -62,7 +182,7 @@ class Agv(Machine):
         self._offset = abs(stage.rules.agv_offset)
         self._moves = moves
         self._is_on_floor = any(lane is known for known in stage.floorplan.lanes)
-        self._foresight = Foresight(self._law, lane.max_speed) if yields else None
+        self._foresight = StoppingCheck(self._law, lane.max_speed) if yields else None
         self._stops = agv_stops(lane)
         self._people: list[tuple[Body, float]] = []
         self._target: str | float | None = None
@@ -263,7 +383,9 @@ class Agv(Machine):
         if hindered is not None:
             self._wait(hindered)
 
-    def _look_ahead(self, foresight: Foresight, motion: Motion, least: float) -> Pedestrian | None:
+    def _look_ahead(
+        self, foresight: StoppingCheck, motion: Motion, least: float
+    ) -> Pedestrian | None:
         """Return who makes it unsafe to follow `motion` for `least` seconds from now.
 
         None if it is safe; it then looks again when it may be no longer.

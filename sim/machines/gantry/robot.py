@@ -12,16 +12,14 @@ from simpy.events import Event, Process
 from floorplan import Gantry, UserError
 from navigation import Motion, State
 
+from ...core.body import Machine, MachineShape
 from ...core.clock import MOMENT, Turn
 from ...core.events import EventKind, JobDone, JobStarted, OrderSubmitted, PartDropped
-from ...core.machine import Machine, MachineShape
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
-from ...safety.proximity import ProximityWatch
-from .drive import Drive, Steps
-from .gripper import Gripper
-from .interruption import Interruption, Interrupts
-from .tasks import Handling, Passing, Pose, Step, Task, Tasks, tasks_of
+from ...safety.proximity import ApproachMonitor
+from .drive import Drive, Interruption, Interrupts, Steps
+from .tasks import Gripper, Handling, Passing, Pose, Step, Task, Tasks, tasks_of
 from .worksites import Worksites
 
 GANTRY = "gantry"
@@ -92,7 +90,7 @@ class GantryRobot(Machine):
         self._entry = entry
         self._controller = controller
         self._sites = Worksites(stage, gantry, self.drive)
-        self._proximity: ProximityWatch | None = None
+        self._proximity: ApproachMonitor | None = None
         self._floor_changed = stage.clock.event()
         self._begin_round()
 
@@ -102,7 +100,7 @@ class GantryRobot(Machine):
 
     def begin(self) -> None:
         """Let its controller begin."""
-        self._proximity = ProximityWatch(self._stage, self, self._came_near)
+        self._proximity = ApproachMonitor(self._stage, self, self._came_near)
         self.start(self._controller(self))
 
     # Its sensors.

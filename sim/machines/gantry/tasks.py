@@ -1,8 +1,9 @@
-"""Tasks of the gantry, made of steps, and those of them that may be begun now."""
+"""Tasks of the gantry: steps, order of tasks, and the gripper that carries them out."""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,8 +13,8 @@ from simpy.events import Event
 from floorplan import Point, UserError
 from navigation import Motion
 
-from ...core.clock import Clock
-from ...core.scenario import Job
+from ...core.clock import Alarm, Clock, Turn
+from ...core.scenario import Drop, Job
 
 Pose = tuple[float, float, float]
 """x, y in metres, rotation in radians."""
@@ -259,3 +260,44 @@ def _steps(job: Job, handling: Handling) -> tuple[Step, ...]:
         Step("pick", handling.pick, place=job.pick),
         Step("place", handling.place, place=job.place),
     )
+
+
+class Gripper:
+    """Holds what was picked for a task, and calls `lost(task)` when it loses that.
+
+    It loses a part by each of its drops once. How long it has held it counts in simulated time,
+    also while the gantry stands.
+    """
+
+    def __init__(self, clock: Clock, lost: Callable[[Task], None]) -> None:
+        self._clock = clock
+        self._lost = lost
+        self.drops: list[Drop] = []
+        """The parts that it loses."""
+        self._picked: Counter[str] = Counter()
+        self._holds: Task | None = None
+        self._slips = Alarm(clock, self._slip, Turn.MOTION_ENDS)
+
+    def will_lose(self, drops: Iterable[Drop]) -> None:
+        """Lose parts by these drops as well."""
+        self.drops += drops
+
+    def close(self, task: Task) -> None:
+        """Hold the part that was picked for `task`."""
+        part = str(task.fields.get("part"))
+        before = self._picked[part]
+        self._picked[part] += 1
+        self._holds = task
+        delays = [drop.delay for drop in self.drops if (drop.part, drop.after) == (part, before)]
+        delay = min(delays, default=None)
+        self._slips.set(None if delay is None else self._clock.now + delay)
+
+    def open(self) -> None:
+        """Hold nothing any more."""
+        self._holds = None
+        self._slips.set(None)
+
+    def _slip(self) -> None:
+        task, self._holds = self._holds, None
+        if task is not None:
+            self._lost(task)

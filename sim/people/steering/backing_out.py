@@ -9,7 +9,7 @@ from floorplan import Point
 from navigation import legs_of, touches
 
 from .course import first, length_of, nearest_length, place_after, rest
-from .moving import Moving
+from .moving import RequestedMoves
 from .outlook import STEP, Ground, Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Whereabouts
@@ -34,7 +34,7 @@ def back_out(
     course: Sequence[Point],
     length: float,
     floor: Whereabouts,
-    moving: Moving,
+    moving: RequestedMoves,
     ground_of: Callable[[Traveller], Ground],
     refuses: Callable[[int], bool],
 ) -> bool:
@@ -78,7 +78,7 @@ def back_out(
 
 
 def _backs_out(
-    who: Traveller, paths: Iterator[list[Point]], moving: Moving, floor: Whereabouts
+    who: Traveller, paths: Iterator[list[Point]], moving: RequestedMoves, floor: Whereabouts
 ) -> bool:
     """Let `who` move on the first of `paths` on which they meet nobody; return whether they can."""
     k, now = floor.indices[who], moving.now

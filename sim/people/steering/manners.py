@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from random import Random
 
-from ...core.manners import AS_USUAL, MannersEntry, Side
-from ...core.seeds import seed_of
+from ...core.entries import AS_USUAL, MannersEntry, Side, seed_of
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from .traveller import Traveller
 from .whereabouts import Whereabouts
 
 
-class Moving(Movers):
+class RequestedMoves(Movers):
     """Those who move for a request, of all on a `floor`, as of `now` (seconds): where each goes."""
 
     def __init__(self, floor: Whereabouts, now: float) -> None:

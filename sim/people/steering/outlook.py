@@ -11,11 +11,11 @@ from floorplan import Point
 from navigation import (
     Candidates,
     CollisionWorld,
-    Foresight,
     Legs,
     Motion,
     Narrows,
     Swath,
+    TrajectoryChoice,
     can_go_on,
     middles,
     numbers,
@@ -180,7 +180,7 @@ class Outlook:
             NOTHING if lead is None else lead.box,
             self._slowed if me.zones else None,
         )
-        self._foresight = Foresight(
+        self._foresight = TrajectoryChoice(
             self.walks,
             whereabouts.throng,
             whereabouts.indices[me],

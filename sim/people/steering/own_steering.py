@@ -11,17 +11,18 @@ from pathlib import Path
 from floorplan import Problem, UserError, require
 from navigation import Motion
 
-from ...core.own_code import import_own, own_line
-from ...core.own_source import (
+from ...core.custom_code import (
     REFUSED,
+    CodeLocation,
     Definition,
     Kind,
     OwnCodeError,
-    Source,
     find_source,
+    import_own,
     in_words,
     is_plain,
     methods,
+    own_line,
 )
 from ...core.scenario import TrialError
 from .outlook import Outlook
@@ -50,7 +51,7 @@ STEERING = Kind(
 """The kind of class that a trial names as its steering."""
 
 
-def steering_source(name: str, folder: Path, *, own_code: bool = True) -> Source:
+def steering_source(name: str, folder: Path, *, own_code: bool = True) -> CodeLocation:
     """Return the source of the steering `name`, a class beside the trial; it is not imported.
 
     `OwnCodeError` says what is missing; without `own_code` it is refused.

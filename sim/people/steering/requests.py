@@ -12,7 +12,7 @@ from navigation import Retreats, Swath, numbers
 
 from .backing_out import back_out
 from .course import first, length_of, place_after, rest
-from .moving import Moving
+from .moving import RequestedMoves
 from .outlook import STEP, Ground, Outlook
 from .traveller import Traveller
 from .whereabouts import GAP, Whereabouts
@@ -102,7 +102,7 @@ class Request:
         self._left = effort.tries
         self._refusing = bytearray(len(whereabouts.people))
         """For everybody, whether they are known to refuse."""
-        self._moving = Moving(whereabouts, now)
+        self._moving = RequestedMoves(whereabouts, now)
         """Those who move for it: the asker first, unless they back out."""
 
     @property

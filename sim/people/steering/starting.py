@@ -13,8 +13,8 @@ import shapely
 from floorplan import Floorplan, Point, Problem
 from navigation import CollisionWorld
 
+from ...core.entries import seed_of
 from ...core.scenario import PersonEntry, Scenario, TrialError
-from ...core.seeds import seed_of
 from .crowd import Crowd
 from .whereabouts import GAP
 

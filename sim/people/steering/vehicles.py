@@ -10,14 +10,13 @@ from functools import cached_property
 from floorplan import Point
 from navigation import Motion, Piece, standing
 
-from ...core.body import Body
+from ...core.body import Body, Machine, MachineShape
 from ...core.clock import Alarm, Turn
-from ...core.machine import Machine, MachineShape
 from ...core.stage import Stage
-from ..foreseen import GAP
 from .manners import Manners
 from .speed_zones import SpeedZones
 from .traveller import Traveller
+from .vehicle_conflicts import GAP
 from .whereabouts import Whereabouts
 
 KNOWN = 10.0

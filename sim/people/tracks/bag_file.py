@@ -19,7 +19,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from floorplan import are_figures
 
-from .samples import Samples, TrackError, Tracks
+from .tables import Samples, TrackError, Tracks
 
 _PERSON = """\
 string name
@@ -40,7 +40,7 @@ _LAST = ("pose", "odom", "odometry")
 
 
 @dataclass
-class _Track:
+class _BagTrack:
     """The poses of one body in a topic, as they come."""
 
     topic: str
@@ -183,9 +183,9 @@ def _decoded_pose(decode: Callable[[bytes], Any], data: bytes) -> Iterator[Found
     return _of_foxglove(decode(data))
 
 
-def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _Track]:
+def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _BagTrack]:
     """Return the tracks by topic, or by name where a topic is about several bodies."""
-    tracks: dict[str, _Track] = {}
+    tracks: dict[str, _BagTrack] = {}
     counts: dict[str, int] = defaultdict(int)
     for topic, stamp, poses in messages:
         number = counts[topic]
@@ -196,7 +196,7 @@ def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _Track]:
             message = f"topic {topic}, message {number}: can't be decoded: {why}"
             raise TrackError.of(path, message) from None
         for name, frame, time, x, y, yaw in found:
-            track = tracks.setdefault(name or topic, _Track(topic, frame))
+            track = tracks.setdefault(name or topic, _BagTrack(topic, frame))
             fault = _fault(track, topic, frame, (x, y))
             if fault:
                 raise TrackError.of(path, f"topic {topic}, message {number}: {fault}")
@@ -207,7 +207,7 @@ def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _Track]:
     return tracks
 
 
-def _fault(track: _Track, topic: str, frame: str, place: tuple[float, float]) -> str:
+def _fault(track: _BagTrack, topic: str, frame: str, place: tuple[float, float]) -> str:
     """Return what keeps a pose from being one of the track, if anything."""
     if not are_figures(place).all():
         return f"({place[0]:g}, {place[1]:g}) is no place"
@@ -218,7 +218,7 @@ def _fault(track: _Track, topic: str, frame: str, place: tuple[float, float]) ->
     return ""
 
 
-def _check_frames(path: Path, tracks: dict[str, _Track]) -> None:
+def _check_frames(path: Path, tracks: dict[str, _BagTrack]) -> None:
     """Raise `TrackError` if a body is placed in the frame of another one, which moves."""
     for name, track in tracks.items():
         if track.frame in tracks and track.frame != name:
@@ -231,7 +231,7 @@ def _check_frames(path: Path, tracks: dict[str, _Track]) -> None:
                 )
 
 
-def _samples(track: _Track, first: int) -> Samples:
+def _samples(track: _BagTrack, first: int) -> Samples:
     stamps = np.array([stamp - first for stamp in track.stamps], dtype=float) / 1e9
     x, y, yaw = np.array(track.poses).T
     turned = None if np.isnan(yaw).any() else yaw

@@ -4,7 +4,7 @@
 as its result. Importing this needs the extra `plot`: `MissingExtraError` without it.
 """
 
-from ..extras import MissingExtraError
+from ..report_page import MissingExtraError
 
 try:
     import matplotlib as matplotlib
@@ -13,17 +13,13 @@ except ImportError:
         "pictures need matplotlib, which is missing: pip install 'floorwalker[plot]'"
     ) from None
 
-from .density_map import density_map
 from .film import ENDINGS, render, require_renderable
 from .floor import floorplan
-from .heat_map import heat_map
-from .of_run import RunPlots
-from .path import path
-from .risk_map import risk_map
-from .separation import separation
-from .space_time import space_time
+from .maps import density_map, heat_map, risk_map
+from .paths import path, trails
+from .run_plots import RunPlots
 from .style import FORMATS, Width, require_savable, save
-from .trails import trails
+from .time_series import separation, space_time
 
 __all__ = [
     "ENDINGS",

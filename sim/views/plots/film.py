@@ -1,9 +1,9 @@
-"""A run as a film, GIF or MP4: the poses of all bodies, drawn instant by instant."""
+"""Films of a run as GIF or MP4."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -21,21 +21,63 @@ from PIL import Image
 
 from floorplan import Point, UserError
 
-from ...core.machine import MachineShape
+from ...core.body import MachineShape
 from ...core.output import replacing, writing
 from ...machines.kinds import rails_under
 from ...record.outcome import Outcome
 from ...record.words import told_apart
-from ..chromium import find_chromium
-from ..colours import BLACK, GREY, PALE, VERMILION
-from ..extras import MissingExtraError
-from ..page_film import PageFilm, View
-from .curves import Span, instants, span_of
-from .floor import draw_floor, floor_axes
-from .incidents import breaches, disabled_spans
-from .moving_names import MovingNames
-from .names import draw_names
-from .style import MACHINES, person_colour, require_place, styled
+from ..browser import PageFilm, View, find_chromium
+from ..report_page import BLACK, GREY, PALE, VERMILION, MissingExtraError
+from .floor import draw_floor, draw_names, floor_axes, stand_beside
+from .style import (
+    MACHINES,
+    Span,
+    breaches,
+    disabled_spans,
+    instants,
+    person_colour,
+    require_place,
+    span_of,
+    styled,
+)
+
+Place = tuple[Point, Point]
+"""A point of the floor (metres), and how far from there a name stands (points)."""
+
+
+class MovingNames:
+    """Where the names of a picture stand that move over what is written on `axes` and stays."""
+
+    def __init__(self, axes: Axes) -> None:
+        still = [text for text in axes.texts if not text.get_animated()]
+        self._still = [text.get_window_extent().extents for text in still]
+        self._taken = list(self._still)
+
+    def clear(self) -> None:
+        """Forget what moves, for the next picture."""
+        self._taken = list(self._still)
+
+    def keep_off(self, artist: Artist) -> None:
+        """Let no name that is put from now on cover this one, if it can stand elsewhere."""
+        self._taken.append(artist.get_window_extent().extents)
+
+    def put(self, name: Any, places: Sequence[Place]) -> None:
+        """Put an annotation at the first of its places where it covers nothing, or the least."""
+        left, low, right, high = np.array(self._taken).reshape(-1, 4).T
+
+        def covered(place: Place) -> float:
+            """Put the name there; return how much it covers (square pixels)."""
+            name.xy, side = place
+            stand_beside(name, side)
+            x, y, x_end, y_end = name.get_window_extent().extents
+            wide = np.minimum(x_end, right) - np.maximum(x, left)
+            deep = np.minimum(y_end, high) - np.maximum(y, low)
+            return float(np.sum(wide.clip(0.0) * deep.clip(0.0)))
+
+        if not any(covered(place) == 0.0 for place in places):
+            covered(min(places, key=covered))
+        self.keep_off(name)
+
 
 ENDINGS = (".gif", ".mp4")
 

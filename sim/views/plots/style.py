@@ -1,26 +1,38 @@
-"""The look of all pictures, on the page and as files: widths of columns, colours, line widths."""
+"""Style of figures, sample times of curves, marks of violations, and embedding in pages.
+
+Between changes of a motion all curves are smooth, and a few points a second are enough; at a
+change both sides of it are there, and at a jump the line is broken.
+"""
 
 from __future__ import annotations
 
+import base64
+import html
 import io
+import itertools
 import math
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 import matplotlib.style
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
+from numpy.typing import NDArray
 
-from floorplan import Obstacle, UserError
+from floorplan import Obstacle, Point, UserError
+from navigation import Motion
 
-from ...core.machine import Category
+from ...core.body import Category
 from ...core.output import OutputError, replacing, writing
-from ..colours import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY
+from ...machines.gantry.robot import GANTRY
+from ...record.outcome import Outcome
+from ..report_page import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, as_element
 
 Width = Literal["single", "double"]
 """The number of columns of a paper that a picture takes."""
@@ -209,3 +221,128 @@ def are_few(count: int) -> bool:
 def obstacle_shade(obstacle: Obstacle) -> float:
     """Return the lightness of an obstacle, from 0 to 1: the higher the darker."""
     return 0.86 - 0.42 * min(obstacle.top / TALL, 1.0)
+
+
+Array = NDArray[np.float64]
+
+Span = tuple[float, float]
+"""Begin and end, seconds."""
+
+STEP = 0.1
+"""Seconds. The longest step between two instants of a curve."""
+
+
+def span_of(run: Outcome, within: Span | None) -> Span:
+    """Return the part of a run to draw: `within`, clipped to the run, or all of it.
+
+    `ValueError` if nothing is left.
+    """
+    begin, end = within or (0.0, run.duration)
+    begin, end = max(begin, 0.0), min(end, run.duration)
+    if not begin < end:
+        raise UserError(
+            f"there is nothing between {begin:g} and {end:g} s: the run goes from 0 to"
+            f" {run.duration:g} s"
+        )
+    return begin, end
+
+
+def while_present(run: Outcome, body: str, span: Span) -> Span | None:
+    """Return the part of `span` in which a body is on the floor, None if it never is."""
+    begin, end = run.presence[body]
+    begin, end = max(span[0], begin), min(span[1], end)
+    return (begin, end) if begin < end else None
+
+
+def instants(motions: Sequence[Motion], begin: float, end: float) -> Array:
+    """Return instants (N,) to draw these motions from `begin` to just before `end` (seconds).
+
+    Every change is there twice: as the last instant before it, and as itself. Where a body is
+    put elsewhere, NaN stands between the two, so that no line is drawn across. Straight stretches
+    of a single motion have their ends only.
+    """
+    changes = {begin, end}
+    for motion in motions:
+        edges = [t for piece in motion.pieces for t in (piece.begin, piece.end)]
+        changes.update(t for t in edges if begin < t < end)
+    jumps = {t for motion in motions for t in motion.jumps}
+    cuts = sorted(changes)
+    stretches: list[Array] = []
+    for since, until in itertools.pairwise(cuts):
+        if since in jumps and stretches:
+            stretches.append(np.array([np.nan]))
+        straight = len(motions) == 1 and _is_straight(motions[0], since)
+        steps = 1 if straight else math.ceil((until - since) / STEP)
+        stretches.append(np.linspace(since, np.nextafter(until, since), steps + 1))
+    return np.concatenate(stretches)
+
+
+def _is_straight(motion: Motion, t: float) -> bool:
+    """True if from `t` (seconds) to the next change x and y are linear, and nothing turns."""
+    piece = motion.pieces_from(t)[0]
+    return t >= motion.end or not any((*piece.x[2:], *piece.y[2:], *piece.rotation[1:]))
+
+
+def speeds(motion: Motion, t: Array) -> Array:
+    """Return the speed over the floor: (N,) m/s, NaN where `t` is NaN."""
+    vx, vy = motion.velocity(t).T
+    return np.where(np.isnan(t), np.nan, np.hypot(vx, vy))
+
+
+def breaches(run: Outcome, span: Span) -> list[tuple[float, Point]]:
+    """Return instant (seconds) and place of the person for every violation within `span`."""
+    begin, end = span
+    return sorted(
+        (t, run.motions[person].state_before(t).at)
+        for (person, _), intervals in run.violations.items()
+        for t, _ in intervals
+        if begin <= t <= end
+    )
+
+
+def mark_breaches(axes: Axes, places: Sequence[Point]) -> None:
+    """Mark the `places` of violations on `axes`."""
+    if places:
+        axes.plot(
+            *zip(*places, strict=True),
+            "v",
+            color=VERMILION,
+            markersize=4.5,
+            markeredgecolor="white",
+            markeredgewidth=0.4,
+            label="too close",
+            zorder=5,
+        )
+
+
+def disabled_spans(run: Outcome, machine: str) -> list[Span]:
+    """Return begin and end (seconds) of the times in which a machine was disabled."""
+    spans: list[Span] = []
+    since: float | None = None
+    for event in run.events:
+        if event.get("machine", GANTRY) != machine:
+            continue
+        if event["kind"] in ("gantry_disabled", "robot_malfunction") and since is None:
+            since = event["t"]
+        elif event["kind"] == "gantry_enabled" and since is not None:
+            spans.append((since, event["t"]))
+            since = None
+    return spans if since is None else [*spans, (since, run.duration)]
+
+
+def figure_element(figure: Figure, name: str, words: str) -> str:
+    """Return a figure as an SVG element; `name` is that of no other on the page."""
+    drawn = as_element(as_svg(figure, name))
+    return drawn.replace("<svg", f'<svg role="img" aria-label="{html.escape(words)}"', 1)
+
+
+def picture_element(pixels: NDArray[np.uint8], words: str) -> str:
+    """Return a picture, (height, width, 3) in red, green and blue, as an image in the page."""
+    from PIL import Image
+
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "png", optimize=True)
+    data = base64.b64encode(file.getvalue()).decode()
+    height, width, _ = pixels.shape
+    size = f'width="{width}" height="{height}"'
+    return f'<img src="data:image/png;base64,{data}" alt="{html.escape(words)}" {size}>'

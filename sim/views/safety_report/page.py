@@ -1,17 +1,167 @@
-"""The page of a safety report, and the same in print."""
+"""Page of a safety report: its sections, tables and charts, as HTML or PDF."""
 
 from __future__ import annotations
 
+import re
+import shutil
+import subprocess
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 from floorplan import UserError
 
-from ...core.output import OutputError
+from ...core.output import OutputError, replacing, writing
+from ..browser import QUIET, installed_chromium, unboxed
 from ..report_page import write_report_page
-from .parts import Section
-from .printing import print_page, require_printer
+
+Cell = str
+"""A text; `markupsafe.Markup` where it has subscripts and the like."""
+
+
+@dataclass(frozen=True)
+class ReportTable:
+    """A table under a title; `figures` are the numbers of the columns that hold figures."""
+
+    kind: ClassVar[str] = "table"
+    heads: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    title: str = ""
+    words: str = ""
+    figures: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Names with their values, one below the other."""
+
+    kind: ClassVar[str] = "facts"
+    rows: Sequence[tuple[str, Cell]]
+    title: str = ""
+    words: str = ""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture as an element of a page; its `words` are below it."""
+
+    kind: ClassVar[str] = "picture"
+    title: str
+    words: str
+    element: str
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A chart in the page's own colours, below its `words`."""
+
+    kind: ClassVar[str] = "chart"
+    title: str
+    words: str
+    element: str
+
+
+@dataclass(frozen=True)
+class Points:
+    """Sentences, one below the other."""
+
+    kind: ClassVar[str] = "points"
+    sentences: Sequence[str]
+    title: str = ""
+
+
+Part = ReportTable | Facts | Picture | Chart | Points
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of a report."""
+
+    title: str
+    parts: Sequence[Part] = field(default_factory=list)
+    words: str = ""
+
+    @property
+    def anchor(self) -> str:
+        """Its name in links."""
+        return re.sub(r"\W+", "-", self.title.lower()).strip("-")
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names in a row; of more than three the first and the last, and how many they are."""
+    if len(names) <= 3:
+        return ", ".join(names)
+    return f"{names[0]} … {names[-1]} ({len(names)})"
+
+
+def plain(value: float, digits: int = 6) -> str:
+    """Return a figure as it was given."""
+    return f"{value:.{digits}g}"
+
+
+def metres(length: float) -> str:
+    """Return a length or a margin to a millimetre."""
+    return minus(f"{round(length, 3) + 0.0:.3f}")  # no negative zero
+
+
+def place(x: float, y: float) -> str:
+    """Return a place (metres) to a centimetre."""
+    return minus(f"({x:.2f},\u00a0{y:.2f})")
+
+
+def minus(figures: str) -> str:
+    """Return figures with a minus sign where they have a hyphen."""
+    return figures.replace("-", "−")
+
+
+def clock(seconds: float) -> str:
+    """Return a length of time as h:mm:ss."""
+    whole = round(seconds)
+    return f"{whole // 3600}:{whole % 3600 // 60:02}:{whole % 60:02}"
+
+
+OPTIONS = ("--headless", "--no-pdf-header-footer", *QUIET)
+
+PATIENCE = 120.0
+"""Seconds of real time that a browser may take for a page."""
+
+
+def require_printer(path: Path) -> None:
+    """Raise `OutputError` if there is no browser that could print a page to `path`."""
+    if installed_chromium() is None:
+        raise OutputError(
+            f"can't write {path}: a PDF is printed by Chromium or Chrome, and there is none here;"
+            " write a .html instead and print that"
+        )
+
+
+def print_page(page: Path, path: Path) -> None:
+    """Print the HTML file `page` to `path`; `OutputError` if that fails."""
+    require_printer(path)
+    browser = installed_chromium()
+    assert browser is not None  # as required
+    with (
+        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile,
+        writing(path),
+        replacing(path) as unfinished,
+    ):
+        target = Path(profile) / "printed.pdf"
+        words = [
+            *(browser, *OPTIONS, *unboxed(), f"--user-data-dir={profile}"),
+            *(f"--print-to-pdf={target}", page.resolve().as_uri()),
+        ]
+        try:
+            done = subprocess.run(words, capture_output=True, timeout=PATIENCE, check=False)
+        except subprocess.TimeoutExpired:
+            raise OutputError(f"can't write {path}: {browser} did not print it in time") from None
+        if not target.is_file():
+            said = done.stderr.decode(errors="replace").strip().splitlines()
+            why = said[-1] if said else f"it ended with {done.returncode}"
+            raise OutputError(f"can't write {path}: {browser} did not print it: {why}")
+        shutil.copyfile(target, unfinished)
+
 
 ENDINGS = (".html", ".pdf")
 """Suffixes of files that a report can be written to."""

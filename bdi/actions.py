@@ -1,0 +1,240 @@
+"""Internal actions: definition, registration, and the check of a program's calls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any, TypeAlias
+
+from .errors import ProgramError, ProgramProblem
+from .language.body import Act, Body, BodyTerm, Constraint, For, ForkJoin, If, Place, Test, While
+from .language.program import Plan, PlanTerm, Program, Rule, made_once
+from .language.terms import (
+    Arithmetic,
+    Conjunction,
+    Cons,
+    Disjunction,
+    Literal,
+    Negation,
+    Relation,
+    Term,
+)
+from .language.terms import Function as Function_
+
+#: Takes a `Call` and the arguments; returns True, False, None, a unifier, or an iterator of them.
+Function: TypeAlias = "Callable[..., Any]"
+
+
+def error_annots(error: str, message: str) -> tuple[Term, ...]:
+    """Return the annotations of a failure event that say what went wrong."""
+    return (Literal("error", (Literal(error),)), Literal("error_msg", (message,)))
+
+
+class ActionError(Exception):
+    """Failure of an internal action; `annots` are the annotations of its `-!g` event."""
+
+    def __init__(
+        self, message: str, error: str = "internal_action", annots: tuple[Term, ...] = ()
+    ) -> None:
+        self.message = message
+        self.annots = (*error_annots(error, message), *annots)
+        super().__init__(message)
+
+
+@dataclass(frozen=True)
+class InternalAction:
+    """Internal action of a program.
+
+    Attributes:
+        function: takes a `Call` and the arguments; returns whether the action holds, a unifier
+            with which it does, or an iterator of unifiers.
+        least: smallest number of arguments.
+        most: largest number of arguments, or None for any number.
+        in_context: True if contexts and queries may use it.
+    """
+
+    function: Function
+    least: int = 0
+    most: int | None = None
+    in_context: bool = True
+
+    def check(self, name: str, count: int) -> None:
+        """Check the number of arguments with which `name` is called.
+
+        Raises:
+            ActionError: the action does not take a `count` of arguments.
+        """
+        if self.least <= count and (self.most is None or count <= self.most):
+            return
+        if self.least != self.most:
+            most = 2**31 - 1 if self.most is None else self.most
+            wanted = f"From {self.least} to {most} arguments are"
+        else:
+            wanted = "One argument is" if self.least == 1 else f"{self.least} arguments are"
+        raise ActionError(
+            f"The internal action '{name.lstrip('.')}' has not received the required number"
+            f" of argument(s). {wanted} expected.",
+            "wrong_arguments",
+        )
+
+
+class InternalActions(dict[str, InternalAction]):
+    """Internal actions of your own, given to agents as `actions=`.
+
+    ```python
+    actions = bdi.InternalActions()
+
+    @actions.add("floor.distance")
+    def distance(call, x, y, result):
+        return call.unify(result, math.hypot(x, y))
+    ```
+    """
+
+    def __init__(self, *given: Mapping[str, InternalAction]) -> None:
+        super().__init__(*given)
+        #: Arithmetic functions by name.
+        self.functions: dict[str, Callable[..., float]] = {}
+
+    def __repr__(self) -> str:
+        return f"<InternalActions {', '.join([*self, *self.functions]) or 'none'}>"
+
+    def function(self, name: str) -> Callable[[Callable[..., float]], Callable[..., float]]:
+        """Register a function of numbers, `my.half(X)`, for terms and comparisons.
+
+        Args:
+            name: its name in programs, with a dot in it.
+
+        Raises:
+            ValueError: the name has no dot or is taken.
+        """
+        if "." not in name:
+            raise ValueError(f"the name of a function has a dot in it, and '{name}' none")
+        if name in self or name in self.functions:
+            raise ValueError(f"there is a function or an internal action '{name}' already")
+
+        def register(function: Callable[..., float]) -> Callable[..., float]:
+            self.functions[name] = function
+            return function
+
+        return register
+
+    def add(
+        self, name: str, *, least: int = 0, most: int | None = None, in_context: bool = True
+    ) -> Callable[[Function], Function]:
+        """Register a function under a name with a dot in it, as `floor.distance`.
+
+        Args:
+            name: its name in programs.
+            least: smallest number of arguments.
+            most: largest number of arguments; None for any number.
+            in_context: False to keep it out of contexts and queries.
+
+        Raises:
+            ValueError: the name has no dot or is taken.
+        """
+        if "." not in name:
+            raise ValueError(f"the name of an internal action has a dot in it, and '{name}' none")
+        if name in self:
+            raise ValueError(f"there is an internal action '{name}' already")
+
+        def register(function: Function) -> Function:
+            self[name] = InternalAction(function, least, most, in_context)
+            return function
+
+        return register
+
+
+# ---- the calls in a program
+
+
+def check_actions(
+    program: Program, actions: Mapping[str, object], *, strict: bool
+) -> tuple[ProgramProblem, ...]:
+    """Check that the internal actions of a program exist and are allowed where they stand.
+
+    Return the calls of those that do not exist, unless that is an error.
+
+    Raises:
+        ProgramError: some are not allowed or, if `strict`, do not exist; it has all of them.
+    """
+    problems: dict[ProgramProblem, None] = {}
+    unknown: dict[ProgramProblem, None] = {}
+    for place, action, in_context in _calls(program):
+        name = action.functor
+        if name not in actions:
+            near = get_close_matches(name, actions, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            unknown[place.problem(f"there is no internal action {name}{hint}")] = None
+        elif in_context and not getattr(actions[name], "in_context", True):
+            problems[place.problem(f"{name} cannot be used in a context or query")] = None
+    if strict:
+        problems |= unknown
+    if problems:
+        raise ProgramError(list(problems))
+    return tuple(unknown)
+
+
+@made_once
+def _calls(program: Program) -> tuple[tuple[Place, Literal, bool], ...]:
+    """Return each call with its place, and True if it stands in a context or query."""
+    rules = (clause for clause in program.beliefs if isinstance(clause, Rule))
+    asked = [(rule.place, call, c) for rule in rules for call, c in _in_formula(rule.body)]
+    return (*asked, *(call for plan in program.plans for call in _in_plan(plan)))
+
+
+def _in_plan(plan: Plan) -> Iterator[tuple[Place, Literal, bool]]:
+    for formula in (plan.context, *(() if plan.until is None else (plan.until,))):
+        yield from ((plan.place, call, within) for call, within in _in_formula(formula))
+    yield from _in_body(plan.body)
+    for inner in plan.subplans:
+        yield from _in_plan(inner)
+
+
+def _in_body(body: Body) -> Iterator[tuple[Place, Literal, bool]]:
+    for step in body:
+        formulas: tuple[Term, ...] = ()
+        bodies: tuple[Body, ...] = ()
+        if isinstance(step, Act):
+            if isinstance(step.action, Literal) and step.action.is_internal_action:
+                yield step.place, step.action, False
+                formulas = step.action.args
+        elif isinstance(step, Test):
+            formulas = (step.formula,)
+        elif isinstance(step, Constraint):
+            formulas = (step.relation,)
+        elif isinstance(step, If):
+            formulas, bodies = (step.condition,), (step.then, step.otherwise)
+        elif isinstance(step, While):
+            formulas, bodies = (step.condition,), (step.body,)
+        elif isinstance(step, For):
+            formulas, bodies = (step.generator,), (step.body,)
+        elif isinstance(step, ForkJoin):
+            bodies = step.branches
+        for formula in formulas:
+            yield from ((step.place, call, within) for call, within in _in_formula(formula))
+        for inner in bodies:
+            yield from _in_body(inner)
+
+
+def _in_formula(formula: Term) -> Iterator[tuple[Literal, bool]]:
+    """Yield each call in a formula, and True for those that are not in a body in braces."""
+    pending = [formula]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, Literal) and part.is_internal_action:
+            yield part, True
+            pending.extend(part.args)
+        elif isinstance(part, Conjunction | Disjunction | Negation):
+            pending.extend(reversed(part.operands))
+        elif isinstance(part, Relation):
+            kinds = Cons | PlanTerm | BodyTerm | Arithmetic | Function_
+            pending.extend(e for e in part.operands if isinstance(e, kinds))
+        elif isinstance(part, Arithmetic | Function_):
+            pending.extend(part.operands)
+        elif isinstance(part, Cons):
+            pending.extend(e for e in part if isinstance(e, PlanTerm | BodyTerm))
+        elif isinstance(part, PlanTerm):
+            yield from ((call, within) for _, call, within in _in_plan(part.plan))
+        elif isinstance(part, BodyTerm):
+            yield from ((call, within) for _, call, within in _in_body(part.body))

@@ -1,0 +1,1 @@
+"""Toolkit of all packages but `bdi`: reading files, checking values, wording problems."""

@@ -1,0 +1,271 @@
+"""YAML documents: loaded safely with the line of every value, and written."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+import yaml
+from pydantic import BaseModel, ValidationError
+from yaml.composer import Composer
+from yaml.constructor import ConstructorError, SafeConstructor
+from yaml.parser import Parser
+from yaml.reader import Reader
+from yaml.resolver import Resolver
+from yaml.scanner import Scanner
+
+from .problems import MOST_MISFITS, InputError, Place, Problem, UserError, field_name, misfits
+from .reading import no_garbage, read_text
+
+
+def safe_loader(text: str) -> Any:
+    """Return a safe loader of `text`: PyYAML's, with LibYAML's parser where PyYAML has it.
+
+    LibYAML is five times as fast. Nodes are composed in Python in any case, where nesting too
+    deep is an error and not the end of the process.
+    """
+    return _WithLibYaml(text) if yaml.__with_libyaml__ else _Plain(text)
+
+
+MOST_VALUES = 300_000
+"""Most values of a document: a floor of 10,000 obstacles has 100,000."""
+
+HUGE = 10**1000
+"""Largest whole number: Python would refuse to write one of 4,300 digits out again."""
+
+
+class _Counting(Composer):
+    """Composes nodes, and stops where they are too many: `ValueError`."""
+
+    def __init__(self) -> None:
+        Composer.__init__(self)
+        self._values = 0
+
+    def descend_resolver(self, parent: yaml.Node | None, index: object) -> None:
+        """Count a value: PyYAML calls this for each node, to resolve tags by path. Keys have no
+        index."""
+        self._values += index is not None
+        if self._values > MOST_VALUES:
+            raise UserError(too_many())
+
+    def ascend_resolver(self) -> None:
+        """Called after each node."""
+
+
+def too_many() -> str:
+    """Return the message about a document with more than `MOST_VALUES` values."""
+    return f"it has more than {MOST_VALUES:,} values"
+
+
+class _Constructor(SafeConstructor):
+    """Constructs values; errors have the line of the value."""
+
+
+def _placed(construct: Callable[[Any, yaml.Node], Any]) -> Callable[[Any, yaml.Node], Any]:
+    def placed(loader: Any, node: yaml.Node) -> Any:
+        try:
+            value = construct(loader, node)
+        except (AttributeError, LookupError, OverflowError, TypeError, ValueError):
+            # So PyYAML's constructors end where a tag promises what is not there: `!!bool maybe`.
+            tag, text = node.tag.rpartition(":")[2], str(node.value)
+            raise _misfit(node, f"{text[:60]!r} is not what its tag (!!{tag}) says") from None
+        if isinstance(value, int) and abs(value) > HUGE:
+            raise _misfit(node, "a whole number of more than 1,000 digits")
+        return value
+
+    return placed
+
+
+def _misfit(node: yaml.Node, message: str) -> ConstructorError:
+    return ConstructorError(None, None, message, node.start_mark)
+
+
+def _decimal(construct: Callable[[Any, yaml.Node], Any]) -> Callable[[Any, yaml.Node], Any]:
+    """Return a constructor that takes 10:30 for text: to YAML 1.1 it is a number of base 60."""
+
+    def constructed(loader: Any, node: yaml.Node) -> Any:
+        return node.value if ":" in str(node.value) else construct(loader, node)
+
+    return constructed
+
+
+for _tag, _construct in SafeConstructor.yaml_constructors.items():
+    _is_number = _tag in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
+    _Constructor.add_constructor(_tag, _placed(_decimal(_construct) if _is_number else _construct))
+
+
+class _Plain(Reader, Scanner, Parser, _Counting, _Constructor, Resolver):
+    def __init__(self, text: str) -> None:
+        Reader.__init__(self, text)
+        Scanner.__init__(self)
+        Parser.__init__(self)
+        _Counting.__init__(self)
+        _Constructor.__init__(self)
+        Resolver.__init__(self)
+
+
+if yaml.__with_libyaml__:
+    from yaml._yaml import CParser
+
+    class _WithLibYaml(_Counting, CParser, _Constructor, Resolver):
+        def __init__(self, text: str) -> None:
+            CParser.__init__(self, text)
+            _Counting.__init__(self)
+            _Constructor.__init__(self)
+            Resolver.__init__(self)
+
+
+MOST_TEXT = 4_000_000
+"""A longer document (in characters) is refused: it would take minutes to look at."""
+
+UNWRITABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
+"""Characters that are refused, though an escape in YAML can give them: names of files and JSON have
+no lone surrogates, and a terminal obeys control characters."""
+
+_Schema = TypeVar("_Schema", bound=BaseModel)
+
+
+@dataclass(frozen=True)
+class Document:
+    """The values of a YAML file, and the line each of them stands on."""
+
+    file: str
+    data: Any = field(repr=False)
+    lines: dict[Place, int] = field(repr=False)
+    at: Place = ()
+    """Place of the values in the file, if they are not all of it."""
+
+    def part(self, key: str) -> Document:
+        """Return the values of an outermost key as a document of their own."""
+        lines = {place[1:]: line for place, line in self.lines.items() if place[:1] == (key,)}
+        return Document(self.file, self.data[key], lines, (*self.at, key))
+
+    def problem(self, message: str, *place: str | int) -> Problem:
+        """Return a problem at the value that `place` leads to, or the nearest value around it."""
+        known = place
+        while known and known not in self.lines:
+            known = known[:-1]
+        return Problem(message, field_name((*self.at, *place)), self.lines.get(known))
+
+    def checked(self, schema: type[_Schema], error: type[InputError]) -> _Schema:
+        """Return the values as `schema`; every misfit at once in one `error`."""
+        if not isinstance(self.data, dict):
+            found = "nothing" if self.data is None else "a " + _kind(self.data)
+            message = f"expected keys with values, found {found}"
+            raise error(self.file, [self.problem(message)])
+        try:
+            return schema.model_validate(self.data)
+        except ValidationError as why:
+            problems = [
+                self.problem(message, *place) for message, place in misfits(why, schema, self.data)
+            ]
+            if (count := why.error_count()) > MOST_MISFITS:
+                message = f"{count:,} values are not what they should be; the first are:"
+                problems.insert(0, Problem(message))
+            raise error(self.file, problems) from None
+
+
+def read_yaml(path: Path, error: type[InputError]) -> Document:
+    """Return the document in the YAML file at `path`; `error` if it isn't one."""
+    return parse_yaml(read_text(path, error), str(path), error)
+
+
+def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
+    """Return the document in `text`, the contents of `file`; `error` if it isn't one."""
+    if len(text) > MOST_TEXT:
+        message = f"is longer than {MOST_TEXT:,} characters, which is more than anybody writes"
+        raise error.of(file, message)
+    if odd := yaml.reader.Reader.NON_PRINTABLE.search(text):
+        at = text.count("\n", 0, odd.start()) + 1
+        message = f"is not YAML: the character U+{ord(odd.group()):04X} is not allowed"
+        raise error.of(file, message, line=at)
+    loader = None
+    try:
+        loader = safe_loader(text)
+        with no_garbage():
+            node = loader.get_single_node()
+            if node is None:
+                return Document(file, None, {(): 1})
+            lines: dict[Place, int] = {}
+            problems = _survey(node, (), lines, frozenset())
+            if problems:
+                raise error(file, problems)
+            return Document(file, loader.construct_document(node), lines)
+    except InputError:
+        raise
+    except yaml.MarkedYAMLError as why:
+        mark = why.problem_mark or why.context_mark
+        reason = " ".join(part for part in (why.problem, why.context) if part)
+        # LibYAML marks the end of a text as the line after the last.
+        line = min(mark.line + 1, len(text.splitlines())) if mark else None
+        raise error.of(file, f"is not YAML: {reason}", line=line) from None
+    except RecursionError:
+        raise error.of(file, "is not YAML: it is nested too deeply") from None
+    except (yaml.YAMLError, ValueError) as why:
+        raise error.of(file, f"is not YAML: {why}") from None
+    finally:
+        if loader is not None:
+            loader.dispose()
+
+
+def _survey(
+    node: yaml.Node, place: Place, lines: dict[Place, int], above: frozenset[int]
+) -> list[Problem]:
+    """Note the line of every value under `node`, and return the problems with its keys."""
+    if id(node) in above:
+        return [Problem("an alias (*) to something that contains it", field_name(place))]
+    if len(lines) > MOST_VALUES:
+        raise UserError(too_many())  # aliases count each time
+    lines.setdefault(place, node.start_mark.line + 1)
+    if isinstance(node, yaml.ScalarNode) and (odd := UNWRITABLE.search(node.value)):
+        problem = f"a text can't have the character U+{ord(odd.group()):04X}"
+        return [Problem(problem, field_name(place), node.start_mark.line + 1)]
+    within = above | {id(node)}
+    problems: list[Problem] = []
+    if isinstance(node, yaml.SequenceNode):
+        for index, child in enumerate(node.value):
+            problems += _survey(child, (*place, index), lines, within)
+    elif isinstance(node, yaml.MappingNode):
+        seen: set[Hashable] = set()
+        for key, child in node.value:
+            line = key.start_mark.line + 1
+            if not isinstance(key, yaml.ScalarNode):
+                problems.append(Problem("a key is plain text", field_name(place), line))
+                continue
+            problems += _survey(key, place, lines, within)
+            inner = (*place, str(key.value))
+            if key.value in seen and key.tag != "tag:yaml.org,2002:merge":
+                problems.append(Problem("this key stands twice", field_name(inner), line))
+            seen.add(key.value)
+            lines.setdefault(inner, line)
+            problems += _survey(child, inner, lines, within)
+    return problems
+
+
+def _kind(value: object) -> str:
+    return {list: "list", str: "text", bool: "yes/no value"}.get(type(value), "number")
+
+
+def yaml_text(data: Any) -> str:
+    """Return `data` as YAML: outermost keys on lines of their own, innermost values on one."""
+    text: str = yaml.dump(
+        data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
+    )
+    return text
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes every value where it stands: files without anchors and aliases are easier to read."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Write `data` out even if it has been before."""
+        return True
+
+    def represent(self, data: Any) -> None:
+        """Write `data`: the outermost keys on lines of their own, innermost values on one line."""
+        node: Any = self.represent_data(data)
+        node.flow_style = False
+        self.serialize(node)

@@ -1,0 +1,145 @@
+"""Field types of files: numbers in range, angles, flags, and models that reject unknown keys."""
+
+import math
+from math import radians, tau
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
+from pydantic_core import CoreSchema
+from pydantic_core.core_schema import (
+    bool_schema,
+    float_schema,
+    int_schema,
+    no_info_after_validator_function,
+    tuple_schema,
+)
+
+from .problems import UserError
+
+LARGEST = 1e10
+"""Largest number in a file, in its unit: every reader rejects larger ones on entry. Unix times fit.
+Beyond it, rounding loses steps of a millimetre or a millisecond."""
+
+SMALLEST = 1e-6
+"""Smallest figure of those that must be above 0, in its unit: at less, nothing ever arrives."""
+
+
+def size_fault(value: float) -> str:
+    """Return the reason why `value` can be no length, speed or duration, or an empty text."""
+    if SMALLEST <= value <= LARGEST:
+        return ""
+    if 0 < value < SMALLEST:
+        return f"must be at least {SMALLEST:g}, not {value!r}"
+    return f"must be more than 0 and at most {LARGEST:g}, not {value!r}"
+
+
+def time_fault(value: float) -> str:
+    """Return the reason why `value` can be no instant of a trial (seconds), or an empty text."""
+    if 0 <= value <= LARGEST:
+        return ""
+    return f"must be a time from 0 to {LARGEST:g} s, not {value!r}"
+
+
+def is_figure(value: object) -> bool:
+    """Return whether `value` is a number from -`LARGEST` to `LARGEST`, and not true or false."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) <= LARGEST
+
+
+def are_figures(values: ArrayLike) -> NDArray[np.bool_]:
+    """Return which of some `values` are from -`LARGEST` to `LARGEST`, in their shape."""
+    with np.errstate(invalid="ignore"):
+        fit: NDArray[np.bool_] = np.abs(np.asarray(values, dtype=float)) <= LARGEST
+    return fit
+
+
+def figure(text: str) -> float:
+    """Return the number in `text`, NaN if it is none from -`LARGEST` to `LARGEST`."""
+    try:
+        value = float(text)
+    except ValueError:
+        return math.nan
+    return value if is_figure(value) else math.nan
+
+
+LARGEST_ANGLE = 2 * tau
+"""Radians. Larger ones in a file are taken for degrees."""
+
+
+def _checked_size(value: float) -> float:
+    if fault := size_fault(value):
+        raise UserError(fault)
+    return value
+
+
+def _checked_angle(value: float) -> float:
+    if abs(value) > LARGEST_ANGLE:
+        raise UserError(f"expected radians, found {value:g}: {value:g}° are {radians(value):.4f}")
+    return value
+
+
+class Reads:
+    """Annotation that says in pydantic's own terms how a value is read.
+
+    What many fields have in common is so worked out once, not for each of them.
+    """
+
+    def __init__(self, schema: CoreSchema) -> None:
+        self._schema = schema
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return dict(self._schema)
+
+
+_NUMBER = float_schema(strict=True, ge=-LARGEST, le=LARGEST, allow_inf_nan=False)
+_POSITIVE = float_schema(strict=True, gt=0, le=LARGEST, allow_inf_nan=False)
+_NOT_NEGATIVE = float_schema(strict=True, ge=0, le=LARGEST, allow_inf_nan=False)
+_PAIR = tuple_schema([_NUMBER, _NUMBER])
+
+Number = Annotated[float, Reads(_NUMBER)]
+"""A field of a file: a number from -`LARGEST` to `LARGEST`."""
+
+Positive = Annotated[float, Reads(no_info_after_validator_function(_checked_size, _POSITIVE))]
+"""A field of a file: a number from 1e-6 to `LARGEST`."""
+
+Angle = Annotated[float, Reads(no_info_after_validator_function(_checked_angle, _NUMBER))]
+"""A field of a file: an angle in radians, of two turns at most."""
+
+NotNegative = Annotated[float, Reads(_NOT_NEGATIVE)]
+"""A field of a file: a number from 0 to `LARGEST`."""
+
+Flag = Annotated[bool, Reads(bool_schema(strict=True))]
+"""A field of a file: true or false."""
+
+
+def whole(least: int | None = None, most: int | None = None) -> Reads:
+    """Return the annotation of a field of a file: a whole number from `least` to `most`."""
+    return Reads(int_schema(strict=True, ge=least, le=most))
+
+
+Pair = Annotated[tuple[float, float], Reads(_PAIR)]
+"""A field of a file: two numbers from -`LARGEST` to `LARGEST`."""
+
+
+def _rising(pair: tuple[float, float]) -> tuple[float, float]:
+    if pair[0] >= pair[1]:
+        raise UserError(f"must be [low, high] with low < high, found {list(pair)}")
+    return pair
+
+
+Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_rising, _PAIR))]
+"""A field of a file: [low, high] with low < high, from -`LARGEST` to `LARGEST`."""
+
+
+class Strictly(BaseModel):
+    """A part of a file in which unknown keys are refused.
+
+    Modules of such parts don't postpone their annotations: pydantic would compile each of them.
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, str_strip_whitespace=True, defer_build=True
+    )

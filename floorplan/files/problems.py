@@ -1,0 +1,256 @@
+"""Problems of users' files with their places, and validation errors in plain words."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, TypeAlias, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+_Error = TypeVar("_Error", bound="InputError")
+
+MOST_SHOWN = 20
+"""Most problems in the text of an error; it says how many more there are."""
+
+LONGEST = 600
+"""Most characters of one problem in the text of an error."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One problem, with its place in the file where it has one."""
+
+    message: str
+    field: str = ""
+    line: int | None = None
+
+    def __str__(self) -> str:
+        place = [f"line {self.line}"] if self.line is not None else []
+        place += [clipped(self.field)] if self.field else []
+        message = clipped(self.message)
+        return f"{', '.join(place)}: {message}" if place else message
+
+
+def clipped(text: str, most: int = LONGEST) -> str:
+    """Return `text` at a length that people read: values of files may be endless."""
+    return text if len(text) <= most else f"{text[: most - 1]}…"
+
+
+def shown(value: object) -> str:
+    """Return `value` as a message shows it."""
+    return clipped(repr(value), 60)
+
+
+class UserError(ValueError):
+    """A mistake of the user's; its text says what is wrong, where, and what would be right.
+
+    Only errors of this kind, and the system's, reach a user as a sentence. A plain `ValueError`
+    that gets as far as the command line is a defect.
+    """
+
+
+class InputError(UserError):
+    """A file that can't be used: `file` and all of its `problems`, in order of their lines."""
+
+    def __init__(self, file: str, problems: Iterable[Problem]) -> None:
+        self.file = file
+        self.problems = tuple(sorted(problems, key=lambda problem: problem.line or 0))
+        lines = [str(problem) for problem in self.problems]
+        place = clipped(file)
+        if len(lines) == 1:
+            text = f"{place}: {lines[0]}"
+        else:
+            shown = lines[:MOST_SHOWN]
+            if len(lines) > MOST_SHOWN:
+                shown.append(f"and {len(lines) - MOST_SHOWN:,} more")
+            text = "\n  ".join([f"{place}: {len(lines):,} problems", *shown])
+        super().__init__(text)
+
+    @classmethod
+    def of(cls: type[_Error], file: object, message: str, line: int | None = None) -> _Error:
+        """Return the error about `file` with a single problem, at `line` if given."""
+        return cls(str(file), [Problem(message, line=line)])
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, tuple[Problem, ...]]]:
+        return (type(self), (self.file, self.problems))
+
+
+class FloorplanError(InputError):
+    """A floorplan that can't be used."""
+
+
+def suggestion(name: str, known: Iterable[object]) -> str:
+    """Return a hint for a `name` that is none of `known`: the nearest of these, or all."""
+    names = [str(one) for one in known]
+    near = difflib.get_close_matches(name, names, 1)
+    return f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(names)}"
+
+
+def refuse(about: str, faults: Iterable[Fault], error: type[InputError]) -> None:
+    """Raise `error` with all `faults` of `about`, which no file holds, if there are any."""
+    problems = [Problem(message, field_name(place)) for message, place in faults]
+    if problems:
+        raise error(about, problems)
+
+
+Place: TypeAlias = tuple[str | int, ...]
+"""The keys and indices that lead to a value."""
+
+Fault: TypeAlias = tuple[str, Place]
+"""A problem with a value, and the value's place."""
+
+EXPONENT = re.compile(r"[-+]?[0-9.]+[eE][-+]?[0-9]+")
+"""Numbers that YAML 1.1 takes for text, unless they have a point and a sign."""
+
+MOST_MISFITS = 1_000
+"""Most misfits of one value that are looked at."""
+
+EXPECTED = {
+    "bool_type": "true or false",
+    "dict_type": "keys with values",
+    "finite_number": "a finite number",
+    "float_parsing": "a number",
+    "float_type": "a number",
+    "greater_than": "more than {gt:g}",
+    "greater_than_equal": "at least {ge:g}",
+    "int_type": "a whole number",
+    "less_than": "less than {lt:g}",
+    "less_than_equal": "at most {le:g}",
+    "list_type": "a list",
+    "literal_error": "{expected}",
+    "model_type": "keys with values",
+    "string_pattern_mismatch": "a name of letters, digits, _ and - that begins with a letter",
+    "string_type": "text",
+    "too_long": "a list of {max_length}",
+    "too_short": "a list of at least {min_length}",
+    "tuple_type": "a list",
+}
+"""Expected values, by pydantic's name for the misfit. Patterns are those of names alone."""
+
+UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
+MISSING = ("missing", "missing_argument")
+FORMS = (
+    "bool_type",
+    "dict_type",
+    "float_type",
+    "int_type",
+    "list_type",
+    "literal_error",
+    "model_type",
+    "string_type",
+    "tuple_type",
+)
+"""Misfits of a value that has not the form at all; where it may have several, others may fit."""
+
+
+def misfits(error: ValidationError, form: type, data: object) -> list[Fault]:
+    """Return what is wrong with `data`, which is no `form` by `error`, each with its place.
+
+    `form` is a model of pydantic's or a dataclass. A value that may have several forms is judged by
+    those that it comes nearest to.
+    """
+    found = [
+        (_place(one["loc"], data, one["type"] in MISSING), dict(one))
+        for one in error.errors(include_url=False)[:MOST_MISFITS]
+    ]
+    nearer = {place[:k] for place, _ in found for k in range(len(place))}
+    nearer |= {place for place, one in found if one["type"] not in FORMS}
+    others: dict[Place, list[str]] = {}
+    for place, one in found:
+        if one["type"] in FORMS and place not in nearer:
+            others.setdefault(place, []).append(_expected(one))
+    faults: dict[Fault, None] = {}
+    for place, one in found:
+        if one["type"] not in FORMS:
+            faults[_message(one, form), place] = None
+        elif place in others:
+            faults[_wrong_form(one, others[place]), place] = None
+    return list(faults)
+
+
+def field_name(place: Place) -> str:
+    """Return `place` as people write it: `people[0].start` for `("people", 0, "start")`."""
+    text = ""
+    for part in place:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+def _place(location: Place, data: Any, missing: bool) -> Place:
+    """Return `location` without the parts that only name one of several forms of a value.
+
+    A `missing` key at its end stays, though it isn't there.
+    """
+    place: Place = ()
+    for k, part in enumerate(location):
+        try:
+            data = data[part]
+        except (KeyError, IndexError, TypeError):
+            if not missing or k < len(location) - 1:
+                continue
+        place = (*place, part)
+    return place
+
+
+def _message(misfit: dict[str, Any], form: type) -> str:
+    """Return what is wrong with a value that has the form that it should have."""
+    kind = misfit["type"]
+    if kind in MISSING:
+        return "is missing"
+    if kind in UNKNOWN:
+        *above, key = misfit["loc"]
+        known = _keys(form, above)
+        return f"unknown key; {suggestion(str(key), known)}" if known else "unknown key"
+    if kind == "value_error":
+        return str(misfit["ctx"]["error"])
+    if kind in EXPECTED:
+        return f"expected {_expected(misfit)}, found {shown(misfit['input'])}"
+    message = str(misfit["msg"])
+    return f"{message[:1].lower()}{message[1:]}, found {shown(misfit['input'])}"
+
+
+def _expected(misfit: dict[str, Any]) -> str:
+    return EXPECTED[misfit["type"]].format(**misfit.get("ctx", {}))
+
+
+def _wrong_form(misfit: dict[str, Any], forms: Iterable[str]) -> str:
+    """Return what is wrong with a value that has none of the forms that it may have."""
+    *others, last = dict.fromkeys(forms)
+    message = f"expected {', '.join(others)} or {last}" if others else f"expected {last}"
+    found = misfit["input"]
+    if last == EXPECTED["float_type"] and isinstance(found, str) and EXPONENT.fullmatch(found):
+        message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
+    if last == EXPECTED["string_type"] and isinstance(found, bool):
+        message += " (to YAML yes, no, on and off are true or false: put them in quotes)"
+    return f"{message}, found {shown(found)}"
+
+
+def _keys(form: type, above: Iterable[str | int]) -> list[str]:
+    """Return the keys that may stand below the keys `above` in a `form`, sorted."""
+    forms = [form]
+    for part in above:
+        inner = [one for outer in forms for one in _forms(dict(_fields(outer)).get(str(part)))]
+        forms = inner or forms
+    return sorted({key for one in forms for key, _ in _fields(one)})
+
+
+def _fields(form: type) -> Iterator[tuple[str, Any]]:
+    """Yield the keys of a form, each with the type of its value."""
+    if issubclass(form, BaseModel):
+        for name, info in form.model_fields.items():
+            yield info.alias or name, info.annotation
+    elif dataclasses.is_dataclass(form):
+        for field in dataclasses.fields(form):
+            yield field.name, field.type
+
+
+def _forms(kind: object) -> Iterator[type]:
+    """Yield the models and dataclasses in a type: those of a union, of a list's elements."""
+    if isinstance(kind, type) and (issubclass(kind, BaseModel) or dataclasses.is_dataclass(kind)):
+        yield kind
+    for inner in get_args(kind):
+        yield from _forms(inner)

@@ -1,0 +1,1 @@
+"""Readers of floors in other formats: DXF, GeoJSON, WKT, MovingAI and ROS maps."""

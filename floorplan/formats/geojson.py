@@ -1,0 +1,213 @@
+"""Floors in GeoJSON (RFC 7946): features by kind or layer, in metres.
+
+A single geometry is the area to walk on, with obstacles as holes. In a collection the property
+`kind` of a feature says what it is (boundary, obstacle, station or safe_zone), or else `layer` the
+group that it is in, as in drawings; `name`, `bottom`, `top` and `heading` are read where they fit.
+"""
+
+import itertools
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from pydantic import BaseModel, ConfigDict, ValidationError
+from shapely.geometry import Polygon
+from shapely.geometry import shape as shape_of
+
+from ..checks import polygon_fault
+from ..files.fields import LARGEST, Angle, Number, are_figures
+from ..files.problems import FloorplanError, Problem, field_name, misfits, shown
+from ..files.reading import read_text
+from ..model import DEFAULT_HEIGHT, Obstacle, SafeZone, Station
+from ..plan import Floorplan
+from .drawings import BOUNDARY, Drawn, pieces_of
+from .wkt import joined
+
+DEGREES = ("CRS84", "4326")
+"""Parts of the names of systems whose coordinates are degrees."""
+
+OUTSIZED = f"has coordinates that are not numbers of at most {LARGEST:g} m"
+"""What is wrong with a geometry that nothing can be worked out with."""
+
+KINDS = ("boundary", "obstacle", "station", "safe_zone")
+
+
+class Properties(BaseModel):
+    """The properties of a feature that are read; it may have others."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, defer_build=True)
+
+    kind: str | None = None
+    layer: str | None = None
+    name: str | None = None
+    bottom: Number | None = None
+    top: Number | None = None
+    heading: Angle = 0.0
+
+
+@dataclass
+class _Parts:
+    """The floor as far as it is read."""
+
+    boundary: list[Polygon] = field(default_factory=list)
+    obstacles: list[tuple[str, str | None, Polygon, float, float]] = field(default_factory=list)
+    stations: list[Station] = field(default_factory=list)
+    safe_zones: list[SafeZone] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    notices: list[Problem] = field(default_factory=list)
+
+
+def load_geojson(path: Path, drawn: Drawn) -> Floorplan:
+    """The floorplan in the GeoJSON file at `path`; `FloorplanError` with all its faults."""
+    file, text = str(path), read_text(path, FloorplanError)
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as why:
+        raise FloorplanError.of(file, f"is not JSON: {why.msg}", line=why.lineno) from None
+    except (RecursionError, ValueError) as why:
+        raise FloorplanError.of(file, f"is not JSON: {why}") from None
+    if not isinstance(data, dict):
+        raise FloorplanError.of(file, f"is not GeoJSON: expected an object, found {shown(data)}")
+    if not isinstance(data.get("type"), str):
+        raise FloorplanError.of(file, "is not GeoJSON: it has no type, as 'FeatureCollection'")
+    if any(mark in json.dumps(data.get("crs")) for mark in DEGREES):
+        message = "its coordinates are degrees (crs); project it to metres"
+        raise FloorplanError.of(file, message)
+    if data.get("type") == "FeatureCollection":
+        features = data.get("features")
+        if not isinstance(features, list):
+            raise FloorplanError.of(file, "features: expected a list of features")
+        return _collection(features, file, drawn)
+    geometry = data.get("geometry") if data.get("type") == "Feature" else data
+    found = _geometry(geometry, drawn)
+    if isinstance(found, str):
+        raise FloorplanError.of(file, found)
+    source = f"{Path(file).name} (GeoJSON)"
+    return Floorplan.of_area(Path(file).stem, source, joined(found, file))
+
+
+def _collection(features: list[Any], file: str, drawn: Drawn) -> Floorplan:
+    parts = _Parts()
+    layers: set[str] = set()
+    for k, feature in enumerate(features):
+        place = f"features[{k}]"
+        if not isinstance(feature, dict) or feature.get("type") != "Feature":
+            parts.problems.append(Problem("expected a feature", place))
+            continue
+        given = feature.get("properties") or {}
+        try:
+            properties = Properties.model_validate(given)
+        except ValidationError as wrong:
+            for message, at in misfits(wrong, Properties, given):
+                inner = f"{place}.properties.{field_name(at)}"
+                parts.problems.append(Problem(message, inner))
+            continue
+        if properties.layer is not None:
+            layers.add(properties.layer)
+        fault = _feature(feature.get("geometry"), properties, place, parts, drawn)
+        if fault:
+            parts.problems.append(Problem(fault, place))
+    parts.problems += drawn.unmatched(layers)
+    count = len(parts.boundary)
+    if drawn.boundary is None and count != 1 and not parts.problems:
+        message = f"expected one polygon of the kind (or layer) {BOUNDARY!r}, found {count}"
+        parts.problems.append(Problem(message))
+    if len(parts.safe_zones) > 1:
+        parts.problems.append(Problem(f"{len(parts.safe_zones)} safe zones; a floor has one"))
+    if parts.problems:
+        raise FloorplanError(file, parts.problems)
+    return Floorplan(
+        name=Path(file).stem,
+        source=f"{Path(file).name} (GeoJSON)",
+        boundary=parts.boundary[0] if drawn.boundary is None else drawn.boundary,
+        obstacles=[*_named(parts)],
+        stations=parts.stations,
+        safe_zone=parts.safe_zones[0] if parts.safe_zones else None,
+        notices=tuple(parts.notices),
+    )
+
+
+def _feature(
+    geometry: Any, properties: Properties, place: str, parts: _Parts, drawn: Drawn
+) -> str | None:
+    """Add a feature to `parts`; return what is wrong with it, if anything is."""
+    kind, layer = properties.kind, properties.layer
+    group = None
+    if kind is None and layer is not None:
+        group = drawn.group_of(layer)
+        if group is None:
+            where = f"{place}, layer {layer!r}"
+            parts.notices.append(Problem("is on a layer that no group has", where))
+            return None
+        kind = BOUNDARY if group == BOUNDARY else "obstacle"
+    if kind not in KINDS:
+        found = "neither kind nor layer" if kind is None else f"the kind {kind!r}"
+        return f"has {found}; the kinds are {', '.join(KINDS)}"
+    shape = _geometry(geometry, drawn)
+    if isinstance(shape, str):
+        return shape
+    metre = drawn.metre or 1.0
+    if kind in ("station", "safe_zone"):
+        if shape.geom_type != "Point":
+            return f"a {kind} is a Point, not a {shape.geom_type}"
+        if kind == "safe_zone":
+            parts.safe_zones.append(SafeZone((shape.x, shape.y), properties.heading))
+        elif properties.name is None:
+            return "a station needs a name"
+        else:
+            parts.stations.append(Station(properties.name, (shape.x, shape.y)))
+        return None
+    if shape.geom_type not in ("Polygon", "MultiPolygon"):
+        return f"a {kind} is a Polygon, not a {shape.geom_type}: it encloses no area"
+    polygons = [*shapely.get_parts(shape)]
+    for polygon in polygons:
+        if fault := polygon_fault(polygon):
+            return fault
+    if kind == BOUNDARY:
+        parts.boundary += polygons
+        return None
+    bottom = 0.0 if properties.bottom is None else properties.bottom * metre
+    top = bottom + DEFAULT_HEIGHT if properties.top is None else properties.top * metre
+    heights = drawn.group(group).z if group is not None else None
+    bottom, top = heights or (bottom, top)
+    # A hollow obstacle is of several pieces, which share no name.
+    pieces, _ = pieces_of([shape])
+    own = properties.name if len(pieces) == 1 else None
+    label = group or properties.name or "obstacle"
+    parts.obstacles += [(label, own, piece, bottom, top) for piece in pieces]
+    return None
+
+
+def _geometry(data: Any, drawn: Drawn) -> Any:
+    """Return a geometry in metres and without heights, or what is wrong with it."""
+    if not isinstance(data, dict):
+        return f"expected a geometry, found {shown(data)}"
+    try:
+        with np.errstate(all="ignore"):
+            shape = shapely.force_2d(shape_of(data))
+            scaled = shapely.transform(shape, lambda at: at * (drawn.metre or 1.0))
+    except OverflowError:  # of a whole number that no float can hold
+        return OUTSIZED
+    except (shapely.GEOSException, AttributeError, LookupError, TypeError, ValueError) as why:
+        return f"is no geometry: {why}"
+    if scaled.is_empty:
+        return "is empty"
+    if not are_figures(shapely.get_coordinates(scaled)).all():
+        return OUTSIZED
+    return scaled
+
+
+def _named(parts: _Parts) -> Iterator[Obstacle]:
+    """Yield the obstacles: by their own names, else by group, numbered."""
+    taken = {own for _, own, *_ in parts.obstacles if own is not None}
+    counters: dict[str, Iterator[int]] = {}
+    for label, own, polygon, bottom, top in parts.obstacles:
+        name = own
+        if name is None:
+            counter = counters.setdefault(label, itertools.count(1))
+            name = next(one for k in counter if (one := f"{label}{k}") not in taken)
+        yield Obstacle(name, polygon, bottom, top)

@@ -1,0 +1,270 @@
+"""Raster maps: grey images as arrays, and polygons traced around their cells."""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ..files.problems import FloorplanError, UserError
+from ..files.reading import read_bytes
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+
+MOST_CELLS = 64_000_000
+"""Images with more pixels are refused: 8,000 × 8,000 are 400 m × 400 m at 0.05 m, where a floor of
+50 m × 50 m takes 1,000,000."""
+
+LARGEST_FILE = 2 * MOST_CELLS + 65_536
+"""Bytes: those of as many pixels of 16 bits, and of a header."""
+
+FORMATS = ("PNG", "BMP", "GIF", "JPEG", "PPM")
+"""Formats that Pillow may try; PPM stands for all of Netpbm's."""
+
+Levels: TypeAlias = "NDArray[np.uint8] | NDArray[np.uint16]"
+
+_PGM_HEADER = rb"(P[25])" + rb"(?:\s|#[^\n]*\n)+(\d{1,20})" * 3 + rb"(?:#[^\n]*\n)?\s"
+
+
+@dataclass(frozen=True)
+class GreyImage:
+    """Brightness from 0 (black) to `top` (white), (rows, columns), the top row first.
+
+    `opaque` marks the pixels that are not transparent; None if all are.
+    """
+
+    levels: Levels
+    opaque: NDArray[np.bool_] | None
+    top: int
+
+
+def read_image(path: Path) -> GreyImage:
+    """Return the grey image at `path`; `FloorplanError` says why it can't be used."""
+    data = read_bytes(path, FloorplanError, LARGEST_FILE)
+    return _read_pgm(data, path) if data[:2] in (b"P2", b"P5") else _read_other(data, path)
+
+
+def _read_pgm(data: bytes, path: Path) -> GreyImage:
+    header = re.match(_PGM_HEADER, data)
+    if header is None:
+        raise FloorplanError.of(path, "is not a PGM image: its header is broken")
+    kind = header.group(1)
+    width, height, top = (int(part) for part in header.groups()[1:])
+    _check_size(width, height, path)
+    if not 0 < top < 65536:
+        raise FloorplanError.of(path, f"is not a PGM image: its white is {top}")
+    count, begin = width * height, header.end()
+    levels: Levels
+    if kind == b"P5":
+        size = 2 if top > 255 else 1
+        there = min(count, (len(data) - begin) // size)
+        if size == 2:
+            levels = np.frombuffer(data, ">u2", there, begin).astype(np.uint16)
+        else:
+            levels = np.frombuffer(data, np.uint8, there, begin)
+    else:
+        levels = _plain_numbers(data[begin:], count, top, path)
+    if len(levels) < count:
+        raise FloorplanError.of(path, f"is cut short: {len(levels)} of {count} pixels")
+    # What is brighter than white is white.
+    return GreyImage(np.minimum(levels, top).reshape(height, width), None, top)
+
+
+def _plain_numbers(body: bytes, count: int, top: int, path: Path) -> NDArray[np.uint16]:
+    """Return the first `count` numbers in the text of a plain PGM, or all if they are fewer."""
+    if b"#" in body:
+        body = re.sub(rb"#[^\n]*", b"", body)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)  # so older NumPy ends
+            found = np.fromstring(body, float, count, sep=" ") if body.strip() else np.empty(0)
+    except (DeprecationWarning, ValueError):
+        raise FloorplanError.of(path, "is not a PGM image: something in it is no number") from None
+    if not ((found >= 0) & (found <= top)).all():
+        raise FloorplanError.of(path, f"is not a PGM image: a number in it is not from 0 to {top}")
+    return found.astype(np.uint16)
+
+
+def _read_other(data: bytes, path: Path) -> GreyImage:
+    try:
+        from PIL import Image, UnidentifiedImageError
+    except ImportError:
+        message = (
+            "only PGM images can be read without Pillow; pip install 'floorwalker[floorplans]'"
+        )
+        raise FloorplanError.of(path, message) from None
+    # We look at the size ourselves: Pillow warns of larger ones, or refuses them, without it.
+    limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
+    try:
+        with Image.open(io.BytesIO(data), formats=FORMATS) as image:
+            _check_size(*image.size, path)
+            return _grey(image, path)
+    except UnidentifiedImageError:
+        raise FloorplanError.of(path, "is not an image") from None
+    except FloorplanError:
+        raise
+    except (OSError, SyntaxError, ValueError) as why:
+        raise FloorplanError.of(path, f"can't be read: {why}") from None
+    finally:
+        Image.MAX_IMAGE_PIXELS = limit
+
+
+def _grey(image: Image, path: Path) -> GreyImage:
+    if image.mode.startswith("I"):
+        return GreyImage(np.asarray(image).astype(np.uint16), None, 65535)
+    if image.mode in ("1", "L") and "transparency" not in image.info:
+        return GreyImage(np.asarray(image.convert("L")), None, 255)
+    bands = image.convert("RGBA")
+    red, green, blue, alpha = (np.asarray(bands.getchannel(k)) for k in range(4))
+    if (red != green).any() or (red != blue).any():
+        raise FloorplanError.of(path, "is in colour; a map is grey")
+    return GreyImage(red, alpha == 255, 255)
+
+
+def _check_size(width: int, height: int, path: Path) -> None:
+    if width * height == 0:
+        raise FloorplanError.of(path, "has no pixels")
+    if width * height > MOST_CELLS:
+        message = (
+            f"has {width} × {height} pixels; at most {MOST_CELLS:,} can be read:"
+            " give a map of a coarser resolution, or a part of it"
+        )
+        raise FloorplanError.of(path, message)
+
+
+MOST_CORNERS = 1_000_000
+"""Most corners of all outlines together: the walls of a large hall have some 10,000."""
+
+MOST_OUTLINES = 100_000
+"""Most outlines: nothing could be planned among more obstacles."""
+
+_INSET = 0.125
+"""Cells. How far a ring keeps from a corner at which two of its cells touch diagonally."""
+
+Ints = NDArray[np.int64]
+
+Ring: TypeAlias = shapely.Geometry
+"""A closed line."""
+
+
+class IntricateError(UserError):
+    """Cells with more outlines than can be handled."""
+
+
+def trace(cells: NDArray[np.bool_], tolerance: float) -> shapely.Geometry:
+    """The area of the cells that are set: (rows, columns), cell [r, c] covers x c…c+1, y r…r+1.
+
+    Cells that touch only at a corner stay apart. Rings are simplified, but no point of them moves
+    by more than `tolerance` cells. `IntricateError` if there are more than `MOST_OUTLINES`
+    of them, or if they have more than `MOST_CORNERS` corners.
+    """
+    shells, holes = _rings(np.pad(cells, 1))
+    if (count := len(shells) + len(holes)) > MOST_OUTLINES:
+        raise IntricateError(f"{count:,} outlines, of at most {MOST_OUTLINES:,}")
+    # Rings lie on the borders of cells and keep apart at diagonal corners, so what they make up is
+    # valid by construction and is not checked.
+    area = shapely.MultiPolygon(_polygons(shells, holes))
+    return shapely.simplify(area, tolerance, preserve_topology=True)
+
+
+def _polygons(shells: list[Ring], holes: list[Ring]) -> list[shapely.Geometry]:
+    """Return each shell with the holes in it: a hole is in the smallest of the shells around it."""
+    if not holes:
+        return [shapely.polygons(shell) for shell in shells]
+    filled = shapely.polygons(shells)
+    tree = shapely.STRtree(shapely.get_point(holes, 0))
+    around, inside = tree.query(filled, predicate="contains")
+    # The smallest shell around a hole comes first, and `unique` keeps the first of each hole.
+    inner_first = np.argsort(shapely.area(filled)[around], kind="stable")
+    _, first = np.unique(inside[inner_first], return_index=True)
+    owner = around[inner_first][first].tolist()
+    held: list[list[Ring]] = [[] for _ in shells]
+    for hole, shell in zip(holes, owner, strict=True):
+        held[shell].append(hole)
+    return [shapely.Polygon(shell, within) for shell, within in zip(shells, held, strict=True)]
+
+
+def _rings(cells: NDArray[np.bool_]) -> tuple[list[Ring], list[Ring]]:
+    """Return the closed outlines through their corners: those around cells, and those of holes.
+
+    Along every row of corners an outline comes and goes in turn, so sorted corners pair up into
+    its horizontal sides; along every column into its vertical ones. The sides then chain up.
+    """
+    row, column, second, point = _corners(cells)
+    count = len(row)
+    if not count:
+        return [], []
+    # Sorted by row, then column: every other corner begins a side, and the next one ends it.
+    across = _pairs(count, np.lexsort((np.arange(count), column, row)))
+    # At a diagonal corner the first of two copies ends the side on the left, the second begins
+    # the one on the right.
+    # The copy that goes round the cell above comes first along the column.
+    lower = cells[row, column] == second
+    along = _pairs(count, np.lexsort((lower, row, column)))
+    shells: list[Ring] = []
+    holes: list[Ring] = []
+    # Below and right of its first corner, in the order of rows, is the inside of an outline.
+    is_shell = cells[row + 1, column + 1].tolist()
+    done = np.zeros(count, bool)
+    across_list, along_list = across.tolist(), along.tolist()
+    for first in range(count):
+        if done[first]:
+            continue
+        chain = []
+        here = first
+        while True:
+            there = across_list[here]
+            chain += [here, there]
+            here = along_list[there]
+            if here == first:
+                break
+        done[chain] = True
+        ring = shapely.linearrings(point[[*chain, first]])
+        (shells if is_shell[first] else holes).append(ring)
+    return shells, holes
+
+
+def _corners(
+    cells: NDArray[np.bool_],
+) -> tuple[Ints, Ints, NDArray[np.bool_], NDArray[np.float64]]:
+    """Return the corners of outlines: row and column, whether it is the second copy, and place.
+
+    Corners where two cells touch diagonally come twice.
+    """
+    above_left, above_right = cells[:-1, :-1], cells[:-1, 1:]
+    below_left, below_right = cells[1:, :-1], cells[1:, 1:]
+    diagonal = (above_left == below_right) & (above_right == below_left)
+    diagonal &= above_left != above_right
+    # An outline turns where one or three of the four cells around a corner are set.
+    odd = above_left ^ above_right ^ below_left ^ below_right
+    odd |= diagonal
+    if (count := np.count_nonzero(odd)) > MOST_CORNERS:
+        raise IntricateError(f"outlines of {count:,} corners, of at most {MOST_CORNERS:,}")
+    row, column = np.nonzero(odd)
+    twice = diagonal[row, column]
+    row, column = np.repeat(row, 1 + twice), np.repeat(column, 1 + twice)
+    twice = np.repeat(twice, 1 + twice)
+    second = np.zeros(len(row), bool)
+    second[1:] = twice[1:] & (row[1:] == row[:-1]) & (column[1:] == column[:-1])
+    # The copies part, each towards the set cell that it goes round.
+    sideways = np.where(second, _INSET, -_INSET) * twice
+    upright = np.where(above_left[row, column] == second, _INSET, -_INSET) * twice
+    # Corner [r, c] lies between the cells r and r + 1 of the padded grid: at y = r unpadded.
+    point = np.column_stack([column + sideways, row + upright]).astype(float)
+    return row, column, second, point
+
+
+def _pairs(count: int, order: NDArray[np.intp]) -> Ints:
+    """Return the partner of each, where they pair up in this order."""
+    partner = np.empty(count, np.int64)
+    partner[order[0::2]], partner[order[1::2]] = order[1::2], order[0::2]
+    return partner

@@ -1,0 +1,486 @@
+"""Measures of motions: length, turning, time stationary, and the least distances between bodies.
+
+They are computed from the polynomials that motions are made of, for all bodies together; nothing
+is sampled.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from array import array
+from collections.abc import Iterator, MutableSequence, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernels.crowding import nearer_between, nearest_seen, see
+from .kernels.discs import meeting
+from .monitor import minimum_separation
+from .motion import Motion, join, standing
+from .polynomials import (
+    Array,
+    Index,
+    bernstein,
+    derivative,
+    integral_of_least_length,
+    least,
+    square,
+    time_negative,
+)
+from .walking import swath
+
+FAR = 1e6
+"""Metres. Place of a body that is not there yet, so that it is near to none."""
+
+_LARGEST = 2**16
+"""Cubics between two bodies that are worked on at once: of each there are some hundred numbers."""
+
+
+@dataclass(frozen=True)
+class Company:
+    """Distances of a body from others, while any of them was there.
+
+    `mean` is the mean over time of the distance to the nearest of them, `minimum` and `maximum`
+    are over all of them (metres). `within` has for each distance asked for the seconds in which
+    the nearest was nearer than that. Without a common `time` (seconds) all are 0.
+    """
+
+    time: float
+    mean: float
+    minimum: float
+    maximum: float
+    within: tuple[float, ...]
+
+
+class Courses:
+    """Motions side by side, each looked at between two instants of its own.
+
+    `spans` has (begin, end) in seconds for each motion. Results that are arrays have one figure
+    for each motion. A jump to another place adds neither length nor turning.
+    """
+
+    def __init__(self, motions: Sequence[Motion], spans: Sequence[tuple[float, float]]) -> None:
+        for begin, end in spans:
+            if not (math.isfinite(begin) and math.isfinite(end) and begin <= end):
+                raise ValueError(f"can't look from {begin} s to {end} s")
+        self._motions = motions
+        self._spans = np.array(spans, dtype=np.float64).reshape(-1, 2)
+
+    @cached_property
+    def time(self) -> Array:
+        """The length of each span, seconds."""
+        return np.asarray(self._spans[:, 1] - self._spans[:, 0])
+
+    @cached_property
+    def length(self) -> Array:
+        """The length of the path gone, metres: ∫ |v| dt."""
+        return self._integrated(self._velocity)
+
+    @cached_property
+    def acceleration(self) -> Array:
+        """∫ |a| dt, m/s; the sudden turns of a walker at a corner are left out."""
+        return self._integrated(derivative(self._velocity))
+
+    @cached_property
+    def jerk(self) -> Array:
+        """∫ |j| dt, m/s²; steps of the acceleration are left out."""
+        third = derivative(derivative(self._velocity))[..., 0]
+        return self._summed(np.hypot(third[:, 0], third[:, 1]) * self._stretches.durations)
+
+    @cached_property
+    def top_speed(self) -> Array:
+        """The highest speed, m/s."""
+        fastest = -least(-self._speed_squared, self._stretches.body, len(self._motions))
+        return np.sqrt(np.where(np.isfinite(fastest), np.maximum(fastest, 0.0), 0.0))
+
+    @cached_property
+    def turning(self) -> Array:
+        """The angle turned by, in either direction, radians: ∫ |ω| dt and turns on the spot."""
+        rotation = self._stretches.pieces[:, 2]
+        return self._summed(_variation(rotation, self._stretches.durations)) + self._sudden_turns()
+
+    def time_not_moving(self, speed: float, turning: float) -> Array:
+        """Return the seconds with less than `speed` (m/s) and less than `turning` (rad/s)."""
+        durations = self._stretches.durations
+        spin = bernstein(square(derivative(self._stretches.pieces[:, 2])), durations)
+        excess = np.stack([speed**2 - self._speed_squared, turning**2 - spin], axis=1)
+        return self._summed(durations - time_negative(excess, durations))
+
+    def company(
+        self,
+        bodies: Sequence[tuple[int, Sequence[int]]],
+        within: Sequence[float] = (),
+        radii: Sequence[float] | None = None,
+    ) -> list[Company]:
+        """Return the distances of each body from the nearest of some others, by their indices.
+
+        Distances are between centres, less the `radii` (metres) of both bodies if they are given.
+        For each distance (metres) of `within` there is also the time that another was so near.
+        """
+        sizes = np.zeros(len(self._motions)) if radii is None else np.asarray(radii, np.float64)
+        total = _Tally(len(bodies), len(within))
+        for meetings in self._meetings(bodies, sizes):
+            meetings.add_to(total, within)
+        return total.companies()
+
+    def _meetings(
+        self, bodies: Sequence[tuple[int, Sequence[int]]], sizes: Array
+    ) -> Iterator[_Meetings]:
+        """Yield who is beside whom, so much at a time as fits into memory."""
+        for most, batch in itertools.groupby(enumerate(bodies), lambda one: len(one[1][1])):
+            longest = max(_LARGEST // max(most, 1), 1)
+            found: list[_Meetings] = []
+            for group, (body, others) in batch:
+                beside = self._beside(group, body, others, sizes)
+                for first in range(0, len(beside.groups), longest):
+                    part = beside.part(first, first + longest)
+                    if sum(len(one.groups) for one in found) + len(part.groups) > longest:
+                        yield _Meetings.of(found)
+                        found = []
+                    found.append(part)
+            if found:
+                yield _Meetings.of(found)
+
+    def _beside(self, group: int, body: int, others: Sequence[int], sizes: Array) -> _Meetings:
+        members = [body, *others]
+        # Cut where one of these changes: among many a cut of all would be one for each of them.
+        motions = [self._motions[member] for member in members]
+        durations, there, pieces = _common_stretches(motions, self._spans[members])
+        present = (there[:1] & there[1:]).T
+        rows = np.flatnonzero(present.any(1))
+        apart = (pieces[1:, rows, :2] - pieces[:1, rows, :2]).swapaxes(0, 1)
+        away = np.zeros(apart.shape[1:])
+        away[:, 0, 0] = FAR
+        return _Meetings(
+            np.full(len(rows), group),
+            durations[rows],
+            present[rows],
+            np.where(present[rows][..., None, None], apart, away),
+            np.broadcast_to(sizes[body] + sizes[list(others)], (len(rows), len(others))),
+        )
+
+    @cached_property
+    def _stretches(self) -> _Stretches:
+        """The stretches of all motions, one motion's after another's."""
+        cuts = [
+            _cuts([one], span[None]) for one, span in zip(self._motions, self._spans, strict=True)
+        ]
+        begins = list(zip(self._motions, (times[:-1] for times in cuts), strict=True))
+        return _Stretches(
+            np.repeat(np.arange(len(cuts)), [len(times) for _, times in begins]),
+            np.concatenate([np.empty(0), *map(np.diff, cuts)]),
+            np.concatenate([np.empty(0, bool), *(np.isin(t, list(m.jumps)) for m, t in begins)]),
+            np.concatenate([np.empty((0, 3, 4)), *(m.cubics(t) for m, t in begins)]),
+        )
+
+    @cached_property
+    def _velocity(self) -> Array:
+        """Along x and y in each stretch: (S, 2, 3)."""
+        return derivative(self._stretches.pieces[:, :2])
+
+    @cached_property
+    def _speed_squared(self) -> Array:
+        x, y = self._velocity.swapaxes(0, 1)
+        return bernstein(square(x) + square(y), self._stretches.durations)
+
+    def _integrated(self, vectors: Array) -> Array:
+        """Return ∫ |vectors| dt of each motion; they are polynomials, (S, 2, n)."""
+        x, y = vectors[:, :1], vectors[:, 1:]
+        nothing = np.zeros((len(vectors), 1))
+        return self._summed(integral_of_least_length(x, y, nothing, self._stretches.durations))
+
+    def _summed(self, figures: Array) -> Array:
+        """Return the sum of the figures (S,) of each motion's stretches."""
+        return _totals(self._stretches.body, figures, len(self._motions))
+
+    def _sudden_turns(self) -> Array:
+        """The angles by which the bodies turn on the spot, together (radians)."""
+        body, durations, jumped, pieces = self._stretches
+        rotation, u = pieces[:, 2], durations
+        ends = rotation[:, 0] + u * (rotation[:, 1] + u * (rotation[:, 2] + u * rotation[:, 3]))
+        turns = rotation[1:, 0] - ends[:-1]
+        # The short way round: headings that differ by a whole turn are the same.
+        turns = np.abs(turns - math.tau * np.round(turns / math.tau))
+        counts = (body[1:] == body[:-1]) & ~jumped[1:]
+        return _totals(body[1:], turns * counts, len(self._motions))
+
+
+class _Stretches(NamedTuple):
+    """Stretches of several motions, in each of which that motion is one cubic."""
+
+    body: Index
+    """Whose it is: (S,)."""
+    durations: Array
+    """Seconds: (S,)."""
+    jumped: NDArray[np.bool_]
+    """True where the body was put elsewhere at its begin: (S,)."""
+    pieces: Array
+    """x, y and rotation from its begin on: (S, 3, 4)."""
+
+
+@dataclass(frozen=True)
+class _Meetings:
+    """Some bodies and the others beside them: a row for every stretch in which any is there."""
+
+    groups: Index
+    """Whose row it is: (M,)."""
+    durations: Array
+    """Seconds: (M,)."""
+    present: NDArray[np.bool_]
+    """Which of the others are there: (M, others)."""
+    apart: Array
+    """From the body to each of the others, as cubics: (M, others, 2, 4)."""
+    less: Array
+    """What is taken off the distances, metres: (M, others)."""
+
+    @classmethod
+    def of(cls, parts: Sequence[_Meetings]) -> _Meetings:
+        return cls(*map(np.concatenate, zip(*(part._columns for part in parts), strict=True)))
+
+    def part(self, begin: int, end: int) -> _Meetings:
+        groups, durations, present, apart, less = self._columns
+        rows = slice(begin, end)
+        return _Meetings(groups[rows], durations[rows], present[rows], apart[rows], less[rows])
+
+    def add_to(self, total: _Tally, within: Sequence[float]) -> None:
+        x, y = self.apart[..., 0, :], self.apart[..., 1, :]
+        count = len(total.time)
+        total.time += _totals(self.groups, self.durations, count)
+        lengths = integral_of_least_length(x, y, self.less, self.durations)
+        total.sums += _totals(self.groups, lengths, count)
+        squared = bernstein(square(x) + square(y), self.durations[:, None])
+        near, far = self._extremes(squared, count)
+        np.minimum(total.near, near, out=total.near)
+        np.maximum(total.far, far, out=total.far)
+        for k, distance in enumerate(within):
+            limits = np.maximum(distance + self.less, 0.0)
+            inside = time_negative(squared - (limits**2)[..., None], self.durations)
+            total.inside[k] += _totals(self.groups, inside, count)
+
+    @property
+    def _columns(self) -> tuple[Index, Array, NDArray[np.bool_], Array, Array]:
+        return self.groups, self.durations, self.present, self.apart, self.less
+
+    def _extremes(self, squared: Array, count: int) -> tuple[Array, Array]:
+        """The least and the greatest distance of each body: (count,) of metres."""
+        most = self.present.shape[1]
+        row, other = np.nonzero(self.present)
+        group = self.groups[row] * most + other
+        squared = squared[row, other]
+        less = np.zeros(count * most)
+        less[group] = self.less[row, other]
+        near = np.sqrt(np.maximum(least(squared, group, len(less)), 0.0)) - less
+        farthest = -least(-squared, group, len(less))
+        far = np.sqrt(np.maximum(farthest, 0.0)) - less
+        far[~np.isfinite(farthest)] = -np.inf
+        shape = (count, most)
+        return near.reshape(shape).min(1), far.reshape(shape).max(1)
+
+
+class _Tally:
+    """What the distances of `count` bodies come to, as more and more is added."""
+
+    def __init__(self, count: int, limits: int) -> None:
+        self.time, self.sums = np.zeros((2, count))
+        self.near, self.far = np.full(count, np.inf), np.full(count, -np.inf)
+        self.inside = np.zeros((limits, count))
+
+    def companies(self) -> list[Company]:
+        return [
+            Company(
+                float(time),
+                float(self.sums[k] / time) if time else 0.0,
+                float(self.near[k]) if time else 0.0,
+                float(self.far[k]) if time else 0.0,
+                tuple(map(float, self.inside[:, k])),
+            )
+            for k, time in enumerate(self.time)
+        ]
+
+
+def _common_stretches(
+    motions: Sequence[Motion], spans: Array
+) -> tuple[Array, NDArray[np.bool_], Array]:
+    """Return stretches in each of which every motion is one cubic.
+
+    Their durations (S,), which motions are looked at in them (motions, S), and the cubics
+    (motions, S, 3, 4).
+    """
+    cuts = _cuts(motions, spans)
+    begins = cuts[:-1]
+    there = (spans[:, :1] <= begins) & (begins < spans[:, 1:])
+    return np.diff(cuts), there, np.array([motion.cubics(begins) for motion in motions])
+
+
+def _cuts(motions: Sequence[Motion], spans: Array) -> Array:
+    if not len(spans):
+        return np.zeros(1)
+    times = [spans.ravel()]
+    for motion in motions:
+        pieces = motion.pieces
+        times.append(np.array([pieces[0].begin, *(piece.end for piece in pieces)]))
+    cuts = np.unique(np.concatenate(times))
+    return np.asarray(cuts[(spans.min() <= cuts) & (cuts <= spans.max())])
+
+
+def _totals(groups: Index, figures: Array, count: int) -> Array:
+    """The sum of the figures of each group: (count,)."""
+    return np.bincount(groups, figures, count).astype(np.float64)
+
+
+def _variation(cubics: Array, durations: Array) -> Array:
+    """∫ |derivative| dt of cubics (..., 4) on 0 … duration (...)."""
+    # Between the zeros of its derivative a cubic is monotone, so its variation is the sum of what
+    # it changes from one to the next. Zeros by the form that does not cancel (q, then q / a and c /
+    # q).
+    a, b, c = 3 * cubics[..., 3], 2 * cubics[..., 2], cubics[..., 1]
+    # Without a real zero the root is 0 and what comes out is no turn: as a cut it changes nothing.
+    root = np.sqrt(np.maximum(b * b - 4 * a * c, 0.0))
+    q = -(b + np.copysign(root, b)) / 2
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        turns = np.sort(np.nan_to_num([q / a, c / q], posinf=0.0, neginf=0.0), axis=0)
+    between = [np.zeros_like(durations + a), *np.clip(turns, 0.0, durations), durations + 0.0 * a]
+    values = [c * u + cubics[..., 2] * u**2 + cubics[..., 3] * u**3 for u in between]
+    return np.asarray(sum(np.abs(w - v) for v, w in itertools.pairwise(values)))
+
+
+STEP = 0.1
+"""Seconds between the instants at which all pairs are looked at first."""
+
+WINDOW = 512
+"""Number of instants that are looked at together: who is far from others all through is left out,
+and a long run takes no more memory than a short one."""
+
+AWAY = 1e8
+"""Metres. Those who are not there are moved so far off, and as far from each other."""
+
+_HAIR = 1e-9
+
+_Window: TypeAlias = "tuple[int, list[float], tuple[array[float], array[float], array[float]]]"
+
+
+class Nearest(NamedTuple):
+    """The nearest that any two came: metres between their surfaces, seconds, and their indices.
+
+    `overlaps` is the number of pairs that overlapped at any time.
+    """
+
+    distance: float
+    time: float
+    pair: tuple[int, int]
+    overlaps: int
+
+
+def nearest_pair(
+    motions: Sequence[Motion],
+    radii: Sequence[float],
+    top_speeds: Sequence[float],
+    begin: float,
+    end: float,
+    spans: Sequence[tuple[float, float]] | None = None,
+) -> Nearest | None:
+    """Return the nearest that two of several discs came from `begin` to `end` (seconds).
+
+    `motions` are those of their centres, `radii` in metres, `top_speeds` in m/s, which none of them
+    exceeds but where it is put elsewhere. With `spans` each is there only from one instant to
+    another (seconds). None if no two are there at once. Exact as `minimum_separation`: between two
+    instants that are looked at, a pair comes no nearer than its distance at both and its speeds
+    allow; wherever that is nearer than the nearest pair known, the kernel says whether it comes
+    nearer, and if so it is solved for.
+    """
+    if spans is not None:
+        motions = [
+            _present(motion, max(since, begin), min(until, end), begin, end, AWAY * (k + 1))
+            for k, (motion, (since, until)) in enumerate(zip(motions, spans, strict=True))
+        ]
+    if len(motions) < 2:
+        return None
+    count = max(math.ceil((end - begin) / STEP), 1)
+    t = np.linspace(begin, end, count + 1)
+    times = t.tolist()
+    tables = [swath(_reaching_back(motion, begin), begin).table for motion in motions]
+    sizes = [*map(float, radii)]
+    steps = [float(speed * (t[1] - t[0])) for speed in top_speeds]
+    jumps = [_intervals(t, sorted(motion.jumps)) for motion in motions]
+    of_discs = (sizes, steps, jumps)
+    # First a good upper bound: the nearest that any pair is at an instant that is looked at.
+    nearest = math.inf
+    for first, window, seen in _windows(tables, times):
+        one, other, at, metres = nearest_seen(*seen, first, *of_discs, nearest)
+        if metres < nearest:
+            nearest, i, j, k = metres, one, other, at
+            xs, ys, _ = seen
+            one, other = (n * len(window) + k - first for n in (i, j))
+            apart = math.hypot(xs[one] - xs[other], ys[one] - ys[other]) - (radii[i] + radii[j])
+    best = (apart, times[k], (i, j))
+    overlapping: set[tuple[int, int]] = set()
+    found = [
+        nearer_between(*seen, first, *of_discs, window, tables, max(apart, 0.0))
+        for first, window, seen in _windows(tables, times)
+    ]
+    nearer = itertools.chain.from_iterable(found)
+    for i, j, k in sorted(zip(nearer, nearer, nearer, strict=True)):
+        least, since, until = radii[i] + radii[j], times[k], times[k + 1]
+        if meeting(tables[i], tables[j], least + max(best[0], 0.0) - _HAIR, since, until) > until:
+            continue
+        when, centres = minimum_separation(motions[i], motions[j], since, until)
+        if centres - least < -_HAIR:
+            overlapping.add((i, j))
+        best = min(best, (centres - least, when, (i, j)))
+    if spans is not None and best[0] > AWAY / 2:
+        return None
+    return Nearest(*best, len(overlapping))
+
+
+def _present(
+    motion: Motion, since: float, until: float, begin: float, end: float, away: float
+) -> Motion:
+    """Return a motion from `begin` to `end` that is `away` metres off but from `since` to `until`.
+
+    All instants are in seconds.
+    """
+    if since <= begin and until >= end:
+        return motion
+    off = (away, away)
+    there = [motion.cut(since, until)] if since < until else []
+    before = [standing(off, start=begin)] if since > begin or not there else []
+    after = [standing(off, start=until)] if there and until < end else []
+    return join([*before, *there, *after], end=end)
+
+
+def _reaching_back(motion: Motion, begin: float) -> Motion:
+    """Return a motion that stands from `begin` (seconds) until it starts, as kernels need it."""
+    if motion.start <= begin:
+        return motion
+    x, y, heading = motion.state(begin).position
+    return join([standing((x, y), heading=heading, start=begin), motion])
+
+
+def _windows(tables: list[MutableSequence[float]], times: list[float]) -> Iterator[_Window]:
+    """Yield the number of the first instant of each window, its instants, and what is seen then.
+
+    Two windows that follow each other share an instant, and the room for what is seen.
+    """
+    rows = array("q", bytes(8 * len(tables)))
+    boxes = array("d", bytes(32 * len(tables)))
+    xs = ys = array("d")
+    for first in range(0, len(times) - 1, WINDOW):
+        window = times[first : first + WINDOW + 1]
+        size = len(window) * len(tables)
+        if len(xs) != size:
+            xs, ys = (array("d", bytes(8 * size)) for _ in range(2))
+        see(tables, window, rows, xs, ys, boxes)
+        yield first, window, (xs, ys, boxes)
+
+
+def _intervals(t: NDArray[np.float64], instants: Sequence[float]) -> list[float]:
+    """Return the numbers of the intervals between `t` that instants fall into, in order.
+
+    As floats, as the kernels have lists of numbers.
+    """
+    found = np.clip(np.searchsorted(t, instants, side="right") - 1, 0, len(t) - 2)
+    return [float(k) for k in found]

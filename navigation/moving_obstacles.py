@@ -1,0 +1,362 @@
+"""Path planning among bodies with known motions: wait or take a detour, whichever arrives first.
+
+A person who waits `d` seconds and then walks along a path touches a body that moves for some `d`
+and not for others. The least safe delay is found by conservative advancement: if the body is first
+touched at the place p at time t, and leaves p free from t' on, then every delay that is longer by
+less than t' − t brings the person to p while the body is there. So the delay grows by t' − t, no
+safe one is stepped over, and the motion is asked of the monitor again, with its real profile.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike
+from shapely.geometry import Polygon
+
+from floorplan import Point, rectangle
+
+from .bodies import CollisionBody, Disc
+from .catalog import Path, PlanningError
+from .encounter import PERSON_HEIGHT, Box, Cylinder, Shapes
+from .monitor import RESOLUTION, TooClose, first_time, minimum_separation, when
+from .motion import Motion, join, standing
+from .planner import PathPlanner
+from .roadmap_planner import SLACK
+from .separation import FixedDistance
+from .walking import MAX_ACCELERATION, MAX_SPEED, walk
+
+GAP = 0.1
+"""Metres. Nearer than this to the surface of a body that moves, a person counts as touched."""
+
+PATIENCE = 60.0
+"""Seconds. Longest time that anybody waits."""
+
+_LEAST, _GROWTH = 1e-3, 1.04
+"""Seconds by which delays grow at least, and the factor by which that grows each time: a body that
+grazes, or comes along the path, ends the search as well."""
+
+_PLACES = 4
+"""Number of waypoints before the place where somebody would be touched at which they may wait."""
+
+_THIN = 1e-3
+"""Metres. Radius of a person of whom nothing but their axis is left."""
+
+_LEEWAY = 1e-5
+"""Metres. So much farther off than `gap` is a body that has left a place."""
+
+_SHORT = 0.5
+"""Metres. So far short of where they would be touched people may wait on their path."""
+
+_SAMPLES = 24
+"""Number of instants at which a body is drawn for the area that it covers on its way."""
+
+_TRIED = 4
+"""Number of states of the floor that are planned on."""
+
+Limits = tuple[float, float]
+"""Top speed (m/s) and acceleration (m/s²)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mover:
+    """A body that moves as is known: `motion`, with a solid around its axis.
+
+    It stands where the motion begins and ends before and after. `name` is that of the body in the
+    collision world, if it has one there.
+    """
+
+    name: str
+    motion: Motion
+    solid: Box | Cylinder
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """A path among bodies that move, and the motion along it that touches none of them."""
+
+    path: Path
+    motion: Motion
+    waits: tuple[tuple[Point, float], ...] = ()
+    """Where on the path to wait, and for how many seconds."""
+
+    @property
+    def arrives(self) -> float:
+        """Instant of arrival (seconds)."""
+        return self.motion.end
+
+
+@dataclass(eq=False)
+class _Watch:
+    """A body that moves, as one person sees it."""
+
+    mover: Mover
+    shapes: Shapes
+    condition: TooClose
+    still: TooClose
+    """The condition until it sets out: people pass what stands as near as they like."""
+    clear: TooClose
+    """The condition until it has left a place; a little wider, lest one that slides along at just
+    the distance asked for be looked at again and again."""
+    sets_out: float
+
+    def touched(self, person: Motion, begin: float, end: float) -> float | None:
+        """Return the first instant in [begin, end] at which it touches the person, or None."""
+        for condition, one, other in (
+            (self.still, begin, min(end, self.sets_out)),
+            (self.condition, max(begin, self.sets_out), end),
+        ):
+            if one <= other:
+                pair = (person, self.mover.motion)
+                found = first_time(condition, *pair, one, other, shapes=self.shapes)
+                if found is not None:
+                    return found
+        return None
+
+    def leaves(self, place: Point, t: float) -> float:
+        """Return when it leaves a place free that it touches at `t`; infinity if it stays."""
+        moves = _moves_on(self.mover.motion, t)
+        # It stands here, and leaves only when it sets out: until then there is nothing to solve
+        # for.
+        if moves > t:
+            return math.inf if moves == math.inf else max(self.leaves(place, moves), moves)
+        until = max(self.mover.motion.end, t) + 1.0
+        stands = standing(place)
+        intervals = when(self.clear, stands, self.mover.motion, t, until, shapes=self.shapes)
+        begin, end = next(intervals, (t, t))
+        if begin > t + RESOLUTION:  # it only grazes the place
+            return t
+        return math.inf if end >= until else end
+
+
+def plan_among(
+    planner: PathPlanner,
+    start: ArrayLike,
+    goal: ArrayLike,
+    moving: Sequence[Mover],
+    *,
+    at: float = 0.0,
+    heading: float = 0.0,
+    max_speed: float = MAX_SPEED,
+    max_acceleration: float = MAX_ACCELERATION,
+    height: float = PERSON_HEIGHT,
+    gap: float = GAP,
+    patience: float = PATIENCE,
+) -> Passage:
+    """Return the passage from `start` to `goal` that arrives first of those that are looked at.
+
+    Paths are the `planner`'s, for a person of its radius and this `height` (metres), who walks at
+    `max_speed` (m/s) and `max_acceleration` (m/s²) at most. At the time `at` (seconds) they stand
+    at `start` and look in the direction `heading` (radians). They wait `patience` seconds at most,
+    once: there, at a waypoint, or short of a place where a body would touch them. Paths looked at
+    are the shortest one regardless of what is `moving`, and those round where it stands now, where
+    it comes to rest, and all that it covers on its way. Until the arrival, no such body that has
+    set out comes closer than `gap` metres, or closer than it is at the beginning where that is
+    less: the monitor has checked it for the motion as it is returned. One that still stands is
+    passed like all that stands. `PlanningError` if there is none.
+    """
+    watches = [_watch(planner, mover, start, at, height, gap) for mover in moving]
+    best: Passage | None = None
+    failed: list[PlanningError] = []
+    limits = (max_speed, max_acceleration)
+    for path in _paths(planner, start, goal, moving, at, failed):
+        latest = math.inf if best is None else best.arrives
+        for passage in _passages(path, watches, at, heading, limits, patience, latest):
+            best = passage
+    if best is not None:
+        return best
+    if len(failed) == _TRIED:  # nor is there a path without what moves
+        raise failed[0]
+    names = ", ".join(mover.name for mover in moving)
+    message = f"no path was found among {names} with at most {patience:g} s to wait"
+    raise PlanningError("not_found", message)
+
+
+def _watch(
+    planner: PathPlanner, mover: Mover, start: ArrayLike, at: float, height: float, gap: float
+) -> _Watch:
+    x, y = map(float, np.asarray(start, dtype=float))
+    here = standing((x, y))
+
+    def begins(radius: float) -> tuple[Shapes, float]:
+        shapes = Shapes(person=Cylinder(radius=radius, top=height), machine=(mover.solid,))
+        return shapes, minimum_separation(here, mover.motion, at, at, shapes=shapes)[1]
+
+    shapes, least = begins(planner.radius)
+    if least < _THIN:
+        # Surfaces that overlap are 0 apart, however deep: only the part of the person that is still
+        # beside the body tells whether they come any nearer.
+        # The distance of the axis alone is known however deep the surfaces overlap.
+        beside = begins(_THIN)[1]
+        if beside < _THIN:
+            raise PlanningError("start_blocked", f"the start {x:g}, {y:g} is inside {mover.name}")
+        shapes, least = begins(beside)
+    # Nobody is asked to keep more than they have at first, or no motion at all would be free.
+    room = least - 1e-6
+    kept = min(gap, room)
+    condition, still, clear = (
+        TooClose(FixedDistance(least)) for least in (kept, min(SLACK, room), kept + _LEEWAY)
+    )
+    sets_out = _moves_on(mover.motion, at)
+    return _Watch(mover, shapes, condition, still, clear, at if sets_out == math.inf else sets_out)
+
+
+def _moves_on(motion: Motion, t: float) -> float:
+    """Return the first instant from `t` on at which a body moves; infinity if it stays."""
+    for piece in motion.pieces_from(t):
+        if piece.end > t and not piece.stands:
+            return max(piece.begin, t)
+    return math.inf
+
+
+def _paths(
+    planner: PathPlanner,
+    start: ArrayLike,
+    goal: ArrayLike,
+    moving: Sequence[Mover],
+    at: float,
+    failed: list[PlanningError],
+) -> Iterator[Path]:
+    """Yield the paths to look at, each once; why there is none goes into `failed`."""
+    there = {body.name for body in planner.world.bodies}
+    free = planner.world.as_if(away=[mover.name for mover in moving if mover.name in there])
+    stand = [[at], [math.inf]]
+    last = max([mover.motion.end for mover in moving], default=at)
+    sweep = np.linspace(at, max(last, at), _SAMPLES).tolist()
+    seen: list[list[list[float]]] = []
+    # Without what moves, round it where it stands now, round where it comes to rest, and round all
+    # that it covers on its way: what is best among them depends on who is where when.
+    for times in ([], *stand, sweep):
+        covered = shapely.union_all([_footprint(mover, t) for mover in moving for t in times])
+        parts = enumerate(part for part in shapely.get_parts(covered) if not part.is_empty)
+        world = free.as_if({f"what moves, {k}": Polygon(part.exterior) for k, part in parts})
+        ask = PathPlanner(
+            world, planner.radius, planner.ignore, step=planner.step, planner=planner.choice
+        )
+        try:
+            path = ask.plan(start, goal, seed=planner.seed)
+        except PlanningError as why:
+            failed.append(why)
+            continue
+        if path.points.tolist() not in seen:
+            seen.append(path.points.tolist())
+            yield path
+
+
+def _footprint(mover: Mover, t: float) -> Polygon:
+    """Return the area that a body covers at an instant."""
+    x, y, rotation = mover.motion.state(min(max(t, mover.motion.start), mover.motion.end)).position
+    if isinstance(mover.solid, Cylinder):
+        return CollisionBody.of(mover.name, Disc((x, y), mover.solid.radius)).footprint
+    along = (math.cos(rotation), math.sin(rotation))
+    return rectangle((x, y), along, mover.solid.length, mover.solid.width)
+
+
+def _passages(
+    path: Path,
+    watches: Sequence[_Watch],
+    at: float,
+    heading: float,
+    limits: Limits,
+    patience: float,
+    latest: float,
+) -> Iterator[Passage]:
+    """Yield the passages along `path` that wait once at most and arrive before `latest`.
+
+    Of those that wait at one of several places, each arrives before the one yielded before it.
+    """
+    points: list[Point] = [(x, y) for x, y in path.points.tolist()]
+    speed, acceleration = limits
+    straight = walk(points, at, max_speed=speed, max_acceleration=acceleration)
+    touched = [watch.touched(straight, at, straight.end) for watch in watches]
+    first = min((t for t in touched if t is not None), default=None)
+    # No wait makes a path quicker: one that is too slow without is given up at once.
+    if straight.end >= latest:
+        return
+    if first is None:
+        yield Passage(path, straight)
+        return
+    for before, after in _splits(points, straight.state(first).at):
+        if len(before) == 1:
+            before_it = standing(before[0], heading=heading, start=at)
+        else:
+            before_it = walk(before, at, max_speed=speed, max_acceleration=acceleration)
+        found = _delayed(before_it, after, watches, at, limits, patience, latest)
+        if found is not None:
+            motion, delay = found
+            latest = motion.end
+            yield Passage(path, motion, ((after[0], delay),))
+
+
+def _splits(points: list[Point], touched: Point) -> Iterator[tuple[list[Point], list[Point]]]:
+    """Yield a path in two parts: before and after each place to wait at, the start first.
+
+    These are the last waypoints before the place where somebody would be `touched`, and one short
+    of it.
+    """
+    yield points[:1], points
+    for k, (a, b) in enumerate(itertools.pairwise(points)):
+        share = _share(a, b, touched)
+        if share is None:
+            continue
+        # So many waypoints back at most: each of them is a search of its own.
+        for waits in range(max(k - _PLACES, 0) + 1, k + 1):
+            yield points[: waits + 1], points[waits:]
+        length = math.dist(a, b)
+        short = share * length - _SHORT
+        if short > 0:
+            x, y = (a[i] + (b[i] - a[i]) * short / length for i in (0, 1))
+            yield [*points[: k + 1], (x, y)], [(x, y), *points[k + 1 :]]
+        return
+
+
+def _share(a: Point, b: Point, place: Point) -> float | None:
+    """Return how much of the segment from a to b lies before a place on it, or None if beside."""
+    length = math.dist(a, b)
+    if length == 0 or abs(math.dist(a, place) + math.dist(place, b) - length) > 1e-6:
+        return None
+    return math.dist(a, place) / length
+
+
+def _delayed(
+    before: Motion,
+    points: list[Point],
+    watches: Sequence[_Watch],
+    at: float,
+    limits: Limits,
+    patience: float,
+    latest: float,
+) -> tuple[Motion, float] | None:
+    """Return the motion that waits after `before` for as short as is safe, and for how long.
+
+    It goes on along `points` then. None if no wait up to `patience` seconds is safe, or if it
+    would not arrive before `latest`.
+    """
+    speed, acceleration = limits
+    waits_from = max(before.end, at)
+    delay = 0.0
+    least = _LEAST
+    while delay <= patience:
+        onwards = walk(points, waits_from + delay, max_speed=speed, max_acceleration=acceleration)
+        if onwards.end >= latest:
+            return None
+        motion = join([before, onwards])
+        touched = [
+            (t, k)
+            for k, watch in enumerate(watches)
+            if (t := watch.touched(motion, at, motion.end)) is not None
+        ]
+        if not touched:
+            return motion, delay
+        t, k = min(touched)
+        if t < waits_from + delay:
+            return None  # on the way there or while waiting: waiting longer does not help
+        delay += max(watches[k].leaves(motion.state(t).at, t) - t, least)
+        # Geometric growth ends a search in which each step gains next to nothing.
+        least *= _GROWTH
+    return None

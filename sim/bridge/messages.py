@@ -1,0 +1,342 @@
+"""ROS messages: types, validation, and states of the workcell as messages.
+
+The types are written as in .msg files: one line a type, its fields in their order. They are from
+std_msgs, geometry_msgs, sensor_msgs, trajectory_msgs, tf2_msgs, rosgraph_msgs, builtin_interfaces
+and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_msgs of the ARIAC 2023 competition.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from floorplan import Gantry, Lane, UserError, suggestion
+from navigation import State, lane_state
+
+from ..core.body import Body
+from ..orders import AssemblyTask, KittingTask, Order, PartType
+
+_MESSAGES = """
+builtin_interfaces/Time: int32 sec, uint32 nanosec
+builtin_interfaces/Duration: int32 sec, uint32 nanosec
+rosgraph_msgs/Clock: builtin_interfaces/Time clock
+std_msgs/Bool: bool data
+std_msgs/Empty:
+std_msgs/Float64: float64 data
+std_msgs/Header: builtin_interfaces/Time stamp, string frame_id
+std_msgs/Int32: int32 data
+std_msgs/String: string data
+geometry_msgs/Point: float64 x, float64 y, float64 z
+geometry_msgs/Vector3: float64 x, float64 y, float64 z
+geometry_msgs/Quaternion: float64 x, float64 y, float64 z, float64 w
+geometry_msgs/Pose: geometry_msgs/Point position, geometry_msgs/Quaternion orientation
+geometry_msgs/PoseStamped: std_msgs/Header header, geometry_msgs/Pose pose
+geometry_msgs/Transform: geometry_msgs/Vector3 translation, geometry_msgs/Quaternion rotation
+geometry_msgs/TransformStamped: std_msgs/Header header, string child_frame_id, geometry_msgs/Transform transform
+geometry_msgs/Twist: geometry_msgs/Vector3 linear, geometry_msgs/Vector3 angular
+tf2_msgs/TFMessage: geometry_msgs/TransformStamped[] transforms
+sensor_msgs/JointState: std_msgs/Header header, string[] name, float64[] position, float64[] velocity, float64[] effort
+trajectory_msgs/JointTrajectoryPoint: float64[] positions, float64[] velocities, float64[] accelerations, float64[] effort, builtin_interfaces/Duration time_from_start
+trajectory_msgs/JointTrajectory: std_msgs/Header header, string[] joint_names, trajectory_msgs/JointTrajectoryPoint[] points
+ariac_msgs/AGVStatus: int8 location, float64 position, float64 velocity
+ariac_msgs/AssemblyPart: ariac_msgs/Part part, geometry_msgs/PoseStamped assembled_pose, geometry_msgs/Vector3 install_direction
+ariac_msgs/AssemblyTask: uint8[] agv_numbers, uint8 station, ariac_msgs/AssemblyPart[] parts
+ariac_msgs/CombinedTask: uint8 station, ariac_msgs/AssemblyPart[] parts
+ariac_msgs/CompetitionState: uint8 competition_state
+ariac_msgs/HumanState: geometry_msgs/Point human_position, geometry_msgs/Point robot_position, geometry_msgs/Vector3 human_velocity, geometry_msgs/Vector3 robot_velocity
+ariac_msgs/KittingPart: ariac_msgs/Part part, uint8 quadrant
+ariac_msgs/KittingTask: uint8 agv_number, int8 tray_id, uint8 destination, ariac_msgs/KittingPart[] parts
+ariac_msgs/Order: string id, uint8 type, bool priority, ariac_msgs/KittingTask kitting_task, ariac_msgs/AssemblyTask assembly_task, ariac_msgs/CombinedTask combined_task
+ariac_msgs/Part: uint8 color, uint8 type
+ariac_msgs/Robots: bool floor_robot, bool ceiling_robot
+"""  # noqa: E501
+
+_INTEGERS = {
+    f"{sign}int{bits}": ((0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1))
+    for sign in ("", "u")
+    for bits in (8, 16, 32, 64)
+}
+_OTHERS = {"bool": bool, "string": str}
+_LONGEST_ARRAY = 10_000
+"""Elements. The longest array in a message."""
+
+
+class UnknownTypeError(UserError):
+    """A message type that the bridge does not speak."""
+
+
+class MessageError(UserError):
+    """A message that is not of its type, with the field that is wrong."""
+
+
+@dataclass(frozen=True)
+class MessageType:
+    """A message type, or the request of a service type, by its name (`std_srvs/srv/Trigger`).
+
+    `fields` gives the type of each field by the field's name; an array's type ends with `[]`.
+    """
+
+    name: str
+    fields: dict[str, str]
+
+
+def message_type(name: str) -> MessageType:
+    """Return the message type of that name, in ROS 2's form (`std_msgs/msg/Bool`) or ROS 1's.
+
+    `UnknownTypeError` names the nearest one there is.
+    """
+    found = MESSAGES.get(canonical(name, "msg"))
+    if found is None:
+        raise UnknownTypeError(f"unknown message type {name!r}; {suggestion(name, MESSAGES)}")
+    return found
+
+
+def canonical(name: str, kind: str) -> str:
+    """Return a name in ROS 2's form: `std_msgs/Bool` is `std_msgs/msg/Bool`.
+
+    `kind` is msg or srv.
+    """
+    package, _, short = name.partition("/")
+    return name if "/" in short else f"{package}/{kind}/{short}"
+
+
+def conform(type_: MessageType, message: Any, place: str = "") -> dict[str, Any]:
+    """Return `message` with all fields of its type, those left out being zero or empty.
+
+    `MessageError` names the field that is wrong; `place` is the field that `message` stands in.
+    """
+    if not isinstance(message, dict):
+        raise MessageError(
+            f"{place or 'the message'} should be a {type_.name}, not {_shown(message)}"
+        )
+    for name in message:
+        if name not in type_.fields:
+            has = ", ".join(sorted(type_.fields)) or "none"
+            where = f" at {place}" if place else ""
+            raise MessageError(
+                f"{type_.name} has no field {_shown(name)}{where} (there are: {has})"
+            )
+    return {
+        name: _field(kind, message[name], f"{place}.{name}" if place else name)
+        if name in message
+        else _blank(kind)
+        for name, kind in type_.fields.items()
+    }
+
+
+def _field(type_: str, value: Any, place: str) -> Any:
+    if type_.endswith("[]"):
+        inner = type_.removesuffix("[]")
+        if not isinstance(value, list):
+            raise MessageError(f"{place} should be a list of {inner}, not {_shown(value)}")
+        if len(value) > _LONGEST_ARRAY:
+            raise MessageError(f"{place} has {len(value)} elements; {_LONGEST_ARRAY} is the most")
+        return [_field(inner, one, f"{place}[{k}]") for k, one in enumerate(value)]
+    if "/" in type_:
+        return conform(MESSAGES[type_], value, place)
+    if type_ in _OTHERS:
+        if isinstance(value, _OTHERS[type_]):
+            return value
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        return _number(type_, value, place)
+    raise MessageError(f"{place} should be a {type_}, not {_shown(value)}")
+
+
+def _number(type_: str, value: int | float, place: str) -> int | float:
+    if type_ in ("float32", "float64"):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise MessageError(f"{place} is not a finite number")
+        return number
+    low, high = _INTEGERS[type_]
+    if isinstance(value, float) and not value.is_integer():
+        raise MessageError(f"{place} should be a whole number, not {_shown(value)}")
+    if not low <= value <= high:
+        raise MessageError(f"{place} = {_shown(value)} is outside {low} … {high}")
+    return int(value)
+
+
+def _blank(type_: str) -> Any:
+    """The value of a field that is left out."""
+    if type_.endswith("[]"):
+        return []
+    if "/" in type_:
+        return conform(MESSAGES[type_], {})
+    if type_ in _OTHERS:
+        return _OTHERS[type_]()
+    return 0.0 if type_.startswith("float") else 0
+
+
+def _shown(value: Any) -> str:
+    """A value in an error: short, whatever it is."""
+    if isinstance(value, dict):
+        return "an object"
+    if isinstance(value, list):
+        return "a list"
+    text = repr(value) if not isinstance(value, int) or abs(value) < 10**20 else "a huge number"
+    return text if len(text) <= 60 else f"{text[:57]}…"
+
+
+def _types(text: str) -> dict[str, MessageType]:
+    types = {}
+    for line in text.strip().splitlines():
+        name, _, declarations = line.partition(":")
+        fields = {}
+        for declaration in filter(None, declarations.strip().split(", ")):
+            type_, field = declaration.split()
+            fields[field] = canonical(type_, "msg") if "/" in type_ else type_
+        types[canonical(name, "msg")] = MessageType(canonical(name, "msg"), fields)
+    return types
+
+
+MESSAGES = _types(_MESSAGES)
+
+
+Message = dict[str, Any]
+Values = tuple[float, float, float]
+
+LOCATIONS = ("kitting", "assembly_front", "assembly_back", "warehouse")
+"""The AGV locations of ariac_msgs/AGVStatus, by number."""
+
+UNKNOWN_LOCATION = 99
+"""The location of an AGV that drives, or stands elsewhere."""
+
+JOINTS = ("gantry_x_axis_joint", "gantry_y_axis_joint", "gantry_rotation_joint")
+"""The joints of the competition's ceiling robot that the gantry has."""
+
+NOWHERE = {"x": 1e6, "y": 1e6, "z": 0.0}
+"""The position of the robot on a floor without one: too far from anybody to matter."""
+
+_AT_REST = 1e-6
+"""Metres and metres a second. An AGV that is nearer to a location, and slower, stands there."""
+
+_KINDS = ("kitting", "assembly", "combined")
+_COLORS = ("red", "green", "blue", "orange", "purple")
+_TYPES = {"battery": 10, "pump": 11, "sensor": 12, "regulator": 13}
+
+
+def seconds(t: float) -> Message:
+    """Return a time or a duration (builtin_interfaces)."""
+    whole, nanoseconds = divmod(round(t * 1e9), 1_000_000_000)
+    return {"sec": whole, "nanosec": nanoseconds}
+
+
+def human_state(person: State, robot: State | None, robot_height: float) -> Message:
+    """Return ariac_msgs/HumanState: positions (m) and velocities (m/s) of person and gantry."""
+    return {
+        "human_position": _vector(person.position),
+        "robot_position": _vector(robot.position, robot_height) if robot else NOWHERE,
+        "human_velocity": _vector(person.velocity),
+        "robot_velocity": _vector(robot.velocity) if robot else _vector((0.0, 0.0, 0.0)),
+    }
+
+
+def transforms(t: float, frames: Iterable[tuple[str, Body, float]]) -> Message:
+    """Return tf2_msgs/TFMessage, from the world to each frame: name, body, height in metres."""
+    header = {"stamp": seconds(t), "frame_id": "world"}
+    return {
+        "transforms": [
+            {
+                "header": header,
+                "child_frame_id": name,
+                "transform": {
+                    "translation": _vector(body.state.position, height),
+                    "rotation": _about_z(body.state.position[2]),
+                },
+            }
+            for name, body, height in frames
+        ]
+    }
+
+
+def agv_status(lane: Lane, state: State) -> Message:
+    """Return ariac_msgs/AGVStatus: location, position on the lane (m), and speed (m/s)."""
+    q = lane_state(lane, state)
+    location = UNKNOWN_LOCATION
+    for number, name in enumerate(LOCATIONS):
+        place = lane.locations.get(name)
+        if place is not None and abs(place - q.position) < _AT_REST and abs(q.velocity) < _AT_REST:
+            location = number
+    return {"location": location, "position": q.position, "velocity": q.velocity}
+
+
+def joint_state(t: float, gantry: Gantry, state: State) -> Message:
+    """Return sensor_msgs/JointState of the gantry's joints (m, rad, and m/s, rad/s)."""
+    return {
+        "header": {"stamp": seconds(t), "frame_id": ""},
+        "name": list(JOINTS),
+        "position": list(joint_values(gantry, state.position)),
+        "velocity": list(joint_values(gantry, state.velocity, origin=False)),
+        "effort": [],
+    }
+
+
+def joint_values(gantry: Gantry, pose: Sequence[float], *, origin: bool = True) -> Values:
+    """Return the gantry's joints at x, y, rotation in the world, as the competition has them.
+
+    They are zero in the middle of the rails, and the y axis points along the world's −y. Without
+    `origin`, `pose` is a velocity.
+    """
+    middle_x, middle_y = _middle(gantry) if origin else (0.0, 0.0)
+    x, y, rotation = pose
+    return (x - middle_x, middle_y - y, rotation)
+
+
+def pose_of(gantry: Gantry, joints: Sequence[float], *, origin: bool = True) -> Values:
+    """Return x, y, rotation in the world at these joints: the inverse of `joint_values`."""
+    middle_x, middle_y = _middle(gantry) if origin else (0.0, 0.0)
+    x, y, rotation = joints
+    return (x + middle_x, middle_y - y, rotation)
+
+
+def order_message(order: Order) -> Message:
+    """Return ariac_msgs/Order. A trial has no poses of assembled parts: they are left blank."""
+    message: Message = {
+        "id": order.id,
+        "type": _KINDS.index(order.kind),
+        "priority": order.priority,
+    }
+    task = order.task
+    if isinstance(task, KittingTask):
+        message["kitting_task"] = {
+            "agv_number": _number_in(task.agv),
+            "tray_id": task.tray,
+            "destination": LOCATIONS.index(task.destination),
+            "parts": [
+                {"part": _part(part), "quadrant": quadrant}
+                for quadrant, part in sorted(task.products.items())
+            ],
+        }
+    else:
+        parts = [{"part": _part(part)} for part in task.products]
+        work: Message = {"station": _number_in(task.station), "parts": parts}
+        if isinstance(task, AssemblyTask):
+            work["agv_numbers"] = [_number_in(agv) for agv in task.agvs]
+        message[f"{order.kind}_task"] = work
+    return conform(message_type("ariac_msgs/Order"), message)
+
+
+def _part(part: PartType) -> dict[str, int]:
+    return {"color": _COLORS.index(part.color), "type": _TYPES[part.type]}
+
+
+def _number_in(name: str) -> int:
+    """The number in a name: agv3 is 3, as2 is 2."""
+    return int("".join(filter(str.isdigit, name)))
+
+
+def _middle(gantry: Gantry) -> tuple[float, float]:
+    return ((gantry.x.low + gantry.x.high) / 2, (gantry.y.low + gantry.y.high) / 2)
+
+
+def _vector(xyz: tuple[float, float, float], z: float = 0.0) -> Message:
+    return {"x": xyz[0], "y": xyz[1], "z": z}
+
+
+def _about_z(angle: float) -> Message:
+    return {"x": 0.0, "y": 0.0, "z": math.sin(angle / 2), "w": math.cos(angle / 2)}

@@ -1,0 +1,295 @@
+"""Live run in a browser: pause, speed and commands from its page.
+
+Requests come in the threads of the page's server and are answered in the thread of the run, between
+two of its steps: what is done in a run has one order, and an instant of simulated time.
+
+The page gets the plans of the moment, in closed form: it draws them as smoothly as a recording,
+and the simulation has nothing to do until a plan changes. It can pause the run, change its speed,
+and have something done in it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from queue import Empty, SimpleQueue
+from typing import Any
+
+from pydantic import ValidationError
+
+from floorplan import UserError
+from navigation import Motion, standing
+
+from ..core.body import Body
+from ..core.clock import Tempo, checked_speed
+from ..core.entries import COMMANDS
+from ..core.recorder import Event, Listener, Scene, Thought, rounded
+from ..core.scenario import TrialError
+from ..runs.run import Recorded, Run
+from ..simulation import Simulation
+from ..trials.keys import read_command
+from ..views.replay import render
+from ..views.replay_data import piece_data, replay_data
+from .page_server import MessageStream, PageServer
+
+Answer = dict[str, Any]
+"""Answer to a request: `problem`, where it can't be done, in words."""
+
+REQUEST_PATIENCE = 10.0
+"""Seconds that a request waits for the run to come to it."""
+
+OVER = "the run is over"
+
+
+class Pace:
+    """The tempo of a run that goes by the wall's clock.
+
+    `now()` is real time in seconds. Simulated time begins at 0 when it is first looked at.
+    """
+
+    def __init__(self, speed: float, now: Callable[[], float]) -> None:
+        self.paused = False
+        self._speed = checked_speed(speed)
+        self._now = now
+        self._at = 0.0
+        self._since: float | None = None
+
+    @property
+    def speed(self) -> float:
+        """Seconds of the run in a second of real time."""
+        return self._speed
+
+    def target(self) -> float:
+        """Return how far the run should be now (seconds of simulated time)."""
+        now = self._now()
+        if self._since is not None and not self.paused:
+            self._at += (now - self._since) * self._speed
+        self._since = now
+        return self._at
+
+    def change(self, *, speed: float | None = None, paused: bool | None = None) -> None:
+        """Go on with another speed, pause, or go on after a pause; None leaves it as it is."""
+        wanted = self._speed if speed is None else checked_speed(speed)
+        self.target()
+        self._speed = wanted
+        self.paused = self.paused if paused is None else paused
+
+
+@dataclass
+class _Request:
+    wish: Any
+    answered: threading.Event = field(default_factory=threading.Event)
+    answer: Answer = field(default_factory=dict)
+
+
+class Requests:
+    """Requests that wait for the run to come to them."""
+
+    def __init__(self) -> None:
+        self._waiting: SimpleQueue[_Request] = SimpleQueue()
+        self._closed = False
+
+    def ask(self, wish: Any) -> Answer:
+        """Return the answer to a wish; called in any thread, it waits for the run."""
+        request = _Request(wish)
+        self._waiting.put(request)
+        if self._closed:
+            return {"problem": OVER}
+        if not request.answered.wait(REQUEST_PATIENCE):
+            return {"problem": "the run does not answer"}
+        return request.answer
+
+    def answer(self, carry_out: Callable[[Any], Answer]) -> None:
+        """Answer all that wait, in their order."""
+        while True:
+            try:
+                request = self._waiting.get_nowait()
+            except Empty:
+                return
+            request.answer = carry_out(request.wish)
+            request.answered.set()
+
+    def close(self) -> None:
+        """Answer no more: the run is over."""
+        self._closed = True
+        self.answer(lambda _: {"problem": OVER})
+
+
+PERIOD = 0.1
+"""Seconds of real time between two steps of a run that is watched."""
+
+BROWSER_PATIENCE = 10.0
+"""Seconds to wait for a browser that was opened, and for the last message to get there."""
+
+MILLISECONDS = 1000.0
+"""Commands take effect at a whole millisecond, the next one, so that files have short numbers."""
+
+
+class LiveRun(Listener):
+    """Serves a page that shows a run of `duration` (seconds) while it is advanced.
+
+    It is a listener of the `Simulation`; there is a page once that has started. Browsers may come
+    and go. From the page the run can be paused, or go on at another speed than the `speed` (times
+    real time) that it begins with, and be given commands (`Simulation.command`).
+
+    Parameters
+    ----------
+    duration : float
+        Duration of the trial (s).
+    speed : float, optional
+        Simulated seconds in a second of real time, more than 0.
+    now : callable, optional
+        Function without arguments that returns real time (s). Pass your own clock to control the
+        progress of the run. The default is `time.monotonic`.
+
+    Raises
+    ------
+    ValueError
+        If `speed` is not a finite number above 0.
+    """
+
+    wants_thoughts = True
+
+    def __init__(
+        self, duration: float, *, speed: float = 1.0, now: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._pace = Pace(speed, now)
+        self._tempo: Tempo = self._pace
+        self._duration = duration
+        self._stream = MessageStream()
+        self._page = ""
+        self._violations: list[list[tuple[float, float]]] = []
+        self._requests = Requests()
+        self.server = PageServer(
+            lambda: self._page, stream=self._stream, control=self._requests.ask
+        )
+
+    @property
+    def speed(self) -> float:
+        """Seconds of the run in a second of real time, unless it is paused."""
+        return self._tempo.speed
+
+    def begin(self, scene: Scene) -> None:
+        """Make the page, in which nothing has happened yet."""
+        people = [person.name for person in scene.people]
+        machines = [name for name in scene.starts if name not in people]
+        nothing = Recorded(
+            scene=scene,
+            duration=self._duration,
+            summary={},
+            events=(),
+            motions={
+                name: standing((x, y), heading=rotation)
+                for name, (x, y, rotation) in scene.starts.items()
+            },
+            violations={(person, machine): () for person in people for machine in machines},
+        )
+        self._page = render(replay_data(nothing), stream="stream", speed=self.speed)
+
+    def event(self, event: Event) -> None:
+        """Send an event to the page."""
+        self._send(event=event)
+
+    def thought(self, thought: Thought) -> None:
+        """Send a person's thought to the page."""
+        self._send(thought=thought)
+
+    def advance(self, simulation: Simulation) -> None:
+        """Run to the end at the speed that the page wants, or until it is stopped."""
+        simulation.start()
+        self.follow(simulation)
+        self._pace.target()
+        try:
+            while not (simulation.over or simulation.stopped):
+                time.sleep(PERIOD)
+                self._answer(simulation)
+                simulation.advance(self._pace.target())
+                self._send_changes(simulation)
+        finally:
+            self.leave()
+
+    def follow(self, simulation: Simulation, tempo: Tempo | None = None) -> None:
+        """Show a run that has started, and which others advance; the page may change its `tempo`.
+
+        Whoever advances it calls `attend` from time to time, between two steps, and `leave` at
+        the end.
+        """
+        self._tempo = tempo or self._pace
+        for body in simulation.bodies:
+            self._plan(body, simulation)
+            body.on_change.append(partial(self._plan, body, simulation))
+
+    def attend(self, simulation: Simulation) -> None:
+        """Carry out what the page wants, and send it what has changed."""
+        self._answer(simulation)
+        self._send_changes(simulation)
+
+    def leave(self) -> None:
+        """Carry out no more: the run is over."""
+        self._requests.close()
+
+    def _answer(self, simulation: Simulation) -> None:
+        self._requests.answer(partial(self._carry_out, simulation))
+
+    def wait_for_viewer(self) -> None:
+        """Wait until a browser that was just opened reads the stream."""
+        self._stream.wait_for_reader(BROWSER_PATIENCE)
+
+    def finish(self, run: Run) -> None:
+        """Send the whole recording to all viewers, and wait until they have it."""
+        self._stream.send(json.dumps(replay_data(run)), event="finished")
+        self._stream.close()
+        self._stream.wait_until_read(BROWSER_PATIENCE)
+
+    def _carry_out(self, simulation: Simulation, wish: Any) -> Answer:
+        """Do what the page wants: {"pace": {…}} or {"command": {…}}, a command without its time."""
+        try:
+            match wish:
+                case {"pace": {**changes}} if changes.keys() <= {"speed", "paused"}:
+                    self._tempo.change(**_checked(changes))
+                    self._send(pace={"speed": self.speed, "paused": self._tempo.paused})
+                    return {}
+                case {"command": {**keys}}:
+                    now = simulation.clock.now
+                    at = (math.floor(now * MILLISECONDS) + 1) / MILLISECONDS
+                    simulation.command(read_command({**keys, "time": at}))
+                    return {"t": at}
+        except TrialError as why:
+            return {"problem": "; ".join(problem.message for problem in why.problems)}
+        except ValidationError as why:
+            return {"problem": why.errors()[0]["msg"].removeprefix("Value error, ")}
+        except UserError as why:
+            return {"problem": str(why)}
+        return {"problem": f"expected a pace or a command: {', '.join(COMMANDS)}"}
+
+    def _plan(self, body: Body, simulation: Simulation) -> None:
+        now = simulation.clock.now
+        plan: Motion = body.motion.cut(now, max(now, body.motion.end))
+        pieces = [piece_data(piece) for piece in plan.pieces]
+        self._send(motion={"body": body.name, "pieces": pieces})
+
+    def _send_changes(self, simulation: Simulation) -> None:
+        known = [watch.known for watch in simulation.referee.watches]
+        for number, intervals in enumerate(known):
+            if number >= len(self._violations) or intervals != self._violations[number]:
+                self._send(violations={"watch": number, "intervals": intervals})
+        self._violations = known
+        self._send(now=simulation.clock.now)
+
+    def _send(self, **message: Any) -> None:
+        self._stream.send(json.dumps(rounded(message)))
+
+
+def _checked(changes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Return changes of the pace; `ValueError` for values of other types."""
+    speed, paused = changes.get("speed"), changes.get("paused")
+    if not (speed is None or (isinstance(speed, int | float) and not isinstance(speed, bool))):
+        raise UserError(f"speed must be a number, not {speed!r}")
+    if not (paused is None or isinstance(paused, bool)):
+        raise UserError(f"paused must be true or false, not {paused!r}")
+    return {"speed": speed, "paused": paused}

@@ -1,0 +1,253 @@
+"""Interaction with another person: let them pass, follow them, and walk up to them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+
+from floorplan import Point, suggestion
+from navigation import Approaching, Not, PlanningError, first_time
+
+from ..core.clock import Alarm, Turn
+from ..core.events import WalksWith
+from ..core.stage import Stage
+from .errand import Errand
+from .steering.crowd import Crowd
+from .steering.traveller import Traveller
+from .walker import Walker
+
+AT_LEAST = 0.5
+"""Seconds between two changes of course for somebody's sake, and the least that one is let pass."""
+
+BETWEEN = 0.4
+"""Metres between the bodies of two who walk together."""
+
+TALKING = 0.7
+"""Metres between the bodies of two of whom one has walked up to the other (within Hall's personal
+space of 1.2 m from centre to centre)."""
+
+BEHIND = 0.6
+"""Metres between the bodies of two of whom one follows the other."""
+
+NEARLY = 0.3
+"""Metres. Nobody sets out anew for less."""
+
+SLOTS = ((0.0, -1.0), (0.0, 1.0), (-1.0, -0.5), (-1.0, 0.5))
+"""Places of those who walk with somebody: rows ahead, and places to the left. Up to three walk
+abreast, as groups do where there is room (M. Moussaïd et al., "The walking behaviour of pedestrian
+social groups and its impact on crowd dynamics", PLoS ONE 5, 2010)."""
+
+Aim = Callable[[Traveller], Point | None]
+
+
+class NobodyError(LookupError):
+    """There is nobody of that name."""
+
+
+class Interaction:
+    """What one person does for the sake of another one, until they do something else.
+
+    `slot` is their place among those who walk with somebody, None where it does not matter.
+    """
+
+    def __init__(
+        self,
+        stage: Stage,
+        walker: Walker,
+        errand: Errand,
+        crowd: Crowd,
+        slot: int | None = None,
+    ) -> None:
+        self._stage = stage
+        self._clock = stage.clock
+        self._walker = walker
+        self._errand = errand
+        self._crowd = crowd
+        self._slot = slot
+        self._other: Traveller | None = None
+        self._aim: Aim | None = None
+        self._known: set[Traveller] = set()
+        self._moved_at = -math.inf
+        self._passing: tuple[Traveller, Point, float, float] | None = None
+        """Whom they let pass, where they go on to, and when at the earliest and the latest (s)."""
+        self._turning = Alarm(stage.clock, self._turn, Turn.NOTICE)
+        self._going_on = Alarm(stage.clock, self._go_on, Turn.NOTICE)
+
+    def find(self, who: str) -> Traveller | None:
+        """Return the other person of that name, None while they are not on the floor.
+
+        `NobodyError` if there is none.
+        """
+        others = [one for one in self._stage.people if one.body is not self._walker.body]
+        if not any(one.name == who for one in others):
+            hint = suggestion(who, [one.name for one in others]) if others else "they are alone"
+            raise NobodyError(f"nobody else is called {who!r}; {hint}")
+        found = self._crowd.find(who)
+        return None if found is None or self._is_away(found) else found
+
+    def _is_away(self, other: Traveller) -> bool:
+        return any(one.away for one in self._stage.people if one.body is other.body)
+
+    def give_up(self) -> None:
+        """Mind nobody in particular any more."""
+        self._other = self._aim = self._passing = None
+        self._errand.escorts = None
+        self._turning.set(None)
+        self._going_on.set(None)
+
+    def let_pass(self, other: Traveller) -> bool:
+        """Stop, and go on as soon as `other` comes no closer any more; stay who stands anyway.
+
+        After as long as the person is patient, they go on in any case.
+        """
+        goal = self._errand.interrupt()
+        if goal is None:
+            return True
+        now = self._clock.now
+        patience = self._walker.traveller.manners.patience
+        self._passing = (other, goal, now + AT_LEAST, now + max(patience, AT_LEAST))
+        self._watch(other)
+        self._wait_for_passing()
+        return True
+
+    def follow(self, other: Traveller) -> bool:
+        """Walk behind `other` from now on."""
+        return self._attend(other, self._behind)
+
+    def walk_with(self, other: Traveller) -> bool:
+        """Walk beside `other` from now on, or behind them where there is no room."""
+        if not self._attend(other, self._beside):
+            return False
+        self._stage.record(WalksWith(person=self._walker.body.name, other=other.name))
+        return True
+
+    def approach(self, other: Traveller) -> bool:
+        """Walk up to `other`, and after them while they walk; arriving is that of an errand."""
+        return self._attend(other, self._up_to)
+
+    # Letting somebody pass
+
+    def _wait_for_passing(self) -> None:
+        if self._passing is None:
+            return
+        other, _, earliest, latest = self._passing
+        mine, theirs = self._walker.body.motion, other.body.motion
+        begin = max(self._clock.now, earliest)
+        passed = first_time(Not(Approaching()), mine, theirs, begin, max(begin, theirs.end))
+        self._going_on.set(max(begin, min(latest, latest if passed is None else passed)))
+
+    def _go_on(self) -> None:
+        if self._passing is not None:
+            goal, self._passing = self._passing[1], None
+            self._errand.go_on(goal)
+
+    # Going where somebody goes
+
+    def _attend(self, other: Traveller, aim: Aim) -> bool:
+        self._other, self._aim = other, aim
+        self._errand.escorts = self._has_caught_up
+        self._watch(other)
+        self._moved_at = self._clock.now
+        place = aim(other)
+        if place is None or not self._errand.go(place):
+            self.give_up()
+            return False
+        return True
+
+    def _watch(self, other: Traveller) -> None:
+        if other not in self._known:
+            self._known.add(other)
+            other.body.on_change.append(lambda: self._changed(other))
+
+    def _changed(self, other: Traveller) -> None:
+        """Take note that `other` changes course. What follows from it has to wait for its turn."""
+        if self._passing is not None and other is self._passing[0]:
+            self._wait_for_passing()
+        if other is self._other and self._is_away(other):
+            self.give_up()
+            self._walker.stop()
+        elif other is self._other:
+            before = max(self._moved_at, self._walker.traveller.decided)
+            self._turning.set(max(self._clock.now, before + AT_LEAST))
+
+    def _has_caught_up(self) -> bool:
+        """Return whether an arrival is the end of it: next to who is approached, and stands."""
+        other = self._other
+        if other is None or self._aim != self._up_to:
+            return other is None
+        apart = math.dist(self._walker.body.at, other.body.at)
+        if other.body.state.speed == 0.0 and apart < self._reach(other, TALKING) + NEARLY:
+            self.give_up()
+            return True
+        self._turning.set(max(self._clock.now + AT_LEAST, other.body.motion.end))
+        return False
+
+    def _turn(self) -> None:
+        """Go to where the other one goes now."""
+        other, aim = self._other, self._aim
+        if other is None or aim is None or self._passing is not None:
+            return
+        self._moved_at = self._clock.now
+        place, bound = aim(other), self._walker.goal
+        if place is None:
+            return
+        if math.dist(place, bound or self._walker.body.at) > NEARLY:
+            self._stage.place_machines()
+            with suppress(PlanningError):
+                self._walker.go(place)
+        elif bound is None and self._has_caught_up():
+            self._errand.arrived(self._walker.body.at)
+
+    # Places relative to somebody
+
+    def _reach(self, other: Traveller, between: float) -> float:
+        return self._walker.human.radius + other.radius + between
+
+    def _behind(self, other: Traveller) -> Point | None:
+        return self._place(other, -self._reach(other, BEHIND), 0.0)
+
+    def _beside(self, other: Traveller) -> Point | None:
+        step = self._reach(other, BETWEEN)
+        slot = self._slot
+        if slot is None:
+            (x, y), (ox, oy), heading = self._walker.body.at, *_bound(other)
+            left = (y - oy) * math.cos(heading) - (x - ox) * math.sin(heading)
+            slot = 1 if left > 0 else 0
+        ahead, left = SLOTS[slot % len(SLOTS)]
+        row = -(slot + 1) * step
+        return self._place(other, ahead * step, left * step, row)
+
+    def _up_to(self, other: Traveller) -> Point | None:
+        (x, y), (ox, oy), heading = self._walker.body.at, *_bound(other)
+        away, reach = math.dist((x, y), (ox, oy)), self._reach(other, TALKING)
+        # Near enough: who talks to somebody need not come closer.
+        if away <= reach:
+            return (x, y)
+        c, s = ((x - ox) / away, (y - oy) / away)
+        ahead = reach * (c * math.cos(heading) + s * math.sin(heading))
+        left = reach * (s * math.cos(heading) - c * math.sin(heading))
+        return self._place(other, ahead, left)
+
+    def _place(
+        self, other: Traveller, ahead: float, left: float, row: float | None = None
+    ) -> Point | None:
+        """Return the place `ahead` and to the `left` (m) of where somebody will come to stand.
+
+        Where a wall is in between, that on their path behind them (`row`, m), or what is free.
+        """
+        (x, y), heading = _bound(other)
+        c, s = math.cos(heading), math.sin(heading)
+        world, radius = self._walker.world, self._walker.human.radius
+        for along, beside in ((ahead, left), *(() if row is None else ((row, 0.0),))):
+            at = (x + along * c - beside * s, y + along * s + beside * c)
+            if world.segment_free((x, y), at, radius):
+                return at
+        return world.nearest_free((x, y), radius)
+
+
+def _bound(other: Traveller) -> tuple[Point, float]:
+    """Return where somebody will come to stand as things are, and their heading there (rad)."""
+    motion = other.body.motion
+    state = motion.state(motion.end)
+    return state.at, state.position[2]

@@ -1,0 +1,248 @@
+"""All people of a trial, and what their minds share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import bdi
+from floorplan import Human
+from navigation import CollisionWorld, PathPlanner, PlannerChoice
+
+from ..core.events import Said, Warning
+from ..core.recorder import Event, Listener, Thought, rounded
+from ..core.scenario import PersonEntry, Scenario
+from ..core.stage import Stage
+from ..safety.proximity import Distancing
+from ..safety.referee import Referee
+from .minds import (
+    STEPS,
+    Mind,
+    MindInspector,
+    Mindless,
+    Outside,
+    kept_beliefs,
+    live_beliefs,
+    make_agent,
+)
+from .person import Entrances, Person
+from .programs import EXTERNAL, Programs, find_planner, planner_of
+from .steering.crowd import Crowd
+from .steering.manners import drawn
+from .steering.own_steering import find_steering
+from .steering.starting import starting_places, with_homes
+from .tracks.recorded_walks import RecordedWalk, with_places
+from .work import WorkBoard
+
+MOST_PATHS = 256
+"""Number of paths that people of a size keep in mind: patrols ask for the same ones all day."""
+
+GROUP_PACE = 0.85
+"""Share of the top speed of the slowest of a group at which it walks, so that who has fallen
+behind can catch up."""
+
+SEEDS = 2**32 - 1
+"""Number of seeds that OMPL tells apart."""
+
+
+class _Society(bdi.Society):
+    """The minds of a company, which notes who is spoken to while somebody thinks."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.spoken_to: set[str] = set()
+
+    def deliver(self, name: str, message: bdi.Message) -> None:
+        """Give `message` to the mind called `name`; `ActionError` if there is none."""
+        super().deliver(name, message)
+        self.spoken_to.add(name)
+
+
+class Population:
+    """The people of a scenario on a stage: they share planners by size, and can hear each other.
+
+    Those who were recorded walk their `walks`, by name.
+    Their thoughts are kept in `thoughts`, and passed to `listener`, if it `wants_thoughts`.
+    """
+
+    def __init__(
+        self,
+        stage: Stage,
+        scenario: Scenario,
+        referee: Referee,
+        listener: Listener,
+        walks: Mapping[str, RecordedWalk],
+    ) -> None:
+        self.thoughts: list[Thought] = []
+        self._stage = stage
+        self._scenario = scenario
+        self._listener = listener
+        self._planners: dict[tuple[CollisionWorld, float, PlannerChoice], PathPlanner] = {}
+        self._programs = Programs(scenario)
+        self._society = _Society()
+        self._inspectors: dict[str, MindInspector] = {}
+        self._attentive: list[Person] | None = None
+        """Those whose minds heed that somebody has left, once it has been asked for."""
+        board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
+        self._board = board
+        self.people: list[Person] = []
+        self._crowd = crowd = self._make_crowd()
+        scenario = replace(scenario, people=with_places(scenario, walks))
+        entrances = Entrances(stage.clock)
+        starts = starting_places(scenario, stage.world, crowd)
+        scenario = replace(scenario, people=with_homes(scenario, starts))
+        for index, named in enumerate(scenario.people):
+            entry = self._programs.with_changes(named)
+            walk = walks.get(entry.name)
+            human = _human(entry, stage.floorplan.human, walk)
+            if led := scenario.led_by(entry):
+                slowest = min(_human(one, stage.floorplan.human).max_speed for one in led)
+                human = replace(human, max_speed=min(human.max_speed, GROUP_PACE * slowest))
+            if listener.wants_thoughts:
+                self._inspectors[entry.name] = MindInspector(entry.name, self._keep)
+            person = Person(
+                stage,
+                entry,
+                human,
+                self._planner(entry.name, human.radius, planner_of(entry, scenario)),
+                at=starts[index],
+                crowd=crowd,
+                index=index,
+                manners=drawn(entry.manners, scenario.seed, entry.name),
+                referee=referee,
+                entrances=entrances,
+                make_mind=self._make_mind,
+                thought=self._thought,
+                board=board,
+                walk=walk,
+                slot=_slot(entry, scenario),
+                seed=scenario.seed,
+            )
+            self.people.append(person)
+        self._named = {person.name: person for person in self.people}
+        self.distancing: Distancing | None = None
+        """The watch on the distance between people, if the rules want one."""
+
+    def begin(self) -> None:
+        """Let people wait for their start, and work appear."""
+        if self._crowd.is_shared:
+            self._stage.triggers.each("met", self._perceive_meeting)
+            self._stage.triggers.each("gave_way", self._perceive_request)
+            self._stage.triggers.each("left", self._perceive_leaving)
+        gap = self._stage.rules.between_people
+        if gap is not None:
+            radii = [person.walker.human.radius for person in self.people]
+            self.distancing = Distancing(self._stage, self.people, radii, gap)
+        if self._board is not None:
+            self._board.begin()
+        for person in self.people:
+            person.begin()
+
+    def _perceive_meeting(self, met: Event) -> None:
+        self._named[met["person"]].perceive("in_the_way", met["other"])
+
+    def _perceive_request(self, gave_way: Event) -> None:
+        self._named[gave_way["to"]].perceive("gives_way", gave_way["person"])
+        self._named[gave_way["person"]].perceive("wants_to_pass", gave_way["to"])
+
+    def _perceive_leaving(self, left: Event) -> None:
+        if self._attentive is None:
+            self._attentive = [person for person in self.people if person.heeds("has_left")]
+        for person in self._attentive:
+            if person.name != left["person"]:
+                person.perceive("has_left", left["person"])
+
+    def _make_crowd(self) -> Crowd:
+        stage, name = self._stage, self._scenario.steering
+        if name is None:
+            return Crowd(stage)
+        return Crowd(stage, find_steering(name, stage.folder, own_code=stage.own_code))
+
+    @property
+    def deadlocks(self) -> int:
+        """Number of times that nobody under way could go on because of the others."""
+        return self._crowd.deadlocks
+
+    def _planner(self, person: str, radius: float, choice: PlannerChoice) -> PathPlanner:
+        """Return the one planner for all people of a size who plan alike: to share its paths."""
+        world = self._stage.world_of(person)
+        known = self._planners.get((world, radius, choice))
+        if known is None:
+            stage, seed = self._stage, self._scenario.seed % SEEDS
+            found = find_planner(choice, stage.folder, own_code=stage.own_code)
+            known = PathPlanner(world, radius, planner=found, seed=seed, keep=MOST_PATHS)
+            self._planners[world, radius, choice] = known
+        return known
+
+    def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:
+        self._attentive = None
+        if person.is_recorded:
+            return Mindless()
+        if entry.personality == EXTERNAL:
+            return Outside()
+        if before is not None:
+            self._society.leave(entry.name)
+        record = self._stage.record
+        return make_agent(
+            entry,
+            self._scenario,
+            self._programs,
+            act=person.act,
+            print=lambda text: record(Said(person=entry.name, text=text)),
+            on_event=lambda happening: self._note(entry.name, happening),
+            kinds=STEPS if entry.name in self._inspectors else ("warning",),
+            society=self._society,
+            start=self._stage.clock.now,
+            kept=kept_beliefs(before),
+            live={**live_beliefs(person.body, self._stage), **person.beliefs},
+        )
+
+    def _keep(self, thought: Thought) -> None:
+        self.thoughts.append(thought)
+        self._listener.thought(thought)
+
+    def _thought(self, person: Person) -> None:
+        """Record the changes that a thought has made, and wake those who were spoken to."""
+        inspector = self._inspectors.get(person.name)
+        if inspector is not None and isinstance(person.mind, bdi.Agent):
+            inspector.look(rounded(self._stage.clock.now), person.mind)
+        spoken_to, self._society.spoken_to = self._society.spoken_to, set()
+        if not spoken_to:
+            person.wake()
+            return
+        for listener in self.people:
+            if listener is person or listener.name in spoken_to:
+                listener.wake()
+
+    def _note(self, person: str, entry: bdi.Entry) -> None:
+        """Pass an entry to the inspector, and record a warning for the program's author."""
+        if person in self._inspectors:
+            self._inspectors[person].note(entry)
+        if entry.kind == "warning":
+            file, line = (Path(entry.file).name, entry.line) if entry.file else (None, None)
+            self._stage.record(Warning(person=person, text=entry.text, file=file, line=line))
+
+
+def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
+    """Return the place of somebody among those who walk with the same one, if they do."""
+    leader = scenario.leader(entry)
+    if leader is None:
+        return None
+    return [led.name for led in scenario.led_by(leader)].index(entry.name)
+
+
+def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None = None) -> Human:
+    """Return the measures of a person: their own, else those of the floor.
+
+    A recorded `walk` may be faster: machines have to reckon with that.
+    """
+    given = {
+        name: getattr(entry, name)
+        for name in ("radius", "max_speed", "max_acceleration")
+        if getattr(entry, name) is not None
+    }
+    human = replace(usual, **given) if given else usual
+    if walk is None:
+        return human
+    return replace(human, max_speed=max(human.max_speed, walk.top_speed))

@@ -1,0 +1,373 @@
+"""Recorded walks: find and check tracks, convert them to motions, and play them back."""
+
+from __future__ import annotations
+
+import stat
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import shapely
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from floorplan import Floorplan, Problem, is_there, suggestion
+from navigation import Motion, Piece, join
+
+from ...core.clock import Alarm, Turn
+from ...core.entries import RecordedTrack
+from ...core.scenario import PersonEntry, Scenario
+from ...core.stage import Stage
+from ..steering.crowd import Crowd
+from ..steering.traveller import Traveller
+from .tables import (
+    Array,
+    Samples,
+    TrackError,
+    Tracks,
+    read_jupedsim_tracks,
+    read_parquet_tracks,
+    read_text_tracks,
+)
+
+METADATA = "metadata.yaml"
+"""File that a folder has which is a bag."""
+
+LIBRARIES = ("rosbags", "mcap", "mcap_protobuf")
+"""Packages of the extra that reads them."""
+
+
+def read_bag_tracks(path: Path) -> Tracks:
+    """Return the bodies in the bag at `path`: a folder, or a single file of its storage.
+
+    An MCAP file may have Foxglove's schemas instead.
+
+    `TrackError` says what is wrong with it, or what to install.
+    """
+    for file in files_of(path):
+        if not stat.S_ISREG(file.stat().st_mode):
+            raise TrackError.of(path, f"{file.name} is no regular file")
+    try:
+        from .bag_file import read
+
+        return read(path)
+    except ModuleNotFoundError as why:
+        if (why.name or "").partition(".")[0] not in LIBRARIES:
+            raise
+        raise TrackError.of(
+            path, f"{why.name} reads such files and is missing: pip install 'floorwalker[tracks]'"
+        ) from None
+
+
+def files_of(path: Path) -> Iterator[Path]:
+    """Yield the files that a track is read from: `path`, or those of the bag in this folder."""
+    if not path.is_dir():
+        yield path
+        return
+    if (path / "scene.json").is_file():
+        raise TrackError.of(path, "this folder is a recorded run: give its trajectory.csv")
+    if not (path / METADATA).is_file():
+        raise TrackError.of(path, f"there is no {METADATA} in it: this folder is no ROS 2 bag")
+    yield from sorted(file for file in path.iterdir() if not file.is_dir())
+
+
+READERS = {
+    ".csv": read_text_tracks,
+    ".txt": read_text_tracks,
+    ".parquet": read_parquet_tracks,
+    ".sqlite": read_jupedsim_tracks,
+    ".mcap": read_bag_tracks,
+    ".db3": read_bag_tracks,
+}
+"""Readers of files with tracks, by suffix. A folder is a bag of ROS 2."""
+
+STROLL = 0.1
+"""m/s. Who is slower than this looks where they looked before."""
+
+SHORTEST = 1e-6
+"""Seconds. Samples that are nearer are at one time, where a body jumps."""
+
+MOST_AT_ONCE = 3
+"""Samples at one time, at most: before and after a jump, and one of a regular series."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordedWalk:
+    """The motion of somebody since their start (seconds), and a speed (m/s) they never exceed."""
+
+    motion: Motion
+    top_speed: float
+
+    @property
+    def at(self) -> tuple[float, float]:
+        """Where they start (x, y in metres)."""
+        return self.motion.state(0.0).at
+
+
+def recorded_walks(scenario: Scenario) -> dict[str, RecordedWalk]:
+    """Return the walks of all people of a scenario who were recorded, by name.
+
+    `TrackError` says in which row of which file a track is unfit.
+    """
+    return {
+        entry.name: recorded_walk(entry, scenario)
+        for entry in scenario.people
+        if entry.recorded is not None
+    }
+
+
+def recorded_walk(entry: PersonEntry, scenario: Scenario) -> RecordedWalk:
+    """Return the walk of a person of `scenario` who was recorded."""
+    recorded = entry.recorded
+    assert recorded is not None
+    if isinstance(recorded, Motion):
+        return RecordedWalk(recorded, _top_speed(recorded))
+    tracks, samples = _samples(recorded, entry.name, scenario.folder)
+    t = samples.t / (_frame_rate(recorded, tracks) or 1.0) - recorded.since
+    k = max(0, int(np.searchsorted(t, 0.0, side="right")) - 1)
+    t, xy = t[k:], np.column_stack([samples.x, samples.y])[k:]
+    turned = None if samples.rotation is None else samples.rotation[k:]
+    parts = []
+    for part in _on_floor(_parts(t), xy, scenario.floorplan):
+        looks = _headings(t[part], xy[part]) if turned is None else turned[part]
+        parts.append(Motion.from_samples(t[part], xy[part], looks))
+    motion = join(parts)
+    return RecordedWalk(motion, _top_speed(motion))
+
+
+def track_faults(entry: PersonEntry, scenario: Scenario) -> Iterator[str]:
+    """Yield what can't be about the track of somebody in a scenario."""
+    recorded = entry.recorded
+    if recorded is None or isinstance(recorded, Motion):
+        return
+    try:
+        tracks, samples = _samples(recorded, entry.name, scenario.folder)
+        problems = list(_problems(recorded, tracks, samples, scenario))
+    except TrackError as why:
+        yield str(why)
+        return
+    if problems:
+        yield str(TrackError(recorded.file, problems))
+
+
+def with_places(scenario: Scenario, walks: Mapping[str, RecordedWalk]) -> tuple[PersonEntry, ...]:
+    """Return the people of a scenario; those who were recorded start where their walks do."""
+    return tuple(
+        replace(entry, at=walks[entry.name].at) if entry.name in walks else entry
+        for entry in scenario.people
+    )
+
+
+def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, Samples]:
+    """Return the tracks of a file, and the samples of the body that is meant there."""
+    path = folder / recorded.file
+    try:
+        if path.suffix.lower() not in READERS and not path.is_dir():
+            known = ", ".join(READERS)
+            message = (
+                f"the name of a file of tracks ends in one of {known}, or it is a bag's folder"
+            )
+            raise TrackError.of(recorded.file, message)
+        if not is_there(path):
+            raise TrackError.of(recorded.file, "there is no such file")
+        stamps = [(file.stat().st_mtime_ns, file.stat().st_size) for file in files_of(path)]
+        tracks = _read(path, tuple(stamps))
+    except TrackError as why:
+        raise TrackError(recorded.file, why.problems) from None
+    except OSError as why:
+        raise TrackError.of(recorded.file, f"can't be read: {why.strerror}") from None
+    bodies = tracks.bodies
+    wanted = name if recorded.body is None else recorded.body
+    if wanted not in bodies and recorded.body is None and len(bodies) == 1:
+        (wanted,) = bodies
+    if wanted not in bodies:
+        hint = suggestion(wanted, bodies)
+        raise TrackError.of(recorded.file, f"no body is called {wanted!r}; {hint}")
+    return tracks, bodies[wanted]
+
+
+@lru_cache(maxsize=8)
+def _read(path: Path, stamps: tuple[tuple[int, int], ...]) -> Tracks:
+    """Return the tracks at `path`, read anew when the times or sizes of its files have changed."""
+    read = read_bag_tracks if path.is_dir() else READERS[path.suffix.lower()]
+    return read(path)
+
+
+def _frame_rate(recorded: RecordedTrack, tracks: Tracks) -> float | None:
+    return (recorded.frame_rate or tracks.frame_rate) if tracks.counts_frames else None
+
+
+def _problems(
+    recorded: RecordedTrack, tracks: Tracks, samples: Samples, scenario: Scenario
+) -> Iterator[Problem]:
+    """Yield what is wrong with the samples, each with its row."""
+    rate = _frame_rate(recorded, tracks)
+    if tracks.counts_frames and not rate:
+        yield Problem("counts frames, and does not say how many a second has: give frame_rate")
+        return
+
+    def at(k: int, message: str) -> Problem:
+        row = int(samples.rows[k])
+        if tracks.row == "line":
+            return Problem(message, line=row)
+        place = f"{samples.place}, " if samples.place else ""
+        return Problem(f"{place}{tracks.row} {row}: {message}")
+
+    t = samples.t / (rate or 1.0)
+    steps = np.diff(t)
+    if (late := np.flatnonzero(_late(t))).size:
+        for k in late.tolist():
+            before = f"{tracks.row} {samples.rows[k]}"
+            yield at(k + 1, f"t = {t[k + 1]:.9g} s is not after the {t[k]:.9g} s of {before}")
+        return
+    gaps = np.flatnonzero(steps > recorded.longest_gap * (1 + 1e-9))
+    for k in gaps.tolist():
+        yield at(
+            k + 1,
+            f"a gap of {steps[k]:.3g} s: there is nothing from t = {t[k]:.9g} s on; mend the"
+            f" track, or give a longest_gap of more than {recorded.longest_gap:g} s",
+        )
+    gone = np.hypot(np.diff(samples.x), np.diff(samples.y))
+    jumps = np.flatnonzero((gone > recorded.top_speed * steps) & (steps >= SHORTEST))
+    for k in jumps.tolist():
+        yield at(
+            k + 1,
+            f"a jump of {gone[k]:.3g} m in {steps[k]:.3g} s; mend the track, give a top_speed"
+            f" of more than {recorded.top_speed:g} m/s, or state the jump by two samples at one"
+            " time, one before it and one after it",
+        )
+    xy = np.column_stack([samples.x, samples.y])
+    shown = _on_floor(_parts(t), xy, scenario.floorplan)
+    yield from (
+        at(k, words) for k, words in _outside(np.concatenate(shown), xy, scenario.floorplan)
+    )
+    if t[-1] < recorded.since:
+        yield at(len(t) - 1, f"the track ends at t = {t[-1]:.9g} s, before since")
+    elif t[0] - recorded.since >= scenario.duration:
+        yield at(
+            0,
+            f"the track begins at t = {t[0]:.9g} s, and the trial is over by then;"
+            " give since: the time of the file at the person's start",
+        )
+
+
+def _late(t: Array) -> NDArray[np.bool_]:
+    """Return for each sample but the first whether it is earlier than it may be: (N - 1,)."""
+    steps = np.diff(t)
+    late = steps < 0.0
+    at_once = steps < SHORTEST
+    if len(t) > MOST_AT_ONCE:
+        late[MOST_AT_ONCE - 1 :] |= sliding_window_view(at_once, MOST_AT_ONCE).all(axis=1)
+    return late
+
+
+def _parts(t: Array) -> list[NDArray[np.intp]]:
+    """Return the samples between jumps; two samples at one time are the ends of two parts."""
+    parts = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) < SHORTEST) + 1)
+    # A sample alone between others at its time is where the body is for no time.
+    return [part for k, part in enumerate(parts) if len(part) > 1 or k in (0, len(parts) - 1)]
+
+
+def _on_floor(parts: list[NDArray[np.intp]], xy: Array, plan: Floorplan) -> list[NDArray[np.intp]]:
+    """Return `parts` without the first or last of several that is outside the floor throughout.
+
+    The body comes by a jump from outside, or leaves by one; all parts if that leaves none.
+    """
+    outside = [not shapely.intersects_xy(plan.boundary, *xy[part].T).any() for part in parts]
+    return parts if all(outside) else parts[outside[0] : len(parts) - outside[-1]]
+
+
+def _outside(shown: NDArray[np.intp], xy: Array, plan: Floorplan) -> Iterator[tuple[int, str]]:
+    """Yield the first of the samples `shown` that is outside the floor, and what is wrong."""
+    outside = shown[~shapely.intersects_xy(plan.boundary, *xy[shown].T)]
+    if outside.size:
+        x, y = xy[outside[0]]
+        more = f", as are {outside.size - 1} more" if outside.size > 1 else ""
+        yield (
+            int(outside[0]),
+            f"({x:g}, {y:g}) is outside the boundary of the floor (metres){more}",
+        )
+
+
+def _headings(t: Array, xy: Array) -> Array:
+    """Return the direction in which somebody looks at each sample: where they walk."""
+    steps = np.diff(xy, axis=0)
+    angles = np.arctan2(steps[:, 1], steps[:, 0])
+    walks = np.hypot(*steps.T) > STROLL * np.diff(t)
+    if not walks.any():
+        return np.zeros(len(t))
+    # The last direction in which they walked; before the first, that one.
+    # The number of the last step at which they walked, for each step.
+    known = np.maximum.accumulate(np.where(walks, np.arange(len(walks)), -1))
+    known[known < 0] = int(np.argmax(walks))
+    looks: Array = angles[known]
+    return np.append(looks, looks[-1])
+
+
+def _top_speed(motion: Motion) -> float:
+    """Return a speed (m/s) that `motion` never exceeds.
+
+    The velocity of a piece is a quadratic of time, and stays within its control points.
+    """
+    durations = np.array([piece.end - piece.begin for piece in motion.pieces])[:, None]
+    curves = np.array([[piece.x, piece.y] for piece in motion.pieces])
+    first = curves[..., 1]
+    # Control points of the velocity c₁ + 2 c₂ u + 3 c₃ u²: at the ends, and c₁ + c₂ T between.
+    second = first + curves[..., 2] * durations
+    third = first + (2 * curves[..., 2] + 3 * curves[..., 3] * durations) * durations
+    return float(max(np.hypot(*one.T).max() for one in (first, second, third)))
+
+
+AHEAD = 6.0
+"""Seconds of the walk that others can foresee, at most. They see others' courses about as far."""
+
+EVERY = 2.0
+"""Seconds from one look ahead to the next."""
+
+
+class Playback:
+    """The walk of a `traveller`, from `begin` on. Others of the `crowd` walk round them.
+
+    The body is committed to a part of the walk at a time, as people are to their courses: those
+    who watch and those who steer see as far ahead as with anybody.
+    """
+
+    def __init__(
+        self, stage: Stage, traveller: Traveller, walk: RecordedWalk, crowd: Crowd
+    ) -> None:
+        self._clock = stage.clock
+        self._traveller = traveller
+        self._walk = walk
+        self._crowd = crowd
+        self._begun_at = 0.0
+        self._begins = [piece.begin for piece in walk.motion.pieces]
+        self._next = Alarm(stage.clock, self._go_on, Turn.MOTION_ENDS)
+
+    def begin(self) -> None:
+        """Walk from now on."""
+        self._begun_at = self._clock.now
+        self._go_on()
+
+    def _go_on(self) -> None:
+        now = self._clock.now
+        self._traveller.body.follow(self._part(now, now + AHEAD))
+        self._crowd.make_way_for(self._traveller)
+        if self._begun_at + self._walk.motion.end > now + EVERY:
+            self._next.set(now + EVERY)
+
+    def _part(self, begin: float, end: float) -> Motion:
+        """Return the walk between two instants of the clock; it ends earlier if the walk does."""
+        pieces, since = self._walk.motion.pieces, self._begun_at
+        first = max(0, bisect_right(self._begins, begin - since) - 1)
+        last = bisect_right(self._begins, end - since)
+        near = tuple(_later(piece, since) for piece in pieces[first:last])
+        jumps = frozenset(t + since for t in self._walk.motion.jumps)
+        part = Motion(near, jumps & {piece.begin for piece in near[1:]})
+        return part.cut(begin, max(begin, min(end, part.end)))
+
+
+def _later(piece: Piece, seconds: float) -> Piece:
+    return piece._replace(begin=piece.begin + seconds, end=piece.end + seconds)

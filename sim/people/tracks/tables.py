@@ -1,0 +1,313 @@
+"""Tracks in tables: CSV, Parquet, PedPy and PeTrack columns, and JuPedSim's SQLite files.
+
+A recording's own `trajectory.csv` is such a file.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import sqlite3
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floorplan import (
+    LARGEST,
+    LARGEST_RECORDED,
+    SMALLEST,
+    InputError,
+    Problem,
+    UserError,
+    are_figures,
+    figure,
+    read_lines,
+    require_readable,
+)
+
+Array = NDArray[np.float64]
+
+
+class TrackError(InputError):
+    """A file of tracks that can't be used."""
+
+
+def frame_rate(given: float, path: Path, line: int | None = None) -> float:
+    """Return the number of frames a second that a file gives; `TrackError` if it can't be."""
+    if not SMALLEST <= given <= LARGEST:
+        message = f"the frame rate must be a number from {SMALLEST:g} to {LARGEST:g}"
+        raise TrackError.of(path, message, line)
+    return given
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """One body at N instants: `t` in seconds or frames, `x` and `y` in metres, each (N,).
+
+    `rotation` is in radians, None where the file has none; `rows` says where in the file each
+    sample stands: its line, its frame, or its message of what is called `place`.
+    """
+
+    rows: NDArray[np.int64]
+    t: Array
+    x: Array
+    y: Array
+    rotation: Array | None = None
+    place: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """The bodies of a file, by name or number.
+
+    Where `t` counts frames, `frame_rate` is how many a second has, None if the file says nothing.
+    """
+
+    bodies: dict[str, Samples]
+    counts_frames: bool = False
+    frame_rate: float | None = None
+    row: Literal["line", "row", "frame", "message"] = "line"
+
+
+NAMES = {
+    "t": ("t", "time"),
+    "frame": ("frame", "fr"),
+    "body": ("name", "body", "person", "id"),
+    "x": ("x",),
+    "y": ("y",),
+    "rotation": ("rotation", "heading"),
+}
+"""Names that a column may have, by what is in it."""
+
+METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+
+MOST_PROBLEMS = 20
+"""Reading stops after so many rows that can't be read."""
+
+MOST_ROWS = 20_000_000
+"""Rows of a Parquet file, at most: few bytes can stand for many of them."""
+
+_UNIT = r"(?i)\bx\s*(?:/|\[|\(|in)\s*(?:in\s+)?(m|cm|mm)\b"
+_RATE = r"(?i)frame\s*rate\s*[:=]?\s*([0-9.]+)"
+
+
+@dataclass
+class _TableTrack:
+    rows: list[int] = field(default_factory=list)
+    figures: list[list[float]] = field(default_factory=list)
+
+
+def read_text_tracks(path: Path) -> Tracks:
+    """Return the tracks in the text file at `path`; `TrackError` with the rows that are unfit."""
+    rate: float | None = None
+    metre = 1.0
+    split: Callable[[str], list[str]] = str.split
+    columns: dict[str, int] = {}
+    wanted: list[str] = []
+    found: dict[str, _TableTrack] = {}
+    problems: list[Problem] = []
+    for number, line in enumerate(read_lines(path, TrackError), start=1):
+        text = line.strip().removeprefix("\ufeff")
+        if not text:
+            continue
+        if text.startswith("#"):
+            if told := re.search(_RATE, text):
+                rate = frame_rate(figure(told[1]), path, number)
+            metre = METRE[told[1].lower()] if (told := re.search(_UNIT, text)) else metre
+            continue
+        if not columns:
+            split = _splitting(text)
+            columns, is_header = _columns(split(text), path, number)
+            metre = METRE[told[1].lower()] if (told := re.search(_UNIT, text)) else metre
+            wanted = _wanted(columns)
+            if is_header:
+                continue
+        cells = split(text)
+        try:
+            figures = [_number(cells, columns[name], name) for name in wanted]
+            body = cells[columns["body"]].strip()
+        except UserError as why:
+            problems.append(Problem(str(why), line=number))
+            if len(problems) == MOST_PROBLEMS:
+                break
+            continue
+        track = found.get(body)
+        if track is None:
+            track = found[body] = _TableTrack()
+        track.rows.append(number)
+        track.figures.append(figures)
+    if not columns:
+        problems.append(Problem("is empty: there are no rows"))
+    if problems:
+        raise TrackError(str(path), problems)
+    bodies = {name: _samples(track, metre) for name, track in found.items()}
+    return Tracks(bodies, counts_frames="t" not in columns, frame_rate=rate)
+
+
+def read_parquet_tracks(path: Path) -> Tracks:
+    """Return the tracks in the Parquet file at `path`, whose columns are named as in CSV.
+
+    `TrackError` says what is wrong with it, or what to install.
+    """
+    require_readable(path, TrackError, LARGEST_RECORDED)
+    try:
+        from pyarrow import ArrowException, compute
+        from pyarrow.parquet import ParquetFile
+    except ModuleNotFoundError:
+        message = "pyarrow reads Parquet and is missing: pip install 'floorwalker[export]'"
+        raise TrackError.of(path, message) from None
+    try:
+        with ParquetFile(path) as file:
+            names = file.schema_arrow.names
+            columns, _ = _columns(names, path, None)
+            if file.metadata.num_rows > MOST_ROWS:
+                message = f"has more than {MOST_ROWS:,} rows: {file.metadata.num_rows:,}"
+                raise TrackError.of(path, message)
+            table = file.read([names[column] for column in columns.values()])
+        body = compute.dictionary_encode(table[names[columns["body"]]]).combine_chunks()
+        wanted = [names[columns[name]] for name in _wanted(columns)]
+        figures = np.column_stack([np.asarray(table[name], dtype=float) for name in wanted])
+    except TrackError:
+        raise
+    except (ArrowException, OSError, TypeError, ValueError) as why:
+        raise TrackError.of(path, f"is no Parquet file that can be read: {why}") from None
+    if (unfit := np.flatnonzero(~np.isfinite(figures).all(axis=1))).size:
+        raise TrackError.of(path, f"row {unfit[0]} has a figure that is not finite")
+    codes = np.asarray(body.indices)
+    bodies = {}
+    for code, name in enumerate(body.dictionary.to_pylist()):
+        rows = np.flatnonzero(codes == code)
+        bodies[f"{name}"] = Samples(rows, *figures[rows].T)
+    return Tracks(bodies, counts_frames="t" not in columns, row="row")
+
+
+def _wanted(columns: dict[str, int]) -> list[str]:
+    """Return what is read of each sample, in the order of `Samples`."""
+    time = "t" if "t" in columns else "frame"
+    return [time, "x", "y", *(["rotation"] if "rotation" in columns else [])]
+
+
+def _samples(track: _TableTrack, metre: float) -> Samples:
+    t, x, y, *rotation = np.array(track.figures).T
+    turned = rotation[0] if rotation else None
+    return Samples(np.array(track.rows), t, x * metre, y * metre, turned)
+
+
+def _splitting(line: str) -> Callable[[str], list[str]]:
+    """Return how the rows of a file that begin with `line` are split."""
+    for mark in (",", ";", "\t"):
+        if mark in line:
+            return lambda row: [cell.strip().strip('"') for cell in row.split(mark)]
+    return str.split
+
+
+def _columns(cells: list[str], path: Path, line: int | None) -> tuple[dict[str, int], bool]:
+    """Return where in a row everything stands, and whether the first row is a header."""
+    if all(_is_number(cell) for cell in cells):
+        if len(cells) < 4:
+            message = f"expected a header, or the columns id, frame, x, y; found {len(cells)}"
+            raise TrackError.of(path, message, line)
+        return {"body": 0, "frame": 1, "x": 2, "y": 3}, False
+    plain = [re.split(r"[\s/\[(]", cell.strip().lower())[0] for cell in cells]
+    columns = {
+        name: plain.index(known[0])
+        for name, words in NAMES.items()
+        if (known := [word for word in words if word in plain])
+    }
+    missing = [name for name in ("x", "y") if name not in columns]
+    if "body" not in columns:
+        missing.append("name (or body, id)")
+    if not {"t", "frame"} & {*columns}:
+        missing.append("t (or frame)")
+    if missing:
+        message = f"the header has no column {', '.join(missing)}; found {', '.join(cells)}"
+        raise TrackError.of(path, message, line)
+    return columns, True
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _number(cells: list[str], column: int, name: str) -> float:
+    if column >= len(cells):
+        raise UserError(f"has {len(cells)} columns, and none for {name}")
+    value = figure(cells[column])
+    if math.isnan(value):
+        raise UserError(f"{name} must be a number, found {cells[column][:40]!r}")
+    return value
+
+
+_ROWS = "SELECT id, frame, pos_x, pos_y, ori_x, ori_y FROM trajectory_data ORDER BY id, frame"
+
+
+def read_jupedsim_tracks(path: Path) -> Tracks:
+    """Return the agents in the recording at `path`; `TrackError` says why it can't be read.
+
+    An agent has the name of a person where the recording has it, and else its number. A person who
+    was put elsewhere, and is several agents, is one body with jumps.
+    """
+    require_readable(path, TrackError, LARGEST_RECORDED)
+    try:
+        with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as database:
+            about = dict(database.execute("SELECT key, value FROM metadata"))
+            rows = np.array(database.execute(_ROWS).fetchall(), dtype=float).reshape(-1, 6)
+        rate = frame_rate(float(about["fps"]), path)
+        people = _people(about.get("floorwalker_agents", "[]"))
+    except TrackError:
+        raise
+    except (sqlite3.Error, LookupError, OverflowError, TypeError, ValueError) as why:
+        raise TrackError.of(path, f"is no recording of JuPedSim: {why}") from None
+    if not (fit := are_figures(rows).all(axis=1)).all():
+        frame = rows[~fit][0, 1]
+        raise TrackError.of(path, f"frame {frame:.0f} has a figure that is not within ±{LARGEST:g}")
+    agents: dict[int, Array] = {
+        int(agent): rows[rows[:, 0] == agent] for agent in np.unique(rows[:, 0])
+    }
+    bodies = {}
+    for name, parts in people.items():
+        there = [(begin, agents.pop(agent)) for begin, agent in parts if agent in agents]
+        if there:
+            bodies[name] = _samples_of_rows(np.concatenate(list(_joined(there, rate))))
+    bodies |= {f"{agent}": _samples_of_rows(table) for agent, table in agents.items()}
+    return Tracks(bodies, counts_frames=True, frame_rate=rate, row="frame")
+
+
+def _people(text: str) -> dict[str, list[tuple[float, int]]]:
+    """Return the agents that each person is, each from an instant (s) on, in order of time.
+
+    A person is another agent whenever they were put elsewhere.
+    """
+    agents = defaultdict(list)
+    for agent in json.loads(text):
+        agents[str(agent["person"])].append((float(agent["begin"]), int(agent["id"])))
+    return {name: sorted(parts) for name, parts in agents.items()}
+
+
+def _joined(parts: Sequence[tuple[float, Array]], rate: float) -> Iterator[Array]:
+    """Yield the rows of agents who are one person, with two at the instant of each jump."""
+    yield parts[0][1]
+    for (_, before), (begin, after) in pairwise(parts):
+        last, first = before[-1:].copy(), after[:1].copy()
+        frame = begin * rate
+        # Between its last frame and the jump an agent stands, as far as anybody knows.
+        last[0, 1] = first[0, 1] = frame if last[0, 1] <= frame <= first[0, 1] else first[0, 1]
+        yield from (last, first, after)
+
+
+def _samples_of_rows(table: Array) -> Samples:
+    """Return rows of id, frame, x, y and heading (N, 6) as samples."""
+    t, x, y, ori_x, ori_y = table.T[1:]
+    return Samples(t.astype(int), t, x, y, np.arctan2(ori_y, ori_x))

@@ -1,0 +1,254 @@
+"""Laws in a run: custom laws, and the distance that a law required over time."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from floorplan import UserError
+from navigation import (
+    AnyLaw,
+    ApproachLaw,
+    Enclosure,
+    Encounter,
+    FixedDistance,
+    Scaled,
+    SeparationLaw,
+    TooClose,
+    is_of_motions,
+    minimum_margin,
+    required_along,
+    standing,
+    walk,
+)
+
+from ..core.body import Plans
+from ..core.custom_code import (
+    Definition,
+    Kind,
+    OwnCodeError,
+    find_source,
+    import_own,
+    in_words,
+    is_plain,
+    line_in,
+)
+from ..core.custom_code import methods as written_methods
+from ..core.rules import RuleSet
+
+_Answer = TypeVar("_Answer")
+
+METHODS = ("distance", "required")
+"""A law has one of these, or both (see `navigation.Law` and `navigation.MotionLaw`)."""
+
+
+def _may_be_law(definition: Definition) -> bool:
+    if not isinstance(definition, ast.ClassDef):
+        return False
+    return not is_plain(definition) or not written_methods(definition).isdisjoint(METHODS)
+
+
+LAW = Kind(
+    words=f"law: a law is a class with a method {' or '.join(METHODS)}",
+    written=_may_be_law,
+    made=lambda law: inspect.isclass(law) and any(hasattr(law, method) for method in METHODS),
+)
+"""The kind of class that a rule set names."""
+
+
+class LawError(UserError):
+    """A law that makes no sense, or that failed when it was asked."""
+
+
+class OwnLaw:
+    """The law at `package.module:Class` in `folder`, made with `terms` by their names.
+
+    It is imported, made and tried by `load`, at the latest when it is first asked; then it has the
+    methods that the user's class has. Two are equal if they have the same name and terms and come
+    from the same folder; it travels between processes by these. `place` is where it is written,
+    for messages.
+    """
+
+    def __init__(
+        self, name: str, terms: Mapping[str, Any], folder: str | Path = ".", place: str = ""
+    ) -> None:
+        self.name = name
+        self.terms = dict(terms)
+        self.folder = Path(folder).resolve()
+        self.place = place
+        self._law: Any = None
+
+    def load(self) -> None:
+        """Import the class, make the law and try it, if that was not done before.
+
+        `LawError` if there is no such class, or if trying the law shows that it makes no sense.
+        """
+        if self._law is not None:
+            return
+        try:
+            self._make()
+            self._try()
+        except LawError as why:
+            self._forget()
+            raise LawError(f"{self.place}: {why}" if self.place else str(why)) from why
+
+    def __getattr__(self, name: str) -> Any:
+        if name in METHODS and self._law is None:
+            self.load()
+            if name in self.__dict__:
+                return self.__dict__[name]
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def __repr__(self) -> str:
+        terms = ", ".join(f"{name}={term!r}" for name, term in self.terms.items())
+        return f"{self.name}({terms})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, OwnLaw) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(repr(self._key()))
+
+    def __reduce__(self) -> tuple[type[OwnLaw], tuple[str, dict[str, Any], Path, str]]:
+        return OwnLaw, (self.name, self.terms, self.folder, self.place)
+
+    def _key(self) -> tuple[str, dict[str, Any], Path]:
+        return self.name, self.terms, self.folder
+
+    def _make(self) -> None:
+        try:
+            source = find_source(self.name, self.folder, LAW)
+            form = import_own(source)
+        except OwnCodeError as why:
+            raise LawError(f"the law {why}") from why
+        self._file = source.file
+        self._law = self._asked(form, **self.terms)
+        for method, asked in zip(METHODS, (self._distance, self._required), strict=True):
+            if hasattr(self._law, method):
+                setattr(self, method, asked)
+
+    def _forget(self) -> None:
+        self._law = None
+        for method in METHODS:
+            self.__dict__.pop(method, None)
+
+    def _distance(self, human_speed: float, robot_speed: float) -> float:
+        metres = self._asked(self._law.distance, human_speed, robot_speed)
+        if not (isinstance(metres, int | float) and 0 <= metres < math.inf):
+            speeds = f"{human_speed:g} (human) and {robot_speed:g} m/s (robot)"
+            raise LawError(f"the law {self} asks for {metres!r} m at speeds of {speeds}")
+        return metres
+
+    def _required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        required = self._asked(self._law.required, encounter, begin, end)
+        if not isinstance(required, Enclosure):
+            raise LawError(f"the law {self} answers with {required!r}, not with an Enclosure")
+        return required
+
+    def _asked(self, answer: Callable[..., _Answer], /, *args: Any, **terms: Any) -> _Answer:
+        try:
+            return answer(*args, **terms)
+        except Exception as why:
+            place = line_in(why, {str(self._file)})
+            raise LawError(f"the law {self} failed{place}: {in_words(why)}") from why
+
+    def _try(self) -> None:
+        """Try the law; `LawError` if it is none, or if trying shows that it makes no sense."""
+        person, machine = walk([(-3.0, 0.0), (3.0, 0.5)]), standing((0.0, 0.0))
+        try:
+            TooClose(self)
+            if is_of_motions(self):
+                minimum_margin(person, machine, self, 0.0, 8.0)
+        except LawError:
+            raise
+        except ValueError as why:
+            raise LawError(f"the law makes no sense: {why}") from why
+
+
+def own_laws(rules: RuleSet) -> Iterator[OwnLaw]:
+    """Yield the laws of the user's own in `rules`, also those that another one scales."""
+    for law in (rules.gantry_law, rules.agv_law, rules.notice.law, *rules.laws.values()):
+        while isinstance(law, Scaled):
+            law = law.law
+        if isinstance(law, OwnLaw):
+            yield law
+
+
+Curve = tuple[tuple[float, float], ...]
+"""Points (seconds, metres) in order of time; two at one instant are a jump."""
+
+EXACT = 0.01
+"""Metres. Greatest error of the lines."""
+
+STRIDE = 0.5
+"""Seconds. A rise and fall of the curve that is shorter than this may be missed."""
+
+
+def is_of_speeds_alone(law: AnyLaw) -> bool:
+    """Return True if `law` computes the required distance from its terms and two speeds alone."""
+    return type(law) in (SeparationLaw, ApproachLaw, FixedDistance)
+
+
+def requirement_curve(law: AnyLaw, person: Plans, machine: Plans, end: float) -> Curve:
+    """Return the distance that `law` required until `end` (seconds), at each instant of the plans.
+
+    `person` and `machine` are the motions that the two set out on, whatever came of them.
+    """
+    changes = sorted({t for t in (*person.changes, *machine.changes) if t < end} | {end})
+    points: list[tuple[float, float]] = []
+    for begin, until in itertools.pairwise(changes):
+        motions = (person.at(begin), machine.at(begin))
+        required = required_along(law, *motions)
+        cuts = {begin, until}
+        cuts |= {p.begin for motion in motions for p in motion.pieces if begin < p.begin < until}
+        for a, b in itertools.pairwise(sorted(cuts)):
+            points += _lines(required, a, b)
+    return tuple(_without_needless(points))
+
+
+def _lines(
+    required: Callable[[float], float], begin: float, end: float
+) -> list[tuple[float, float]]:
+    # Cut first: halving that looks at the middle alone overlooks what rises and falls beside it.
+    strides = max(1, round((end - begin) / STRIDE))
+    points = [(begin, required(begin))]
+    for k in range(1, strides + 1):
+        t = begin + (end - begin) * k / strides
+        points += _halved(required, points[-1], (t, required(t)))
+    return points
+
+
+def _halved(
+    required: Callable[[float], float], a: tuple[float, float], b: tuple[float, float]
+) -> list[tuple[float, float]]:
+    """Return the points after `a` up to `b` between which the curve is straight."""
+    t = (a[0] + b[0]) / 2
+    middle = (t, required(t))
+    # Half the error: away from its middle the curve may be a little farther off the line.
+    if abs(middle[1] - (a[1] + b[1]) / 2) <= EXACT / 2 or b[0] - a[0] < EXACT:
+        return [b]
+    return _halved(required, a, middle) + _halved(required, middle, b)
+
+
+def _without_needless(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return the same curve without points on the line between their neighbours."""
+    kept: list[tuple[float, float]] = []
+    for point in points:
+        if kept and point == kept[-1]:
+            continue
+        if len(kept) > 1 and _on_line(kept[-2], kept[-1], point):
+            kept.pop()
+        kept.append(point)
+    return kept
+
+
+def _on_line(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:
+    if not a[0] < b[0] < c[0]:
+        return False
+    between = a[1] + (c[1] - a[1]) * (b[0] - a[0]) / (c[0] - a[0])
+    return abs(between - b[1]) < EXACT / 100

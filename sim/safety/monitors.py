@@ -1,0 +1,409 @@
+"""Monitors of one person and one machine: violations, noticing, and protective stops."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+from navigation import (
+    RESOLUTION,
+    AnyLaw,
+    Apart,
+    Approaching,
+    Both,
+    Condition,
+    Motion,
+    Not,
+    TooClose,
+    first_interval,
+    first_time,
+    required_at,
+    required_at_speeds,
+)
+
+from ..core.body import PERSON, Body, Machine, Plans
+from ..core.clock import Alarm, Turn
+from ..core.rules import Notice
+from ..core.stage import Bystander, Stage
+from .laws import is_of_speeds_alone
+
+Cause = str
+"""The cause of a violation: the machine's kind if it moves at that instant, else "person"."""
+
+CLEARANCE = 0.05
+"""Metres. What a machine in a protective stop waits for beyond the required distance."""
+
+AFTERWARDS = 1.0
+"""Seconds. So much of the rest after two motions is looked at; all of it is the same."""
+
+GLANCE = 0.1
+"""Seconds. Who can't see a machine that they would notice looks again after so long."""
+
+MOVES = 1e-6
+"""m/s. A machine that is faster than this at the instant of a violation is its cause."""
+
+
+class Pair:
+    """A person beside a machine of a stage, from now until the trial ends.
+
+    Distances are measured to the point `offset` (x, y in metres) from the machine's centre.
+    """
+
+    def __init__(
+        self,
+        stage: Stage,
+        person: Bystander,
+        machine: Machine,
+        offset: tuple[float, float] = (0.0, 0.0),
+    ) -> None:
+        self.clock = stage.clock
+        self.person = person
+        self.machine = machine
+        self.end = stage.end
+        self._one, self._other = person.body, machine.body
+        self._offset = offset
+        self._translated = machine.body.motion
+        self._measured = self._translated.translated(*offset)
+
+    @property
+    def motions(self) -> tuple[Motion, Motion]:
+        """Motions of the person and of the measured point of the machine from now on."""
+        motion = self._other.motion
+        if self._translated is not motion:
+            self._translated, self._measured = motion, motion.translated(*self._offset)
+        return self._one.motion, self._measured
+
+    def first_time(self, condition: Condition, since: float = 0.0) -> float | None:
+        """Return the first instant from now and `since` (seconds) on at which `condition` holds.
+
+        It holds if nobody changes course; None if `condition` never does.
+        """
+        begin, last = self.clock.now, self.horizon()
+        if since > begin:
+            begin = since
+        return first_time(condition, *self.motions, begin, last if last > begin else begin)
+
+    def next_interval(self, condition: Condition) -> tuple[float, float] | None:
+        """Return the first interval from now on in which `condition` holds, if any."""
+        return first_interval(condition, *self.motions, self.clock.now, self.horizon())
+
+    def distance(self) -> float:
+        """Return the distance between the two now (metres)."""
+        now = self.clock.now
+        person, machine = self.motions
+        return math.dist(person.state(now).at, machine.state(now).at)
+
+    def required(self, law: AnyLaw) -> float:
+        """Return the distance that `law` requires now (metres)."""
+        return required_at(law, self.person.body.motion, self.machine.body.motion, self.clock.now)
+
+    def remember_plans(self) -> tuple[Plans, Plans]:
+        """Return the plans of the two, kept from now on."""
+        return self.person.body.remember_plans(), self.machine.body.remember_plans()
+
+    def cause(self) -> Cause:
+        """Return the cause of a violation at this instant."""
+        return self.machine.shape.kind if self.machine.body.state.speed > MOVES else PERSON
+
+    def horizon(self) -> float:
+        """Return an instant from which on nothing changes any more, or the trial's end (seconds).
+
+        A motion that ends at speed stops at its end, so the first state of rest is seen after it.
+        """
+        last, one, other = self.clock.now, self._one.motion.end, self._other.motion.end
+        if last < one:
+            last = one
+        if last < other:
+            last = other
+        last += AFTERWARDS
+        return last if last < self.end else self.end
+
+
+class Reconsidering(Protocol):
+    """A watch on a person beside a vehicle, which counts while the vehicle moves."""
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it counts although the vehicle stands."""
+        ...
+
+    def reconsider(self) -> None:
+        """Compute anew what is to come; called whenever a motion changes."""
+        ...
+
+
+class BesideVehicles:
+    """The watches on one person beside vehicles, of which most stand most of the time.
+
+    As the person changes course, those alone reconsider that count.
+    """
+
+    def __init__(self, person: Body) -> None:
+        self._clock = person.clock
+        self._watches: list[tuple[Body, Reconsidering]] = []
+        self._idle = False
+        """Whether nothing counts until a vehicle sets out."""
+        person.on_change.append(self._changed)
+
+    def add(self, vehicle: Body, watch: Reconsidering) -> None:
+        """Let a watch reconsider when the person or the vehicle changes course."""
+        self._watches.append((vehicle, watch))
+        vehicle.on_change += (self._vehicle_changed, watch.reconsider)
+        self._idle = False
+
+    def _vehicle_changed(self) -> None:
+        self._idle = False
+
+    def _changed(self) -> None:
+        if self._idle:
+            return
+        now, self._idle = self._clock.now, True
+        for vehicle, watch in self._watches:
+            if vehicle.motion.end >= now or watch.lasts:
+                watch.reconsider()
+                self._idle = False
+
+
+class SeparationMonitor:
+    """Notifies when a person and a machine get closer than a law requires, and when it is over.
+
+    They are while `condition` holds, which follows from the law. `violated` is called as they get
+    too close; each interval in which they are stays in `intervals`.
+    """
+
+    def __init__(
+        self,
+        pair: Pair,
+        law: AnyLaw,
+        condition: Condition,
+        violated: Callable[[SeparationMonitor], None],
+    ) -> None:
+        self.pair = pair
+        self.law = law
+        self.intervals: list[tuple[float, float]] = []
+        self.lasts = False
+        """Whether they are too close now."""
+        self.plans = None if is_of_speeds_alone(law) else pair.remember_plans()
+        """The plans of the two, where `law` asks for more than their speeds."""
+        self._violated = violated
+        self._since: float | None = None
+        self._notified_at = -math.inf
+        self._condition = condition
+        self._needs_motion = pair.machine.shape.category == "vehicle"
+        self._alarm = Alarm(pair.clock, self._ring, Turn.VIOLATION)
+        self.reconsider()
+
+    def reconsider(self) -> None:
+        """Compute the next instant of change anew; called whenever a motion changes."""
+        now, machine = self.pair.clock.now, self.pair.machine.body
+        # A vehicle that stands never counts, and most stand most of the time.
+        idle = self._needs_motion and machine.motion.end <= now
+        if idle and self._since is None:
+            self._alarm.set(None)
+            return
+        if self._since is None:
+            self._alarm.set(self.pair.first_time(self._condition))
+            return
+        coming = None if idle else self.pair.next_interval(self._condition)
+        # It held until now, so an interval that goes on begins now, but for what instants are exact
+        # to; one that begins later is another, and this one is over.
+        if coming is None or coming[0] > now + 10 * RESOLUTION:
+            self._alarm.set(now)
+        else:
+            # One that lasts to the horizon lasts for good, unless somebody changes course.
+            self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
+
+    def required_before(self, t: float, person: Motion, machine: Motion) -> float:
+        """Return the distance (m) that the law required of these tracks just before `t` (s)."""
+        if self.plans is None:
+            return required_at_speeds(
+                self.law, person.state_before(t).speed, machine.state_before(t).speed
+            )
+        of_person, of_machine = self.plans
+        return required_at(self.law, of_person.before(t), of_machine.before(t), t)
+
+    @property
+    def known(self) -> list[tuple[float, float]]:
+        """The intervals so far; one that still lasts is taken to last to the trial's end."""
+        lasting = [] if self._since is None else [(self._since, self.pair.end)]
+        return [*self.intervals, *lasting]
+
+    def recheck(self) -> None:
+        """Call `violated` again if they are still too close now."""
+        # Once an instant: a watch may be rechecked for several reasons at the same time.
+        if self._since is not None and self._notified_at < self.pair.clock.now:
+            self._notify()
+
+    def close(self) -> None:
+        """End an interval that still lasts, now."""
+        if self._since is not None:
+            self.intervals.append((self._since, self.pair.clock.now))
+            self._since, self.lasts = None, False
+
+    def _ring(self) -> None:
+        if self._since is None:
+            self._since, self.lasts = self.pair.clock.now, True
+            self._notify()
+        else:
+            self.close()
+        self.reconsider()
+
+    def _notify(self) -> None:
+        self._notified_at = self.pair.clock.now
+        self._violated(self)
+
+
+class Noticing:
+    """A rule of noticing and its conditions, which all people share."""
+
+    def __init__(self, rule: Notice) -> None:
+        self.rule = rule
+        self.near = TooClose(rule.law)
+        self.closing_in = Both(self.near, Approaching())
+        self.parting = Not(Approaching())
+
+
+class NoticingMonitor:
+    """Lets a person notice the gantry once per approach: inside the noticing distance and closing.
+
+    It then follows the approach to its nearest point, and is alert anew only after the two have
+    parted by `rule.parting` metres from there (or `rule.every` seconds have gone by). Who does not
+    see it looks again every `GLANCE`; who sees it perceives it after their reaction time.
+    """
+
+    # Three stages, of which each waits for the one instant that ends it:
+    # - alert: the noticing distance is reached while closing in;
+    # - closing: the distance no longer falls, which makes it the nearest of the approach so far;
+    # - parting: either the distance has grown by `parting`, which ends the approach, or it has
+    #   fallen below the nearest again, which goes on with the same approach.
+    # A person who lingers at the noticing distance, or whom a machine passes to and fro, is
+    # therefore notified once: the distance has to grow by `parting` in between, which no
+    # rounding at the threshold brings about. `rule.every` replaces the last two stages by a time.
+
+    _away: Condition
+    """The two have parted, or are nearer than at their nearest; known from there on."""
+
+    def __init__(
+        self, pair: Pair, noticing: Noticing, noticed: Callable[[Pair, AnyLaw], None]
+    ) -> None:
+        self.pair = pair
+        self.rule = noticing.rule
+        self._conditions = noticing
+        self._noticed = noticed
+        self._hidden = False
+        self._stage: Literal["alert", "closing", "parting"] = "alert"
+        self._silent_until = 0.0
+        self._nearest = 0.0
+        self._alarm = Alarm(pair.clock, self._ring, Turn.NOTICE)
+        self._perceiving = Alarm(pair.clock, self._perceive, Turn.NOTICE)
+        self.reconsider()
+
+    def reconsider(self) -> None:
+        """Compute the next instant of change anew; called whenever a motion changes."""
+        pair = self.pair
+        if self._stage == "alert":
+            of = self._conditions
+            condition = of.near if self._hidden else of.closing_in
+            self._alarm.set(pair.first_time(condition, self._silent_until))
+        elif self._stage == "closing":
+            self._alarm.set(pair.first_time(self._conditions.parting))
+        else:
+            self._alarm.set(pair.first_time(self._away))
+
+    def start_over(self) -> None:
+        """Begin anew, after `rule.silent` seconds: the person starts, or was put elsewhere."""
+        self._stage = "alert"
+        self._perceiving.set(None)
+        self._hidden = False
+        self._silent_until = max(self._silent_until, self.pair.clock.now + self.rule.silent)
+
+    def _ring(self) -> None:
+        if self._stage == "alert":
+            person, now = self.pair.person, self.pair.clock.now
+            # Who comes upon it where it is near already notices it, whichever way they go.
+            self._hidden = not person.sees(self.pair.machine)
+            if self._hidden:
+                self._silent_until = max(self._silent_until, now + GLANCE)
+                self.reconsider()
+                return
+            if self.rule.every is None:
+                self._stage = "closing"
+            else:
+                self._silent_until = now + self.rule.every
+            if person.reaction_time > 0.0:
+                self._perceiving.set(now + person.reaction_time)
+            else:
+                self._perceive()
+        elif self._stage == "closing":
+            self._nearest = self.pair.distance()
+            self._away = self._off_nearest()
+            self._stage = "parting"
+        else:
+            has_parted = self.pair.distance() > self._nearest
+            self._stage = "alert" if has_parted else "closing"
+        self.reconsider()
+
+    def _off_nearest(self) -> Condition:
+        """Return the condition that the two have parted, or are nearer than at their nearest."""
+        # A millimetre less, or rounding at the nearest point would count as nearer.
+        nearer, parted = max(self._nearest - 1e-3, 0.0), self._nearest + self.rule.parting
+        return Not(Both(Apart(nearer), Not(Apart(parted))))
+
+    def _perceive(self) -> None:
+        self._noticed(self.pair, self.rule.law)
+
+
+class Hold:
+    """Holds a machine from a violation on until it may set out again, for one person's sake.
+
+    That is once it stands, and the distance is enough for its top speed (m/s) and the person's
+    present one, with `CLEARANCE` to spare, so that its own speed does not stop it again.
+    `hold(pair, True)` stops the machine, `hold(pair, False)` lets it go on.
+    """
+
+    def __init__(
+        self, pair: Pair, law: AnyLaw, top_speed: float, hold: Callable[[Pair, bool], None]
+    ) -> None:
+        self._pair = pair
+        self._law = _AtSpeed(law, top_speed)
+        self._clear = Not(TooClose(self._law))
+        self._hold = hold
+        self._holds = False
+        self._alarm = Alarm(pair.clock, self._end, Turn.MOTION_ENDS)
+
+    def begin(self) -> None:
+        """Stop the machine, if this has not done so already."""
+        if not self._holds:
+            self._holds = True
+            self._hold(self._pair, True)
+            self.reconsider()
+
+    def begin_if_needed(self) -> None:
+        """Go on holding a machine that others let go, if there is no room for its top speed."""
+        if self._pair.distance() < self._pair.required(self._law):
+            self.begin()
+
+    def reconsider(self) -> None:
+        """Compute anew when the machine may go on; called whenever a motion changes."""
+        if self._holds:
+            stands = self._pair.machine.body.motion.end
+            # Not before the machine stands: while it brakes it may only come nearer.
+            self._alarm.set(self._pair.first_time(self._clear, since=stands))
+
+    def _end(self) -> None:
+        self._holds = False
+        self._hold(self._pair, False)
+
+
+@dataclass(frozen=True)
+class _AtSpeed:
+    """Law that requires what `law` does of a machine at `speed` (m/s), and `CLEARANCE`."""
+
+    law: AnyLaw
+    speed: float
+
+    def distance(self, human_speed: float, robot_speed: float) -> float:
+        """Return the required distance (metres); the robot's speed does not matter."""
+        return required_at_speeds(self.law, human_speed, self.speed) + CLEARANCE

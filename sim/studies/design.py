@@ -1,0 +1,484 @@
+"""Design of a study: distributions, rows, and the study file."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import math
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from statistics import NormalDist
+from typing import Annotated, Any, Protocol
+
+from pydantic import Field, model_validator
+
+import floorplan
+from floorplan import (
+    Document,
+    Flag,
+    InputError,
+    Number,
+    Pair,
+    Positive,
+    Problem,
+    Strictly,
+    UserError,
+    field_name,
+    whole,
+)
+
+from ..core.entries import is_number
+from ..trials.checks import LARGEST_SEED, faults, name_fault
+from ..trials.trial import Trial
+from .variables import Value, Variable, reordered, variable
+
+SIGMAS = 3.0
+"""Standard deviations from its mean at which a normal distribution ends, if not given."""
+
+DECIMALS = 6
+"""Numbers are drawn to this many decimals, so that they can be read."""
+
+_TINY = 1e-15
+"""The inverse of a normal distribution is not asked beyond this share."""
+
+
+def derived_seed(*parts: object) -> int:
+    """A seed of 63 bits that depends on nothing but `parts` (numbers, texts and lists)."""
+    digest = hashlib.sha256(json.dumps(parts).encode()).digest()
+    return int.from_bytes(digest[:8], "big") >> 1
+
+
+class Distribution(Protocol):
+    """Source of random values."""
+
+    @property
+    def extremes(self) -> Sequence[Value]:
+        """The values that have to make sense if all that can be drawn are to."""
+        ...
+
+    def draw(self, seed: int, trial: Trial) -> Value:
+        """The value that `seed` draws for `trial`."""
+        ...
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """Any number from `low` to `high` alike; of lists of numbers, each for itself."""
+
+    low: float | tuple[float, ...]
+    high: float | tuple[float, ...]
+
+    def __str__(self) -> str:
+        return f"uniform from {self.low} to {self.high}"
+
+    @property
+    def extremes(self) -> Sequence[Value]:
+        """See `Distribution`."""
+        return (self.low, self.high)
+
+    def draw(self, seed: int, trial: Trial) -> Value:
+        """See `Distribution`."""
+        rng = random.Random(seed)
+        if isinstance(self.low, tuple) and isinstance(self.high, tuple):
+            ends = zip(self.low, self.high, strict=True)
+            return tuple(_between(low, high, rng.random()) for low, high in ends)
+        assert not isinstance(self.low, tuple) and not isinstance(self.high, tuple)
+        return _between(self.low, self.high, rng.random())
+
+
+@dataclass(frozen=True)
+class Normal:
+    """Numbers that gather around `mean` with standard deviation `sd`, from `low` to `high`."""
+
+    mean: float
+    sd: float
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        return f"normal, {self.mean:g} ± {self.sd:g}, from {self.low:g} to {self.high:g}"
+
+    @property
+    def extremes(self) -> Sequence[Value]:
+        """See `Distribution`."""
+        return (self.low, self.high)
+
+    def draw(self, seed: int, trial: Trial) -> Value:
+        """See `Distribution`."""
+        normal = NormalDist(self.mean, self.sd)
+        least, most = normal.cdf(self.low), normal.cdf(self.high)
+        # Inversion of the truncated distribution: one draw, whatever the limits cut off.
+        share = least + random.Random(seed).random() * (most - least)
+        drawn = normal.inv_cdf(min(max(share, _TINY), 1 - _TINY))
+        return min(max(round(drawn, DECIMALS), self.low), self.high)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of several values, all alike."""
+
+    values: tuple[Value, ...]
+
+    def __str__(self) -> str:
+        return f"one of {', '.join(map(str, self.values))}"
+
+    @property
+    def extremes(self) -> Sequence[Value]:
+        """See `Distribution`."""
+        return self.values
+
+    def draw(self, seed: int, trial: Trial) -> Value:
+        """See `Distribution`."""
+        # Not `choice`: `random` alone is promised to draw the same in every version of Python.
+        return self.values[int(random.Random(seed).random() * len(self.values))]
+
+
+@dataclass(frozen=True)
+class Shuffled:
+    """The trial's jobs in any order; what is handed in stays behind what it needs."""
+
+    def __str__(self) -> str:
+        return "shuffled"
+
+    @property
+    def extremes(self) -> Sequence[Value]:
+        """See `Distribution`."""
+        return ("given",)
+
+    def draw(self, seed: int, trial: Trial) -> Value:
+        """See `Distribution`."""
+        rng = random.Random(seed)
+        return reordered(
+            trial.gantry.jobs, lambda stretch: sorted(stretch, key=lambda _: rng.random())
+        )
+
+
+def _between(low: float, high: float, share: float) -> float:
+    return min(max(round(low + share * (high - low), DECIMALS), low), high)
+
+
+class StudyError(InputError):
+    """A study that can't be run."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run of a study: its number, what makes it differ from the others, and its trial."""
+
+    number: int
+    parameters: dict[str, Value]
+    trial: Trial
+
+
+@dataclass(frozen=True)
+class Combination:
+    """One trial with one value of everything in the grid."""
+
+    trial: Trial
+    values: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Design:
+    """Trials × everything in the grid × `repeat`, with what is drawn at random for each.
+
+    A row's seed comes from the study's seed and the row's own parameters: neither the order of
+    rows nor what else is in the study matters. What is drawn depends on the repetition only, so
+    that all combinations meet the same draws and can be compared pair by pair (common random
+    numbers). With `metrics`, rows have those of social navigation as well. Files named in `grid`
+    and `random` are seen from `folder`.
+    """
+
+    name: str
+    trials: tuple[Trial, ...]
+    grid: Mapping[Variable, tuple[Value, ...]] = field(default_factory=dict)
+    random: Mapping[Variable, Distribution] = field(default_factory=dict)
+    repeat: int = 1
+    seed: int = 0
+    metrics: bool = False
+    folder: Path = Path()
+
+    def __len__(self) -> int:
+        """The number of rows; `OverflowError` if it does not fit into 63 bits (see `size`)."""
+        return self.size
+
+    @property
+    def size(self) -> int:
+        """The number of rows, however large."""
+        combinations = math.prod(len(values) for values in self.grid.values())
+        return len(self.trials) * self.repeat * combinations
+
+    def rows(self, first: int = 0) -> Iterator[Row]:
+        """The rows from the number `first` on: every combination once, then all once more."""
+        return (self.row(number) for number in range(first, len(self)))
+
+    def row(self, number: int) -> Row:
+        """The row of that number; `ValueError` if there is none."""
+        if not 0 <= number < len(self):
+            raise UserError(f"{self.name} has rows 0 to {len(self) - 1}, but no row {number}")
+        repetition, index = divmod(number, len(self.combinations))
+        combination = self.combinations[index]
+        chosen: dict[str, Value] = {"trial": combination.trial.name}
+        chosen |= {what.name: one for what, one in zip(self.grid, combination.values, strict=True)}
+        seed = derived_seed("run", self.seed, list(chosen.items()), repetition)
+        trial = replace(combination.trial, seed=seed)
+        drawn: dict[str, Value] = {}
+        for what, distribution in self.random.items():
+            draw = derived_seed("draw", self.seed, what.name, repetition)
+            value = drawn[what.name] = distribution.draw(draw, trial)
+            trial = self._put(trial, what, value)
+        return Row(number, {**chosen, **drawn, "repetition": repetition, "seed": seed}, trial)
+
+    @cached_property
+    def combinations(self) -> tuple[Combination, ...]:
+        """Each trial with each combination of the grid's values."""
+        return tuple(
+            Combination(self._with(trial, values), values)
+            for trial in self.trials
+            for values in itertools.product(*self.grid.values())
+        )
+
+    def _with(self, trial: Trial, values: tuple[Value, ...]) -> Trial:
+        for what, value in zip(self.grid, values, strict=True):
+            trial = self._put(trial, what, value)
+        return trial
+
+    def _put(self, trial: Trial, what: Variable, value: Value) -> Trial:
+        return what.put(trial, value, self.folder, (*self.grid, *self.random))
+
+
+MOST_ROWS = 1_000_000
+"""A study of more rows than this is refused: it is more likely a slip."""
+
+
+class _Draw(Strictly):
+    """Distribution of a variable, or only a word."""
+
+    uniform: tuple[Any, Any] | None = None
+    normal: tuple[Number, Positive] | None = None
+    within: Pair | None = None
+    choice: Annotated[list[Any], Field(min_length=1)] | None = None
+    word: str | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_a_word(cls, value: object) -> object:
+        if isinstance(value, str):
+            return {"word": value}
+        if isinstance(value, Mapping) and "word" in value:
+            raise UserError("unknown key 'word'")
+        return value
+
+
+class _StudyKeys(Strictly):
+    name: str | None = None
+    trials: Annotated[list[str], Field(min_length=1)]
+    grid: dict[str, list[Any]] = {}
+    random: dict[str, _Draw] = {}
+    repeat: Annotated[int, whole(1)] = 1
+    seed: Annotated[int, whole(0, LARGEST_SEED)] = 0
+    metrics: Flag = False
+    own_code: Flag = True
+
+
+@dataclass(frozen=True, repr=False)
+class Study(Design):
+    """Trials in variations, as a `Design` has them; it can be loaded."""
+
+    def __repr__(self) -> str:
+        trials = ", ".join(repr(trial.name) for trial in self.trials)
+        return f"<{type(self).__name__} {self.name!r}: {len(self)} rows of {trials}>"
+
+    @classmethod
+    def load(cls, path: str | Path, *, own_code: bool = True) -> Study:
+        """The study in the YAML file at `path`.
+
+        Without `own_code` its trials may name no Python of the user's own, as of `Trial.load`.
+        `StudyError` with everything that is wrong, each with its place.
+        """
+        path = Path(path)
+        return _build(cls, floorplan.read_yaml(path, StudyError), path.parent, own_code)
+
+    @classmethod
+    def parse(
+        cls,
+        text: str,
+        *,
+        file: str = "<text>",
+        folder: str | Path = ".",
+        own_code: bool = True,
+    ) -> Study:
+        """The study in `text`, as if it stood in `folder`; errors call it `file`.
+
+        `own_code` is as of `load`.
+        """
+        return _build(cls, floorplan.parse_yaml(text, file, StudyError), Path(folder), own_code)
+
+
+def _build(form: type[Study], document: Document, folder: Path, own_code: bool) -> Study:
+    keys = document.data if isinstance(document.data, dict) else {}
+    if "floorplan" in keys and "trials" not in keys:
+        message = "is a trial, not a study; a study names it among its `trials`"
+        raise StudyError(document.file, [Problem(message)])
+    schema = document.checked(_StudyKeys, StudyError)
+    reader = _Reader(document, folder, own_code and schema.own_code)
+    trials = reader.trials(schema.trials)
+    grid = reader.grid(schema.grid, trials)
+    drawn = reader.random(schema.random, trials, schema.grid)
+    name = schema.name or Path(document.file).name.split(".")[0]
+    if fault := name_fault(name):
+        reader.problems.append(document.problem(fault, "name"))
+    if reader.problems:
+        raise StudyError(document.file, reader.problems)
+    study = form(
+        name=name,
+        trials=trials,
+        grid=grid,
+        random=drawn,
+        repeat=schema.repeat,
+        seed=schema.seed,
+        metrics=schema.metrics,
+        folder=folder,
+    )
+    if study.size > MOST_ROWS:
+        message = f"the rows are more than the {MOST_ROWS:,} that a study may have"
+        message += " (trials × grid × repeat)"
+        raise StudyError(document.file, [Problem(message)])
+    return study
+
+
+class _Reader:
+    """Reads the parts of a study, and gathers what is wrong with them."""
+
+    def __init__(self, document: Document, folder: Path, own_code: bool) -> None:
+        self.problems: list[Problem] = []
+        self._document = document
+        self._folder = folder
+        self._own_code = own_code
+
+    def trials(self, sources: list[str]) -> tuple[Trial, ...]:
+        trials: list[Trial] = []
+        seen: set[str] = set()
+        for k, source in enumerate(sources):
+            if source in seen:
+                self._problem(f"{source!r} stands twice", "trials", k)
+                continue
+            seen.add(source)
+            try:
+                path = self._folder / source
+                found = path if path.suffix or floorplan.is_there(path) else source
+                trial = Trial.load(found, own_code=self._own_code)
+            except (UserError, OSError) as why:
+                self._problem(str(why), "trials", k)
+                continue
+            if trial.name in [other.name for other in trials]:
+                message = f"another trial is called {trial.name!r} already; give one another name"
+                self._problem(message, "trials", k)
+            trials.append(trial)
+        return tuple(trials)
+
+    def grid(
+        self, schema: dict[str, list[Any]], trials: tuple[Trial, ...]
+    ) -> dict[Variable, tuple[Value, ...]]:
+        grid: dict[Variable, tuple[Value, ...]] = {}
+        for name, given in schema.items():
+            values = tuple(_value(one) for one in given)
+            what = self._variable(name, "grid")
+            if not values:
+                self._problem("has no values", "grid", name)
+            if what is None:
+                continue
+            for k, value in enumerate(values):
+                if value in values[:k]:
+                    self._problem(f"{given[k]!r} stands twice", "grid", name, k)
+                self._try(what, value, trials, "grid", name, k)
+            grid[what] = values
+        return grid
+
+    def random(
+        self, schema: dict[str, _Draw], trials: tuple[Trial, ...], grid: dict[str, Any]
+    ) -> dict[Variable, Distribution]:
+        drawn: dict[Variable, Distribution] = {}
+        for name, entry in schema.items():
+            what = self._variable(name, "random")
+            if name in grid:
+                self._problem("stands in the grid as well", "random", name)
+            try:
+                distribution = _distribution(name, entry)
+            except UserError as why:
+                self._problem(str(why), "random", name)
+                continue
+            if what is None:
+                continue
+            for value in distribution.extremes:
+                self._try(what, value, trials, "random", name)
+            drawn[what] = distribution
+        return drawn
+
+    def _variable(self, name: str, section: str) -> Variable | None:
+        try:
+            return variable(name)
+        except UserError as why:
+            self._problem(str(why), section, name)
+            return None
+
+    def _try(
+        self, what: Variable, value: Value, trials: tuple[Trial, ...], *place: str | int
+    ) -> None:
+        """Say it if one of the trials can't have this value."""
+        for trial in trials:
+            try:
+                changed = what.put(trial, value, self._folder)
+                for fault, field in faults(changed):
+                    raise UserError(f"{field_name(field)}: {fault}")
+            except (UserError, OSError) as why:
+                where = f"the trial {trial.name!r} can't have it: " if len(trials) > 1 else ""
+                self._problem(f"{where}{why}", *place)
+                return
+
+    def _problem(self, message: str, *place: str | int) -> None:
+        problem = self._document.problem(message, *place)
+        if problem not in self.problems:
+            self.problems.append(problem)
+
+
+def _distribution(name: str, entry: _Draw) -> Distribution:
+    if entry.word == "shuffled" and name == "job_order":
+        return Shuffled()
+    if entry.word is not None:
+        usual = "shuffled" if name == "job_order" else "uniform, normal or choice with values"
+        raise UserError(f"expected {usual}, found {entry.word!r}")
+    given = [one for one in (entry.uniform, entry.normal, entry.choice) if one is not None]
+    if len(given) != 1 or (entry.within is not None and entry.normal is None):
+        raise UserError("give one of uniform, choice, or normal (with within, if you like)")
+    if entry.uniform is not None:
+        return _uniform(*entry.uniform)
+    if entry.choice is not None:
+        return Choice(tuple(_value(one) for one in entry.choice))
+    assert entry.normal is not None  # one of the three is given
+    mean, sd = entry.normal
+    low, high = entry.within or (mean - SIGMAS * sd, mean + SIGMAS * sd)
+    if not low <= mean <= high or low == high:
+        raise UserError(f"within has to be [low, high] around the mean {mean:g}")
+    return Normal(mean, sd, low, high)
+
+
+def _uniform(low: Any, high: Any) -> Uniform:
+    lows, highs = (end if isinstance(end, list) else [end] for end in (low, high))
+    alike = isinstance(low, list) == isinstance(high, list) and len(lows) == len(highs)
+    if not (
+        alike
+        and all(map(is_number, [*lows, *highs]))
+        and all(a <= b for a, b in zip(lows, highs, strict=True))
+    ):
+        raise UserError("uniform has to be [low, high]: two numbers, or two lists of numbers")
+    return Uniform(_value(low), _value(high))
+
+
+def _value(value: Any) -> Any:
+    """A value as variables take it; whether it makes sense, they say themselves."""
+    return tuple(value) if isinstance(value, list) else value

@@ -1,0 +1,265 @@
+"""Writing of trials: YAML text from which the same trial can be read."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, fields, is_dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import floorplan
+from floorplan import UserError
+from navigation import Motion, PlannerChoice
+
+from ..core.entries import Command, Duration, RecordedTrack, Start
+from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
+from ..core.stage import DoorTimes, Interval, MachineEntry, TimedObstacle
+from ..machines.gantry.controllers import CONTROLLERS
+from ..machines.kinds import KINDS, is_own
+from ..orders import Workload
+from ..people.programs import written_personality
+from ..safety.laws import own_laws
+from .rules_file import written_rules
+
+
+def own_names(trial: Scenario) -> Iterator[str]:
+    """Yield the names of all own code that stands in the trial's folder."""
+    controller = trial.gantry.controller
+    if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
+        yield trial.gantry.controller_name
+    planners = (trial.planner, *(person.planner for person in trial.people))
+    yield from dict.fromkeys(one.name for one in planners if one is not None and one.is_own)
+    if trial.steering is not None:
+        yield trial.steering
+    modules = (trial.actions, *(person.actions for person in trial.people))
+    yield from dict.fromkeys(name for name in modules if name is not None)
+    yield from (str(entry.kind) for entry in trial.machines.values() if is_own(entry))
+    for law in dict.fromkeys(own_laws(trial.rules)):
+        if law.folder == trial.folder.resolve():
+            yield law.name
+
+
+def out_of_reach(trial: Scenario, folder: Path) -> str:
+    """Return the fault of a file in `folder` that holds `trial`, or an empty text.
+
+    The code that a file names stands in its folder, or in one below or above it to which its
+    `folder` leads; so no file leads to code that is installed, or that has nothing to do with it.
+    """
+    here, there = folder.resolve(), trial.folder.resolve()
+    names = ", ".join(own_names(trial))
+    if not names or here.is_relative_to(there) or there.is_relative_to(here):
+        return ""
+    return f"its code, {names}, stands in {there}: so does a trial that names it, or below"
+
+
+Data = dict[str, Any]
+"""Keys and values as they stand in a file. What is left out has its usual value."""
+
+
+def to_yaml(trial: Scenario, folder: Path) -> str:
+    """See `Trial.to_yaml`."""
+    data = _trial(trial)
+    if fault := out_of_reach(trial, folder):
+        raise UserError(f"the trial {trial.name!r} can't be written into {folder}: {fault}")
+    if trial.folder.resolve() != folder.resolve():
+        data["folder"] = Path(os.path.relpath(trial.folder, folder)).as_posix()
+    return floorplan.yaml_text(data)
+
+
+def _trial(trial: Scenario) -> Data:
+    data: Data = {
+        "name": trial.name,
+        "floorplan": _floorplan(trial),
+        "duration": trial.duration,
+        "seed": trial.seed,
+        "rules": written_rules(trial.rules),
+        "planner": None if trial.planner == USUAL_PLANNER else _value(trial.planner, trial),
+        "people": _value(trial.people, trial),
+        "steering": trial.steering,
+        "actions": trial.actions,
+        "gantry": _value(replace(trial.gantry, controller=_controller(trial)), trial),
+        "agvs": {
+            name: _agv(trial.agvs.get(name, ()), name in trial.yielding)
+            for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs}))
+        },
+        "machines": {name: _machine(name, entry) for name, entry in trial.machines.items()},
+        "until_submitted": trial.until_submitted or None,
+        "work": {name: _value(held, trial) for name, held in trial.work.items()},
+        "doors": {name: _door(times) for name, times in trial.doors.items()},
+        "obstacles": {one.obstacle.name: _timed(one) for one in trial.obstacles},
+        "blackouts": _value(trial.blackouts, trial),
+        "commands": [_command(one, trial) for one in trial.commands],
+        "sources": trial.sources,
+        "expect": trial.expect,
+    }
+    data = _without(data, None, [], {})
+    return data if trial.workload is None else data | _orders(trial, trial.workload)
+
+
+def _orders(trial: Scenario, workload: Workload) -> Data:
+    """The orders, and what would otherwise be taken from their file as well."""
+    if not workload.source:
+        raise UserError(
+            f"the trial {trial.name!r} can't be written: its orders came from no file; give source"
+        )
+    return {
+        "duration": trial.duration,
+        "people": _value(trial.people, trial),
+        "ariac": workload.source,
+        "until_submitted": trial.until_submitted,
+    }
+
+
+def _floorplan(trial: Scenario) -> str | Data:
+    """The name or the file of the floor, or its keys if it came from no file."""
+    if trial.floorplan_source:
+        return trial.floorplan_source
+    plan = trial.floorplan
+    if plan.name in floorplan.builtin() and floorplan.load(plan.name) == plan:
+        return plan.name
+    floorplan.check(plan)
+    return floorplan.floor_keys(plan)
+
+
+def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
+    try:
+        return written_personality(one.personality, trial.folder)
+    except UserError as why:
+        raise UserError(
+            f"the trial {trial.name!r} can't be written: the program {one.personality_name!r} {why}"
+        ) from None
+
+
+def _value(value: Any, trial: Scenario) -> Any:
+    """Return a field's value as its key has it."""
+    match value:
+        case Job(kind="move"):
+            return {"move": value.target}
+        case Job(kind="wait"):
+            return {"wait": value.seconds}
+        case Job(kind="submit"):
+            return {"submit": value.order}
+        case Job():
+            return {"pick": value.pick, "place": value.place, "part": value.part}
+        case Duration(kind="fixed"):
+            return value.values[0]
+        case Duration():
+            one = len(value.values) == 1
+            return {value.kind: value.values[0] if one else [*value.values]}
+        case RecordedTrack():
+            return _fields(value, trial)
+        case Motion():
+            raise UserError(
+                f"the trial {trial.name!r} can't be written: a recorded motion came from no file"
+            )
+        case Start():
+            return _fields(value, trial) if value.time is None else {"time": value.time}
+        case PersonEntry() | PersonalityChange():
+            return _fields(replace(value, personality=_personality(value, trial)), trial)
+        case PlannerChoice():
+            return _planner(value, trial)
+        case tuple():
+            return [_value(one, trial) for one in value]
+        case _ if is_dataclass(value):
+            return _fields(value, trial)
+    return value
+
+
+def _fields(value: Any, trial: Scenario) -> Data:
+    """Return those fields of a value that say something else than if they were left out."""
+    given = {}
+    for field in fields(value):
+        written = _plain(_value(getattr(value, field.name), trial))
+        if written not in (None, _plain(_value(field.default, trial))):
+            given[field.name] = written
+    return given
+
+
+def _door(times: DoorTimes) -> Data:
+    key = "open" if times.closed is None else "closed"
+    return {key: [*map(_span, times.intervals)]}
+
+
+def _timed(one: TimedObstacle) -> Data:
+    return {**floorplan.obstacle_keys(one.obstacle), "there": [*map(_span, one.there)]}
+
+
+def _command(one: Command, trial: Scenario) -> Data:
+    if one.block is None:
+        return _fields(one, trial)
+    return {"time": one.time, "block": one.block.name, **floorplan.obstacle_keys(one.block)}
+
+
+def _span(span: Interval) -> list[float]:
+    begin, end = span
+    return [begin] if end == math.inf else [begin, end]
+
+
+def _agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:
+    written = [_without(asdict(move), None) for move in moves]
+    return {"yield": True, "moves": written} if yields else written
+
+
+def _machine(name: str, entry: MachineEntry) -> Data:
+    known = [kind for kind, model in KINDS.items() if entry.kind in (kind, model)]
+    if not (known or isinstance(entry.kind, str)):
+        raise UserError(f"the machine {name!r} can't be written: give its kind by name")
+    return {"kind": known[0] if known else entry.kind, **entry.keys}
+
+
+def _planner(choice: PlannerChoice, trial: Scenario) -> Any:
+    name = choice.name
+    if choice.kind is not None:
+        name = _found_again(choice.kind, choice.kind.__qualname__, "planner", trial)
+    return {"name": name, **dict(choice.parameters)} if choice.parameters else name
+
+
+def _controller(trial: Scenario) -> str:
+    """The name by which the trial's controller is found again; `ValueError` if there is none."""
+    controller = trial.gantry.controller
+    if isinstance(controller, str):
+        return controller
+    builtin = [name for name, known in CONTROLLERS.items() if known is controller]
+    if builtin:
+        return builtin[0]
+    return _found_again(controller, trial.gantry.controller_name, "gantry controller", trial)
+
+
+def _found_again(made: Any, name: str, kind: str, trial: Scenario) -> str:
+    """Return the name by which a function or class in the trial's folder is found again."""
+    folder = trial.folder.resolve()
+    module = sys.modules.get(getattr(made, "__module__", ""))
+    file = getattr(module, "__file__", None)
+    # A script would be run again, and not as what it is now, if it was imported by its name.
+    is_script = module is sys.modules["__main__"]
+    if file and not is_script and getattr(module, name, None) is made:
+        path = Path(file).resolve().with_suffix("")
+        path = path.parent if path.name == "__init__" else path
+        if path.is_relative_to(folder):
+            return f"{'.'.join(path.relative_to(folder).parts)}:{name}"
+    raise UserError(
+        f"the trial {trial.name!r} can't be written: its {kind} {name} is in no module"
+        f" in its folder, {folder}; put it into a file there, and give its name, as in"
+        " 'mine:shy' for the function shy in mine.py"
+    )
+
+
+def _without(data: Data, *usual: object) -> Data:
+    """`data`, plainly, without the keys whose values are among the `usual` ones."""
+    return {key: value for key, value in _plain(data).items() if value not in usual}
+
+
+def _plain(value: Any) -> Any:
+    """`value` in lists, keys and Python's own numbers: NumPy's and an `Instant` will do as well."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    return float(value) if isinstance(value, float) else value

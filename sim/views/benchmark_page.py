@@ -1,0 +1,445 @@
+"""Report of a planner benchmark: tables, charts, and pictures of paths."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from floorplan import Floorplan, Point
+from navigation.benchmark import (
+    PEERS,
+    SHORTFALL,
+    TOUCHES,
+    Attempt,
+    Curve,
+    Estimate,
+    PlannerRow,
+    cost_over_time,
+    groups,
+    success_over_time,
+    summary,
+)
+
+from .report_page import COLOURS, INK, draw_grid, name_rows, page_chart, write_report_page
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+__all__ = ["write_page"]
+
+
+WIDTH, ROW_HEIGHT, MARGIN = 5.6, 0.26, 0.75
+"""Inches: a chart's width, the height of one planner's row, and what is added for the axis."""
+
+CURVES = 3.4
+"""Inches. Height of the axes of curves."""
+
+DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
+"""Each colour comes once with each of these before looks are used again."""
+
+MOST_SHADES = 6
+"""Of more curves the intervals are left out: nobody could tell them apart."""
+
+_UNMEASURED = "no time could be measured"
+
+PERFECT = 0.01
+"""Per cent. Below, the axis of excess lengths is linear, so that the shortest path has a place."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """A planner's looks on the page, the same in all of its pictures."""
+
+    colour: str
+    dashes: str | tuple[float, tuple[float, ...]]
+
+    @property
+    def svg_dashes(self) -> str:
+        """The dashes as SVG has them; empty for a solid line."""
+        if isinstance(self.dashes, str):
+            return ""
+        return " ".join(f"{2 * length:g}" for length in self.dashes[1])
+
+
+def looks(names: Sequence[str]) -> dict[str, Look]:
+    """Return the looks of each planner."""
+    count = len(COLOURS)
+    return {
+        name: Look(COLOURS[k % count], DASHES[k // count % len(DASHES)])
+        for k, name in enumerate(names)
+    }
+
+
+@dataclass(frozen=True)
+class BenchmarkChart:
+    """A picture with its words; `svg` is None where matplotlib is missing."""
+
+    title: str
+    words: str
+    svg: str | None
+
+
+def charts(
+    floor: str, groups: Sequence[Sequence[Attempt]], styles: dict[str, Look]
+) -> list[BenchmarkChart]:
+    """Return the charts of all planners on one floor, their attempts in `groups`."""
+    height = MARGIN + ROW_HEIGHT * len(groups)
+    legend = 0.19 * math.ceil(len(groups) / 2) + 0.15
+
+    known = not any(math.isnan(one.asked.shortest) for group in groups for one in group)
+
+    def boxes(of: Callable[[Attempt], float], label: str, scale: str) -> Callable[[Figure], None]:
+        return lambda figure: _boxes(figure, groups, styles, of, label, scale)
+
+    def curves(of: Callable[[Sequence[Attempt]], Curve], label: str) -> Callable[[Figure], None]:
+        return lambda figure: _curves(figure, groups, styles, of, label)
+
+    def if_known(draw: Callable[[Figure], None]) -> Callable[[Figure], None]:
+        unknown = "shortest lengths are not known"
+        return draw if known else lambda figure: _say_instead(figure.subplots(), unknown)
+
+    drawn = (
+        (
+            "CPU time",
+            "Of one answer, simplification included.",
+            (WIDTH, height),
+            boxes(lambda a: 1000 * a.cpu_seconds, "CPU time (ms)", "log"),
+        ),
+        (
+            "Length",
+            "How much longer than the shortest path, of what was found.",
+            (WIDTH, height),
+            if_known(boxes(lambda a: 100 * (a.ratio - 1), "excess length (%)", "symlog")),
+        ),
+        (
+            "Success over time",
+            "Questions with a path that nothing is wrong with, after so much time on each.",
+            (WIDTH, CURVES + legend),
+            curves(success_over_time, "share of questions"),
+        ),
+        (
+            "Cost over time",
+            "Median of the best length so far over the shortest; it begins when half of the"
+            " questions have a path.",
+            (WIDTH, CURVES + legend),
+            if_known(curves(cost_over_time, "length ÷ shortest")),
+        ),
+    )
+    return [
+        BenchmarkChart(title, words, page_chart(f"{floor}: {title}", size, draw))
+        for title, words, size, draw in drawn
+    ]
+
+
+def _boxes(
+    figure: Figure,
+    groups: Sequence[Sequence[Attempt]],
+    styles: dict[str, Look],
+    of: Callable[[Attempt], float],
+    label: str,
+    scale: str,
+) -> None:
+    """Draw the middle half of each planner's values as a box, nine tenths of them as a line."""
+    axes = figure.subplots()
+    everything = np.array([of(attempt) for group in groups for attempt in group])
+    if not np.isfinite(everything).any():
+        return _say_instead(axes, "no path was found")
+    if scale == "log" and not (everything > 0).any():
+        return _say_instead(axes, _UNMEASURED)
+    names = [group[0].asked.planner for group in groups]
+    for place, group in enumerate(groups):
+        values = np.array([of(attempt) for attempt in group])
+        values = values[np.isfinite(values)]
+        if scale == "symlog":  # the reference may be a hair too long
+            values = np.maximum(values, 0.0)
+        if not len(values):
+            continue
+        colour = styles[names[place]].colour
+        ends = np.quantile(values, [0.05, 0.25, 0.5, 0.75, 0.95])
+        axes.plot(ends[[0, 4]], [place, place], color=colour, linewidth=1.2)
+        width = ends[3] - ends[1]
+        axes.barh(place, width, left=ends[1], height=0.6, color=colour, alpha=0.45, linewidth=0)
+        axes.plot(ends[[2, 2]], [place - 0.3, place + 0.3], color=INK, linewidth=1.8)
+        beyond = values[(values < ends[0]) | (values > ends[4])]
+        axes.plot(beyond, [place] * len(beyond), ".", color=colour, markersize=2.5)
+    if scale == "symlog":
+        axes.set_xscale("symlog", linthresh=PERFECT, linscale=0.5)
+        axes.set_xlim(left=-PERFECT / 5)
+        axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    else:
+        axes.set_xscale("log")
+    axes.set_xlabel(label)
+    name_rows(axes, names)
+    return None
+
+
+def _curves(
+    figure: Figure,
+    groups: Sequence[Sequence[Attempt]],
+    styles: dict[str, Look],
+    of: Callable[[Sequence[Attempt]], Curve],
+    label: str,
+) -> None:
+    """Draw a step for each change, with its interval around it, and the names below."""
+    axes = figure.subplots()
+    found = [(group[0].asked.planner, of(group)) for group in groups]
+    changes = [curve.seconds for _, curve in found if len(curve.seconds)]
+    if not changes:
+        return _say_instead(axes, "no path was found")
+    if not any(np.isfinite(curve.value).any() for _, curve in found):
+        return _say_instead(axes, "fewer than half of the questions have a path")
+    last = max(seconds[-1] for seconds in changes)
+    if not last > 0:  # a logarithmic axis has no place for it
+        return _say_instead(axes, _UNMEASURED)
+    tops = []
+    for name, curve in found:
+        look = styles[name]
+        seconds = np.append(curve.seconds, last) * 1000
+        value, low, high = (
+            np.append(figures, figures[-1:] if len(figures) else [math.nan])
+            for figures in (curve.value, curve.low, curve.high)
+        )
+        value = np.where(np.isfinite(value), value, math.nan)
+        tops += value[np.isfinite(value)].tolist()
+        axes.step(
+            seconds,
+            value,
+            where="post",
+            label=name,
+            color=look.colour,
+            linestyle=look.dashes,
+            linewidth=1.5,
+        )
+        if len(found) > MOST_SHADES:
+            continue
+        known = np.isfinite(value) & np.isfinite(low)
+        top = np.where(np.isfinite(high), high, 1e9)
+        axes.fill_between(
+            seconds, low, top, where=known, step="post", color=look.colour, alpha=0.13, linewidth=0
+        )
+    axes.set_xscale("log")
+    axes.set_xlabel("CPU time (ms)")
+    axes.set_ylabel(label)
+    if of is success_over_time:
+        axes.set_ylim(-0.03, 1.03)
+        axes.yaxis.set_major_formatter(lambda value, _: f"{value:.0%}")
+    elif tops:
+        room = 0.06 * max(max(tops) - 1, 0.01)
+        axes.set_ylim(min(1, *tops) - room, max(tops) + room)
+    axes.spines[["right", "top"]].set_visible(False)
+    draw_grid(axes, "both")
+    figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=9)
+    return None
+
+
+def _say_instead(axes: Axes, words: str) -> None:
+    """Write into a chart why it shows nothing."""
+    axes.set_axis_off()
+    axes.text(0.5, 0.5, words, ha="center", va="center", color=INK)
+
+
+@dataclass(frozen=True)
+class PathLine:
+    """A planner's path, as an attribute of SVG."""
+
+    planner: str
+    points: str
+    look: Look
+    words: str
+
+
+@dataclass(frozen=True)
+class PathPicture:
+    """A floor with the paths of one question; y points down, as in SVG."""
+
+    query: int
+    view: str
+    walls: str
+    blocks: str
+    agvs: str
+    start: Point
+    goal: Point
+    lines: tuple[PathLine, ...]
+    unit: float
+    """Metres. A length that looks the same on every floor."""
+
+
+def picture(plan: Floorplan, attempts: Sequence[Attempt], styles: dict[str, Look]) -> PathPicture:
+    """Return the first answers of `attempts`, all to one question, on `plan`."""
+    asked = attempts[0].asked
+    west, south, east, north = plan.boundary.bounds
+    extent = max(east - west, north - south)
+    margin = 0.02 * extent
+    standing = [o.footprint for o in plan.obstacles if o.overlaps(0.0, plan.human.height)]
+    lanes = [plan.lane(name).footprint(at) for name, at in asked.agvs]
+    return PathPicture(
+        query=asked.query,
+        view=_numbers(
+            west - margin, -north - margin, east - west + 2 * margin, north - south + 2 * margin
+        ),
+        walls=_outlines([plan.boundary]),
+        blocks=_outlines(standing),
+        agvs=_outlines(lanes),
+        start=(asked.start[0], -asked.start[1]),
+        goal=(asked.goal[0], -asked.goal[1]),
+        lines=tuple(_lines(attempts, styles)),
+        unit=extent / 100,
+    )
+
+
+def telling(attempts: Sequence[Attempt]) -> int:
+    """Return the question whose paths differ most in length; of those alike the longest."""
+    found: dict[int, list[float]] = {}
+    for attempt in attempts:
+        if attempt.solved and attempt.asked.run == 0:
+            found.setdefault(attempt.asked.query, []).append(attempt.length)
+
+    def spread(query: int) -> tuple[float, float]:
+        lengths = found[query]
+        return (round(max(lengths) - min(lengths), 2), max(lengths))
+
+    return max(found, key=spread, default=attempts[0].asked.query)
+
+
+def _lines(attempts: Sequence[Attempt], styles: dict[str, Look]) -> Iterator[PathLine]:
+    for attempt in attempts:
+        name = attempt.asked.planner
+        if attempt.points is None:
+            yield PathLine(name, "", styles[name], attempt.reason.replace("_", " ") or "no path")
+            continue
+        words = f"{attempt.length:.2f} m"
+        if math.isfinite(attempt.ratio):
+            longer = round(100 * (attempt.ratio - 1), 2) + 0.0  # and no -0.00
+            words += f", {longer:+.2f} %"
+        if attempt.wrong:
+            words += f", {attempt.wrong}"
+        corners = " ".join(_numbers(x, -y, between=",") for x, y in attempt.points.tolist())
+        yield PathLine(name, corners, styles[name], words)
+
+
+def _outlines(areas: Sequence[shapely.Polygon]) -> str:
+    """Return the rings of all areas as the data of one path."""
+    rings = [ring for area in areas for ring in (area.exterior, *area.interiors)]
+    return "".join(f"M{_corners(ring)}Z" for ring in rings)
+
+
+def _corners(ring: shapely.LinearRing) -> str:
+    points = shapely.get_coordinates(ring)[:-1] * np.array([1.0, -1.0])
+    return "L".join(_numbers(x, y) for x, y in points.tolist())
+
+
+def _numbers(*values: float, between: str = " ") -> str:
+    return between.join(f"{value:.3f}".rstrip("0").rstrip(".") for value in values)
+
+
+@dataclass(frozen=True)
+class BenchmarkFloor:
+    """What the page shows of one floor."""
+
+    plan: Floorplan
+    rows: tuple[PlannerRow, ...]
+    charts: tuple[BenchmarkChart, ...]
+    picture: PathPicture
+
+    @property
+    def listed(self) -> bool:
+        """True if a scenario listed lengths to compare with."""
+        return any(not math.isnan(row.listed_ratio.value) for row in self.rows)
+
+
+def write_page(
+    attempts: Sequence[Attempt],
+    plans: Sequence[Floorplan],
+    path: Path,
+    *,
+    terms: Mapping[str, str],
+    on_the_clock: bool,
+) -> None:
+    """Write the page about `attempts` on `plans` to `path`.
+
+    `terms` says how they were made, by name; they depend on the machine if `on_the_clock`.
+    """
+    styles = looks(list(dict.fromkeys(attempt.asked.planner for attempt in attempts)))
+    floors = []
+    for plan in plans:
+        there = [group for group in groups(attempts) if group[0].asked.floorplan == plan.name]
+        everything = [attempt for group in there for attempt in group]
+        query = telling(everything)
+        drawn = [a for a in everything if a.asked.query == query and a.asked.run == 0]
+        floors.append(
+            BenchmarkFloor(
+                plan,
+                tuple(summary(everything)),
+                tuple(charts(plan.name, there, styles)),
+                picture(plan, drawn, styles),
+            )
+        )
+    write_report_page(
+        path,
+        "benchmark.html",
+        {"figure": figure, "ms": milliseconds, "interval": interval},
+        floors=floors,
+        answers=len(attempts),
+        terms={**terms, **_machine(styles)},
+        on_the_clock=on_the_clock,
+        shortfall=100 * SHORTFALL,
+        touches=1000 * TOUCHES,
+        day=date.today().isoformat(),
+    )
+
+
+def figure(value: float, digits: int = 2) -> str:
+    """Return a number as people read it, or a dash for none."""
+    return f"{value:,.{digits}f}" if math.isfinite(value) else "–"
+
+
+def milliseconds(value: float) -> str:
+    """Return a time with two or three digits that count."""
+    digits = 0 if value >= 100 else 1 if value >= 10 else 2 if value >= 0.1 else 3
+    return figure(value, digits if value else 0)
+
+
+def interval(estimate: Estimate, digits: int = 2) -> str:
+    """Return the interval of a figure, empty where it has none or no width."""
+    if not (math.isfinite(estimate.low) and math.isfinite(estimate.high)):
+        return ""
+    low, high = figure(estimate.low, digits), figure(estimate.high, digits)
+    return f"{low} … {high}" if low != high else ""
+
+
+def _machine(planners: Collection[str]) -> dict[str, str]:
+    """Return what the times of these planners depend on, by name."""
+    peers = [peer for peer in PEERS if peer.name in planners]
+    return {
+        "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}",
+        "software": ", ".join(
+            [
+                f"Floorwalker {version('floorwalker')}",
+                f"OMPL {version('ompl')}",
+                f"Python {platform.python_version()}",
+                *(f"{peer.name} {version(peer.name)}" for peer in peers if peer.module != "ompl"),
+            ]
+        ),
+    }
+
+
+def _processor() -> str:
+    """Return the name of the processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return next(iter(names), "") or platform.processor() or platform.machine()

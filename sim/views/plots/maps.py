@@ -1,0 +1,290 @@
+"""Maps of a floor in cells: occupancy, density, speed and risk."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from textwrap import wrap
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.colors import LogNorm, Normalize, PowerNorm, TwoSlopeNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from floorplan import Floorplan, UserError
+from navigation import Motion
+
+from ...core.body import MachineShape
+from ...record.incidents import CELL, Risk, risk, risk_of_all
+from ...record.outcome import Outcome
+from ...record.sampling import cells_of, moments, spread
+from ..report_page import GREY
+from .floor import draw_floor, floor_figure, settle
+from .style import Array, Span, Width, span_of, styled
+
+_TICKS = MaxNLocator(4)
+
+_LETTER = 0.065
+"""Inches. The width of a letter beside the bar of colours, on average."""
+
+
+def on_one_floor(runs: Outcome | Sequence[Outcome], what: str) -> list[Outcome]:
+    """Return `runs` as a list; `ValueError` if there is none, or they are on different floors.
+
+    `what` says in the error what they were to make.
+    """
+    several = [runs] if isinstance(runs, Outcome) else list(runs)
+    if not several:
+        raise UserError(f"a {what} needs at least one run")
+    if any(run.floorplan != several[0].floorplan for run in several):
+        raise UserError(f"the runs are not on the same floor, so that they make no common {what}")
+    return several
+
+
+def draw_cells(
+    plan: Floorplan,
+    machines: Iterable[MachineShape],
+    shown: Any,
+    cell: float,
+    *,
+    label: str,
+    norm: Normalize,
+    colours: str,
+    width: Width,
+    beside: float = 0.6,
+) -> Figure:
+    """Draw what is `shown` of a floor: a masked array (rows, columns) of cells `cell` metres wide.
+
+    The first is in the south-west corner of the floor's bounds. The bar of colours takes `beside`
+    inches, with its `label`.
+    """
+    figure, axes = floor_figure(plan, width, beside=beside)
+    draw_floor(axes, plan, machines)
+    west, south, *_ = plan.boundary.bounds
+    rows, columns = shown.shape
+    image = axes.imshow(
+        shown,
+        origin="lower",
+        extent=(west, west + columns * cell, south, south + rows * cell),
+        norm=norm,
+        cmap=colours,
+        interpolation="nearest",
+        zorder=1.2,
+    )
+    lines = wrap(label, int(figure.get_figheight() / _LETTER))
+    bar = figure.colorbar(image, ax=axes, label="\n".join(lines), fraction=0.04, pad=0.02)
+    if isinstance(norm, TwoSlopeNorm):  # its halves, below and above 0, have scales of their own
+        ends = ((norm.vmin or 0.0, 0.0), (0.0, norm.vmax or 0.0))
+        marks = {t for low, high in ends for t in _TICKS.tick_values(low, high) if low <= t <= high}
+        bar.set_ticks(sorted(marks))
+    bar.ax.yaxis.set_major_formatter("{x:g}")
+    return settle(figure)
+
+
+HEAT_CELL = 0.05
+"""Metres. The side of a cell."""
+
+
+@styled()
+def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> Figure:
+    """Draw the time for which each spot was under a person's body, in all `runs` together.
+
+    People count from their start. The colours are logarithmic, so that places of waiting do not
+    hide paths. `ValueError` if the runs are on different floors.
+    """
+    several = on_one_floor(runs, "heat map")
+    plan = several[0].floorplan
+    seconds = sum((time_covered(run) for run in several), np.zeros(cells_of(plan, HEAT_CELL)))
+    most = max(float(seconds.max()), 1.0)
+    return draw_cells(
+        plan,
+        several[0].scene.machines,
+        np.ma.masked_less_equal(seconds, 0.0),
+        HEAT_CELL,
+        label="time occupied (s)",
+        norm=LogNorm(most / 1000, most),
+        colours="viridis",
+        width=width,
+    )
+
+
+def time_covered(run: Outcome) -> Array:
+    """Return the time for which the middle of each cell was occupied: seconds, (rows, columns).
+
+    The first cell is in the south-west corner of the floor's bounds.
+    """
+    started = {e["person"]: e["t"] for e in run.events if e["kind"] == "human_started"}
+    seconds = np.zeros(cells_of(run.floorplan, HEAT_CELL))
+    for person in run.scene.people:
+        if person.name in started:
+            motion = run.motions[person.name]
+            at_centre = _time_in_cells(motion, started[person.name], run.duration, run.floorplan)
+            seconds += spread(at_centre, HEAT_CELL, person.radius, np.add, 0.0)
+    return seconds
+
+
+def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) -> Array:
+    """Return the time for which the body's centre was in each cell."""
+    west, south, *_ = plan.boundary.bounds
+    rows, columns = cells_of(plan, HEAT_CELL)
+    times, lengths = moments(motion, begin, end)
+    x, y = motion.position(times).reshape(-1, 2).T
+    edges = ((south, south + rows * HEAT_CELL), (west, west + columns * HEAT_CELL))
+    found = np.histogram2d(y, x, (rows, columns), edges, weights=lengths)
+    return np.asarray(found[0])
+
+
+DENSITY_CELL = 0.1
+"""Metres. The side of a cell."""
+
+KERNEL = 1.0
+"""Metres. Full width at half maximum of the Gaussian over which a person is spread."""
+
+STEP = 0.1
+"""Seconds between two looks at where people are."""
+
+MOST_LOOKS = 20_000
+"""Number of looks; of a long run they are further apart."""
+
+AT_ONCE = 1000
+"""Number of looks that are worked out together."""
+
+FAINT = 0.01
+"""Share of the highest density below which nothing is shown."""
+
+Of = Literal["density", "speed"]
+
+
+@styled()
+def density_map(
+    runs: Outcome | Sequence[Outcome],
+    *,
+    of: Of = "density",
+    within: Span | None = None,
+    width: Width = "double",
+) -> Figure:
+    """Draw the mean density (1/m²) of people in all `runs`, or `of` their speed (m/s) the mean.
+
+    `within` (from, to in seconds) is the part of each run that counts. The colours of densities
+    are spread, so that paths show beside places of waiting. `ValueError` if the runs are on
+    different floors, or it is `of` something else.
+    """
+    if of not in ("density", "speed"):
+        raise UserError(f"a density map is of density or speed, not {of!r}")
+    several = on_one_floor(runs, "density map")
+    plan = several[0].floorplan
+    profiles = [profiles_of(run, within) for run in several]
+    density = np.mean([found for found, _ in profiles], axis=0)
+    flow = np.mean([found * speed for found, speed in profiles], axis=0)
+    most = float(density.max())
+    values = density if of == "density" else flow / np.where(density > 0, density, 1.0)
+    is_density = of == "density"
+    return draw_cells(
+        plan,
+        several[0].scene.machines,
+        np.ma.masked_where(density <= FAINT * most, values),
+        DENSITY_CELL,
+        label="mean density (1/m²)" if is_density else "mean speed (m/s)",
+        norm=PowerNorm(0.5 if is_density else 1.0, 0.0, float(values.max()) or 1.0),
+        colours="viridis",
+        width=width,
+    )
+
+
+def profiles_of(run: Outcome, within: Span | None = None) -> tuple[Array, Array]:
+    """Return mean density (1/m²) and mean speed (m/s) at the middles of cells: (rows, columns).
+
+    The first cell is in the south-west corner of the floor's bounds. Speed is weighted by density,
+    and 0 where nobody came near.
+    """
+    west, south, *_ = run.floorplan.boundary.bounds
+    rows, columns = cells_of(run.floorplan, DENSITY_CELL)
+    middles_x, middles_y = (
+        low + DENSITY_CELL * (np.arange(count) + 0.5)
+        for low, count in ((west, columns), (south, rows))
+    )
+    begin, end = span_of(run, within)
+    count = min(max(1, round((end - begin) / STEP)), MOST_LOOKS)
+    times = begin + (np.arange(count) + 0.5) * (end - begin) / count
+    density, flow = np.zeros((2, middles_y.size, middles_x.size))
+    for person in run.scene.people:
+        here = times[run.is_present(person.name, times)]
+        for some in np.array_split(here, math.ceil(here.size / AT_ONCE) or 1):
+            x, y = run.motions[person.name].position(some).T
+            speed = np.hypot(*run.motions[person.name].velocity(some).T)
+            across, along = _gaussian(middles_y, y) / count, _gaussian(middles_x, x)
+            density += across @ along.T
+            flow += (across * speed) @ along.T
+    return density, flow / np.where(density > 0, density, 1.0)
+
+
+def _gaussian(middles: Array, places: Array) -> Array:
+    """Return how dense people at `places` along an axis are in the `middles` of cells, per m."""
+    sigma = KERNEL / (2.0 * math.sqrt(2.0 * math.log(2.0)))
+    apart = np.subtract.outer(middles, places) / sigma
+    return np.asarray(np.exp(-(apart**2) / 2.0) / (math.sqrt(2.0 * math.pi) * sigma))
+
+
+_BAR = 0.7
+"""Inches. The width of the bar of colours."""
+
+_NEVER = "Nobody was nearer than required for any time: violations, if any, ended at once."
+
+
+def risk_map(
+    runs: Outcome | Sequence[Outcome], *, of: Risk = "margin", width: Width = "double"
+) -> Figure:
+    """Draw the risk at each spot that was under a person's body, in all `runs` together.
+
+    `of` is "margin": the least that their distance to any machine was more than the rules required
+    (negative where it was less); "time": for how long it was less; or "severity": the highest
+    speed of the two relative to each other meanwhile. `ValueError` if the runs are on different
+    floors, in none of them are people and machines, or `of` is none of these.
+    """
+    several = on_one_floor(runs, "risk map")
+    if not any(run.scene.people and run.scene.machines for run in several):
+        raise UserError("a risk map needs a person and a machine; there is no such pair")
+    plan = several[0].floorplan
+    found = risk_of_all([risk(run, of) for run in several], of)
+    return drawn_risk(plan, several[0].scene.machines, found, of=of, width=width)
+
+
+@styled()
+def drawn_risk(
+    plan: Floorplan,
+    machines: Iterable[MachineShape],
+    found: Array,
+    *,
+    of: Risk = "margin",
+    width: Width = "double",
+) -> Figure:
+    """Draw the risk that was `found` in each cell (rows, columns) of a floor."""
+    norm: Normalize
+    if of == "margin":
+        shown, label = np.ma.masked_invalid(found), "least margin to the required distance (m)"
+        worst = min(float(shown.min()) if shown.count() else 0.0, -0.1)
+        best = max(float(shown.max()) if shown.count() else 0.0, 0.1)
+        norm, colours = TwoSlopeNorm(0.0, worst, best), "RdYlBu"
+    else:
+        shown = np.ma.masked_less_equal(found, 0.0)
+        most = max(float(found.max()), 0.1)
+        if of == "time":
+            label, norm = "time nearer than required (s)", LogNorm(most / 1000, most)
+        else:
+            label, norm = "relative speed while nearer than required (m/s)", Normalize(0.0, most)
+        colours = "inferno_r"
+    figure = draw_cells(
+        plan,
+        machines,
+        shown,
+        CELL,
+        label=label,
+        norm=norm,
+        colours=colours,
+        width=width,
+        beside=_BAR,
+    )
+    if of != "margin" and not shown.count():
+        figure.supxlabel(_NEVER, fontsize=7, color=GREY)
+    return figure
