@@ -225,7 +225,7 @@ def test_asked_together_or_one_by_one(bodies, begin, largest):
     asked.append((0, range(1, len(bodies))))
     whole = [courses.company([one], [1.0, 3.0])[0] for one in asked]
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(navigation.courses, "_LARGEST", largest)
+        patched.setattr(navigation.measures, "_LARGEST", largest)
         for one, other in zip(courses.company(asked, [1.0, 3.0]), whole, strict=True):
             assert (one.time, *one.within) == pytest.approx((other.time, *other.within))
             assert one.mean == pytest.approx(other.mean, abs=1e-9)

@@ -30,7 +30,7 @@ def test_everything_that_a_file_says():
     assert (trial.floorplan, trial.rules) == (floorplan.load("ariac2023"), sim.ARIAC2023)
     assert (trial.gantry.controller, trial.notices) == ("pausing", ())
     work = trial.workload
-    regulator = ariac.Part("orange", "regulator")
+    regulator = ariac.PartType("orange", "regulator")
     assert work.bins["bin3"] == {9: ariac.Item(regulator, flipped=True)}
     assert work.trays == {3: 2, 6: 5}
     assert work.malfunctions == (ariac.Malfunction(sim.Start(None, order_submitted="KIT-A"), 10.0),)
@@ -39,11 +39,11 @@ def test_everything_that_a_file_says():
         "agv4",
         2,
         "warehouse",
-        {1: ariac.Part("red", "battery"), 4: ariac.Part("blue", "sensor")},
+        {1: ariac.PartType("red", "battery"), 4: ariac.PartType("blue", "sensor")},
     )
     assert (assembly.id, assembly.kind, assembly.priority) == ("ASSEMBLY", "assembly", True)
     assert assembly.announcement == sim.Start(None, order_submitted="KIT-B")
-    assert assembly.task.products == (ariac.Part("green", "pump"), regulator)
+    assert assembly.task.products == (ariac.PartType("green", "pump"), regulator)
     (operator,) = trial.people
     assert operator.start.part_placed == {"part": "red battery", "agv": "agv4"}
 
@@ -151,7 +151,7 @@ def test_anchors_are_read():
         "- {type: battery, color: red, quadrant: 1}",
         "- &pump {type: pump, color: green, quadrant: 1}",
     )
-    assert sim.Trial.parse(text).workload.orders[1].task.products[2] == ariac.Part("green", "pump")
+    assert sim.Trial.parse(text).workload.orders[1].task.products[2] == ariac.PartType("green", "pump")
 
 
 def test_orders_on_a_floor_that_is_not_made_for_them(tmp_path):

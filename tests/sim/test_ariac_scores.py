@@ -19,7 +19,7 @@ QUADRANT = {
 ASSEMBLY = {(True, True): 3, (True, False): 2, (False, True): 2, (False, False): 1}
 COMBINED = {(True, True): 5, (True, False): 4, (False, True): 4, (False, False): 3}
 
-parts = st.builds(ariac.Part, st.sampled_from(COLORS), st.sampled_from(TYPES))
+parts = st.builds(ariac.PartType, st.sampled_from(COLORS), st.sampled_from(TYPES))
 quadrants = st.integers(1, 4)
 kits = st.dictionaries(quadrants, parts, min_size=1)
 items = st.dictionaries(quadrants, st.builds(ariac.Item, parts, st.booleans()))

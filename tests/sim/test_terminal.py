@@ -70,4 +70,4 @@ def test_commands_print_in_one_place():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Call) and ast.unparse(node.func) in ("print", "typer.echo")
     }
-    assert printing == {"commands/consoles.py"}
+    assert printing == {"commands/terminal.py"}
