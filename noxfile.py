@@ -46,7 +46,7 @@ def lowest(session: nox.Session) -> None:
         session.install("--resolution", "lowest-direct", "-r", "pyproject.toml", "--extra", "test")
         session.install("--no-deps", str(wheel))
         # What old versions of others warn of is not ours.
-        options = ("-W", "default", "--deselect", "tests/sim/test_clean_output.py")
+        options = ("-W", "default", "--deselect", "tests/test_sim/test_clean_output.py")
         session.run("python", "-m", "pytest", *options, *session.posargs)
 
 

@@ -8,17 +8,15 @@ agent.advance(12.5)
 ```
 """
 
-from .actions import InternalAction, InternalActions
+from .actions import InternalActions
 from .agent import Agent
 from .errors import EndlessProgramError, ProgramError, ProgramProblem
-from .language.loading import load, parse, parse_file, parse_literal, parse_term, programs
+from .language.loading import load, parse, parse_file, parse_literal, programs
 from .language.program import Belief, Goal, Plan, Program, Rule
-from .language.terms import Literal, Term, Var, text
+from .language.terms import Literal, Term, Var
 from .lint import doubts
-from .reasoning.beliefs import LiveBeliefs
-from .reasoning.circumstance import PENDING, Pending, Refused
+from .reasoning.circumstance import PENDING, Refused
 from .reasoning.execution import Call
-from .reasoning.intentions import Intention
 from .reasoning.state import Entry, History
 from .society import Message, Society
 
@@ -31,13 +29,9 @@ __all__ = [
     "Entry",
     "Goal",
     "History",
-    "Intention",
-    "InternalAction",
     "InternalActions",
     "Literal",
-    "LiveBeliefs",
     "Message",
-    "Pending",
     "Plan",
     "Program",
     "ProgramError",
@@ -52,7 +46,5 @@ __all__ = [
     "parse",
     "parse_file",
     "parse_literal",
-    "parse_term",
     "programs",
-    "text",
 ]

@@ -15,12 +15,12 @@ from .language.terms import (
     Conjunction,
     Cons,
     Disjunction,
+    Function as Function_,
     Literal,
     Negation,
     Relation,
     Term,
 )
-from .language.terms import Function as Function_
 
 #: Takes a `Call` and the arguments; returns True, False, None, a unifier, or an iterator of them.
 Function: TypeAlias = "Callable[..., Any]"

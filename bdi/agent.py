@@ -24,9 +24,15 @@ from .reasoning.execution import OPERATIONS, call_in_query
 from .reasoning.failure import fail
 from .reasoning.intentions import Event, Intention
 from .reasoning.plans import SLEEPING
-from .reasoning.state import KINDS, SECOND, AgentState, Entry, nanoseconds
-from .reasoning.state import add_program as load_program
-from .reasoning.state import start as start_program
+from .reasoning.state import (
+    KINDS,
+    SECOND,
+    AgentState,
+    Entry,
+    add_program as load_program,
+    nanoseconds,
+    start as start_program,
+)
 from .society import Message, Society
 
 

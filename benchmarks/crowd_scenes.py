@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 import bdi
 import floorplan
 import sim
+from sim.core.scenario import Source
 
 RADIUS, FREE_SPEED, SPREAD = 0.2, 1.34, 0.26
 """Metres, and m/s with their standard deviation: U. Weidmann, "Transporttechnik der Fussgänger",
@@ -104,7 +105,7 @@ def _entry(k: int, one: Walker) -> sim.PersonEntry:
         return replace(still, manners=replace(still.manners, steps_aside=False))
     heads = ["+human_start", *(f"+work_completed({n})" for n in range(len(one.goals) - 1))]
     legs = [f"{head} <- move({x}, {y}, 0)." for head, (x, y) in zip(heads, one.goals, strict=True)]
-    source = sim.Source(one.at, rate=1e3, start=one.enters) if one.enters else None
+    source = Source(one.at, rate=1e3, start=one.enters) if one.enters else None
     return sim.PersonEntry(
         f"p{k}",
         bdi.parse("\n".join(legs)),

@@ -25,6 +25,7 @@ from random_crowds import errands
 import floorplan
 import navigation
 import sim
+from navigation.separation import AnyLaw
 from sim.views.plots.style import new_figure, save, styled
 from sim.views.report_page import BLUE, VERMILION
 
@@ -160,7 +161,7 @@ def obstacles() -> dict[str, Curve]:
 def pieces() -> dict[str, Curve]:
     """All violations of a person and a gantry that change their mind every 2.75 s."""
 
-    def watched(law: navigation.AnyLaw) -> Curve:
+    def watched(law: AnyLaw) -> Curve:
         return [
             (
                 sum(len(motion.pieces) for motion in motions),

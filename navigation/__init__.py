@@ -1,54 +1,20 @@
 """How bodies move: collision, paths, motions in continuous time, and separation."""
 
 from .bodies import Disc
-from .catalog import Path, PlannerChoice, PlannerError, PlannerInfo, PlanningError, Watch, planners
-from .encounter import (
-    Box,
-    Cylinder,
-    Enclosure,
-    Encounter,
-    Odometer,
-    Shapes,
-    agv_box,
-    folded_arm,
-    torso_box,
-)
-from .freespace import Narrows
-from .kernels.braking import Stops
-from .kernels.candidates import Candidates
-from .kernels.discs import first_met, within_bounds
-from .kernels.edges import Legs, legs_of, touches
-from .kernels.following import followed
-from .kernels.foresight import TrajectoryChoice
-from .kernels.grid import middles
-from .kernels.lookout import most_remote, nearest_on
-from .kernels.movers import Movers
-from .kernels.numbers import numbers
-from .kernels.pieces import walked_and_stood
-from .kernels.retreats import Retreats
-from .kernels.throng import Throng
-from .kernels.ways_round import CHUNK, WaysRound
+from .catalog import Path, PlannerError, PlanningError, planners
+from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes, agv_box, folded_arm, torso_box
 from .machines import (
     ARIAC_GANTRY,
-    AxisLimits,
     AxisState,
     GantryLimits,
-    Machine,
-    Stop,
     agv_run,
     agv_stop,
-    agv_stops,
-    gantry_limits,
     gantry_move,
     gantry_stop,
-    gantry_stops,
     lane_state,
     longest_stop,
 )
-from .measures import Company, Courses, Nearest, nearest_pair
 from .monitor import (
-    RESOLUTION,
-    STANDING_SPEED,
     Apart,
     Approaching,
     Both,
@@ -56,9 +22,7 @@ from .monitor import (
     Moving,
     Not,
     Overlapping,
-    StoppingHorizon,
     TooClose,
-    first_interval,
     first_time,
     first_violation,
     minimum_margin,
@@ -66,11 +30,10 @@ from .monitor import (
     violations,
     when,
 )
-from .motion import Cubic, Motion, Piece, State, Track, join, standing
-from .moving_obstacles import Mover, Passage, plan_among
+from .motion import Motion, Piece, join, standing
+from .moving_obstacles import Mover, plan_among
 from .planner import GantryPath, GantryPlanner, PathPlanner
 from .separation import (
-    AnyLaw,
     ApproachLaw,
     FixedDistance,
     IntegralLaw,
@@ -78,48 +41,21 @@ from .separation import (
     MotionLaw,
     Scaled,
     SeparationLaw,
-    is_of_motions,
-    is_of_speeds,
-    required_along,
     required_at,
-    required_at_speeds,
-    requirement,
 )
-from .walking import (
-    Swath,
-    can_go_on,
-    corner_speed,
-    first_conflict,
-    leg_to,
-    pace,
-    paced,
-    remaining_path,
-    stop_walking,
-    swath,
-    walk,
-    walked,
-)
+from .walking import remaining_path, stop_walking, walk
 from .world import CollisionWorld
 
 __all__ = [
     "ARIAC_GANTRY",
-    "CHUNK",
-    "RESOLUTION",
-    "STANDING_SPEED",
-    "AnyLaw",
     "Apart",
     "ApproachLaw",
     "Approaching",
-    "AxisLimits",
     "AxisState",
     "Both",
     "Box",
-    "Candidates",
     "CollisionWorld",
-    "Company",
     "Condition",
-    "Courses",
-    "Cubic",
     "Cylinder",
     "Disc",
     "Enclosure",
@@ -130,90 +66,42 @@ __all__ = [
     "GantryPlanner",
     "IntegralLaw",
     "Law",
-    "Legs",
-    "Machine",
     "Motion",
     "MotionLaw",
     "Mover",
-    "Movers",
     "Moving",
-    "Narrows",
-    "Nearest",
     "Not",
-    "Odometer",
     "Overlapping",
-    "Passage",
     "Path",
     "PathPlanner",
     "Piece",
-    "PlannerChoice",
     "PlannerError",
-    "PlannerInfo",
     "PlanningError",
-    "Retreats",
     "Scaled",
     "SeparationLaw",
     "Shapes",
-    "State",
-    "Stop",
-    "StoppingHorizon",
-    "Stops",
-    "Swath",
-    "Throng",
     "TooClose",
-    "Track",
-    "TrajectoryChoice",
-    "Watch",
-    "WaysRound",
     "agv_box",
     "agv_run",
     "agv_stop",
-    "agv_stops",
-    "can_go_on",
-    "corner_speed",
-    "first_conflict",
-    "first_interval",
-    "first_met",
     "first_time",
     "first_violation",
     "folded_arm",
-    "followed",
-    "gantry_limits",
     "gantry_move",
     "gantry_stop",
-    "gantry_stops",
-    "is_of_motions",
-    "is_of_speeds",
     "join",
     "lane_state",
-    "leg_to",
-    "legs_of",
     "longest_stop",
-    "middles",
     "minimum_margin",
     "minimum_separation",
-    "most_remote",
-    "nearest_on",
-    "nearest_pair",
-    "numbers",
-    "pace",
-    "paced",
     "plan_among",
     "planners",
     "remaining_path",
-    "required_along",
     "required_at",
-    "required_at_speeds",
-    "requirement",
     "standing",
     "stop_walking",
-    "swath",
     "torso_box",
-    "touches",
     "violations",
     "walk",
-    "walked",
-    "walked_and_stood",
     "when",
-    "within_bounds",
 ]

@@ -16,7 +16,9 @@ import ompl.base as ob
 import ompl.geometric as og
 from numpy.typing import NDArray
 
-from floorplan import InputError, UserError, field_name, parse_yaml, suggestion
+from floorplan import InputError, UserError
+from floorplan.files.documents import parse_yaml
+from floorplan.files.problems import field_name, suggestion
 
 Reason = Literal["start_blocked", "goal_blocked", "unreachable", "not_found"]
 

@@ -14,7 +14,8 @@ from typing import Any, ParamSpec, TypeVar
 
 import shapely
 
-from floorplan import Gate, free_area
+from floorplan import Gate
+from floorplan.model import free_area
 
 from .bodies import CollisionBody, region
 from .freespace import FreeSpace, Gates, Narrows, Walls, narrows, shrunk, without

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, Protocol
 
-from floorplan import require
+from floorplan.files.values import require
 
 from .encounter import Box, Encounter, Shapes
 from .kernels import lookout as kernel
@@ -31,10 +31,10 @@ from .kernels.watch import (
     NotTest,
     OverlappingTest,
     TooCloseTest,
+    first_change as first_change_of,
+    first_interval as first_interval_of,
     least,
 )
-from .kernels.watch import first_change as first_change_of
-from .kernels.watch import first_interval as first_interval_of
 from .motion import Motion
 from .separation import AnyLaw, Scaled, is_of_motions, is_of_speeds, kernel_of, require_sense
 

@@ -11,7 +11,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from floorplan import Floorplan, Point, UserError, require
+from floorplan import Floorplan, Point, UserError
+from floorplan.files.values import require
 
 from .bodies import Disc
 from .catalog import ROADMAP, Path, PlannerChoice, PlanningError, Reason, Setting, Watch

@@ -11,7 +11,9 @@ import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
-from floorplan import Floorplan, Gate, Named, Point, UserError, check, suggestion
+from floorplan import Floorplan, Gate, Point, UserError, check
+from floorplan.files.problems import suggestion
+from floorplan.files.values import Named
 
 from . import ground
 from .bodies import TOLERANCE, CollisionBody, Disc, Sweep, touch

@@ -16,8 +16,7 @@ from .commands.agent import agent
 from .commands.bridge import bridge
 from .commands.check import check, convert, list_all
 from .commands.plan import benchmark, plan
-from .commands.results import app as plot
-from .commands.results import export, metrics, render
+from .commands.results import app as plot, export, metrics, render
 from .commands.run import replay, run
 from .commands.study import report, study
 from .commands.terminal import put_off_while_loading, say

@@ -13,7 +13,10 @@ from typing import Any
 
 from shapely.geometry import Polygon
 
-from floorplan import Obstacle, UserError, no_garbage, refuse, require, suggestion
+from floorplan import Obstacle, UserError
+from floorplan.files.problems import refuse, suggestion
+from floorplan.files.reading import no_garbage
+from floorplan.files.values import require
 from navigation import CollisionWorld
 
 from .core.body import Body

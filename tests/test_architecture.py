@@ -34,11 +34,31 @@ ROOMS = (
     ("runs",),
     ("simulation",),
     ("live", "studies", "bridge", "testing"),
-    ("public",),
     ("commands",),
     ("cli", "pytest_plugin"),
 )
 """The rooms of `sim`: each imports from those above it alone."""
+
+
+OF_THE_LIBRARY = {
+    "floorplan": {"files", "loading", "building", "checks", "model", "plan", "formats"},
+    "navigation": {
+        "benchmark",
+        "catalog",
+        "encounter",
+        "freespace",
+        "kernels",
+        "machines",
+        "measures",
+        "monitor",
+        "motion",
+        "polynomials",
+        "separation",
+        "walking",
+    },
+    "bdi": {"actions", "language", "reasoning"},
+}
+"""The inner modules of each package that others import; everything else goes by public names."""
 
 
 def sources(package):
@@ -126,6 +146,26 @@ def test_imports_go_in_one_direction(package):
             top = name.partition(".")[0]
             if top in PACKAGES and top != package:
                 assert top in PACKAGES[package], f"{path}:{line} imports {name}"
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_inner_modules_of_other_packages_are_those_of_the_list(package):
+    for path in sources(package):
+        for name, _, line in imports(path):
+            top, _, inner = name.partition(".")
+            if top in PACKAGES and top != package and inner:
+                listed = OF_THE_LIBRARY[top]
+                assert inner.partition(".")[0] in listed, f"{path}:{line} imports {name}"
+
+
+def test_no_class_name_occurs_twice():
+    places = {}
+    for package in PACKAGES:
+        for path in sources(package):
+            for node in parsed(path)[1]:
+                if isinstance(node, ast.ClassDef):
+                    places.setdefault(node.name, []).append(f"{path}:{node.lineno}")
+    assert {name: where for name, where in places.items() if len(where) > 1} == {}
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -27,8 +27,7 @@ from ..language.terms import (
 from ..reasoning.beliefs import has_source, with_source
 from ..reasoning.execution import Call
 from ..reasoning.plans import LoadedPlan
-from ..reasoning.state import add_plan as load_plan
-from ..reasoning.state import add_program
+from ..reasoning.state import add_plan as load_plan, add_program
 from .messages import nested_source, without_source
 from .registry import STANDARD, a_list, a_literal, a_trigger, wrong
 

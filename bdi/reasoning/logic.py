@@ -38,6 +38,7 @@ from ..language.terms import (
     EMPTY,
     TRUE,
     Conjunction,
+    Cons as ListCell,
     Disjunction,
     Literal,
     Negation,
@@ -54,7 +55,6 @@ from ..language.terms import (
     namespace_of,
     placed,
 )
-from ..language.terms import Cons as ListCell
 from ..language.unification import belief_matcher, matched, unified, unify
 from .beliefs import BeliefBase, KeptAnswers, Question, Shelf, Values
 

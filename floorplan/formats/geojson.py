@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 import shapely
 from pydantic import BaseModel, ConfigDict, ValidationError
-from shapely.geometry import Polygon
-from shapely.geometry import shape as shape_of
+from shapely.geometry import Polygon, shape as shape_of
 
 from ..checks import polygon_fault
 from ..files.fields import LARGEST, Angle, Number, are_figures

@@ -20,18 +20,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from floorplan import (
-    Floorplan,
-    InputError,
-    Point,
-    Problem,
-    UserError,
-    figure,
-    is_there,
-    read_text,
-    shown,
-    suggestion,
-)
+from floorplan import Floorplan, InputError, Point, Problem, UserError
+from floorplan.files.fields import figure
+from floorplan.files.problems import shown, suggestion
+from floorplan.files.reading import is_there, read_text
 
 from ..planner import blocked_place
 from ..world import CollisionWorld

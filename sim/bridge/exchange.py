@@ -8,7 +8,8 @@ from collections.abc import Callable, Coroutine, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from floorplan import UserError, suggestion
+from floorplan import UserError
+from floorplan.files.problems import suggestion
 
 from . import protocol
 from .client import ADVERTISED, Client, Subscription

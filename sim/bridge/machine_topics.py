@@ -13,7 +13,8 @@ from functools import partial
 from typing import Any
 
 from floorplan import Gantry, UserError
-from navigation import Cubic, Motion, Piece, State
+from navigation import Motion, Piece
+from navigation.motion import Cubic, State
 
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot

@@ -12,8 +12,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from floorplan import Gantry, Lane, UserError, suggestion
-from navigation import State, lane_state
+from floorplan import Gantry, Lane, UserError
+from floorplan.files.problems import suggestion
+from navigation import lane_state
+from navigation.motion import State
 
 from ..core.body import Body
 from ..orders import AssemblyTask, KittingTask, Order, PartType

@@ -142,6 +142,7 @@ def _print_doubts(doubts: Iterable[ProgramProblem]) -> None:
 def _warn_of_short_laws(trial: Trial, file: str) -> None:
     """Warn, at its place, of a rule set that counts on shorter stops than machines may take."""
     import floorplan
+    from floorplan.files.documents import read_yaml
 
     from ..machines.kinds import in_words, short_laws
 
@@ -152,7 +153,7 @@ def _warn_of_short_laws(trial: Trial, file: str) -> None:
     problem = floorplan.Problem(message, "rules")
     path = Path(file)
     if path.suffix in (".yaml", ".yml") and path.exists():
-        document = floorplan.read_yaml(path, floorplan.FloorplanError)
+        document = read_yaml(path, floorplan.FloorplanError)
         laws = {("rules", short.law) for short in found}
         place = laws.pop() if len(laws) == 1 and laws <= document.lines.keys() else ("rules",)
         if place in document.lines:
@@ -196,11 +197,12 @@ def convert(
 ) -> None:
     """Write the floor IN in the format of OUT. A --resolution makes a .yaml a ROS map."""
     import floorplan
+    from floorplan.plan import lost as lost_in, map_files
 
     plan = floorplan.load(source)
     print_floor_notices(plan)
     suffix = ".pgm" if resolution is not None else target.suffix.lower()
-    files = floorplan.map_files(target) if suffix == ".pgm" else (target,)
+    files = map_files(target) if suffix == ".pgm" else (target,)
     written = sorted(files, key=lambda file: file != target)  # OUT itself comes first
     if Path(source).exists():
         for one in written:
@@ -209,7 +211,7 @@ def convert(
                     f"{target}: {one} would take the place of IN; give another name"
                 )
     plan.save(target, resolution=resolution)
-    if lost := floorplan.lost(plan, suffix):
+    if lost := lost_in(plan, suffix):
         say(f"{target} has no room for: {', '.join(lost)}", err=True)
     say(f"Wrote {' and '.join(map(str, written))}")
 

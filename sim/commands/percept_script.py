@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import bdi
-from floorplan import InputError, UserError, is_figure, read_lines
+from floorplan import InputError, UserError
+from floorplan.files.fields import is_figure
+from floorplan.files.reading import read_lines
 
 
 class Change(NamedTuple):

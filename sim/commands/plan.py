@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from floorplan import Floorplan
-    from navigation import CollisionWorld, PlannerChoice
-    from navigation import Path as PlannedPath
+    from navigation import CollisionWorld, Path as PlannedPath
     from navigation.benchmark import Attempt, PlannerRow
+    from navigation.catalog import PlannerChoice
 
 
 def plan(
@@ -59,6 +59,7 @@ def plan(
 
     import floorplan as floors
     import navigation
+    from navigation.catalog import PlannerChoice
 
     from ..people.programs import find_planner
 
@@ -66,7 +67,7 @@ def plan(
     for name, place in _pairs(agv or [], "--agv"):
         _move(world, name, place)
     parameters = {name: _value(text) for name, text in _pairs(parameter or [], "--parameter")}
-    choice = navigation.PlannerChoice() if planner is None else navigation.PlannerChoice.of(planner)
+    choice = PlannerChoice() if planner is None else PlannerChoice.of(planner)
     seeker = navigation.PathPlanner(world, radius, planner=find_planner(choice, Path()))
     begin = time.process_time()
     planned = seeker.plan((x0, y0), (x1, y1), parameters=parameters, seed=seed)
@@ -203,8 +204,7 @@ def benchmark(
     Lengths are compared with the shortest path.
     """
     from navigation import planners
-    from navigation.benchmark import benchmark as measure
-    from navigation.benchmark import known, summary
+    from navigation.benchmark import benchmark as measure, known, summary
 
     for name, figure in (("--seconds", seconds), ("--longest", longest), ("--radius", radius)):
         least = 1.0 if name == "--longest" else 0.0
@@ -281,8 +281,9 @@ def _warn_of_unknown(attempts: Sequence[Attempt], longest: float | None) -> None
 def _planner(text: str) -> str | PlannerChoice:
     """Return the peer, or the choice of a planner; one of the user's own is imported from here."""
     from floorplan import UserError
-    from navigation import PlannerChoice, planners
+    from navigation import planners
     from navigation.benchmark import PEERS
+    from navigation.catalog import PlannerChoice
 
     from ..people.programs import find_planner
 
@@ -305,6 +306,7 @@ def _floors(
 ) -> list[Floorplan]:
     """Return the floors to ask on: of a scenario without a floor, its map."""
     import floorplan as floors
+    from floorplan.formats.movingai import CELL
     from navigation.benchmark import map_of
 
     sources: list[str] = list(floorplan or [])
@@ -318,7 +320,7 @@ def _floors(
     if cell is not None and not maps:
         raise floors.UserError(f"--cell {cell:g} is of a MovingAI map, and there is none")
     return [
-        floors.load_movingai(Path(source), floors.CELL if cell is None else cell)
+        floors.load_movingai(Path(source), CELL if cell is None else cell)
         if source in maps
         else floors.load(source)
         for source in sources or floors.builtin()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.table import Table
 
-    from .. import Recorded
+    from ..runs.run import Recorded
 
 
 app = typer.Typer(

@@ -161,7 +161,7 @@ def changed(
     commands: Path | None = None,
 ) -> Trial:
     """Return the trial as the options change it; `TrialError` if it can't be run so."""
-    from floorplan import is_file
+    from floorplan.files.reading import is_file
 
     from ..machines.gantry.controllers import controller_source
     from ..people.programs import with_planner
@@ -380,7 +380,8 @@ def _page_file(run: Path) -> Path:
 
 def _check_page(file: Path) -> None:
     """Say what is wrong with a page; `ValueError` where it is none, or can't say so itself."""
-    from floorplan import LARGEST_RECORDED, InputError, UserError, read_text
+    from floorplan import InputError, UserError
+    from floorplan.files.reading import LARGEST_RECORDED, read_text
 
     from ..views.replay import says_itself
 
@@ -396,7 +397,8 @@ def _check_page(file: Path) -> None:
 
 def _recordings(path: Path) -> list[dict[str, Any]]:
     """Return the data of a run from its folder, or those of a page, of one run or two."""
-    from floorplan import LARGEST_RECORDED, InputError, UserError, read_text
+    from floorplan import InputError, UserError
+    from floorplan.files.reading import LARGEST_RECORDED, read_text
 
     from ..runs.recording import load_run
     from ..views.replay import recordings_in

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import floorplan
 from floorplan import Floorplan
+from floorplan.files.documents import read_yaml
+from floorplan.files.reading import is_file
 
 from ..runs.recording import load_run
 from ..runs.run import Recorded
@@ -56,7 +58,7 @@ def _is_trial(path: Path) -> bool:
 
 def outermost_keys(path: Path) -> set[str]:
     """Return the outermost keys of a YAML file, none of what is no such file."""
-    if path.suffix.lower() not in (".yaml", ".yml") or not floorplan.is_file(path):
+    if path.suffix.lower() not in (".yaml", ".yml") or not is_file(path):
         return set()
-    data = floorplan.read_yaml(path, floorplan.FloorplanError).data
+    data = read_yaml(path, floorplan.FloorplanError).data
     return set(data) if isinstance(data, dict) else set()

@@ -13,7 +13,9 @@ from typing import Any, Literal, get_args
 from shapely.geometry import Polygon
 
 from floorplan import Point, rectangle
-from navigation import Box, CollisionWorld, Motion, Moving, State, Track, first_time, leg_to
+from navigation import Box, CollisionWorld, Motion, Moving, first_time
+from navigation.motion import State, Track
+from navigation.walking import leg_to
 
 from .clock import Clock
 

@@ -17,7 +17,9 @@ from pathlib import Path
 from types import FrameType, ModuleType
 from typing import Any, TypeAlias
 
-from floorplan import InputError, UserError, is_file, read_bytes, suggestion
+from floorplan import InputError, UserError
+from floorplan.files.problems import suggestion
+from floorplan.files.reading import is_file, read_bytes
 from navigation import PlanningError
 
 from .clock import Clock

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any, ClassVar, Literal
 
-from floorplan import Number, Obstacle, Point, Strictly
+from floorplan import Obstacle, Point
+from floorplan.files.fields import Number, Strictly
 
 Pose = tuple[Number, Number, Number]
 

@@ -7,17 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from floorplan import Point, UserError, suggestion
-from navigation import (
-    AnyLaw,
-    Both,
-    Condition,
-    FixedDistance,
-    Moving,
-    Scaled,
-    SeparationLaw,
-    TooClose,
-)
+from floorplan import Point, UserError
+from floorplan.files.problems import suggestion
+from navigation import Both, Condition, FixedDistance, Moving, Scaled, SeparationLaw, TooClose
+from navigation.separation import AnyLaw
 
 from .body import MachineShape
 

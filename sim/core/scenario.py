@@ -12,8 +12,10 @@ from random import Random
 from typing import Any, Literal
 
 import bdi
-from floorplan import Floorplan, InputError, Point, Problem, SafeZone, starting_fault
-from navigation import Motion, PlannerChoice
+from floorplan import Floorplan, InputError, Point, Problem, SafeZone
+from floorplan.checks import starting_fault
+from navigation import Motion
+from navigation.catalog import PlannerChoice
 
 from .entries import (
     ALL_ROUND,

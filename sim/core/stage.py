@@ -12,8 +12,10 @@ from typing import Any, ClassVar, Protocol
 from pydantic import BaseModel, ConfigDict, TypeAdapter
 from typing_extensions import Self
 
-from floorplan import Door, Fault, Floorplan, Obstacle, Point
-from navigation import CollisionWorld, Motion, Stop
+from floorplan import Door, Floorplan, Obstacle, Point
+from floorplan.files.problems import Fault
+from navigation import CollisionWorld, Motion
+from navigation.machines import Stop
 
 from .body import Body, Category, Machine, MachineShape
 from .clock import Clock

@@ -9,7 +9,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import cast
 
-from floorplan import UserError, require, suggestion
+from floorplan import UserError
+from floorplan.files.problems import suggestion
+from floorplan.files.values import require
 
 from ..core.output import OutputError, replacing, writing
 from ..record.outcome import Outcome

@@ -12,18 +12,10 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from floorplan import (
-    Fault,
-    Floorplan,
-    Gantry,
-    Place,
-    UserError,
-    field_name,
-    misfits,
-    shown,
-    suggestion,
-)
-from navigation import IntegralLaw, SeparationLaw, required_at_speeds
+from floorplan import Floorplan, Gantry, UserError
+from floorplan.files.problems import Fault, Place, field_name, misfits, shown, suggestion
+from navigation import IntegralLaw, SeparationLaw
+from navigation.separation import required_at_speeds
 
 from ..core.body import Category, Machine, MachineShape
 from ..core.custom_code import (

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
-from floorplan import Document, Floorplan, Place, Problem, suggestion
+from floorplan import Floorplan, Problem
+from floorplan.files.documents import Document
+from floorplan.files.problems import Place, suggestion
 
 from ..core.scenario import KittingTask, Order, PartType, Workload
 from . import layout

@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 import floorplan
-from floorplan import Document, Floorplan, Problem
+from floorplan import Floorplan, Problem
+from floorplan.files.documents import Document
 
 from ..core.entries import Blackout, Start
 from ..core.rules import ARIAC2023

@@ -6,18 +6,18 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, Strict, model_validator
 
-from floorplan import (
+from floorplan import UserError
+from floorplan.files.fields import (
     LARGEST,
     Flag,
     NotNegative,
     Number,
     Positive,
     Strictly,
-    UserError,
     is_figure,
-    shown,
     whole,
 )
+from floorplan.files.problems import shown
 
 Text = Annotated[str, BeforeValidator(lambda v: str(v) if type(v) is int else v)]
 """Text that may look like a number: an order's id."""

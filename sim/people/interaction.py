@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 
-from floorplan import Point, suggestion
+from floorplan import Point
+from floorplan.files.problems import suggestion
 from navigation import Approaching, Not, PlanningError, first_time
 
 from ..core.clock import Alarm, Turn

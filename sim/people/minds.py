@@ -12,6 +12,8 @@ from functools import lru_cache
 from typing import Any, Protocol
 
 import bdi
+from bdi.reasoning.beliefs import LiveBeliefs
+from bdi.reasoning.intentions import Intention
 from floorplan import Floorplan
 
 from ..core.body import Body
@@ -115,7 +117,7 @@ def make_agent(
     society: bdi.Society | None = None,
     start: float = 0.0,
     kept: Sequence[bdi.Literal] = (),
-    live: bdi.LiveBeliefs | None = None,
+    live: LiveBeliefs | None = None,
 ) -> bdi.Agent:
     """Return the agent that runs the program of a trial's person, with their first beliefs.
 
@@ -143,7 +145,7 @@ def make_agent(
     )
 
 
-def live_beliefs(person: Body, stage: Stage) -> bdi.LiveBeliefs:
+def live_beliefs(person: Body, stage: Stage) -> LiveBeliefs:
     """Return live beliefs: where all are and how fast they move, whenever a program asks.
 
     `me(X, Y, V)`, `person(Name, X, Y, V)` of the others, `gantry(X, Y, V)` where there is one,
@@ -255,7 +257,7 @@ class MindInspector:
             self._notify(thought)
 
 
-def _intention(intention: bdi.Intention) -> dict[str, Any]:
+def _intention(intention: Intention) -> dict[str, Any]:
     stack = [_plain(str(means.trigger)) for means in intention.stack]
     return {"stack": stack, "at": _plain(intention.top.doing)}
 

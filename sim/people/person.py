@@ -16,6 +16,7 @@ from random import Random
 from typing import Any, TypeVar
 
 import bdi
+from bdi.reasoning.beliefs import LiveBeliefs
 from floorplan import Human, Point, UserError
 from navigation import PathPlanner
 
@@ -335,7 +336,7 @@ class Person:
             self.worker.give_back()
 
     @property
-    def beliefs(self) -> bdi.LiveBeliefs:
+    def beliefs(self) -> LiveBeliefs:
         """What they always know about their work, if there is any, and about who is in the way.
 
         `waits_for(Who)`: who keeps them from going on now.

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import bdi
 from floorplan import Human
-from navigation import CollisionWorld, PathPlanner, PlannerChoice
+from navigation import CollisionWorld, PathPlanner
+from navigation.catalog import PlannerChoice
 
 from ..core.events import Said, Warning
 from ..core.recorder import Event, Listener, Thought, rounded

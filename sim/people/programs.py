@@ -14,8 +14,12 @@ from typing import Any, TypeVar
 import ompl.base as ob
 
 import bdi
-from floorplan import Problem, UserError, is_file, is_there, suggestion
-from navigation import PlannerChoice, PlannerError
+from bdi.actions import InternalAction
+from floorplan import Problem, UserError
+from floorplan.files.problems import suggestion
+from floorplan.files.reading import is_file, is_there
+from navigation import PlannerError
+from navigation.catalog import PlannerChoice
 
 from ..core.custom_code import (
     REFUSED,
@@ -243,7 +247,7 @@ def _try_out(program: bdi.Program, own: frozenset[str]) -> None:
 
     That takes as long as a person's mind at the start, and a study loads programs for each row.
     """
-    actions = bdi.InternalActions({name: bdi.InternalAction(lambda call, *a: True) for name in own})
+    actions = bdi.InternalActions({name: InternalAction(lambda call, *a: True) for name in own})
     actions.functions.update(dict.fromkeys(own, lambda *numbers: 0.0))
     bdi.Agent(program, actions=actions, strict=True)
 

@@ -11,16 +11,15 @@ from floorplan import Human, Point
 from navigation import (
     CollisionWorld,
     Motion,
-    Passage,
     PathPlanner,
     PlanningError,
-    can_go_on,
     join,
-    paced,
     remaining_path,
     standing,
     walk,
 )
+from navigation.moving_obstacles import Passage
+from navigation.walking import can_go_on, paced
 
 from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn

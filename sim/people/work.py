@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Any
 
-import bdi
+from bdi.reasoning.beliefs import LiveBeliefs
 from floorplan import Human, Point
 
 from ..core.body import Body
@@ -244,7 +244,7 @@ class Worker:
         there = sum(max(0.0, min(end, now) - max(begin, self._started)) for begin, end in shifts)
         return self.tasks_done / there * 3600.0 if there > 0 else None
 
-    def beliefs(self) -> bdi.LiveBeliefs:
+    def beliefs(self) -> LiveBeliefs:
         """Return live beliefs: `offer(Id, Task, Station, Priority, Ms)`, the most urgent first,
         `doing(Id, Task, Station, X, Y)`, `on_shift`, and `works` if there may be work at all."""
         return {

@@ -10,18 +10,10 @@ from functools import cached_property
 from typing import Any
 
 from floorplan import UserError
-from navigation import (
-    Cylinder,
-    FixedDistance,
-    Motion,
-    Nearest,
-    Odometer,
-    Shapes,
-    minimum_separation,
-    nearest_pair,
-    violations,
-    walked_and_stood,
-)
+from navigation import Cylinder, FixedDistance, Motion, Shapes, minimum_separation, violations
+from navigation.encounter import Odometer
+from navigation.kernels.pieces import walked_and_stood
+from navigation.measures import Nearest, nearest_pair
 
 from ..core.body import Category, Machine
 from ..core.scenario import Scenario

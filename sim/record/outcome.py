@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from floorplan import Floorplan
-from navigation import Motion, is_of_speeds
+from navigation import Motion
+from navigation.separation import is_of_speeds
 
 from ..core.body import PERSON
 from ..core.recorder import Event, Scene, Thought

@@ -19,15 +19,11 @@ from pydantic_core import from_json
 from shapely import GEOSException
 from shapely.geometry import Polygon, mapping, shape
 
-from floorplan import (
-    LARGEST,
-    LEFT_OUT_IF_EMPTY,
-    Floorplan,
-    Obstacle,
-    UserError,
-    field_name,
-    polygon_fault,
-)
+from floorplan import Floorplan, Obstacle, UserError
+from floorplan.checks import polygon_fault
+from floorplan.files.fields import LARGEST
+from floorplan.files.problems import field_name
+from floorplan.model import LEFT_OUT_IF_EMPTY
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
 from ..core.body import MachineShape

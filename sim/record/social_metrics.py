@@ -21,8 +21,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from floorplan import LARGEST, UserError, suggestion
-from navigation import Company, Courses, Motion, Piece
+from floorplan import UserError
+from floorplan.files.fields import LARGEST
+from floorplan.files.problems import suggestion
+from navigation import Motion, Piece
+from navigation.measures import Company, Courses
 from navigation.polynomials import NODES_5, WEIGHTS_5
 
 from ..core.recorder import Event, Scene, rounded

@@ -17,15 +17,9 @@ from typing import Annotated, Any, TextIO, TypeVar
 
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
-from floorplan import (
-    LARGEST,
-    LARGEST_RECORDED,
-    InputError,
-    Problem,
-    UserError,
-    read_lines,
-    read_text,
-)
+from floorplan import InputError, Problem, UserError
+from floorplan.files.fields import LARGEST
+from floorplan.files.reading import LARGEST_RECORDED, read_lines, read_text
 from navigation import Motion, Piece, join, standing, when
 
 from ..core.body import Body, Plans

@@ -12,7 +12,6 @@ from typing import Any, TypeVar
 
 from floorplan import UserError
 from navigation import (
-    AnyLaw,
     ApproachLaw,
     Enclosure,
     Encounter,
@@ -20,12 +19,11 @@ from navigation import (
     Scaled,
     SeparationLaw,
     TooClose,
-    is_of_motions,
     minimum_margin,
-    required_along,
     standing,
     walk,
 )
+from navigation.separation import AnyLaw, is_of_motions, required_along
 
 from ..core.body import Plans
 from ..core.custom_code import (
@@ -37,8 +35,8 @@ from ..core.custom_code import (
     in_words,
     is_plain,
     line_in,
+    methods as written_methods,
 )
-from ..core.custom_code import methods as written_methods
 from ..core.rules import RuleSet
 
 _Answer = TypeVar("_Answer")

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 from navigation import (
-    RESOLUTION,
-    AnyLaw,
     Apart,
     Approaching,
     Both,
@@ -17,11 +15,11 @@ from navigation import (
     Motion,
     Not,
     TooClose,
-    first_interval,
     first_time,
     required_at,
-    required_at_speeds,
 )
+from navigation.monitor import RESOLUTION, first_interval
+from navigation.separation import AnyLaw, required_at_speeds
 
 from ..core.body import PERSON, Body, Machine, Plans
 from ..core.clock import Alarm, Turn

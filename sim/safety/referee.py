@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from functools import cache, partial
 
-from navigation import AnyLaw
+from navigation.separation import AnyLaw
 
 from ..core.body import Machine
 from ..core.clock import Alarm, Turn

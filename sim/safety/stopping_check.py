@@ -13,7 +13,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from navigation import AnyLaw, Motion, StoppingHorizon, Stops, is_of_speeds, required_at_speeds
+from navigation import Motion
+from navigation.kernels.braking import Stops
+from navigation.monitor import StoppingHorizon
+from navigation.separation import AnyLaw, is_of_speeds, required_at_speeds
 
 # A machine that commands only motions that are safe until its next look is safe for good, by
 # induction: if nothing is safe at that look, the stop that was tested with the motion is what it

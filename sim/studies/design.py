@@ -16,20 +16,11 @@ from typing import Annotated, Any, Protocol
 
 from pydantic import Field, model_validator
 
-import floorplan
-from floorplan import (
-    Document,
-    Flag,
-    InputError,
-    Number,
-    Pair,
-    Positive,
-    Problem,
-    Strictly,
-    UserError,
-    field_name,
-    whole,
-)
+from floorplan import InputError, Problem, UserError
+from floorplan.files.documents import Document, parse_yaml, read_yaml
+from floorplan.files.fields import Flag, Number, Pair, Positive, Strictly, whole
+from floorplan.files.problems import field_name
+from floorplan.files.reading import is_there
 
 from ..core.entries import is_number
 from ..trials.checks import LARGEST_SEED, faults, name_fault
@@ -301,7 +292,7 @@ class Study(Design):
         `StudyError` with everything that is wrong, each with its place.
         """
         path = Path(path)
-        return _build(cls, floorplan.read_yaml(path, StudyError), path.parent, own_code)
+        return _build(cls, read_yaml(path, StudyError), path.parent, own_code)
 
     @classmethod
     def parse(
@@ -316,7 +307,7 @@ class Study(Design):
 
         `own_code` is as of `load`.
         """
-        return _build(cls, floorplan.parse_yaml(text, file, StudyError), Path(folder), own_code)
+        return _build(cls, parse_yaml(text, file, StudyError), Path(folder), own_code)
 
 
 def _build(form: type[Study], document: Document, folder: Path, own_code: bool) -> Study:
@@ -370,7 +361,7 @@ class _Reader:
             seen.add(source)
             try:
                 path = self._folder / source
-                found = path if path.suffix or floorplan.is_there(path) else source
+                found = path if path.suffix or is_there(path) else source
                 trial = Trial.load(found, own_code=self._own_code)
             except (UserError, OSError) as why:
                 self._problem(str(why), "trials", k)

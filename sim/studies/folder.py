@@ -15,7 +15,9 @@ from typing import IO
 
 from shapely.geometry.base import BaseGeometry
 
-from floorplan import LEFT_OUT_IF_EMPTY, InputError, read_text
+from floorplan import InputError
+from floorplan.files.reading import read_text
+from floorplan.model import LEFT_OUT_IF_EMPTY
 
 from ..core.entries import RecordedTrack
 from ..core.output import OutputError, write_whole, writing

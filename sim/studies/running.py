@@ -15,7 +15,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
-from floorplan import UserError, require
+from floorplan import UserError
+from floorplan.files.values import require
 
 from ..core.output import folder_for
 from ..runs.run import Run

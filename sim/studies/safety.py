@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from floorplan import require
-from navigation import AnyLaw
+from floorplan.files.values import require
 from navigation.benchmark.reports import share
+from navigation.separation import AnyLaw
 
 from ..core.output import writing
 from ..core.recorder import Scene

@@ -8,8 +8,11 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from floorplan import UserError, check, is_file, require_fields, suggestion
-from navigation import PlannerChoice
+from floorplan import UserError, check
+from floorplan.files.problems import suggestion
+from floorplan.files.reading import is_file
+from floorplan.files.values import require_fields
+from navigation.catalog import PlannerChoice
 
 from ..core.entries import Start, is_number
 from ..core.scenario import Job, PersonEntry

@@ -10,8 +10,7 @@ from typing import Any
 
 import pytest
 
-import floorplan
-from floorplan import Document
+from floorplan.files.documents import Document, read_yaml
 
 from ..core.custom_code import is_ours
 from ..core.output import write_whole
@@ -126,7 +125,7 @@ class TrialFile(pytest.File):
     def collect(self) -> Iterator[pytest.Item]:
         """One test, if the trial expects something; one that can't be run is an error."""
         try:
-            document = floorplan.read_yaml(self.path, TrialError)
+            document = read_yaml(self.path, TrialError)
             own_code = not self.config.getoption("--no-own-code")
             trial = build(Trial, document, self.path.parent, own_code)
             if "expect" in document.data:

@@ -11,21 +11,13 @@ from typing import get_args
 import shapely
 
 import bdi
-from floorplan import (
-    LARGEST,
-    SMALLEST,
-    Fault,
-    Place,
-    Point,
-    UserError,
-    refuse,
-    require_fields,
-    size_fault,
-    starting_fault,
-    suggestion,
-    time_fault,
-)
-from navigation import PlannerChoice, PlannerError
+from floorplan import Point, UserError
+from floorplan.checks import starting_fault
+from floorplan.files.fields import LARGEST, SMALLEST, size_fault, time_fault
+from floorplan.files.problems import Fault, Place, refuse, suggestion
+from floorplan.files.values import require_fields
+from navigation import PlannerError
+from navigation.catalog import PlannerChoice
 
 from ..core.custom_code import OwnCodeError
 from ..core.entries import AT_ONCE, Drawn, Duration, MannersEntry, Side, Spread, Start

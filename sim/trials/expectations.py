@@ -10,7 +10,8 @@ from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from floorplan import Place, UserError, suggestion
+from floorplan import UserError
+from floorplan.files.problems import Place, suggestion
 
 from ..core.entries import is_number
 from ..core.recorder import Event

@@ -11,16 +11,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from shapely.geometry import Point
 
-from floorplan import (
-    LARGEST,
-    Fault,
-    Place,
-    UserError,
-    height_fault,
-    polygon_fault,
-    suggestion,
-    time_fault,
-)
+from floorplan import UserError
+from floorplan.checks import height_fault, polygon_fault
+from floorplan.files.fields import LARGEST, time_fault
+from floorplan.files.problems import Fault, Place, suggestion
 
 from ..core.entries import COMMANDS, ClockTime, Command, WorkTask, as_given, times_until
 from ..core.scenario import PersonEntry, Scenario, spot

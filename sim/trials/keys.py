@@ -7,23 +7,12 @@ from typing import Annotated, Any, TypeVar
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-from floorplan import (
-    Flag,
-    NotNegative,
-    Number,
-    Obstacle,
-    ObstacleSchema,
-    Pair,
-    Positive,
-    Range,
-    Strictly,
-    UserError,
-    footprint,
-    read_yaml,
-    suggestion,
-    whole,
-)
-from navigation import PlannerChoice
+from floorplan import Obstacle, UserError
+from floorplan.building import ObstacleSchema, footprint
+from floorplan.files.documents import read_yaml
+from floorplan.files.fields import Flag, NotNegative, Number, Pair, Positive, Range, Strictly, whole
+from floorplan.files.problems import suggestion
+from navigation.catalog import PlannerChoice
 
 from ..core.entries import (
     COMMANDS,

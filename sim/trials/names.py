@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import bdi
-from floorplan import UserError, suggestion
+from floorplan import UserError
+from floorplan.files.problems import suggestion
 
 from ..core.body import PERSON
 from ..core.custom_code import CodeLocation, OwnCodeError, definitions_in

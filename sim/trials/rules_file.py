@@ -15,20 +15,13 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, model_validator
 
-import floorplan
-from floorplan import (
-    LARGEST,
-    Document,
-    InputError,
-    NotNegative,
-    Number,
-    Positive,
-    Problem,
-    Strictly,
-    UserError,
-    suggestion,
-)
-from navigation import AnyLaw, ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
+from floorplan import InputError, Problem, UserError
+from floorplan.files.documents import Document, read_yaml
+from floorplan.files.fields import LARGEST, NotNegative, Number, Positive, Strictly
+from floorplan.files.problems import suggestion
+from floorplan.files.reading import is_file
+from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
+from navigation.separation import AnyLaw
 
 from ..core.custom_code import REFUSED, OwnCodeError, find_source, parameters
 from ..core.rules import (
@@ -228,7 +221,7 @@ def load_rules(path: str | Path, *, own_code: bool = True) -> RuleSet:
     `RulesError` has everything that is wrong with it, each with its line.
     """
     path = Path(path)
-    document = floorplan.read_yaml(path, RulesError)
+    document = read_yaml(path, RulesError)
     keys = document.checked(RuleKeys, RulesError)
     rules, problems = build_rules(keys, document, path.parent, own_code=own_code)
     if problems:
@@ -243,7 +236,7 @@ def find_rules(source: str, folder: Path = Path(), *, own_code: bool = True) -> 
     there is neither.
     """
     path = folder / source
-    if source not in RULE_SETS and floorplan.is_file(path):
+    if source not in RULE_SETS and is_file(path):
         return load_rules(path, own_code=own_code)
     return rule_set(source)
 

@@ -14,18 +14,9 @@ from pydantic import (
     model_validator,
 )
 
-from floorplan import (
-    Flag,
-    NotNegative,
-    Number,
-    Obstacle,
-    ObstacleSchema,
-    Positive,
-    Strictly,
-    UserError,
-    footprint,
-    whole,
-)
+from floorplan import Obstacle, UserError
+from floorplan.building import ObstacleSchema, footprint
+from floorplan.files.fields import Flag, NotNegative, Number, Positive, Strictly, whole
 
 from ..core.entries import ClockTime, Duration, Keys, Shift, WorkList, WorkTask
 from ..core.stage import DoorTimes, Interval, TimedObstacle

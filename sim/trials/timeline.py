@@ -15,7 +15,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any, Literal, Protocol
 
-from floorplan import UserError, is_figure, suggestion
+from floorplan import UserError
+from floorplan.files.fields import is_figure
+from floorplan.files.problems import suggestion
 from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
 
 from ..core.events import EVENT_KINDS, Form

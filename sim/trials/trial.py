@@ -10,7 +10,11 @@ from typing import Any, TypeVar
 
 import bdi
 import floorplan
-from floorplan import Document, Fault, Floorplan, Place, Problem, suggestion
+from floorplan import Floorplan, Problem
+from floorplan.files.documents import Document, parse_yaml, read_yaml
+from floorplan.files.problems import Fault, Place, suggestion
+from floorplan.files.reading import is_there
+from floorplan.loading import build as build_floor
 
 from ..core.custom_code import OwnCodeError
 from ..core.entries import WorkList
@@ -187,13 +191,13 @@ class Trial(Scenario):
             text = (BUILT_IN / f"{name}.yaml").read_text(encoding="utf-8")
             return cls.parse(text, file=name, own_code=own_code)
         path = Path(source)
-        if not path.suffix and not floorplan.is_there(path):
+        if not path.suffix and not is_there(path):
             message = f"no such file, nor a built-in trial; {suggestion(name, builtin_trials())}"
             raise TrialError(name, [Problem(message)])
         if path.suffix == ".asl":
             message = "is a program, not a trial; a trial names it as a `personality`"
             raise TrialError(name, [Problem(message)])
-        return build(cls, floorplan.read_yaml(path, TrialError), path.parent, own_code)
+        return build(cls, read_yaml(path, TrialError), path.parent, own_code)
 
     @classmethod
     def parse(
@@ -208,7 +212,7 @@ class Trial(Scenario):
 
         `own_code` is as of `load`.
         """
-        return build(cls, floorplan.parse_yaml(text, file, TrialError), Path(folder), own_code)
+        return build(cls, parse_yaml(text, file, TrialError), Path(folder), own_code)
 
     def to_yaml(self, folder: str | Path = ".") -> str:
         """The text of a trial file that stands in `folder`, to be read as the same trial.
@@ -326,7 +330,7 @@ def _something_else(document: Document) -> str:
 
 def _with_orders(trial: Trial, schema: TrialKeys, name: str, document: Document) -> Trial:
     """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
-    orders = floorplan.read_yaml(_named_file(trial.folder, name, document, "ariac"), TrialError)
+    orders = read_yaml(_named_file(trial.folder, name, document, "ariac"), TrialError)
     workload, notices = reading.read_workload(orders, trial.floorplan)
     given = schema.model_fields_set
     until_submitted = schema.until_submitted
@@ -377,7 +381,7 @@ def _machine(keys: dict[str, Any]) -> MachineEntry:
 def _named_file(folder: Path, name: str, document: Document, key: str) -> Path:
     """Return the path of a file that a key names; `TrialError` if there is none."""
     path = folder / name
-    if not floorplan.is_there(path):
+    if not is_there(path):
         raise TrialError(document.file, [document.problem(f"no such file: {name!r}", key)])
     return path
 
@@ -386,11 +390,11 @@ def _floorplan(
     name: str | dict[str, Any], folder: Path, document: Document, trial: str
 ) -> Floorplan:
     if not isinstance(name, str):
-        return floorplan.build(document.part("floorplan"), folder, trial)
+        return build_floor(document.part("floorplan"), folder, trial)
     if name in floorplan.builtin():
         return floorplan.load(name)
     path = folder / name
-    if not floorplan.is_there(path):
+    if not is_there(path):
         message = (
             f"no such file, nor a built-in floorplan: {name!r};"
             f" {suggestion(name, floorplan.builtin())}"

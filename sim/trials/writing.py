@@ -14,7 +14,10 @@ import numpy as np
 
 import floorplan
 from floorplan import UserError
-from navigation import Motion, PlannerChoice
+from floorplan.files.documents import yaml_text
+from floorplan.plan import floor_keys, obstacle_keys
+from navigation import Motion
+from navigation.catalog import PlannerChoice
 
 from ..core.entries import Command, Duration, RecordedTrack, Start
 from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
@@ -68,7 +71,7 @@ def to_yaml(trial: Scenario, folder: Path) -> str:
         raise UserError(f"the trial {trial.name!r} can't be written into {folder}: {fault}")
     if trial.folder.resolve() != folder.resolve():
         data["folder"] = Path(os.path.relpath(trial.folder, folder)).as_posix()
-    return floorplan.yaml_text(data)
+    return yaml_text(data)
 
 
 def _trial(trial: Scenario) -> Data:
@@ -123,7 +126,7 @@ def _floorplan(trial: Scenario) -> str | Data:
     if plan.name in floorplan.builtin() and floorplan.load(plan.name) == plan:
         return plan.name
     floorplan.check(plan)
-    return floorplan.floor_keys(plan)
+    return floor_keys(plan)
 
 
 def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
@@ -186,13 +189,13 @@ def _door(times: DoorTimes) -> Data:
 
 
 def _timed(one: TimedObstacle) -> Data:
-    return {**floorplan.obstacle_keys(one.obstacle), "there": [*map(_span, one.there)]}
+    return {**obstacle_keys(one.obstacle), "there": [*map(_span, one.there)]}
 
 
 def _command(one: Command, trial: Scenario) -> Data:
     if one.block is None:
         return _fields(one, trial)
-    return {"time": one.time, "block": one.block.name, **floorplan.obstacle_keys(one.block)}
+    return {"time": one.time, "block": one.block.name, **obstacle_keys(one.block)}
 
 
 def _span(span: Interval) -> list[float]:

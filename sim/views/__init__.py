@@ -1,1 +1,5 @@
 """Pictures and pages of a run."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submodules={"plots"})

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from floorplan import Floorplan, Gantry, Gate, Lane, Obstacle, Zone
-from navigation import AnyLaw, Piece, SeparationLaw, required_at_speeds
+from navigation import Piece, SeparationLaw
+from navigation.separation import AnyLaw, required_at_speeds
 
 from ..core.body import MachineShape
 from ..core.recorder import rounded

@@ -13,6 +13,7 @@ from zlib import crc32
 import bdi
 import floorplan
 import sim
+from bdi.language.loading import parse_term
 from navigation.benchmark import map_of, scenes_of
 from sim.bridge import Exchange, RosbridgeConnection, Workcell
 from sim.bridge.client import Client
@@ -134,7 +135,7 @@ def literal(path):
     try:
         bdi.parse(f"{bdi.parse_literal(text)}.")
     finally:
-        str(bdi.parse_term(text))
+        str(parse_term(text))
 
 
 def to_server(path):

@@ -1,8 +1,7 @@
 """Whatever is in a file: it is read, or one message says what is wrong."""
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from .damages import damaged
 from .readers import READERS, prepare

@@ -1,8 +1,7 @@
 """Programs without end, too deep or too long; facts that are read without the parser."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import bdi
 from bdi.language.parser import clauses, parse_clause, plain_fact, tokenize

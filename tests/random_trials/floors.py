@@ -20,8 +20,8 @@ from floorplan import (
     builtin,
     check,
     load,
-    starting_fault,
 )
+from floorplan.checks import starting_fault
 
 TRIES = 200
 """So many places are tried before a floor has no room for something."""

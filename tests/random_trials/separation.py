@@ -7,7 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 import sim
-from navigation import Both, Moving, TooClose, is_of_speeds, when
+from navigation import Both, Moving, TooClose, when
+from navigation.separation import is_of_speeds
 
 from .movement import sampled, state_of
 

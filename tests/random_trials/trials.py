@@ -13,7 +13,7 @@ import shapely
 import bdi
 import navigation
 import sim
-from floorplan import starting_fault
+from floorplan.checks import starting_fault
 from sim.core.stage import DoorTimes
 
 from .floors import divided_floor, random_floor, standing_place

@@ -11,18 +11,10 @@ import numpy as np
 import shapely
 
 from floorplan import Gate, Lane, Point, Zone, rectangle
-from navigation import (
-    AxisState,
-    CollisionWorld,
-    Motion,
-    agv_run,
-    agv_stop,
-    agv_stops,
-    join,
-    lane_state,
-    paced,
-    required_at_speeds,
-)
+from navigation import AxisState, CollisionWorld, Motion, agv_run, agv_stop, join, lane_state
+from navigation.machines import agv_stops
+from navigation.separation import required_at_speeds
+from navigation.walking import paced
 
 from ...core.body import Body, Machine, MachineShape
 from ...core.clock import Alarm, Turn

@@ -8,23 +8,22 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from floorplan import (
+from floorplan import Floorplan, Lane, UserError
+from floorplan.files.fields import (
     Angle,
-    Fault,
     Flag,
-    Floorplan,
-    Lane,
     NotNegative,
     Number,
     Pair,
     Positive,
     Range,
     Strictly,
-    UserError,
     size_fault,
     time_fault,
 )
-from navigation import Stop, longest_stop
+from floorplan.files.problems import Fault
+from navigation import longest_stop
+from navigation.machines import Stop
 
 from ...core.body import MachineShape
 from ...core.entries import Keys, times_until

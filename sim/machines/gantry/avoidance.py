@@ -10,7 +10,9 @@ import numpy as np
 from shapely import LineString, Point
 from simpy.events import Event
 
-from navigation import GantryPlanner, Motion, PlanningError, State, most_remote, nearest_on
+from navigation import GantryPlanner, Motion, PlanningError
+from navigation.kernels.lookout import most_remote, nearest_on
+from navigation.motion import State
 
 from ...safety.stopping_check import Pedestrian, Stoppable, StoppingCheck
 from .drive import Steps

@@ -18,7 +18,8 @@ from typing import Any
 from simpy.events import Event
 from simpy.exceptions import Interrupt
 
-from floorplan import UserError, suggestion
+from floorplan import UserError
+from floorplan.files.problems import suggestion
 
 from ...core.custom_code import (
     REFUSED,

@@ -12,17 +12,11 @@ from typing import Any, Literal
 from simpy.events import Event, Process
 from simpy.exceptions import Interrupt
 
-from floorplan import Gantry, UserError, suggestion
-from navigation import (
-    AxisLimits,
-    Motion,
-    State,
-    gantry_limits,
-    gantry_move,
-    gantry_stop,
-    gantry_stops,
-    standing,
-)
+from floorplan import Gantry, UserError
+from floorplan.files.problems import suggestion
+from navigation import Motion, gantry_move, gantry_stop, standing
+from navigation.machines import AxisLimits, gantry_limits, gantry_stops
+from navigation.motion import State
 
 from ...core.body import Body
 from ...core.clock import Alarm, Clock, Turn, then

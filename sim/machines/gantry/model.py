@@ -9,22 +9,11 @@ from typing import Annotated, Any
 
 from pydantic import model_validator
 
-from floorplan import (
-    Fault,
-    Flag,
-    Floorplan,
-    Gantry,
-    NotNegative,
-    Point,
-    Positive,
-    Range,
-    UserError,
-    size_fault,
-    suggestion,
-    time_fault,
-    whole,
-)
-from navigation import Stop, longest_stop
+from floorplan import Floorplan, Gantry, Point, UserError
+from floorplan.files.fields import Flag, NotNegative, Positive, Range, size_fault, time_fault, whole
+from floorplan.files.problems import Fault, suggestion
+from navigation import longest_stop
+from navigation.machines import Stop
 
 from ...core.body import MachineShape
 from ...core.entries import Keys, Pose

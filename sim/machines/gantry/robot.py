@@ -10,7 +10,8 @@ from typing import Any
 from simpy.events import Event, Process
 
 from floorplan import Gantry, UserError
-from navigation import Motion, State
+from navigation import Motion
+from navigation.motion import State
 
 from ...core.body import Machine, MachineShape
 from ...core.clock import MOMENT, Turn

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 
 from floorplan import Point
-from navigation import legs_of, touches
+from navigation.kernels.edges import legs_of, touches
 
 from .course import first, length_of, nearest_length, place_after, rest
 from .moving import RequestedMoves

@@ -14,18 +14,8 @@ from contextlib import suppress
 from functools import partial
 
 from floorplan import Point
-from navigation import (
-    CollisionWorld,
-    Motion,
-    PlanningError,
-    Swath,
-    first_conflict,
-    join,
-    standing,
-    stop_walking,
-    swath,
-    walked,
-)
+from navigation import CollisionWorld, Motion, PlanningError, join, standing, stop_walking
+from navigation.walking import Swath, first_conflict, swath, walked
 
 from ...core.clock import Alarm, Turn
 from ...core.events import Blocked, Deadlock, GaveWay, Met

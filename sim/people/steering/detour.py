@@ -9,7 +9,9 @@ import shapely
 from numpy.typing import NDArray
 
 from floorplan import Point
-from navigation import CHUNK, CollisionWorld, Legs, WaysRound
+from navigation import CollisionWorld
+from navigation.kernels.edges import Legs
+from navigation.kernels.ways_round import CHUNK, WaysRound
 
 CELL = 0.3
 """Metres. The width of the cells in which a way round is looked for."""

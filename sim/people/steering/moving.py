@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from navigation import Movers, Swath
+from navigation.kernels.movers import Movers
+from navigation.walking import Swath
 
 from .traveller import Traveller
 from .whereabouts import Whereabouts

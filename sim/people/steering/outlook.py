@@ -8,22 +8,14 @@ from functools import cached_property
 from itertools import pairwise
 
 from floorplan import Point
-from navigation import (
-    Candidates,
-    CollisionWorld,
-    Legs,
-    Motion,
-    Narrows,
-    Swath,
-    TrajectoryChoice,
-    can_go_on,
-    middles,
-    numbers,
-    pace,
-    stop_walking,
-    swath,
-    walked,
-)
+from navigation import CollisionWorld, Motion, stop_walking
+from navigation.freespace import Narrows
+from navigation.kernels.candidates import Candidates
+from navigation.kernels.edges import Legs
+from navigation.kernels.foresight import TrajectoryChoice
+from navigation.kernels.grid import middles
+from navigation.kernels.numbers import numbers
+from navigation.walking import Swath, can_go_on, pace, swath, walked
 
 from .course import first
 from .detour import Detours

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from math import dist
 from pathlib import Path
 
-from floorplan import Problem, UserError, require
+from floorplan import Problem, UserError
+from floorplan.files.values import require
 from navigation import Motion
 
 from ...core.custom_code import (

@@ -8,7 +8,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from floorplan import Point
-from navigation import Retreats, Swath, numbers
+from navigation.kernels.numbers import numbers
+from navigation.kernels.retreats import Retreats
+from navigation.walking import Swath
 
 from .backing_out import back_out
 from .course import first, length_of, place_after, rest

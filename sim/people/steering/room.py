@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Collection, Sequence
 
 from floorplan import Point
-from navigation import CollisionWorld, first_conflict, standing, swath
+from navigation import CollisionWorld, standing
+from navigation.walking import first_conflict, swath
 
 from .outlook import Ground
 from .traveller import Traveller

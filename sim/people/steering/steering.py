@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
-from navigation import Motion, Swath
+from navigation import Motion
+from navigation.walking import Swath
 
 from .course import nearest_length
 from .outlook import Outlook

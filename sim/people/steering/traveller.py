@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from floorplan import Human, Point
-from navigation import CollisionWorld, Motion, Swath, pace, swath
+from navigation import CollisionWorld, Motion
+from navigation.walking import Swath, pace, swath
 
 from ...core.body import Body
 from .manners import Manners

@@ -11,7 +11,6 @@ from navigation import (
     FixedDistance,
     Motion,
     Mover,
-    Passage,
     PathPlanner,
     PlanningError,
     Shapes,
@@ -19,6 +18,7 @@ from navigation import (
     first_time,
     plan_among,
 )
+from navigation.moving_obstacles import Passage
 
 from ...core.body import Body, Machine
 from ...core.stage import Stage

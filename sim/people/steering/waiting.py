@@ -7,7 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from floorplan import Point
-from navigation import Motion, Swath
+from navigation import Motion
+from navigation.walking import Swath
 
 from ...core.clock import Alarm
 from .course import length_of

@@ -7,7 +7,10 @@ from collections.abc import Container, MutableSequence, Sequence
 from typing import NamedTuple, overload
 
 from floorplan import Point
-from navigation import Swath, Throng, first_met, numbers, within_bounds
+from navigation.kernels.discs import first_met, within_bounds
+from navigation.kernels.numbers import numbers
+from navigation.kernels.throng import Throng
+from navigation.walking import Swath
 
 from .traveller import Traveller
 

@@ -17,7 +17,7 @@ import numpy as np
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from floorplan import are_figures
+from floorplan.files.fields import are_figures
 
 from .tables import Samples, TrackError, Tracks
 

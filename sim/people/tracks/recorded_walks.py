@@ -14,7 +14,9 @@ import shapely
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from floorplan import Floorplan, Problem, is_there, suggestion
+from floorplan import Floorplan, Problem
+from floorplan.files.problems import suggestion
+from floorplan.files.reading import is_there
 from navigation import Motion, Piece, join
 
 from ...core.clock import Alarm, Turn

@@ -20,18 +20,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from floorplan import (
-    LARGEST,
-    LARGEST_RECORDED,
-    SMALLEST,
-    InputError,
-    Problem,
-    UserError,
-    are_figures,
-    figure,
-    read_lines,
-    require_readable,
-)
+from floorplan import InputError, Problem, UserError
+from floorplan.files.fields import LARGEST, SMALLEST, are_figures, figure
+from floorplan.files.reading import LARGEST_RECORDED, read_lines, require_readable
 
 Array = NDArray[np.float64]
 

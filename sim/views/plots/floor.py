@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
-from shapely.geometry import LineString, Polygon, box
-from shapely.geometry import Point as Spot
+from shapely.geometry import LineString, Point as Spot, Polygon, box
 
 from floorplan import Floorplan, Gate, Lane, Obstacle, Point
 

@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from floorplan import UserError
-from navigation import STANDING_SPEED, Motion
+from navigation import Motion
+from navigation.monitor import STANDING_SPEED
 
 from ...core.body import MachineShape
 from ...record.outcome import Outcome

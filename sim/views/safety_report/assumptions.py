@@ -10,15 +10,8 @@ from pathlib import Path
 from markupsafe import Markup, escape
 
 from floorplan import Floorplan, Zone
-from navigation import (
-    AnyLaw,
-    ApproachLaw,
-    FixedDistance,
-    IntegralLaw,
-    Motion,
-    Scaled,
-    SeparationLaw,
-)
+from navigation import ApproachLaw, FixedDistance, IntegralLaw, Motion, Scaled, SeparationLaw
+from navigation.separation import AnyLaw
 
 from ...core.body import MachineShape
 from ...core.entries import Drawn, Duration, Start, WorkTask, as_given

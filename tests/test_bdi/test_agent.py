@@ -1,0 +1,390 @@
+"""The agent from outside: time, percepts, actions, and a look inside."""
+
+import gc
+import math
+import random
+
+import pytest
+from hypothesis import given, strategies as st
+
+import bdi
+from bdi.language.loading import parse_term
+from bdi.language.terms import text as text_of
+
+
+def make(source, **options):
+    """An agent that writes down what it does and says, with the times."""
+    log = []
+    agent = None
+
+    def act(action):
+        log.append((agent.now, str(action)))
+        return True
+
+    options.setdefault("act", act)
+    options.setdefault("print", lambda line: log.append((agent.now, line)))
+    agent = bdi.Agent(bdi.parse(source), **options)
+    return agent, log
+
+
+def test_wakes_up_at_the_exact_times_in_order():
+    agent, log = make(
+        "!a. !b. +!a <- .wait(1000); at_1; .wait(100); at_1_1. +!b <- .wait(1100); also_at_1_1."
+    )
+    agent.advance(100.0)
+    # Started first, the second wait of !a ends after the one of !b that began earlier.
+    assert log == [(1.0, "at_1"), (1.1, "also_at_1_1"), (1.1, "at_1_1")]
+    assert agent.now == 100.0
+
+
+def test_times_do_not_drift():
+    source = "!a. +!a <- .wait(100); step; !a. +go <- .wait(200); other."
+    agent, log = make(source)
+    agent.advance(0.0)
+    agent.add_percept("go")
+    agent.advance(0.1)
+    agent.advance(0.3)
+    assert log == [(0.1, "step"), (0.2, "step"), (0.3, "other"), (0.3, "step")]
+
+
+@given(st.lists(st.integers(0, 3000), min_size=1, max_size=12), st.integers(0, 2**32))
+def test_waits_end_by_time_and_then_by_start(durations, seed):
+    goals = " ".join(f"!w({i},{d})." for i, d in enumerate(durations))
+    agent, log = make(goals + " +!w(I,D) <- .wait(D); done(I).")
+    chance = random.Random(seed)
+    time = 0.0
+    while time < 4.0:
+        agent.advance(time)
+        time += chance.random()
+    expected = sorted((duration, i) for i, duration in enumerate(durations))
+    assert [(round(t * 1000), text) for t, text in log] == [(d, f"done({i})") for d, i in expected]
+
+
+def test_next_wakeup_is_what_is_due_next():
+    agent, _ = make("!a. +!a <- .wait(250); .wait(500). +drop <- .drop_all_intentions.")
+    assert agent.next_wakeup == 0.0
+    agent.advance(0.0)
+    assert agent.next_wakeup == 0.25
+    agent.advance(0.25)
+    assert agent.next_wakeup == 0.75
+    agent.add_percept("drop")
+    agent.advance(0.3)
+    assert agent.next_wakeup is None
+
+
+def test_time_goes_forward():
+    agent, _ = make("a.")
+    agent.advance(2.0)
+    with pytest.raises(ValueError, match="forward"):
+        agent.advance(1.0)
+
+
+@pytest.mark.parametrize("time", [math.nan, math.inf, -math.inf])
+def test_a_time_is_a_number_of_seconds(time):
+    program = bdi.parse("")
+    with pytest.raises(ValueError, match=f"a number of seconds, not {time}"):
+        bdi.Agent(program).advance(time)
+    with pytest.raises(ValueError, match=f"a number of seconds, not {time}"):
+        bdi.Agent(program, start=time)
+
+
+def test_percepts_count_at_the_time_of_the_next_advance():
+    agent, log = make("!a. +!a <- .wait(500); early. +p(X) <- saw(X). -p(X) <- lost(X).")
+    agent.advance(0.0)
+    agent.add_percept("p(1)")
+    agent.advance(1.0)
+    agent.remove_percept("p(1)")
+    agent.add_percept("p(2)")
+    agent.advance(2.0)
+    agent.add_percept("p(2)")
+    agent.remove_percept("p(3)")
+    agent.advance(3.0)
+    assert log == [(0.5, "early"), (1.0, "saw(1)"), (2.0, "lost(1)"), (2.0, "saw(2)")]
+    assert [str(p) for p in agent.percepts] == ["p(2)"]
+
+
+def test_percepts_that_an_action_brings_are_perceived_at_once():
+    def act(action):
+        agent.add_percept(f"did({action.args[0]:g})")
+        return True
+
+    seen = []
+    agent = bdi.Agent(
+        bdi.parse("!go. +!go <- do(7). +did(X) <- .print(did, X)."), act=act, print=seen.append
+    )
+    agent.advance(0.0)
+    assert seen == ["did7"]
+
+
+def test_actions_are_easy_to_take_apart():
+    taken = []
+    source = '!go. +!go <- move(1.5, -2, "name", [1, b], f(x)).'
+    agent = bdi.Agent(bdi.parse(source), act=lambda a: taken.append(a) or True)
+    agent.advance(0.0)
+    (action,) = taken
+    assert action.functor == "move"
+    number, integer, string, elements, structure = action.args
+    assert (number, integer, string) == (1.5, -2.0, "name")
+    assert [str(text_of(element)) for element in elements] == ["1", "b"]
+    assert (structure.functor, structure.args) == ("f", (bdi.Literal("x"),))
+    assert str(action) == 'move(1.5,-2,"name",[1,b],f(x))'
+
+
+def test_an_action_may_fail():
+    agent, log = make("!go. +!go <- bad; never. -!go[error(E)] <- .print(E).", act=lambda a: False)
+    agent.advance(0.0)
+    assert log == [(0.0, "action_failed")]
+
+
+def test_an_action_may_take_its_time():
+    asked = []
+
+    def act(action):
+        asked.append(str(action))
+        return bdi.PENDING
+
+    source = "!a. !b. +!a <- walk(1); .print(a,on). +!b <- walk(2). -!b <- .print(b,no)."
+    agent, log = make(source, act=act)
+    agent.advance(0.0)
+    assert asked == ["walk(1)", "walk(2)"]
+    assert sorted(map(str, agent.pending_actions.values())) == ["walk(1)", "walk(2)"]
+    agent.finish("walk(2)", success=False)
+    agent.advance(3.0)
+    agent.finish(min(agent.pending_actions))
+    agent.advance(4.0)
+    assert log == [(3.0, "bno"), (4.0, "aon")]
+    with pytest.raises(ValueError, match="walk"):
+        agent.finish("walk(1)")
+
+
+def test_atomic_plans_keep_their_action_to_themselves():
+    agent, log = make("@x[atomic] +p(_) <- one; .wait(100); two. +q(_) <- other.")
+    agent.advance(0.0)
+    agent.add_percept("p(1)")
+    agent.add_percept("q(1)")
+    agent.advance(0.05)
+    assert log == [(0.05, "one")]
+    assert "q(1)" in {str(p) for p in agent.percepts}
+    agent.advance(1.0)
+    assert [text for _, text in log] == ["one", "two", "other"]
+
+
+def test_what_it_is_up_to_can_be_read():
+    agent, _ = make("b(1).\n!go.\n@walk\n+!go <- !sub(2).\n+!sub(X) <- .wait(1000);\n  done.")
+    agent.advance(0.0)
+    (intention,) = agent.intentions
+    outer, inner = intention.stack
+    assert (outer.plan.label.functor, str(outer.trigger)) == ("walk", "+!go[source(self)]")
+    assert (str(inner.trigger), inner.place.line) == ("+!sub(2)[source(self)]", 5)
+    assert [str(belief) for belief in agent.beliefs] == ["b(1)[source(self)]"]
+
+
+def test_reprs_are_short():
+    source = "p(1). q(X) :- p(X).\n!go.\n@l +!go : p(X) <- .wait(1000); walk(X)."
+    program = bdi.parse(source, "x.asl")
+    agent = bdi.Agent(program, society=bdi.Society(), act=lambda action: bdi.PENDING)
+    agent.advance(0.5)
+    assert repr(program) == "<Program x.asl: 2 beliefs, 1 goals, 1 plans>"
+    assert repr(program.plans[0]) == "<Plan @l +!go : p(X) <- .wait(1000); walk(X)>"
+    assert repr(agent) == "<Agent human at 0.5 s: 1 beliefs, 1 intentions>"
+    assert repr(agent.intentions) == "[<Intention 1: +!go[source(self)]>]"
+    assert repr(parse_term("p(X) & not q(-X)")) == "<(p(X) & not (q((-X))))>"
+
+
+def test_the_history_is_bounded_and_tells_what_happened():
+    history = bdi.History(limit=5)
+    agent, _ = make("!go(20). +!go(0) <- end. +!go(N) <- !go(N-1).", on_event=history.add)
+    agent.advance(0.0)
+    entries = list(history)
+    assert len(entries) == 5
+    assert [e.kind for e in entries][-2:] == ["action", "ended"]
+    assert entries[-2].line == 1
+
+
+def test_beliefs_given_to_the_agent_come_first():
+    agent, log = make("speed(1). !go. +!go <- ?speed(X); .print(X).", beliefs=["speed(9)"])
+    agent.advance(0.0)
+    assert log == [(0.0, "9")]
+
+
+def test_the_same_seed_draws_the_same_numbers():
+    source = "!go. +!go <- .random(X); Y = math.random(10); .shuffle([1,2,3,4,5],L); .print(X,Y,L)."
+    logs = []
+    for seed in (1, 1, 2):
+        agent, log = make(source, seed=seed)
+        agent.advance(0.0)
+        logs.append(log)
+    assert logs[0] == logs[1] != logs[2]
+
+
+def test_dates_count_simulated_time():
+    agent, log = make(
+        "!go. +!go <- .wait(3723004); .time(H,M,S,Ms); .date(Y,Mo,D); .print([H,M,S,Ms,Y,Mo,D])."
+    )
+    agent.advance(4000.0)
+    assert log == [(3723.004, "[1,2,3,4,2023,1,1]")]
+
+
+def test_own_internal_actions():
+    actions = bdi.InternalActions()
+
+    @actions.add("floor.distance", least=3, most=3)
+    def distance(call, x, y, result):
+        return call.unify(result, (x * x + y * y) ** 0.5)
+
+    @actions.add("floor.corners", least=1, most=1)
+    def corners(call, corner):
+        return call.each(corner, [1, 2, 3])
+
+    agent, log = make(
+        "!go. +!go : floor.corners(C) & C > 1 <- floor.distance(3,4,D); .print(C,D).",
+        actions=actions,
+    )
+    agent.advance(0.0)
+    assert log == [(0.0, "25")]
+    with pytest.raises(bdi.ProgramError, match=r"floor\.distance"):
+        bdi.Agent(bdi.parse("!go. +!go <- floor.distanc(1,2,D)."), actions=actions, strict=True)
+    with pytest.raises(ValueError, match="dot"):
+        actions.add("nodot")
+    with pytest.raises(ValueError, match="already"):
+        actions.add("floor.distance")
+
+
+def test_unknown_internal_actions_are_found_when_loaded():
+    source = "r :- .membr(1,[]). +!a : .atm(x) <- .drop_desir(x); if (.listt([])) { .prnt }."
+    with pytest.raises(bdi.ProgramError) as wrong:
+        bdi.Agent(bdi.parse(source, "x.asl"), strict=True)
+    text = str(wrong.value)
+    for hint in (".member?", ".atom?", ".drop_desire?", ".list?", ".print?"):
+        assert hint in text
+    assert len(wrong.value.problems) == 5
+
+
+def test_unknown_internal_actions_are_warnings_unless_an_agent_is_strict():
+    source = "!go. +!go <- .add_plan({ +!x <- .nosuch(1) }); !x. -!go[error(E)] <- .print(E)."
+    warnings, lines = [], []
+    program = bdi.parse("+!y <- .prnt.\n" + source, "x.asl")
+    bdi.Agent(program, on_event=warnings.append, kinds=["warning"], print=lines.append).advance(0.0)
+    assert lines == ["action_failed"]
+    # That of the added plan is a warning where it is written, and again when it is added.
+    assert [entry.text.partition(" (")[0] for entry in warnings] == [
+        "x.asl:1:8: there is no internal action .prnt; did you mean .print?",
+        "x.asl:2:14: there is no internal action .nosuch",
+        "x.asl:2:33: there is no internal action .nosuch",
+    ]
+    with pytest.raises(bdi.ProgramError, match=r"x\.asl:1:8: there is no internal action \.prnt"):
+        bdi.Agent(program, strict=True)
+
+
+def test_waiting_cannot_be_in_a_context():
+    with pytest.raises(bdi.ProgramError, match=r"\.wait cannot be used in a context"):
+        bdi.Agent(bdi.parse("+!a : .wait(1) <- b."))
+
+
+def test_two_plans_with_one_label():
+    with pytest.raises(bdi.ProgramError, match=r"x\.asl:2:.*@l"):
+        bdi.Agent(bdi.parse("@l +!a <- b.\n@l +!c <- d.", "x.asl"))
+
+
+@pytest.mark.parametrize(
+    ("source", "place"),
+    [
+        ("!go.\n+!go <- while (true) { .length([],_) }.", "x.asl:2"),
+        ("!go.\n+!go <- !go.", "x.asl:2"),
+        ("!go.\n+!go <- !!go.", "x.asl:2"),
+        ("!go.\n+!go <- !!other. +!other <- -+b(1).\n+b(_) <- !!go.", "x.asl"),
+    ],
+)
+def test_what_never_ends_is_stopped(source, place):
+    agent = bdi.Agent(bdi.parse(source, "x.asl"), max_cycles=2000)
+    with pytest.raises(bdi.EndlessProgramError, match="2000 cycles") as wrong:
+        agent.advance(0.0)
+    assert place in str(wrong.value)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "!g.\n+!g <- !!g; !!g.",
+        "!g.\n+!g <- .wait(1); !!g; !!g.",
+        "!g.\n+!g <- !g |&| !g.",
+        "!g.\n+!g <- !!g; .wait({+never}).",
+    ],
+)
+def test_intentions_that_become_more_without_end_are_stopped(source):
+    agent = bdi.Agent(bdi.parse(source, "x.asl"), max_intentions=500)
+    with pytest.raises(bdi.EndlessProgramError, match=r"x\.asl:2.*500 intentions"):
+        agent.advance(60.0)
+    assert len(agent.intentions) <= 501
+
+
+def test_waiting_for_much_that_happens_is_work_that_ends():
+    source = "!g.\n+!g <- !!g; .wait({+never})."
+    agent = bdi.Agent(bdi.parse(source, "x.asl"), max_goals=1000)
+    with pytest.raises(bdi.EndlessProgramError, match=r"x\.asl:2.*goals"):
+        agent.advance(0.0)
+
+
+def test_goals_may_be_deep_but_not_endless():
+    source = (
+        "!go. +!go <- !sum(20000,S); .print(S). +!sum(0,0). +!sum(N,S) <- !sum(N-1,R); S = R+N."
+    )
+    agent, log = make(source)
+    agent.advance(0.0)
+    assert log == [(0.0, "200010000")]
+    agent, _ = make("!go. +!go <- !go; .print(x).", max_depth=1000)
+    with pytest.raises(bdi.EndlessProgramError, match="too deeply"):
+        agent.advance(0.0)
+
+
+@pytest.mark.slow
+def test_rules_may_be_deep_but_not_endless():
+    source = "len([],0). len([_|T],N) :- len(T,M) & N = M+1."
+    agent, log = make(
+        source + "!go. +!go <- .findall(X,.range(X,1,10000),L); ?len(L,N); .print(N)."
+    )
+    agent.advance(0.0)
+    assert log == [(0.0, "10000")]
+    agent, _ = make("p(X) :- p(X). !go. +!go <- ?p(1).")
+    with pytest.raises(bdi.EndlessProgramError, match="without end"):
+        agent.advance(0.0)
+
+
+def test_terms_that_are_nested_too_deeply_are_refused():
+    agent, _ = make("!go(x,0). +!go(T,N) : N < 5000 <- !go(f(T),N+1). +!go(T,N) <- .print(T).")
+    with pytest.raises(bdi.EndlessProgramError, match="more than 150 deep"):
+        agent.advance(0.0)
+
+
+@pytest.mark.slow
+def test_a_million_cycles_leave_nothing_behind():
+    agent, _ = make("!go(100000). +!go(0). +!go(N) : N > 0 <- -+at(N); !!go(N-1).", print=None)
+    agent.advance(0.0)
+    gc.collect()
+    before = len(gc.get_objects())
+    agent.add_percept("again")
+    agent.plans.add(bdi.parse("+again <- !!go(300000).").plans[0])
+    agent.advance(1.0)
+    gc.collect()
+    assert len(gc.get_objects()) - before < 1000
+
+
+def test_many_beliefs_are_found_by_their_first_argument():
+    agent, log = make("+!ask(K) : b(K,V) <- .print(V). b(_,0) :- false.")
+    for i in range(20_000):
+        agent.believe(bdi.Literal("b", (float(i), float(i * i))))
+    shelf = agent.beliefs.shelves["b", 2, False]
+    query = bdi.parse_literal("b(777,X)")
+    assert len(shelf.candidates(query, {})) == 2  # the belief and the rule
+    agent.plans.add(bdi.parse("+p(K) <- !ask(K).").plans[0])
+    agent.add_percept("p(777)")
+    agent.advance(0.0)
+    assert log == [(0.0, str(777 * 777))]
+
+
+def test_stopping():
+    agent, log = make("!a. !b. +!a <- .wait(10); .stopMAS; never. +!b <- .wait(20); never.")
+    agent.advance(1.0)
+    assert agent.is_stopped
+    assert log == []
+    assert agent.next_wakeup is None

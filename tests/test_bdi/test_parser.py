@@ -1,0 +1,306 @@
+"""Reading programs: any text gives a program or says where it is wrong."""
+
+import string
+
+import pytest
+from hypothesis import given, strategies as st
+
+import bdi
+from bdi.language.loading import parse_term
+from bdi.language.terms import text as text_of
+
+PIECES = st.sampled_from(
+    [
+        *("a", "b(1)", "X", "_", '"text"', "3.5", "[1,2|T]", "{+!g}", ".print", "true", "not", "~"),
+        *("(", ")", "[", "]", "{", "}", ".", ",", ";", ":", ":-", "<-", "!", "!!", "?", "+", "-"),
+        *("&", "|", "|&|", "|||", "=", "==", "=..", "<", ">=", "*", "/", "**", "div", "mod", "@l"),
+        *(
+            "if",
+            "else",
+            "elif",
+            "while",
+            "for",
+            "'q a'",
+            '"',
+            "//",
+            "/*",
+            "*/",
+            "\n",
+            "\\",
+            "include",
+        ),
+    ]
+)
+
+
+def check(text):
+    try:
+        program = bdi.parse(text, "t.asl")
+    except bdi.ProgramError as error:
+        lines = text.count("\n") + 1
+        for problem in error.problems:
+            assert problem.file == "t.asl"
+            assert 1 <= problem.line <= lines + 1
+            assert problem.column >= 1
+            assert problem.message
+    else:
+        written = str(program)
+        again = bdi.parse(written, "t.asl")
+        assert str(again) == written
+
+
+@given(st.text(max_size=200))
+def test_any_text_is_read_or_refused(text):
+    check(text)
+
+
+@given(st.text(alphabet=string.printable, max_size=300))
+def test_any_printable_text_is_read_or_refused(text):
+    check(text)
+
+
+@given(st.lists(PIECES, max_size=40))
+def test_any_tokens_are_read_or_refused(pieces):
+    check(" ".join(pieces))
+
+
+NAMES = st.sampled_from(["a", "b", "go", "p1", "'An Atom'"])
+VARIABLES = st.sampled_from(["X", "Y", "Long_Name1", "_"])
+NUMBERS = st.floats(-1e9, 1e9, allow_nan=False).map(lambda x: f"{abs(x):.6g}")
+STRINGS = st.text(alphabet='ab "\\n.;{}', max_size=6).map(
+    lambda s: '"' + s.replace("\\", "").replace('"', '\\"') + '"'
+)
+
+
+def structures(terms):
+    args = st.lists(terms, min_size=1, max_size=3).map(", ".join)
+    lists = st.lists(terms, max_size=3).map(lambda items: f"[{', '.join(items)}]")
+    return st.one_of(
+        st.builds("{}({})".format, NAMES, args),
+        st.builds("{}({})[{}]".format, NAMES, args, NAMES),
+        st.builds("~{}({})".format, NAMES, args),
+        lists,
+        st.builds("[{}|{}]".format, terms, VARIABLES),
+    )
+
+
+TERMS = st.recursive(st.one_of(NAMES, VARIABLES, NUMBERS, STRINGS), structures, max_leaves=8)
+SUMS = st.recursive(
+    st.one_of(VARIABLES, NUMBERS),
+    lambda s: st.builds("({} {} {})".format, s, st.sampled_from(["+", "-", "*", "**", "mod"]), s),
+    max_leaves=5,
+)
+CONDITIONS = st.recursive(
+    st.one_of(
+        NAMES,
+        st.builds("{} {} {}".format, SUMS, st.sampled_from(["<", "==", "\\==", "="]), SUMS),
+        st.builds(".member({}, {})".format, TERMS, TERMS),
+    ),
+    lambda c: st.one_of(
+        st.builds("({} & {})".format, c, c),
+        st.builds("({} | {})".format, c, c),
+        st.builds("not ({})".format, c),
+    ),
+    max_leaves=5,
+)
+LITERALS = st.builds("{}({})".format, st.sampled_from(["p", "q"]), TERMS)
+STEPS = st.recursive(
+    st.one_of(
+        st.builds(
+            "{}{}".format, st.sampled_from(["!", "!!", "?", "+", "-", "-+", "++", ""]), LITERALS
+        ),
+        st.builds("X = {}".format, SUMS),
+        st.builds(".print({})".format, TERMS),
+    ),
+    lambda s: st.one_of(
+        st.builds("if ({}) {{ {} }} else {{ {} }}".format, CONDITIONS, s, s),
+        st.builds("for ({}) {{ {}; {} }}".format, CONDITIONS, s, s),
+        st.builds("while ({}) {{ {} }}".format, CONDITIONS, s),
+        st.builds("(a; {}) |&| !b ||| c".format, s),
+        st.builds("({}; {})".format, s, s),
+    ),
+    max_leaves=4,
+)
+CLAUSES = st.one_of(
+    st.builds("{}.".format, LITERALS),
+    st.builds("{} :- {}.".format, LITERALS, CONDITIONS),
+    st.builds("!{}.".format, LITERALS),
+    st.builds("@l[atomic] +!{} : {} <- {}; {}.".format, LITERALS, CONDITIONS, STEPS, STEPS),
+    st.builds("-{} <- {}.".format, LITERALS, STEPS),
+    st.builds("+?{}.".format, LITERALS),
+)
+
+
+@given(st.lists(CLAUSES, max_size=4).map("\n".join))
+def test_what_is_written_reads_the_same(source):
+    program = bdi.parse(source)
+    written = str(program)
+    assert str(bdi.parse(written)) == written
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("(a; b); c", "a; b; c"),
+        ("a; (b; c)", "a; b; c"),
+        ("((a; b))", "a; b"),
+        ("x; (a ||| b); c", "x; a ||| b; c"),
+        ("if (p) { (a; b) }", "if (p) { a; b }"),
+        ("(+q(a); ?q(X); X)", "+q(a); ?q(X); X"),
+        ("a; ((-p; b); (-+q(1); ++r))", "a; -p; b; -+q(1); ++r"),
+        ("(-p) |&| (+q; a)", "-p |&| (+q; a)"),
+        (
+            "X = 1; ((-X) < 2; (-X) < 3); -X < 3; a",
+            "X = 1; (-X) < 2; (-X) < 3; (-X < 3); a",
+        ),
+        ("X = 1; -3 < X; (-3 < X; a)", "X = 1; (-3) < X; -3 < X; a"),
+    ],
+)
+def test_brackets_around_steps_make_no_difference(written, meant):
+    done = []
+    for body in (written, meant):
+        acted = []
+        program = bdi.parse(f"p. !g. +!g <- {body}.")
+        bdi.Agent(program, act=lambda action, acted=acted: not acted.append(str(action))).advance(0)
+        done.append((str(program), acted))
+    assert done[0] == done[1]
+    assert done[0][1]
+
+
+def test_no_annotations_in_brackets_are_none():
+    written = "p[]. +!g <- !b(X[]); _[]; ~a(Y[])[]; Z[b]; Z[]."
+    assert str(bdi.parse(written)) == str(bdi.parse("p. +!g <- !b(X); _; ~a(Y); Z[b]; Z."))
+
+
+def problems(source):
+    with pytest.raises(bdi.ProgramError) as wrong:
+        bdi.parse(source, "x.asl")
+    return [(p.line, p.column, p.message) for p in wrong.value.problems]
+
+
+def test_every_wrong_clause_is_reported():
+    source = "a(1.\n!go.\n+!go <- .print(1) .print(2).\nb(2).\n+!c : <- d.\nX."
+    assert [place[:2] for place in problems(source)] == [(1, 4), (3, 19), (5, 7), (6, 1)]
+
+
+@pytest.mark.parametrize(
+    ("source", "place", "part"),
+    [
+        ("a", (1, 2), "found the end, expected"),
+        ("a(", (1, 3), "expected a term"),
+        ('a("x).', (1, 3), "does not end on its line"),
+        ("a. §", (1, 4), "'§' has no meaning"),
+        ("+!a <- !.print(1).", (1, 8), "do not combine"),
+        ("+!a <- 3.", (1, 8), "nothing a plan can do"),
+        ("+!a <- X + a.", (1, 8), "numbers and variables"),
+        ("-+a <- b.", (1, 1), "begins with '+' or '-'"),
+        ("a <- b.", (1, 3), "found '<-'"),
+        (".print(1).", (1, 1), "cannot be a belief"),
+        ("!X.", (1, 1), "cannot be a goal"),
+        ("a(1e999).", (1, 3), "too large"),
+        ("{ includ(x) }", (1, 1), "no directive 'includ'"),
+        ('{ include("x.asl") }', (1, 1), "none is built in"),
+        ("/* open", (1, 1), "found '/'"),
+        ("+~.print(1).", (1, 2), "cannot be negated"),
+    ],
+)
+def test_the_place_of_a_mistake(source, place, part):
+    ((line, column, message),) = problems(source)
+    assert (line, column) == place, message
+    assert part in message
+
+
+def test_deep_nesting_is_refused_or_read():
+    for depth in (10, 100, 5000):
+        for text in ("a(" + "(" * depth + "1" + ")" * depth + ").", "a" * depth + "(" * depth):
+            check(text)
+        check("+!a <- " + "; ".join(["b"] * depth) + ".")
+
+
+@pytest.mark.parametrize(
+    ("source", "printed"),
+    [
+        ("2 + 3 * 4", "(2+(3*4))"),
+        ("2 - 3 - 4", "((2-3)-4)"),
+        ("2 ** 3 ** 2", "(2**(3**2))"),
+        ("X mod 2 + 1", "((X mod 2)+1)"),
+        ("-X", "(-X)"),
+        ("-3", "-3"),
+        ("a & b | c & not d", "((a & b) | (c & not (d)))"),
+        ("[a, b|[c|T]]", "[a,b,c|T]"),
+        ("p(1)[b, a, b]", "p(1)[a,b]"),
+        ("~p(1)", "~p(1)"),
+        ("1.50", "1.5"),
+        ("f(-0.5e3)", "f(-500)"),
+        ('"a\\"b"', '"a"b"'),
+        ("{ !a; +b }", "{ !a; +b }"),
+        ("{ +!a(X) }", "{ +!a(X) }"),
+        ("{ @l +!a : b <- c }", "{ @l +!a : b <- c }"),
+        ("math.abs(-1) + X", "(math.abs(-1)+X)"),
+    ],
+)
+def test_how_terms_are_read_and_printed(source, printed):
+    assert text_of(parse_term(source)) == printed
+
+
+def test_comments_and_layout_do_not_matter():
+    one = bdi.parse("a.// b.\n/* c. \n * d. */ e(1,/* two */2). +!g:a<-b;c.")
+    other = bdi.parse("a.\n\n  e( 1 , 2 ) .\n+!g : a <- b ; c ; .")
+    assert str(one) == str(other)
+
+
+def test_included_files(tmp_path):
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "main.asl").write_text('a. { include("sub/part.asl") } c.', encoding="utf-8")
+    (tmp_path / "sub" / "part.asl").write_text("b.", encoding="utf-8")
+    assert str(bdi.parse_file(tmp_path / "main.asl")) == "a.\nb.\nc.\n"
+    (tmp_path / "outside.asl").write_text('{ include("../x.asl") }', encoding="utf-8")
+    (tmp_path / "loop.asl").write_text('{ include("loop.asl") }', encoding="utf-8")
+    (tmp_path / "wrong.asl").write_text('{ include("bad.asl") }\nx(.', encoding="utf-8")
+    (tmp_path / "bad.asl").write_text("ok.\nnot ok.", encoding="utf-8")
+    for name, part in (
+        ("outside", "outside the program's folder"),
+        ("loop", "includes itself"),
+        ("wrong", "bad.asl:2:1"),
+        ("nowhere", "no such file"),
+    ):
+        with pytest.raises(bdi.ProgramError, match=part.replace(".", r"\.")):
+            bdi.parse_file(tmp_path / f"{name}.asl")
+    with pytest.raises(bdi.ProgramError) as wrong:
+        bdi.parse_file(tmp_path / "wrong.asl")
+    assert len(wrong.value.problems) == 2
+
+
+def test_files_that_are_no_text(tmp_path):
+    path = tmp_path / "x.asl"
+    path.write_bytes(b"a(\xff).")
+    with pytest.raises(bdi.ProgramError, match="UTF-8"):
+        bdi.parse_file(path)
+    with pytest.raises(bdi.ProgramError, match="no regular file"):
+        bdi.parse_file(tmp_path)
+
+
+@pytest.mark.parametrize("text", ["", " ", "\n"])
+def test_nothing_is_no_literal(text):
+    with pytest.raises(bdi.ProgramError, match="found the end"):
+        bdi.parse_literal(text)
+
+
+def test_files_with_the_same_text_keep_their_own_places_and_changes_are_seen(tmp_path):
+    one, other = tmp_path / "one.asl", tmp_path / "other.asl"
+    for path in (one, other):
+        path.write_text("!walk.\n+!walk <- wait.\n")
+    assert {plan.place.file for plan in bdi.parse_file(one).plans} == {str(one)}
+    assert {plan.place.file for plan in bdi.parse_file(other).plans} == {str(other)}
+    one.write_text("!rest.\n")
+    assert [str(goal) for goal in bdi.parse_file(one).goals] == ["!rest"]
+
+
+def test_a_wrong_text_is_refused_each_time():
+    errors = []
+    for _ in range(2):
+        with pytest.raises(bdi.ProgramError) as refused:
+            bdi.parse("!walk.\n+!walk <- .\n+!rest <- ?.\n", "p.asl")
+        errors.append(str(refused.value))
+    assert errors[0] == errors[1]
+    assert errors[0].count("p.asl:") == 2

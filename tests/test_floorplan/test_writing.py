@@ -1,0 +1,117 @@
+"""Floors that are written are read again as they were."""
+
+import math
+from dataclasses import replace
+
+import pytest
+import shapely
+from hypothesis import given, strategies as st
+from shapely.geometry import Point, Polygon, box
+
+import floorplan
+from floorplan.plan import lost
+
+BUILT_IN = [floorplan.load(name) for name in floorplan.builtin()]
+RING = box(3, 3, 6, 6).difference(box(4, 4, 5, 5))
+PLAN = floorplan.Floorplan(
+    "yard: 1",
+    box(0, 0, 20, 12).difference(box(15, 9, 16, 10)),
+    obstacles=[
+        floorplan.Obstacle("press", box(6.1, 4.2, 9, 12), 0.0, 2.0),
+        floorplan.Obstacle("pillar", Point(13, 5).buffer(0.5), 0.0, 3.0),
+        floorplan.Obstacle("1e3", RING, 0.0, 1e-5),
+        floorplan.Obstacle("beam", Polygon([(0, 0), (1, 0), (0, 1)]), 2.5, 3.0),
+    ],
+    stations=[floorplan.Station("gate", (18, 8)), floorplan.Station("no", (18.1, 8))],
+    patrol=("no", "gate", "no"),
+    safe_zone=floorplan.SafeZone((1.5, 1.5), 0.1),
+    human=floorplan.Human(radius=0.25),
+    lanes=[
+        floorplan.Lane("a", (2, 10), 0.0, (0, 3), {"home": 0.0}, "home", 1, 0.5, 1, 2, 2),
+        floorplan.Lane(
+            "b", (2, 8), 0.1, (-1, 2), {"x": 1.0}, "x", 1, 0.6, 1, 2, 3, serves={"out": "x"}
+        ),
+    ],
+    title="A yard",
+)
+
+
+@pytest.mark.parametrize("plan", [PLAN, *BUILT_IN])
+def test_floorwalkers_own_format_holds_everything(plan, tmp_path):
+    plan.save(tmp_path / "floor.yaml")
+    assert floorplan.load(tmp_path / "floor.yaml") == plan
+    assert floorplan.parse(replace(plan, patrol=()).to_yaml()).patrol == ()
+
+
+@pytest.mark.parametrize("plan", BUILT_IN)
+def test_geojson_holds_what_stands_on_the_floor(plan, tmp_path):
+    plan.save(tmp_path / "floor.geojson")
+    again = floorplan.load(tmp_path / "floor.geojson")
+    for name in ("boundary", "obstacles", "stations", "safe_zone"):
+        assert getattr(again, name) == getattr(plan, name)
+    assert lost(plan, ".geojson") == [
+        words
+        for words, held in (
+            ("AGVs", plan.lanes),
+            ("the gantry", plan.gantry),
+            ("the patrol", plan.patrol),
+            ("measures of people", plan.human != floorplan.Human()),
+        )
+        if held
+    ]
+
+
+@pytest.mark.parametrize("plan", BUILT_IN)
+def test_wkt_holds_the_area_to_walk_on(plan, tmp_path):
+    plan.save(tmp_path / "floor.wkt")
+    area = floorplan.load(tmp_path / "floor.wkt").free(0, 1)
+    assert area.symmetric_difference(plan.free(0, plan.human.height)).area < 1e-9
+
+
+corners = st.floats(0.5, 8.0).map(lambda value: round(value, 3))
+sizes = st.floats(0.05, 2.0)
+
+
+@given(st.lists(st.tuples(corners, corners, sizes, sizes), max_size=5), st.floats(0.05, 0.3))
+def test_a_map_shows_no_room_that_is_not_there(tmp_path_factory, rectangles, resolution):
+    blocks = [
+        floorplan.Obstacle(f"o{k}", box(x, y, x + w, y + h), 0.0, 1.0)
+        for k, (x, y, w, h) in enumerate(rectangles)
+    ]
+    plan = floorplan.Floorplan("hall", box(0, 0, 10.0, 9.0), blocks)
+    path = tmp_path_factory.mktemp("map") / "hall.yaml"
+    plan.save(path, resolution=resolution)
+    again = floorplan.load(path).free(0, 1)
+    area = plan.free(0, 1)
+    # Outlines move by less than half a cell when a map is read.
+    assert area.buffer(0.46 * resolution).covers(again)
+    kept = area.buffer(-2 * math.sqrt(2) * resolution)
+    largest = max(shapely.get_parts(kept), key=lambda part: part.area)
+    assert again.buffer(1e-9).covers(largest)
+
+
+def test_what_can_not_be_written(tmp_path):
+    def says(match, plan, name, kind=ValueError, **more):
+        with pytest.raises(kind, match=match):
+            plan.save(tmp_path / name, **more)
+
+    says(r"files that end in one of \.yaml", PLAN, "floor.dxf")
+    says("a resolution belongs to a ROS map", PLAN, "floor.wkt", resolution=0.1)
+    says("a resolution belongs to a ROS map", PLAN, "floor.pgm", resolution=0.0)
+    says("is too large", PLAN, "floor.pgm", resolution=0.001)
+    wall = floorplan.Obstacle("wall", box(9, -1, 10, 13), 0.0, 2.0)
+    hall = floorplan.Floorplan("hall", box(0, 0, 20, 12), [wall])
+    says("walk on 2 separate areas", hall, "floor.wkt")
+    full = replace(hall, obstacles=[replace(wall, footprint=box(-1, -1, 21, 13))])
+    says("walk nowhere", full, "floor.pgm")
+    crossed = replace(hall, boundary=Polygon([(0, 0), (1, 1), (1, 0), (0, 1)]))
+    says("boundary: is not a simple polygon", crossed, "floor.yaml", floorplan.FloorplanError)
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_file_that_could_not_be_read_again_is_not_written(tmp_path, monkeypatch):
+    plan = floorplan.load("warehouse")
+    monkeypatch.setattr("floorplan.plan.MOST_TEXT", 1000)
+    with pytest.raises(ValueError, match="of more than 1,000 can't be read"):
+        plan.save(tmp_path / "floor.yaml")
+    assert not (tmp_path / "floor.yaml").exists()

@@ -1,0 +1,280 @@
+"""Laws: the formula, what they say of a whole interval, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+from stretches import encounters, part_of
+
+import floorplan
+import navigation
+from navigation import (
+    ApproachLaw,
+    Enclosure,
+    FixedDistance,
+    IntegralLaw,
+    Motion,
+    Piece,
+    Scaled,
+    SeparationLaw,
+)
+from navigation.encounter import Odometer
+from navigation.machines import AxisLimits
+from navigation.motion import State
+from navigation.separation import is_of_motions, is_of_speeds, required_at_speeds
+
+
+def test_the_linear_form():
+    law = SeparationLaw(t1=1.0, t2=1.5, stopping=0.25, intrusion=1.0)
+    assert law.distance(human_speed=1.0, robot_speed=0.5) == pytest.approx(2.5 + 0.5 + 0.25 + 1.0)
+    assert law.distance(0.0, 0.0) == 1.25
+
+
+def test_noticing_is_a_multiple_with_a_cap():
+    law = Scaled(SeparationLaw(t1=1.0, t2=1.5, intrusion=1.2), 1.75, cap=5.0)
+    assert law.distance(0.0, 0.0) == pytest.approx(2.1)
+    assert law.distance(1.0, 0.0) == pytest.approx(1.75 * 3.7)
+    assert law.distance(2.0, 0.0) == 1.75 * 5.0
+
+
+def test_a_fixed_distance_does_not_care():
+    assert FixedDistance(2.1).distance(3.0, 4.0) == 2.1
+
+
+def test_the_approach_speed_of_the_standard_is_a_constant():
+    law = ApproachLaw(time=0.5, intrusion=0.85)
+    assert law.distance(0.0, 3.0) == law.distance(2.0, 0.0) == pytest.approx(1.6 * 0.5 + 0.85)
+    assert ApproachLaw(time=2.0, speed=2.0).distance(0.0, 0.0) == 4.0
+
+
+def integral(law, person, machine, t):
+    """What the integral law requires at an instant."""
+    encounter, *_ = encounters(person, machine, t, t)
+    return law.required(encounter, t, t).value
+
+
+def test_at_constant_speeds_the_integral_form_is_the_linear_form():
+    terms = {"t1": 0.7, "t2": 1.1, "stopping": 0.25, "intrusion": 0.5}
+    person = navigation.walk([(-20, 0), (20, 0)], 0.0, max_speed=1.3)
+    machine = navigation.gantry_move((-14, -7, 0), (0, 7, 0))
+    assert integral(IntegralLaw(**terms), person, machine, 10.0) == pytest.approx(
+        SeparationLaw(**terms).distance(1.3, machine.state(10.0).speed), abs=1e-12
+    )
+
+
+def test_the_integral_form_counts_the_way_that_is_left():
+    """Braking from 1 m/s at 2.5 m/s² takes 0.4 s and 0.2 m."""
+    person = navigation.walk([(0, 0), (5, 0)], 0.0)
+    machine = navigation.standing((0, 0))
+    law = IntegralLaw(t1=1.0, t2=1.0, human_uncertainty=0.1, robot_uncertainty=0.2, intrusion=0.3)
+    assert person.end == pytest.approx(5.4, abs=1e-6)
+    assert integral(law, person, machine, 5.0) == pytest.approx(0.2 + 0.6, abs=1e-6)
+    assert integral(law, person, machine, 4.0) == pytest.approx(1.2 + 0.6, abs=1e-6)
+    assert integral(law, person, machine, 5.4) == pytest.approx(0.6, abs=1e-6)
+
+
+def test_the_integral_form_brakes_the_robot_evenly_where_nothing_is_said():
+    person = navigation.standing((0, 0))
+    machine = navigation.walk([(0, 0), (50, 0)], 0.0, max_speed=2.0)
+    law = IntegralLaw(t1=1.0, t2=1.5)
+    assert integral(law, person, machine, 10.0) == pytest.approx(2.0 * 1.0 + 2.0 * 1.5 / 2)
+
+
+def test_being_put_elsewhere_is_no_way_gone():
+    walk = navigation.walk([(-10, 0), (10, 0)], 0.0)
+    person = navigation.join([walk, navigation.standing((-20, 0), start=8.0)], end=20.0)
+    odometer = Odometer(person)
+    assert odometer.reading(8.0) == odometer.reading(20.0) == pytest.approx(7.8, abs=1e-6)
+    law = IntegralLaw(t1=1.0, t2=1.0)
+    machine = navigation.standing((0, 0))
+    assert integral(law, person, machine, 7.5) == pytest.approx(0.5, abs=1e-6)
+
+
+cubics = st.tuples(st.just(0.0), *(st.floats(-2, 2) for _ in range(3)))
+curves = st.builds(
+    lambda x, y, end: Motion((Piece(0.0, end, x, y, (0.0,) * 4),)),
+    cubics,
+    cubics,
+    st.floats(0.01, 5),
+)
+
+
+@given(curves, st.floats(0, 1))
+def test_an_odometer_reads_the_length_of_the_way(motion, share):
+    t = share * motion.end
+    steps = np.linspace(0.0, t, 20_001)
+    chords = np.hypot(*np.diff(motion.position(steps), axis=0).T).sum()
+    fastest = np.hypot(*motion.velocity(np.linspace(0, motion.end, 99)).T).max() + 1.0
+    reading = Odometer(motion).reading(t)
+    assert reading == pytest.approx(chords, abs=1e-6 * fastest * (1 + t))
+    assert reading >= chords - 1e-9 * (1 + chords)
+
+
+@given(
+    st.one_of(st.floats(1e-12, 2), st.sampled_from([1e-10, 1e-7, 1e-4])),
+    st.floats(-2, 2),
+    st.floats(0.01, 2),
+    st.floats(0, 5),
+)
+def test_an_odometer_agrees_with_the_closed_form_of_a_parabola(across, v, a, t):
+    """∫ √(b² + w²) dw = (w √(b² + w²) + b² asinh(w / b)) / 2, however sharp the turn."""
+    piece = Piece(0.0, 5.0, (0.0, across, 0.0, 0.0), (0.0, v, a, 0.0), (0.0,) * 4)
+
+    def stem(w):
+        return (w * math.hypot(across, w) + across**2 * math.asinh(w / across)) / 2
+
+    length = (stem(v + 2 * a * t) - stem(v)) / (2 * a)
+    assert Odometer(Motion((piece,))).reading(t) == pytest.approx(length, rel=1e-11, abs=1e-11)
+
+
+def test_an_odometer_counts_back_and_forth():
+    piece = Piece(0.0, 2.0, (0.0, 3.0, -3.0, 0.0), (0.0,) * 4, (0.0,) * 4)
+    odometer = Odometer(Motion((piece,)))
+    assert odometer.reading(0.5) == pytest.approx(0.75, abs=1e-14)
+    assert odometer.reading(1.0) == pytest.approx(1.5, abs=1e-14)
+    assert odometer.reading(2.0) == odometer.reading(9.0) == pytest.approx(7.5, abs=1e-13)
+    assert odometer.reading(-1.0) == 0.0
+
+
+@given(curves, curves, st.floats(0, 2), st.floats(0, 2), st.floats(0, 1), st.floats(0, 1))
+def test_what_a_law_says_of_an_interval_holds_throughout(person, machine, t1, t2, low, high):
+    laws = [
+        IntegralLaw(t1=t1, t2=t2, intrusion=0.5),
+        SeparationLaw(t1=t1, t2=t2),
+        ApproachLaw(time=t1),
+        FixedDistance(t2),
+    ]
+    for law in laws:
+        assert is_of_motions(law)
+        for encounter in encounters(person, machine, 0.0, 6.0):
+            begin, end = part_of(encounter, low, high)
+            found = law.required(encounter, begin, end)
+            # A robot that halts at once, at the end, is not meant by what is said of before.
+            for t in np.linspace(begin, end, 9)[:-1].tolist():
+                exact = law.required(encounter, t, t).value
+                u = t - (begin + end) / 2
+                expected = found.value + found.slope * u + found.curve * u * u / 2
+                assert abs(exact - expected) <= found.slack + 1e-10
+
+
+def test_enclosures_add_up():
+    one = Enclosure(1.0, 0.5, 0.1) * -2.0 + Enclosure(1.0, 1.0, 0.0) + 4.0
+    assert (one.value, one.slope, one.slack) == (3.0, 0.0, 0.2)
+    assert one.range(10.0) == (2.8, 3.2)
+    two = (Enclosure(1.0, 0.5, 0.0, 2.0) + Enclosure(0.0, 0.0, 0.0, 1.0)) * 2.0
+    assert (two.curve, two.range(1.0)) == (6.0, (-2.0, 6.0))
+    assert Enclosure.between(1.0, 2.0).range(3.0) == (1.0, 2.0)
+
+
+@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "0.1"])
+def test_terms_of_the_other_laws_are_checked_too(value):
+    integral_terms = ("t1", "t2", "stopping", "intrusion", "human_uncertainty", "robot_uncertainty")
+    for term in integral_terms:
+        with pytest.raises(ValueError, match=f"{term} must be a number of at least 0"):
+            IntegralLaw(**{"t1": 1.0, "t2": 1.0, term: value})
+    for term in ("time", "intrusion", "speed"):
+        with pytest.raises(ValueError, match=f"{term} must be a number of at least 0"):
+            ApproachLaw(**{"time": 1.0, term: value})
+
+
+@pytest.mark.parametrize("term", ["t1", "t2", "stopping", "intrusion"])
+@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "0.1"])
+def test_terms_are_finite_and_not_negative(term, value):
+    with pytest.raises(ValueError, match=f"{term} must be a number of at least 0"):
+        SeparationLaw(**{"t1": 1.0, "t2": 1.0, term: value})
+    with pytest.raises(ValueError, match="metres must be"):
+        FixedDistance(value)
+
+
+LAWS = [
+    SeparationLaw(t1=0.7, t2=1.1, stopping=0.25, intrusion=0.5),
+    IntegralLaw(t1=0.7, t2=1.1, stopping=0.25, intrusion=0.5),
+    ApproachLaw(time=1.5, intrusion=0.2),
+    FixedDistance(2.1),
+]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_what_is_required_at_an_instant_and_of_steady_speeds_is_the_same(law):
+    person = navigation.walk([(-20, 0), (20, 0)], 0.0, max_speed=1.3)
+    machine = navigation.gantry_move((-14, -7, 0), (0, 7, 0))
+    steady = required_at_speeds(law, 1.3, machine.state(10.0).speed)
+    assert navigation.required_at(law, person, machine, 10.0) == pytest.approx(steady, abs=1e-9)
+    assert navigation.required_at(Scaled(law, 2.0), person, machine, 10.0) == pytest.approx(
+        2 * steady, abs=1e-9
+    )
+    assert required_at_speeds(Scaled(law, 2.0, cap=0.3), 1.3, 1.0) == 0.6
+
+
+@pytest.mark.parametrize("cap", [math.inf, 1.3])
+def test_a_scaled_law_that_looks_ahead_is_judged_as_its_figures_say(cap):
+    """Somebody who walks to a stop beside a standing machine, against sampling the figures."""
+    person = navigation.walk([(-6, 0.8), (-0.5, 0.8)], 0.0)
+    machine = navigation.standing((0, 0))
+    law = Scaled(IntegralLaw(t1=0.5, t2=0.7, intrusion=0.9), 1.2, cap)
+    ts = np.arange(0.0, 8.0, 1e-3)
+    required = np.array([navigation.required_at(law, person, machine, t) for t in ts.tolist()])
+    gap = np.hypot(*person.position(ts).T)
+    changes = ts[1:][np.diff(gap < required)]
+    spans = navigation.violations(person, machine, law, 0.0, 8.0)
+    found = [t for span in spans for t in span if 0.0 < t < 8.0]
+    assert found == pytest.approx(changes.tolist(), abs=1.1e-3)
+    assert found
+    _, margin = navigation.minimum_margin(person, machine, law, 0.0, 8.0)
+    # Where the cap begins the margin has a corner, which falls between two samples.
+    least = (gap - required).min()
+    assert least - 1e-3 <= margin <= least + 1e-9
+
+
+def test_a_scaled_law_of_more_than_speeds_has_no_distance_at_speeds_alone():
+    law = Scaled(IntegralLaw(t1=0.5, t2=0.7), 2.0)
+    assert not is_of_speeds(law)
+    with pytest.raises(TypeError, match="more than two speeds"):
+        law.distance(1.0, 0.0)
+
+
+limits = st.builds(AxisLimits, st.floats(0.05, 3.0), st.floats(0.05, 3.0), st.floats(0.05, 20.0))
+
+
+def state_of(axis, share, speed):
+    """An axis that can keep its top speed: accelerating by a `share` of what lets it."""
+    acceleration = share * min(axis.max_acceleration, math.sqrt(2 * axis.max_jerk * axis.max_speed))
+    room = axis.max_speed - acceleration**2 / (2 * axis.max_jerk)
+    return speed * max(room, 0.0), acceleration
+
+
+@given(st.tuples(limits, limits, limits), st.lists(st.floats(-1, 1), min_size=6, max_size=6))
+def test_no_gantry_takes_longer_to_stop_than_its_law_says(axes, shares):
+    """Ruckig brakes from any state within the limits; from the worst it takes just that long."""
+    law = SeparationLaw.for_machine(axes, t1=0.1, intrusion=0.2)
+
+    def stop(shares, speeds):
+        states = [state_of(*of) for of in zip(axes, shares, speeds, strict=True)]
+        velocity, acceleration = zip(*states, strict=True)
+        braked = navigation.gantry_stop(
+            State((0.0, 0.0, 0.0), velocity, acceleration), 0.0, limits=axes
+        )
+        return braked.end, math.hypot(*braked.state(braked.end).at[:2])
+
+    time, distance = stop(shares[:3], shares[3:])
+    assert time <= law.t2 + 1e-6 and distance <= law.stopping + 1e-6
+    assert stop((1, 1, 1), (1, 1, 1)) == pytest.approx((law.t2, law.stopping), abs=1e-6)
+    assert (law.t1, law.intrusion) == (0.1, 0.2)
+
+
+def test_the_stops_of_the_built_in_machines():
+    plan = floorplan.load("ariac2023")
+    law = SeparationLaw.for_machine(plan.gantry, t1=1.0)
+    assert law == SeparationLaw.for_machine(navigation.ARIAC_GANTRY, t1=1.0)
+    assert law.t2 == pytest.approx(1.0 / 0.5 + 2 * 0.5 / 2.0)
+    lane = plan.lanes[0]
+    law = SeparationLaw.for_machine(lane, t1=1.0)
+    run = navigation.agv_run(lane, navigation.AxisState(0.0), 17.0)
+    fast = navigation.lane_state(lane, run.state(4.0))
+    braked = navigation.agv_stop(lane, fast)
+    assert fast.velocity == pytest.approx(lane.max_speed)
+    assert law.t2 == pytest.approx(braked.end)
+    assert law.stopping == pytest.approx(math.dist(run.state(4.0).at[:2], braked.position(9.0)))
+    with pytest.raises(TypeError, match="Gantry"):
+        SeparationLaw.for_machine(plan, t1=1.0)

@@ -1,0 +1,376 @@
+"""Distances between surfaces: against shapely, against sampling, and over heights."""
+
+import itertools
+import math
+import pickle
+from functools import partial
+
+import fcl
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings, strategies as st
+from stretches import assert_bounds, assert_negative_within, encounters, part_of
+
+import floorplan
+import navigation
+from navigation import (
+    AxisState,
+    Box,
+    Cylinder,
+    FixedDistance,
+    IntegralLaw,
+    SeparationLaw,
+    Shapes,
+    agv_box,
+    folded_arm,
+    torso_box,
+)
+
+END = 20.0
+PLAN = floorplan.load("ariac2023")
+TORSO = Shapes(machine=(torso_box(PLAN.gantry),))
+ARM = Shapes(machine=(folded_arm(PLAN.gantry),))
+CHILD = Shapes(person=Cylinder(radius=0.25, top=1.0), machine=(torso_box(PLAN.gantry),))
+LONG = Shapes(
+    machine=(Box(length=2.4, width=0.4, bottom=1.3, top=2.0), Cylinder(radius=0.6, top=3.0))
+)
+
+point = st.tuples(st.floats(-6, 0), st.floats(-3, 3))
+walks = st.builds(navigation.walk, st.lists(point, min_size=2, max_size=5), st.floats(0, 3))
+poses = st.tuples(st.floats(-6, 0), st.floats(-3, 3), st.floats(-3, 3))
+gantry_motions = st.builds(navigation.gantry_move, poses, poses, st.floats(0, 3))
+all_shapes = st.sampled_from([TORSO, ARM, CHILD, LONG])
+laws = st.one_of(
+    st.builds(FixedDistance, st.floats(0, 3)),
+    st.builds(
+        lambda t, d: SeparationLaw(t1=t, t2=0.5, intrusion=d), st.floats(0, 1), st.floats(0, 1)
+    ),
+)
+
+
+def by_shapely(person, machine, shapes, ts):
+    """The distances at many instants, from rotated footprints and the gap of heights."""
+    places, centres, turns = person.position(ts), machine.position(ts), machine.rotation(ts)
+    axes = shapely.points(places)
+    least = np.full(len(ts), np.inf)
+    for part in shapes.machine:
+        if isinstance(part, Box):
+            x, y = part.length / 2, part.width / 2
+            corners = np.array([(x, y), (-x, y), (-x, -y), (x, -y)])
+            c, s = np.cos(turns), np.sin(turns)
+            turn = np.stack([np.stack([c, s], -1), np.stack([-s, c], -1)], -2)
+            footprints = shapely.polygons(corners @ turn + centres[:, None])
+            flat = shapely.distance(axes, footprints)
+        else:
+            flat = shapely.distance(axes, shapely.points(centres)) - part.radius
+        flat = np.maximum(flat - shapes.person.radius, 0.0)
+        above = max(part.bottom - shapes.person.top, shapes.person.bottom - part.top, 0.0)
+        least = np.minimum(least, np.hypot(flat, above))
+    return least
+
+
+def distance_at(person, machine, shapes, t):
+    (encounter,) = encounters(person, machine, t, t, shapes.gauges)
+    return encounter.distance(t)
+
+
+@given(point, poses, all_shapes)
+def test_the_distance_is_that_of_rotated_footprints(at, pose, shapes):
+    person = navigation.standing(at)
+    machine = navigation.standing(pose[:2], heading=pose[2])
+    expected = by_shapely(person, machine, shapes, np.array([0.0]))[0]
+    assert distance_at(person, machine, shapes, 0.0) == pytest.approx(expected, abs=1e-12)
+
+
+@given(point, poses)
+def test_the_distance_is_the_one_that_fcl_measures(at, pose):
+    box, probe = TORSO.machine[0], 1e-6
+    heading = np.array([math.cos(pose[2] / 2), 0.0, 0.0, math.sin(pose[2] / 2)])
+    turn = fcl.Transform(heading, np.array([*pose[:2], 0.0]))
+    torso = fcl.CollisionObject(fcl.Box(box.length, box.width, 1.0), turn)
+    axis = fcl.CollisionObject(fcl.Sphere(probe), fcl.Transform(np.array([*at, 0.0])))
+    away = fcl.distance(torso, axis, fcl.DistanceRequest(), fcl.DistanceResult()) + probe
+    flat = Shapes(person=Cylinder(radius=0.25, top=2.0), machine=TORSO.machine)
+    expected = max(away - 0.25, 0.0)
+    machine = navigation.standing(pose[:2], heading=pose[2])
+    found = distance_at(navigation.standing(at), machine, flat, 0.0)
+    assert found == pytest.approx(expected, abs=1e-9)
+
+
+def test_the_distance_to_the_faces_and_the_corners_of_the_torso():
+    """1.05 × 0.95 m, and a person of 0.3 m radius."""
+    machine = navigation.standing((0, 0))
+    for at, expected in (
+        ((2.0, 0.1), 2.0 - 0.525 - 0.3),
+        ((0.2, -2.0), 2.0 - 0.475 - 0.3),
+        ((0.525 + 3, 0.475 + 4), 5.0 - 0.3),
+        ((0.7, 0.0), 0.0),
+    ):
+        found = distance_at(navigation.standing(at), machine, TORSO, 0.0)
+        assert found == pytest.approx(expected, abs=1e-12)
+    turned = navigation.standing((0, 0), heading=math.pi / 2)
+    found = distance_at(navigation.standing((2.0, 0.1)), turned, TORSO, 0.0)
+    assert found == pytest.approx(2.0 - 0.475 - 0.3, abs=1e-12)
+
+
+def test_the_torso_passes_over_who_is_small_enough():
+    """Bottom at 1.24 m: over 1.0 m of height there are 0.24 m left, however near."""
+    machine, below = navigation.standing((0, 0)), navigation.standing((0.1, 0.1))
+    assert distance_at(below, machine, CHILD, 0.0) == pytest.approx(0.24, abs=1e-12)
+    assert distance_at(below, machine, TORSO, 0.0) == 0.0
+    beside = navigation.standing((0.525 + 0.25 + 0.32, 0.0))
+    assert distance_at(beside, machine, CHILD, 0.0) == pytest.approx(0.4, abs=1e-12)
+
+
+def test_the_shapes_are_those_of_the_floorplan():
+    assert torso_box(PLAN.gantry) == Box(length=1.05, width=0.95, bottom=1.24, top=2.71)
+    assert folded_arm(PLAN.gantry) == Cylinder(radius=0.9, bottom=1.1, top=2.71)
+    assert agv_box(PLAN.lane("agv1")) == Box(length=1.17, width=0.67, top=1.21)
+
+
+def test_an_agv_hits_who_stands_beside_its_lane_or_does_not():
+    lane = PLAN.lane("agv1")
+    run = navigation.agv_run(lane, AxisState(0.0), 10.0)
+    shapes = Shapes(machine=(agv_box(lane),))
+    (x, y), away = lane.position(5.0), 0.67 / 2 + 0.3
+    for gap in (0.1, 1e-6):
+        beside = navigation.standing((x, y + away + gap))
+        _, nearest = navigation.minimum_separation(beside, run, 0.0, 60.0, shapes=shapes)
+        assert nearest == pytest.approx(gap, abs=1e-9)
+        assert (
+            navigation.violations(beside, run, FixedDistance(0.0), 0.0, 60.0, shapes=shapes) == []
+        )
+    inside = navigation.standing((x, y + away - 0.01))
+    assert navigation.minimum_separation(inside, run, 0.0, 60.0, shapes=shapes)[1] == 0.0
+
+
+@settings(max_examples=settings.default.max_examples // 3)
+@given(walks, gantry_motions, all_shapes, laws)
+def test_violations_are_those_of_dense_sampling(person, machine, shapes, law):
+    ts = np.arange(0, END, 2e-3)
+    human, robot = (np.hypot(*motion.velocity(ts).T) for motion in (person, machine))
+    margins = by_shapely(person, machine, shapes, ts) - law.distance(human, robot)
+    found = navigation.violations(person, machine, law, 0.0, END, shapes=shapes)
+    assert_negative_within(found, ts, margins, END)
+    first = navigation.first_violation(person, machine, law, 0.0, END, shapes=shapes)
+    assert first == (found[0][0] if found else None)
+    _, least = navigation.minimum_margin(person, machine, law, 0.0, END, shapes=shapes)
+    assert least <= margins.min() + 1e-9
+    assert least >= margins.min() - 0.03
+    assert bool(found) == (least < 0) or abs(least) < 1e-9
+
+
+@given(walks, gantry_motions, all_shapes)
+def test_instants_are_right_to_a_microsecond(person, machine, shapes):
+    law = FixedDistance(0.5)
+    for instant in itertools.chain(
+        *navigation.violations(person, machine, law, 0.0, END, shapes=shapes)
+    ):
+        if 0.0 < instant < END:
+            around = np.array([instant - 1e-6, instant + 1e-6])
+            before, after = by_shapely(person, machine, shapes, around) - 0.5
+            assert before * after <= 0.0 or min(abs(before), abs(after)) < 1e-9
+
+
+@settings(max_examples=settings.default.max_examples // 3)
+@given(walks, gantry_motions, all_shapes)
+def test_the_minimum_is_that_of_dense_sampling(person, machine, shapes):
+    coarse = np.arange(0, END, 3e-3)
+    t, nearest = navigation.minimum_separation(person, machine, 0.0, END, shapes=shapes)
+    distances = by_shapely(person, machine, shapes, coarse)
+    candidates = coarse[distances <= distances.min() + 9e-3]
+    between = np.clip(np.concatenate([candidates - 1e-3, candidates + 1e-3]), 0.0, END)
+    sampled = min(distances.min(), by_shapely(person, machine, shapes, between).min())
+    assert sampled - 3e-3 <= nearest <= sampled + 1e-9
+    assert by_shapely(person, machine, shapes, np.array([t]))[0] == pytest.approx(nearest, abs=1e-9)
+
+
+@given(walks, gantry_motions, all_shapes, st.floats(-1, 1), st.floats(0, 1), st.floats(0, 1))
+def test_bounds_hold_throughout_an_interval(person, machine, shapes, slope, low, high):
+    distances = partial(by_shapely, person, machine, shapes)
+    for encounter in encounters(person, machine, 0.0, END, shapes.gauges):
+        begin, end = part_of(encounter, low, high)
+        if end <= begin:
+            continue
+        for steepness, curve in ((0.0, 0.0), (slope, 0.0), (slope, 2 * slope), (0.0, slope)):
+            assert_bounds(encounter, begin, end, steepness, curve, distances)
+
+
+@pytest.mark.parametrize("milliseconds", [1.0, 0.1, 0.01])
+def test_a_violation_of_a_millisecond_is_not_missed(milliseconds):
+    """Past a corner at 1 m/s: for a moment nearer to it than 0.5 m."""
+    half_chord = milliseconds / 2000
+    away = math.sqrt(0.8**2 - half_chord**2)
+    machine = navigation.standing(
+        (0.0, -0.475 * math.cos(0.5) - 0.525 * math.sin(0.5)), heading=0.5
+    )
+    corner = (-0.525 * math.cos(0.5) * -1 - 0.475 * math.sin(0.5), 0.0)
+    person = navigation.walk([(-9, away), (9, away)], 0.0)
+    law = FixedDistance(0.5)
+    ((begin, end),) = navigation.violations(person, machine, law, 0.0, 60.0, shapes=TORSO)
+    middle = 9.2 + corner[0]
+    assert begin == pytest.approx(middle - half_chord, abs=1e-6)
+    assert end == pytest.approx(middle + half_chord, abs=1e-6)
+
+
+def test_beside_a_wall_that_turns_the_minimum_takes_few_steps():
+    """The face of a torso that turns: bounds of first order would need 100 000 intervals."""
+    person, machine = (
+        navigation.Motion((navigation.Piece(0.0, 2.0, *((c, v, 0.0, 0.0) for c, v in axes)),))
+        for axes in (
+            ((-3.228, 0.150), (-2.418, 0.989), (0.0, 0.0)),
+            ((-2.378, 0.610), (-0.411, -0.555), (0.971, -0.785)),
+        )
+    )
+    asked = 0
+
+    class Nothing:
+        def required(self, encounter, begin, end):
+            nonlocal asked
+            asked += 1
+            return navigation.Enclosure(0.0)
+
+    span = (0.0, 2.0)
+    _, nearest = navigation.minimum_margin(person, machine, Nothing(), *span, shapes=TORSO)
+    assert nearest > 0.1
+    assert nearest == navigation.minimum_separation(person, machine, *span, shapes=TORSO)[1]
+    assert 10 < asked < 3000
+
+
+@pytest.mark.parametrize("required", [0.5, 0.1, 1 / 3])
+def test_a_tie_is_no_violation_and_is_settled_at_once(required):
+    """An AGV passes somebody who stands exactly as far from its lane as the law asks."""
+    lane = PLAN.lane("agv1")
+    run = navigation.agv_run(lane, AxisState(0.0), 17.0)
+    shapes = Shapes(machine=(agv_box(lane),))
+    (x, y), law = lane.position(8.0), FixedDistance(required)
+    beside = navigation.standing((x, y + 0.67 / 2 + 0.3 + required))
+    assert navigation.violations(beside, run, law, 0.0, 60.0, shapes=shapes) == []
+    turned = navigation.gantry_move((x, y, 0.0), (x, y, 3.0))
+    by_the_arm = navigation.standing((x + 1.2 + required, y))
+    assert navigation.violations(by_the_arm, turned, law, 0.0, 60.0, shapes=ARM) == []
+
+
+@pytest.mark.parametrize("required", [1e-3, 1e-9, 1e-160])
+def test_who_is_inside_is_closer_than_the_least_distance(required):
+    machine = navigation.gantry_move((-2.0, 0.0, -1.0), (-1.8, 0.1, 1.0))
+    person = navigation.walk([(-2.2, 0.1), (-1.6, -0.1)], 0.0)
+    found = navigation.violations(person, machine, FixedDistance(required), 0, 60, shapes=ARM)
+    assert found == ([(0.0, 60.0)] if required > 1e-12 else [])
+
+
+def test_the_integral_law_between_surfaces():
+    """Head on: 0.825 m nearer than the centres are."""
+    person, machine = navigation.walk([(-10, 0), (10, 0)], 0.0), navigation.standing((0, 0))
+    law = IntegralLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
+    t = navigation.first_violation(person, machine, law, 0.0, 60.0, shapes=TORSO)
+    assert t == pytest.approx(6.5 + 0.2 - 0.825, abs=1e-6)
+
+
+def test_conditions_measure_between_surfaces_too():
+    person, machine = navigation.walk([(-10, 0), (10, 0)], 0.0), navigation.standing((0, 0))
+    apart = navigation.Apart(2.0)
+    (begin, _), (_, end) = navigation.when(apart, person, machine, 0.0, 60.0, shapes=TORSO)
+    assert (begin, end) == (0.0, 60.0)
+    t = navigation.first_time(navigation.Not(apart), person, machine, 0.0, 60.0, shapes=TORSO)
+    assert t == pytest.approx(10.2 - 2.825, abs=1e-6)
+
+
+def corners_at(box, motion, ts):
+    """The corners of a box that turns with its body, at many instants."""
+    corners = np.array(box.corners)
+    c, s = np.cos(motion.rotation(ts)), np.sin(motion.rotation(ts))
+    turn = np.stack([np.stack([c, s], -1), np.stack([-s, c], -1)], -2)
+    return corners @ turn + motion.position(ts)[:, None]
+
+
+def overlap(one, other):
+    """By how much two rectangles overlap, from their corners; less than 0 if they are apart.
+
+    That is how far it is from 0 to the border of the differences of all their points.
+    """
+    differences = shapely.MultiPoint((one[:, None] - other[None]).reshape(-1, 2)).convex_hull
+    away = shapely.Point(0.0, 0.0).distance(differences.exterior)
+    return away if differences.contains(shapely.Point(0.0, 0.0)) else -away
+
+
+boxes = st.builds(Box, length=st.floats(0.2, 3), width=st.floats(0.2, 3), top=st.just(1.0))
+
+
+@settings(max_examples=60)
+@given(gantry_motions, gantry_motions, boxes, boxes, st.sampled_from([0.0, 1e-3, 0.1]))
+def test_boxes_overlap_when_their_corners_say_so(one, other, box, others, depth):
+    found = navigation.when(navigation.Overlapping(box, others, depth), one, other, 0.0, END)
+    ts = np.linspace(0.0, END, 400)
+    both = zip(corners_at(box, one, ts), corners_at(others, other, ts), strict=True)
+    margins = np.array([depth - overlap(mine, theirs) for mine, theirs in both])
+    assert_negative_within(list(found), ts, margins, END)
+
+
+def test_boxes_that_cross_overlap_as_long_as_their_lengths_say():
+    """At 1 m/s each, at a right angle: from 1 m before the crossing to 1 m after it."""
+    box = Box(length=1.2, width=0.8, top=1.0)
+    across = navigation.gantry_move((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0), 0.0)
+    along = navigation.gantry_move((0.0, -5.0, math.pi / 2), (0.0, 5.0, math.pi / 2), 0.0)
+    ((begin, end),) = navigation.when(navigation.Overlapping(box, box), across, along, 0.0, 20.0)
+    assert across.position(begin) == pytest.approx((-1.0, 0.0), abs=1e-6)
+    assert across.position(end) == pytest.approx((1.0, 0.0), abs=1e-6)
+    above = Box(length=9.0, width=9.0, bottom=1.0, top=2.0)
+    over = navigation.Overlapping(box, above)
+    assert navigation.first_time(over, across, along, 0.0, 20.0) is None
+
+
+@pytest.mark.parametrize("width", [0.8, 0.1, 1 / 3])
+def test_boxes_that_slide_along_each_other_are_settled_at_once(width):
+    """Side by side they only touch, or overlap by exactly what is allowed."""
+    box = Box(length=1.2, width=width, top=1.0)
+    away, back = ((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0)), ((5.0, width, 0.0), (-5.0, width, 0.0))
+    one, other = navigation.gantry_move(*away, 0.0), navigation.gantry_move(*back, 0.0)
+    for depth in (0.0, 1e-3):
+        closer = other.translated(0.0, -depth)
+        condition = navigation.Overlapping(box, box, depth)
+        assert list(navigation.when(condition, one, closer, 0.0, 20.0)) == []
+        deeper = other.translated(0.0, -depth - 1e-6)
+        assert len(list(navigation.when(condition, one, deeper, 0.0, 20.0))) == 1
+    with pytest.raises(ValueError, match="can't overlap by more than -1"):
+        navigation.Overlapping(box, box, -1.0)
+
+
+def test_shapes_are_values():
+    assert Shapes(machine=TORSO.machine) == TORSO != ARM
+    distance_at(navigation.standing((5, 5)), navigation.standing((0, 0)), TORSO, 0.0)
+    copy = pickle.loads(pickle.dumps(TORSO))
+    assert copy == TORSO
+    assert hash(copy) == hash(TORSO)
+    found = distance_at(navigation.standing((2, 0)), navigation.standing((0, 0)), copy, 0.0)
+    assert found == pytest.approx(1.175)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Cylinder(radius=0.0, top=1.0), "radius of a Cylinder can't be 0.0 m"),
+        (lambda: Cylinder(radius=math.nan, top=1.0), "radius of a Cylinder can't be nan m"),
+        (lambda: Box(length=-1.0, width=1.0, top=1.0), "length of a Box can't be -1.0 m"),
+        (lambda: Box(length=1.0, width=math.inf, top=1.0), "width of a Box can't be inf m"),
+        (lambda: Box(length=1.0, width=1.0, bottom=2.0, top=1.0), "must be above bottom"),
+        (lambda: Box(length=1.0, width=1.0, bottom=-1.0, top=1.0), "bottom of a Box can't be"),
+        (lambda: Shapes(machine=()), "needs at least one solid"),
+        (lambda: Shapes(machine=(3.0,)), "made of Cylinder and Box, not 3.0"),
+        (lambda: Shapes(person=TORSO.machine[0], machine=TORSO.machine), "a person is a Cylinder"),
+    ],
+)
+def test_solids_that_make_no_sense_are_refused(make, message):
+    with pytest.raises(ValueError, match=message.replace(".", r"\.").replace("'", ".")):
+        make()
+
+
+def test_a_machine_that_turns_without_a_number_is_refused():
+    nowhere = navigation.Motion(
+        (navigation.Piece(0.0, 9.0, (0.0,) * 4, (0.0,) * 4, (math.nan, 0.0, 0.0, 0.0)),)
+    )
+    with pytest.raises(ValueError, match="a motion is not finite"):
+        navigation.violations(
+            navigation.standing((2, 0)), nowhere, FixedDistance(1.0), 0.0, 9.0, shapes=TORSO
+        )

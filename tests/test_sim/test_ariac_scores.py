@@ -1,0 +1,78 @@
+"""Points for orders, against the tables of the competition's scoring page written out."""
+
+from hypothesis import given, strategies as st
+
+from sim import orders as ariac
+
+COLORS = ("blue", "green", "orange", "purple", "red")
+TYPES = ("battery", "pump", "regulator", "sensor")
+
+# (type, colour, flipped, faulty) to points, as the page has them; ~B or E gives none.
+QUADRANT = {
+    (True, True, False, False): 3,
+    (True, False, False, False): 2,
+    (True, True, True, False): 2,
+    (True, False, True, False): 1,
+}
+# (colour, pose) of a part that is assembled to points.
+ASSEMBLY = {(True, True): 3, (True, False): 2, (False, True): 2, (False, False): 1}
+COMBINED = {(True, True): 5, (True, False): 4, (False, True): 4, (False, False): 3}
+
+parts = st.builds(ariac.PartType, st.sampled_from(COLORS), st.sampled_from(TYPES))
+quadrants = st.integers(1, 4)
+kits = st.dictionaries(quadrants, parts, min_size=1)
+items = st.dictionaries(quadrants, st.builds(ariac.Item, parts, st.booleans()))
+trays = st.none() | st.integers(0, 2)
+faults = st.sets(quadrants)
+products = st.lists(parts, min_size=1, max_size=4, unique_by=lambda part: part.type)
+
+
+@given(kits, items, st.integers(0, 2), trays, st.booleans(), faults)
+def test_kits(kit, lying, tray, tray_there, arrived, faulty):
+    points = 3 if tray == tray_there else 0
+    quadrant_points = 0
+    for quadrant, part in kit.items():
+        item = lying.get(quadrant)
+        if item is not None:
+            b, c = item.part.type == part.type, item.part.color == part.color
+            quadrant_points += QUADRANT.get((b, c, item.flipped, quadrant in faulty), 0)
+    points += quadrant_points
+    if quadrant_points == 3 * len(kit):
+        points += len(kit)
+    if len(lying) > len(kit):
+        points -= len(lying) - len(kit)
+    wanted = max(points, 0) * (1 if arrived else 0)
+    task = ariac.KittingTask("agv1", tray, "warehouse", kit)
+    load = ariac.Load(tray_there, lying)
+    assert ariac.kitting_score(task, load, arrived=arrived, faulty=faulty) == wanted
+
+
+@given(products, products, st.data())
+def test_inserts(asked, inserted, data):
+    poses = {part.type: data.draw(st.booleans()) for part in inserted}
+    there = {part.type: ariac.Inserted(part, poses[part.type]) for part in inserted}
+    for task, table in (
+        (ariac.AssemblyTask("as1", ("agv1",), tuple(asked)), ASSEMBLY),
+        (ariac.CombinedTask("as1", tuple(asked)), COMBINED),
+    ):
+        points = 0
+        for part in asked:
+            for other in inserted:
+                if other.type == part.type:
+                    points += table[other.color == part.color, poses[part.type]]
+        if points == max(table.values()) * len(asked):
+            points += 4 * len(asked)
+        assert ariac.assembly_score(task, there) == points
+
+
+@given(kits, products)
+def test_the_best_score_is_that_of_a_faultless_order(kit, asked):
+    kitting = ariac.KittingTask("agv1", 4, "as1", kit)
+    load = ariac.Load(4, {quadrant: ariac.Item(part) for quadrant, part in kit.items()})
+    assert ariac.best_score(kitting) == ariac.kitting_score(kitting, load, arrived=True)
+    there = {part.type: ariac.Inserted(part) for part in asked}
+    for task in (
+        ariac.AssemblyTask("as1", ("agv1",), tuple(asked)),
+        ariac.CombinedTask("as1", tuple(asked)),
+    ):
+        assert ariac.best_score(task) == ariac.assembly_score(task, there)

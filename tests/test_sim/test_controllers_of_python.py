@@ -1,0 +1,100 @@
+"""Controllers handed over in Python: functions and classes, wherever they come from."""
+
+import functools
+import sys
+from dataclasses import replace
+
+import pytest
+
+import sim
+from sim.machines.gantry.controllers import CONTROLLERS
+
+TRIAL = sim.Trial.parse("floorplan: ariac2023\nduration: 20\npeople: [{name: ada}]\n")
+
+
+def driven_by(controller, **changes):
+    return replace(TRIAL, gantry=sim.GantryEntry(controller=controller), **changes)
+
+
+def to(x):
+    def go(gantry):
+        yield gantry.move_to(x, 0.0)
+
+    return go
+
+
+class Thinker:
+    def __init__(self, gantry):
+        self.gantry = gantry
+
+    def __iter__(self):
+        yield self.gantry.move_to(-3.0, 0.0)
+
+
+class Remembering:
+    def run(self, gantry):
+        yield gantry.move_to(-3.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("controller", "name"),
+    [
+        (to(-3.0), "to.<locals>.go"),
+        (Thinker, "Thinker"),
+        (Remembering().run, "Remembering.run"),
+        (functools.partial(lambda x, gantry: to(x)(gantry), -3.0), "partial"),
+    ],
+)
+def test_what_takes_the_gantry_is_a_controller(controller, name, tmp_path):
+    trial = driven_by(controller, folder=tmp_path)
+    assert trial.gantry.controller_name == name
+    assert sim.run(trial).motions["gantry"].position(20.0) == pytest.approx((-3.0, 0.0))
+    with pytest.raises(ValueError, match=r"its gantry controller .* is in no module"):
+        trial.to_yaml()
+
+
+def test_one_that_fails_is_named_by_its_qualified_name():
+    def late(gantry):
+        yield gantry.wait(1.0)
+        raise LookupError
+
+    with pytest.raises(sim.ControllerError, match=r"<locals>.late' failed at t = 1 s \(.*line"):
+        sim.run(driven_by(late))
+    with pytest.raises(sim.ControllerError, match="3 is no gantry controller; give a name"):
+        sim.run(driven_by(3))
+
+
+@pytest.fixture
+def module(tmp_path, monkeypatch):
+    """A module in `folder` of which a notebook there has imported the function `go`."""
+    text = "def go(gantry):\n    yield gantry.move_to(-3.0, 0.0)\n"
+    (tmp_path / "policies_of_mine").mkdir()
+    (tmp_path / "policies_of_mine" / "bold.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    from policies_of_mine import bold
+
+    yield bold
+    for name in [name for name in sys.modules if name.startswith("policies_of_mine")]:
+        del sys.modules[name]
+
+
+def test_one_in_a_module_beside_the_trial_is_written_by_its_name(module, tmp_path):
+    trial = driven_by(module.go, folder=tmp_path)
+    trial.save(tmp_path / "t.yaml")
+    again = sim.Trial.load(tmp_path / "t.yaml")
+    assert again.gantry.controller == "policies_of_mine.bold:go"
+    assert sim.run(again).events == sim.run(trial).events
+    with pytest.raises(ValueError, match="in no module"):
+        replace(trial, folder=tmp_path / "elsewhere").to_yaml()
+    builtin = driven_by(CONTROLLERS["pausing"])
+    assert sim.Trial.parse(builtin.to_yaml()).gantry.controller == "pausing"
+
+
+@pytest.mark.slow
+def test_a_study_with_one_runs_on_several_processes_or_says_what_to_do(module, tmp_path):
+    study = sim.Study("bold", (driven_by(module.go, folder=tmp_path),), repeat=2)
+    results = sim.run_study(study, tmp_path / "study", jobs=2)
+    assert (len(results), results.failed) == (2, {})
+    loose = sim.Study("loose", (driven_by(to(-3.0)),))
+    with pytest.raises(ValueError, match="put it into a file there"):
+        sim.run_study(loose, tmp_path / "loose", jobs=2)

@@ -1,0 +1,146 @@
+"""Parts that the gripper drops, and parts that the quality check finds faulty."""
+
+from dataclasses import replace
+
+import pytest
+from run_events import events
+
+import sim
+from sim.core.scenario import Drop
+from sim.orders import Item, PartType
+
+JOBS = """
+floorplan: ariac2023
+duration: 120
+people: []
+gantry:
+  controller: {controller}
+  jobs: [{{pick: bin2, place: agv1, part: pump}}, {{pick: bin3, place: agv1, part: pump}}]
+  drops: [{{part: pump, after: {after}, delay: {delay}}}]
+expect: {{parts_dropped: {dropped}}}
+"""
+
+
+@pytest.mark.parametrize("controller", ["oblivious", "pausing", "avoiding"])
+@pytest.mark.parametrize("delay", [0.0, 1.5, 3.0])
+def test_a_job_whose_part_drops_is_done_again(controller, delay):
+    text = JOBS.format(controller=controller, after=1, delay=delay, dropped=1)
+    trial = sim.Trial.parse(text)
+    assert sim.Trial.parse(trial.to_yaml()) == trial
+    run = sim.run(trial)
+    (dropped,) = events(run, "part_dropped")
+    first, second = events(run, "job_done")
+    assert run.unmet == [] and run.summary["jobs_done"] == 2
+    assert first["t"] < dropped["t"] < second["t"] and dropped["part"] == "pump"
+    # It has gone back for another: at least the way from where it dropped, and all handling.
+    sure = sim.run(replace(trial, gantry=replace(trial.gantry, drops=()), expect={}))
+    late = second["t"] - events(sure, "job_done")[1]["t"]
+    assert late >= 2.0 + delay - 1e-6
+    assert "parts_dropped" not in sure.summary
+
+
+def test_a_part_that_is_placed_before_it_would_drop_does_not(tmp_path):
+    run = sim.run(sim.Trial.parse(JOBS.format(controller="pausing", after=0, delay=90, dropped=0)))
+    assert not events(run, "part_dropped") and run.unmet == []
+
+
+def test_a_controller_is_interrupted_by_a_drop(tmp_path):
+    (tmp_path / "alert.py").write_text(
+        "import simpy\n"
+        "def alert(gantry):\n"
+        "    gantry.interrupt_on('part_dropped')\n"
+        "    while (task := (yield gantry.next_task())) is not None:\n"
+        "        try:\n"
+        "            yield gantry.do(task)\n"
+        "        except simpy.Interrupt as why:\n"
+        "            assert why.cause == 'part_dropped'\n"
+    )
+    text = JOBS.format(controller="alert:alert", after=0, delay=2.5, dropped=1)
+    alert = sim.run(sim.Trial.parse(text, folder=tmp_path))
+    plain = sim.run(sim.Trial.parse(text.replace("alert:alert", "oblivious")))
+    assert alert.unmet == [] and alert.summary["jobs_done"] == 2
+    # It turns round at once, and does not go all the way to the AGV first.
+    ends = [events(run, "job_done")[0]["t"] for run in (alert, plain)]
+    assert ends[0] < ends[1]
+
+
+KIT = """
+time_limit: -1
+kitting_trays: {tray_ids: [3], slots: [1]}
+parts:
+  bins:
+    bin2: [{type: pump, color: red, slots: %s, faulty: %s}]
+    bin6: [{type: sensor, color: green, slots: [1, 2]}]
+challenges: %s
+orders:
+  - id: KIT
+    type: %s
+    announcement: {time_condition: 0}
+    priority: false
+    %s
+"""
+KITTING = """kitting_task:
+      agv_number: 1
+      tray_id: 3
+      destination: warehouse
+      products: [{type: pump, color: red, quadrant: 1}, {type: sensor, color: green, quadrant: 2}]
+"""
+COMBINED = """combined_task:
+      station: as1
+      products: [{type: pump, color: red}, {type: sensor, color: green}]
+"""
+DROP = "[{dropped_part: {robot: ceiling_robot, type: pump, color: red, drop_after: %d, delay: %s}}]"
+FAULTY = "[{faulty_part: {order_id: KIT, quadrant1: true}}]"
+
+
+def made(slots, challenges="[]", faulty="[]", kind="kitting"):
+    task = {"kitting": KITTING, "combined": COMBINED}[kind]
+    trial = sim.Trial.parse(KIT % (slots, faulty, challenges, kind, task), file="made.yaml")
+    run = sim.run(replace(trial, people=(), gantry=sim.GantryEntry("oblivious")))
+    return run, run.summary["orders"]["KIT"]
+
+
+@pytest.mark.parametrize("kind", ["kitting", "combined"])
+@pytest.mark.parametrize("delay", [0.5, 3.0])
+def test_an_order_gets_another_part_for_one_that_drops(kind, delay):
+    run, order = made([1, 2], DROP % (0, delay), kind=kind)
+    assert run.summary["parts_dropped"] == 1
+    assert order["score"] == order["best"] and order["missing"] == []
+    run, order = made([1], DROP % (0, delay), kind=kind)
+    assert run.summary["parts_dropped"] == 1 and order["submitted"] is not None
+    assert order["missing"] == ["red pump"] and order["score"] < order["best"]
+    done = [e.get("part") for e in events(run, "job_done")]
+    assert "red pump" not in done and "green sensor" in done
+
+
+@pytest.mark.parametrize(("challenges", "faulty"), [(FAULTY, "[]"), ("[]", "[1]")])
+def test_a_faulty_part_of_a_kit_is_thrown_away_for_another(challenges, faulty):
+    good, _ = made([1, 2])
+    run, order = made([1, 2], challenges, faulty)
+    (found,) = events(run, "part_faulty")
+    assert (found["part"], found["agv"], found["quadrant"]) == ("red pump", "agv1", 1)
+    assert run.summary["parts_faulty"] == 1 and order["score"] == order["best"]
+    # Picked, thrown away, picked and placed: 8 s of handling more, and the ways.
+    assert order["submitted"] > good.summary["orders"]["KIT"]["submitted"] + 8.0
+    run, order = made([1], challenges, faulty)
+    assert order["missing"] == ["red pump"] and order["score"] == 3 + 3  # tray and sensor
+    assert "red pump" not in [e.get("part") for e in events(run, "job_done")]
+    assert "parts_faulty" not in good.summary
+
+
+def test_the_real_sample_file_has_faulty_and_dropped_parts(shared_data):
+    trial = sim.Trial.load(shared_data / "ariac2023" / "trials" / "sample.yaml")
+    work = trial.workload
+    assert work.faulty == {"MMB30H56": {1, 2}, "MMB30H00": {1}}
+    assert work.drops == (Drop("green battery", 1, 2.0),)
+    assert {slot for slot, item in work.bins["bin6"].items() if item.faulty} == {3, 7}
+    assert work.bins["bin6"][3] == Item(PartType("blue", "battery"), faulty=True)
+    run = sim.run(replace(trial, people=(), gantry=sim.GantryEntry("oblivious")))
+    assert run.summary["parts_faulty"] == len(events(run, "part_faulty")) > 0
+
+
+def test_orders_that_no_gantry_can_work_on_have_no_figures():
+    trial = sim.Trial.parse(KIT % ([1], "[]", FAULTY, "kitting", KITTING), file="made.yaml")
+    floor = replace(trial.floorplan, gantry=None)
+    left = replace(trial, floorplan=floor, people=(), gantry=sim.GantryEntry(), duration=1.0)
+    assert not {"orders", "score", "parts_faulty"} & {*sim.run(left).summary}

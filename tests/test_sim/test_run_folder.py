@@ -1,0 +1,324 @@
+"""A recording read back is the run that was recorded; one that is damaged says where."""
+
+import json
+import math
+import re
+import shutil
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings, strategies as st
+from run_events import record
+
+import bdi
+import floorplan
+import sim
+from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
+from sim.core.recorder import Figure, Scene
+from sim.core.rules import Notice
+from sim.record.scene_file import read_scene, write_scene
+from sim.views.replay_data import replay_data
+
+TRIAL = """
+name: busy
+floorplan: ariac2023
+duration: 60.0
+people:
+  - {name: ada, personality: antagonistic, radius: 0.25}
+  - {name: ben, personality: helpful, start: {time: 5.0}}
+gantry:
+  controller: oblivious
+  jobs: [{move: [-4.0, 1.0, 1.0]}, {move: [-6.0, -1.0, 0.0]}]
+agvs:
+  agv1: [{time: 20.0, to: assembly_front}]
+  agv2: [{time: 20.0, to: 2.5}]
+"""
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A run, and the folder of its recording: not to be changed."""
+    folder = tmp_path_factory.mktemp("recorded") / "run"
+    return record(sim.Trial.parse(TRIAL), folder), folder
+
+
+@pytest.fixture
+def folder(recorded, tmp_path):
+    """A copy of the recording, to be damaged."""
+    return shutil.copytree(recorded[1], tmp_path / "run")
+
+
+def test_a_run_that_can_not_begin_takes_no_folder(tmp_path):
+    (tmp_path / "odd.asl").write_text("!go.\n+!go <- .nosuch(1).\n")
+    person = sim.PersonEntry("ada", str(tmp_path / "odd.asl"))
+    trial = replace(sim.Trial.parse("floorplan: ariac2023\n"), people=(person,))
+    with pytest.raises(bdi.ProgramError, match=r"no internal action \.nosuch"):
+        sim.Simulation(trial, sim.Recording(tmp_path / "run"))
+    assert not (tmp_path / "run").exists()
+
+
+def test_of_two_runs_that_begin_in_one_folder_the_second_is_refused(tmp_path):
+    trial = sim.Trial.parse("floorplan: ariac2023\nduration: 1.0\n")
+    first, second = (sim.Recording(tmp_path / "run") for _ in range(2))
+    simulation = sim.Simulation(trial, first)
+    simulation.start()
+    with pytest.raises(sim.OutputError, match=r"holds a run already \(events.jsonl\)"):
+        sim.Simulation(trial, second).start()
+    simulation.advance(1.0)
+    run = simulation.finish()
+    first.finish(run)
+    assert sim.load_run(tmp_path / "run").summary == run.summary
+
+
+def test_everything_comes_back(recorded):
+    run, folder = recorded
+    back = sim.load_run(folder)
+    assert run.summary["penalties"] > 0
+    for name in ("scene", "duration", "summary", "events", "motions", "violations", "floorplan"):
+        assert getattr(back, name) == getattr(run, name), name
+    assert list(back.motions) == list(run.motions)
+    assert [*map(list, back.events)] == [*map(list, run.events)]
+    samples = run.sample(50.0)
+    for name, values in back.sample(50.0).items():
+        assert (values == samples[name]).all()
+
+
+def test_the_scene_tells_who_is_there(recorded):
+    scene = sim.load_run(recorded[1]).scene
+    assert [(person.name, person.radius) for person in scene.people] == [
+        ("ada", 0.25),
+        ("ben", 0.3),
+    ]
+    assert [scene.kind(body) for body in scene.starts][:4] == ["person", "person", "gantry", "agv"]
+    with pytest.raises(KeyError, match="no body is called 'eve'"):
+        scene.kind("eve")
+
+
+def test_a_recording_can_be_recorded_without_the_files_it_was_made_from(tmp_path):
+    room = tmp_path / "room.yaml"
+    room.write_text("{boundary: [[0, 0], [9, 0], [9, 9], [0, 9]], safe_zone: {at: [1, 1]}}")
+    trial = sim.Trial.parse(
+        "{floorplan: room.yaml, duration: 5, people: [{name: ada}]}", folder=tmp_path
+    )
+    run = record(trial, tmp_path / "run")
+    room.unlink()
+    assert sim.load_run(tmp_path / "run").floorplan == run.floorplan
+
+
+def test_a_run_that_was_broken_off_goes_as_far_as_it_was_written(recorded, folder):
+    run = recorded[0]
+    for name in ("summary.json", "violations.jsonl", "trajectory.csv", "replay.html"):
+        (folder / name).unlink()
+    back = sim.load_run(folder)
+    assert back.summary == {}
+    assert (back.motions, back.duration) == (run.motions, run.duration)
+    for pair, intervals in run.violations.items():
+        # The end of a violation is a teleport: what came before it is found to the microsecond.
+        assert len(back.violations[pair]) == len(intervals)
+        for found, noted in zip(back.violations[pair], intervals, strict=True):
+            assert found == pytest.approx(noted, abs=1e-6)
+
+
+def test_recorded_pieces_of_no_length_change_nothing(folder):
+    (folder / "summary.json").unlink()
+    plain = sim.load_run(folder)
+    motions = folder / "motions.jsonl"
+    lines = [json.loads(line) for line in motions.read_text().splitlines()]
+    for line in lines:
+        # Fast pieces of no length, one before each of the others.
+        flashes = [
+            [begin, begin, *([axis[0], 50.0, 0.0, 0.0] for axis in axes)]
+            for begin, _, *axes in line["pieces"]
+        ]
+        line["pieces"] = [
+            piece for both in zip(flashes, line["pieces"], strict=True) for piece in both
+        ]
+    motions.write_text("".join(f"{json.dumps(line)}\n" for line in lines))
+    padded = sim.load_run(folder)
+    assert padded.violations == plain.violations
+    assert any(plain.violations.values())
+
+
+@settings(max_examples=30)
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_files_that_end_anywhere_are_read_where_the_run_was_broken_off(recorded, events, motions):
+    run, whole = recorded
+    with pytest.MonkeyPatch.context() as patch:
+        folder = whole.with_name("broken")
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        patch.chdir(folder)
+        shutil.copy(whole / "scene.json", folder)
+        for name, share in (("events.jsonl", events), ("motions.jsonl", motions)):
+            text = (whole / name).read_bytes()
+            (folder / name).write_bytes(text[: int(share * len(text))])
+        back = sim.load_run(folder)
+    assert back.events == run.events[: len(back.events)]
+    for name, motion in back.motions.items():
+        pieces = run.motions[name].pieces
+        assert motion.pieces == pieces[: len(motion.pieces)] or motion.end == motion.start
+        assert motion.start == 0.0
+
+
+def test_a_run_of_nobody_comes_back(tmp_path):
+    trial = sim.Trial(floorplan.load("warehouse"), duration=3.0)
+    run = record(trial, tmp_path / "run")
+    back = sim.load_run(tmp_path / "run")
+    assert (back.motions, back.violations, back.duration) == (run.motions, {}, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("file", "damage", "message"),
+    [
+        ("events.jsonl", lambda text: text.replace('"t": ', '"t": x', 1), "line 1: .*JSON"),
+        ("events.jsonl", lambda text: text[: len(text) // 2], r"line \d+: .*JSON"),
+        ("events.jsonl", lambda text: "\n" + text, "line 1"),
+        ("motions.jsonl", lambda text: text.replace('"body": "ada"', '"body": "eve"', 1), "eve"),
+        ("motions.jsonl", lambda text: text.replace("[", "[[", 1), "line 1"),
+        ("motions.jsonl", lambda text: '{"body": "ada", "pieces": []}\n', "line 1, pieces: .*1"),
+        (
+            "motions.jsonl",
+            lambda text: json.dumps(
+                {"body": "ada", "pieces": [[0, 1, *[[0] * 4] * 3], [2, 3, *[[0] * 4] * 3]]}
+            ),
+            "line 1: a motion has a gap",
+        ),
+        (
+            "motions.jsonl",
+            lambda text: json.dumps({"body": "ada", "pieces": [[2, 1, *[[0] * 4] * 3]]}),
+            "line 1: a motion ends at t = 1.0 s, before it begins at 2.0 s",
+        ),
+        (
+            "motions.jsonl",
+            lambda text: text + text.partition("\n")[0] + "\n",
+            r"line \d+: a motion from t = 0.0 s on stands below a later one",
+        ),
+        (
+            "motions.jsonl",
+            lambda text: json.dumps({"body": "ada", "pieces": [[0, 1e6, *[[0, 0, 1, 0]] * 3]]}),
+            "line 1: a motion goes further than 1e.10",
+        ),
+        ("motions.jsonl", lambda text: '{"body": "ada", "pieces": 3', "line 1: .*JSON"),
+        ("summary.json", lambda text: text[:-30], "is not JSON"),
+        ("summary.json", lambda text: "[]", "is not a summary"),
+        ("violations.jsonl", lambda text: text.replace("with", "wiht"), "line 1, with: .*required"),
+        ("violations.jsonl", lambda text: text.replace("ada", "eve"), "person: no person .* 'eve'"),
+        ("violations.jsonl", lambda text: text.replace("agv1", "agv"), "with: no machine .* 'agv'"),
+        ("scene.json", lambda text: text[:999], "is not JSON: .* line 1"),
+        ("scene.json", lambda text: "[]", "expected the format"),
+        ("scene.json", lambda text: text.replace("scene/1", "scene/9"), "found '.*scene/9'"),
+        ("scene.json", lambda text: text.replace('"seed":0', '"seed":"a"'), "seed: "),
+        ("scene.json", lambda text: text.replace('"t1":1.0', '"t1":-1.0', 1), "rules: t1 must"),
+        ("scene.json", lambda text: text.replace('"grace"', '"mercy"', 1), "rules: .*mercy"),
+        (
+            "scene.json",
+            lambda text: text.replace("[[[", "[[[[", 1).replace("]]]", "]]]]", 1),
+            "polygon",
+        ),
+        ("scene.json", lambda text: text.replace("-7.2", '"inf"', 1), "is not a simple polygon"),
+        ("scene.json", lambda text: text.replace("-7.2", '"nan"', 1), "footprint: is no polygon"),
+        ("scene.json", lambda text: text.replace('"radius":0.3', '"radius":"inf"'), "finite"),
+        (
+            "scene.json",
+            lambda text: text.replace('"starts":{"ada"', '"starts":{"eve"'),
+            "starts: there is none for 'ada'",
+        ),
+        ("motions.jsonl", None, "there is no such file"),
+        ("scene.json", None, "there is no scene.json in it; a recording is a folder"),
+    ],
+)
+def test_damage_is_reported_with_its_place(recorded, folder, file, damage, message):
+    path = folder / file
+    if damage is None:
+        path.unlink()
+    else:
+        text = path.read_text(encoding="utf-8")
+        damaged = damage(text)
+        assert damaged != text
+        path.write_text(damaged, encoding="utf-8")
+    with pytest.raises(sim.RecordingError, match=message) as told:
+        sim.load_run(folder)
+    assert str(folder) in str(told.value)
+    said = []
+    if file == "scene.json" and "scene/9" not in message:
+        with pytest.raises(sim.RecordingError, match=message):
+            sim.load_run(folder, damage=said.append)
+        return
+    left = sim.load_run(folder, damage=said.append)
+    assert re.search(message if file != "scene.json" else "later format .*scene/9", " ".join(said))
+    run, _ = recorded
+    for name, motion in left.motions.items():
+        for t in (0.0, 0.5 * motion.end, motion.end):
+            if len(motion.pieces) > 1:
+                assert motion.position(t) == pytest.approx(run.motions[name].position(t), abs=1e-9)
+    assert left.events == run.events[: len(left.events)]
+    assert replay_data(left)["duration"] > 0
+
+
+def test_of_a_later_version_what_is_known_is_read(recorded, folder):
+    path = folder / "scene.json"
+    scene = json.loads(path.read_text(encoding="utf-8"))
+    scene |= {"format": "floorwalker-scene/2", "weather": "rain"}
+    scene["rules"]["mercy"] = 3.0
+    path.write_text(json.dumps(scene), encoding="utf-8")
+    said = []
+    left = sim.load_run(folder, damage=said.append)
+    assert said == [
+        "made in the later format floorwalker-scene/2; what this version knows of it is shown"
+    ]
+    assert left.motions == recorded[0].motions
+    assert left.scene.rules == recorded[0].scene.rules
+
+
+def test_a_folder_that_is_not_there_is_reported(tmp_path):
+    with pytest.raises(sim.RecordingError, match="nowhere: there is no such folder"):
+        sim.load_run(tmp_path / "nowhere")
+
+
+terms = st.floats(0.0, 5.0)
+laws = st.one_of(
+    st.builds(SeparationLaw, t1=terms, t2=terms, stopping=terms, intrusion=terms),
+    st.builds(IntegralLaw, t1=terms, t2=terms, stopping=st.none() | terms),
+    st.builds(ApproachLaw, time=terms),
+    st.builds(FixedDistance, terms),
+)
+
+
+scaled = st.builds(Scaled, laws, terms, st.just(math.inf) | terms)
+
+
+@settings(max_examples=30)
+@given(st.sampled_from(floorplan.builtin()), laws, scaled, st.just(math.inf) | terms)
+def test_every_scene_comes_back(floor, law, noticed, parting):
+    notice = Notice(law=noticed, parting=parting, every=None)
+    rules = replace(sim.PAPER, gantry_law=law, notice=notice)
+    people = (Figure("ada", "inf", 0.3, 1.7),)
+    starts = {"ada": (0.0, 0.5, 0.0)}
+    for plan in (floorplan.load(floor), replace(floorplan.load(floor), patrol=None)):
+        scene = Scene("inf", 3, plan, rules, people, starts)
+        assert read_scene(write_scene(scene)) == scene
+
+
+class OwnLaw:
+    """A law that no recording knows how to write down."""
+
+    def distance(self, human_speed, robot_speed):
+        return 0.2
+
+
+def test_a_law_of_ones_own_is_named_and_not_guessed(tmp_path):
+    trial = sim.Trial.parse(TRIAL)
+    trial = replace(trial, rules=replace(trial.rules, agv_law=OwnLaw()))
+    run = record(replace(trial, duration=30.0), tmp_path / "run")
+    back = sim.load_run(tmp_path / "run")
+    assert back.violations == run.violations
+    with pytest.raises(ValueError, match=r"a law of its own, .*:OwnLaw, which it does not hold"):
+        back.scene.rules.agv_law.distance(1.0, 1.0)
+
+
+def test_a_recording_may_do_without_its_trajectory(tmp_path):
+    trial = replace(sim.Trial.load("ariac2023"), duration=20.0)
+    run = sim.run(trial, recording := sim.Recording(tmp_path, trajectory=False))
+    recording.finish(run)
+    assert not (tmp_path / "trajectory.csv").exists()
+    assert sim.load_run(tmp_path).motions.keys() == run.motions.keys()

@@ -1,0 +1,49 @@
+"""Runs in which simulated time does not go on end with a message, and keep what happened."""
+
+import inspect
+
+import pytest
+
+import sim
+from sim.core.clock import Clock
+
+
+def halving(gantry):
+    """Waits shorter and shorter, so that one second never comes."""
+    seconds = 0.5
+    while True:
+        yield gantry.wait(seconds)
+        seconds /= 2
+
+
+def test_a_standstill_ends_a_command_and_keeps_what_happened(floorwalker, tmp_path):
+    (tmp_path / "own.py").write_text(inspect.getsource(halving))
+    (tmp_path / "t.trial.yaml").write_text(
+        "floorplan: ariac2023\nduration: 60.0\ngantry: {controller: 'own:halving'}\n"
+    )
+    ended = floorwalker("run", "t.trial.yaml", "--out", "run", cwd=tmp_path)
+    assert ended.returncode == 1
+    assert "t = " in ended.stderr
+    assert "gantry's controller" in ended.stderr
+    run = sim.load_run(tmp_path / "run")
+    assert run.summary["interrupted"]
+    assert len(run.events) < 5000
+
+
+def test_a_controller_that_lets_time_stand_still_is_named():
+    trial = sim.Trial.parse("floorplan: ariac2023\nduration: 60.0\ngantry: {controller: parked}")
+    simulation = sim.Simulation(trial)
+    simulation.clock.process(halving(simulation.gantry))
+    with pytest.raises(sim.StandstillError, match=r"t = 1 s.*gantry's controller"):
+        simulation.advance(60.0)
+    assert simulation.finish().duration == pytest.approx(1.0)
+
+
+def test_much_may_happen_at_once_and_time_goes_on():
+    clock = Clock(most=100)
+    happened = []
+    for t in range(50):
+        for _ in range(100):
+            clock.call_at(t * 0.0011, lambda t=t: happened.append(t))
+    clock.run()
+    assert len(happened) == 5000

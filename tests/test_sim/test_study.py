@@ -1,0 +1,441 @@
+"""Studies that are run: the same results however they are run, whatever stops them."""
+
+import csv
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from contextlib import suppress
+
+import pytest
+from hypothesis import given, settings, strategies as st
+from processes import started
+from waiting import HANG, until
+
+import sim
+from sim.studies import save_trial
+from sim.studies.folder import StudyFolder
+from sim.studies.table import ResultsTable, read_table
+
+TRIAL = """\
+floorplan: ariac2023
+duration: 12
+people: [{name: ada}, {name: ben, at: [-10, 0]}]
+gantry:
+  controller: "moody:moody"
+  at: [-2.5, 0.5, 0.0]
+  jobs: [{wait: 1.0}, {wait: 2.0}]
+"""
+
+CONTROLLER = """\
+def moody(gantry):
+    yield gantry.wait(1.0)
+    if abs(gantry.position[0] + 2.5) > 0.01:
+        raise ValueError("out of\\nsorts")
+    while (task := (yield gantry.next_task())) is not None:
+        yield gantry.do(task)
+"""
+
+STUDY = """\
+trials: [short.trial.yaml]
+grid:
+  personality: [indifferent, antagonistic]
+  gantry_at: [[-2.5, 0.5, 0], [-5, 1, 0]]
+random:
+  max_speed: {normal: [1.0, 0.2]}
+repeat: 4
+seed: 11
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "short.trial.yaml").write_text(TRIAL)
+    (tmp_path / "moody.py").write_text(CONTROLLER)
+    (tmp_path / "s.study.yaml").write_text(STUDY)
+    return tmp_path
+
+
+@pytest.fixture
+def study(folder):
+    return sim.Study.load(folder / "s.study.yaml")
+
+
+def lines(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def command(folder, *arguments, **options):
+    return started("study", "s.study.yaml", *arguments, cwd=folder, **options)
+
+
+def finished(process):
+    out, err = process.communicate(timeout=HANG)
+    return process.returncode, out, err
+
+
+def wait_for_rows(folder, process):
+    """Wait until the study that `process` runs into `folder` has some rows."""
+    results = folder / "results.csv"
+    until(lambda: results.exists() and results.read_bytes().count(b"\n") > 3, process)
+
+
+def test_every_row_is_what_a_run_of_its_trial_gives(study, tmp_path):
+    results = sim.run_study(study, tmp_path / "out", jobs=1)
+    table = lines(tmp_path / "out" / "results.csv")
+    assert len(results) == len(table) == len(study) == 16
+    for row, line in zip(study.rows(), table, strict=True):
+        assert line["row"] == str(row.number)
+        assert line["max_speed"] == str(row.parameters["max_speed"])
+        assert line["gantry_at"] == " ".join(map(str, row.parameters["gantry_at"]))
+        if row.parameters["gantry_at"][0] == -5:
+            assert "moody" in line["error"] and "line 4): ValueError: out of sorts" in line["error"]
+            assert line["penalties"] == line["people.ben.distance_walked"] == ""
+            continue
+        summary = sim.run(row.trial).summary
+        assert line["error"] == ""
+        assert line["penalties"] == str(summary["penalties"])
+        assert line["jobs_done"] == str(summary["jobs_done"]) == "2"
+        assert (
+            float(line["minimum_separation.distance"])
+            == (summary["minimum_separation"]["distance"])
+        )
+        ben = summary["people"]["ben"]
+        assert float(line["people.ben.distance_walked"]) == ben["distance_walked"]
+        assert line["people.ben.visits"] == str(len(ben["visits"]))
+    assert [number for number, _ in results.failed.items()] == list(range(1, 16, 2))
+    assert not {"cpu_seconds", "realtime_factor"} & set(results.columns)
+
+
+@pytest.mark.slow
+def test_the_same_bytes_whatever_the_jobs_and_the_backend(study, tmp_path):
+    written = set()
+    with socket.socket() as taken:  # the port that Dask takes if it is given none
+        with suppress(OSError):  # somebody else has it
+            taken.bind(("", 8787))
+            taken.listen()
+        for backend, jobs in (("sequential", 1), ("loky", 2), ("dask", 2)):
+            out = tmp_path / backend
+            sim.run_study(study, out, jobs=jobs, backend=backend)
+            names = ("results.csv", "results.parquet", "report.html")
+            written.add(tuple((out / name).read_bytes() for name in names))
+    assert len(written) == 1
+
+
+@pytest.mark.slow
+def test_rows_run_on_the_cluster_of_the_current_client(study, tmp_path):
+    from distributed import Client, LocalCluster
+
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="localhost:0") as cluster,
+        Client(cluster) as client,
+    ):
+        sim.run_study(study, tmp_path / "out", backend="dask")
+        worked = client.run(lambda: "sim.studies.running" in sys.modules)
+    assert list(worked.values()) == [True, True]
+    assert len(lines(tmp_path / "out" / "results.csv")) == 16
+
+
+def test_there_is_no_such_backend(study, tmp_path):
+    with pytest.raises(ValueError, match="Invalid backend: lucky, expected one of"):
+        sim.run_study(study, tmp_path / "out", backend="lucky")
+
+
+WAITS = """\
+import time
+from pathlib import Path
+def moody(gantry):
+    results = Path("killed/results.csv")
+    while Path("held").exists() and results.exists() and results.read_bytes().count(b"\\n") > 3:
+        time.sleep(0.01)
+    yield from driven(gantry)
+"""
+
+
+@pytest.mark.slow
+def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
+    (folder / "moody.py").write_text(CONTROLLER.replace("def moody", "def driven") + WAITS)
+    (folder / "held").touch()  # when it has some rows, it waits for what kills it
+    process = command(folder, "--out", "killed", "--jobs", "2", start_new_session=True)
+    results = folder / "killed" / "results.csv"
+    wait_for_rows(folder / "killed", process)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    (folder / "held").unlink()
+    assert len(lines(results)) < 16
+    with results.open("ab") as file:
+        file.write(b"9,short,indiff")
+    code, out, err = finished(command(folder, "--out", "killed", "--jobs", "1"))
+    assert code == 1
+    assert err.startswith("Going on after ")
+    assert "8 of 16 rows failed; row 1: ControllerError: the gantry controller" in err
+    assert "killed/report.html" in out
+    sim.run_study(study, folder / "whole", jobs=1)
+    for name in ("study.json", "results.csv", "results.parquet", "report.html"):
+        assert (folder / "killed" / name).read_bytes() == (folder / "whole" / name).read_bytes()
+
+
+LEAKY = """
+from joblib.externals.loky.backend import resource_tracker
+from sim.studies.running import backend_of
+
+with backend_of("loky", 2):
+    resource_tracker.register("/never-made", "semlock")
+"""
+
+
+def test_what_an_interrupt_leaves_of_semaphores_is_cleaned_up_in_silence():
+    done = subprocess.run(
+        [sys.executable, "-c", LEAKY], capture_output=True, text=True, timeout=HANG
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.parametrize(
+    ("stop", "sent", "backend"),
+    [
+        (os.kill, signal.SIGTERM, "loky"),
+        pytest.param(os.killpg, signal.SIGINT, "loky", marks=pytest.mark.slow),
+        pytest.param(os.killpg, signal.SIGINT, "dask", marks=pytest.mark.slow),
+    ],
+)
+def test_a_study_that_is_stopped_says_how_to_go_on(folder, stop, sent, backend):
+    """And leaves no workers behind."""
+    (folder / "s.study.yaml").write_text(STUDY.replace("repeat: 4", "repeat: 4000"))
+    options = ("--out", "stopped", "--jobs", "2", "--backend", backend)
+    process = command(folder, *options, start_new_session=True)
+    wait_for_rows(folder / "stopped", process)
+    stop(process.pid, sent)
+    code, out, err = finished(process)
+    assert (code, out) == (130, "")
+    assert err == "Stopped; what is done is kept in stopped: run the same command to go on.\n"
+    with pytest.raises(ProcessLookupError):
+        until(lambda: os.killpg(process.pid, 0))
+    assert read_table(folder / "stopped" / "results.csv")["row"][:3] == [0, 1, 2]
+
+
+def test_a_finished_study_runs_nothing_again(study, tmp_path):
+    sim.run_study(study, tmp_path, jobs=1)
+    table, told = tmp_path / "results.csv", []
+    before = (table.read_bytes(), table.stat().st_mtime_ns)
+    results = sim.run_study(study, tmp_path, jobs=1, begin=told.append, progress=told.append)
+    assert (told, len(results)) == ([16], 16)
+    assert (table.read_bytes(), table.stat().st_mtime_ns) == before
+
+
+def test_a_changed_row_is_reported_and_one_without_a_digest_measured_again(study, tmp_path):
+    sim.run_study(study, tmp_path, jobs=1)
+    table, digests = tmp_path / "results.csv", tmp_path / "results.sha256"
+    whole = table.read_bytes()
+    written = whole.splitlines(keepends=True)
+    cells = written[4].split(b",")
+    digit = next(k for k in reversed(range(len(cells))) if cells[k].strip().isdigit())
+    cells[digit] = b"7" + cells[digit]
+    table.write_bytes(b"".join([*written[:4], b",".join(cells), *written[5:]]))
+    with pytest.raises(ValueError, match=r"results\.csv, line 5: row 3 is not as it was measured"):
+        sim.run_study(study, tmp_path, jobs=1)
+    table.write_bytes(b"".join(written[:4]))
+    sim.run_study(study, tmp_path, jobs=1)
+    assert table.read_bytes() == whole
+    known = digests.read_bytes()
+    digests.write_bytes(known[:-20])
+    begun = []
+    sim.run_study(study, tmp_path, jobs=1, begin=begun.append)
+    assert begun == [len(written) - 3]
+    assert (table.read_bytes(), digests.read_bytes()) == (whole, known)
+
+
+@pytest.mark.parametrize(
+    ("file", "change", "told"),
+    [
+        ("s.study.yaml", ("seed: 11", "seed: 12"), "the study"),
+        ("s.study.yaml", ("0.2]", "0.3]"), "the study"),
+        ("short.trial.yaml", ("wait: 2.0", "wait: 3.0"), "the trial short"),
+        ("moody.py", ("1.0", "1.5"), "the controller moody:moody"),
+    ],
+)
+def test_the_folder_of_another_study_is_refused(study, folder, file, change, told):
+    with StudyFolder(folder / "out", study):
+        pass
+    text = (folder / file).read_text()
+    (folder / file).write_text(text.replace(*change))
+    other = sim.Study.load(folder / "s.study.yaml")
+    with pytest.raises(sim.OutputError, match=rf"another study \(changed since: {told}\)"):
+        sim.run_study(other, folder / "out", jobs=1)
+    (folder / file).write_text(text)
+    with StudyFolder(folder / "out", sim.Study.load(folder / "s.study.yaml")):
+        pass
+
+
+def test_a_program_that_is_changed_while_a_study_runs_is_reported(tmp_path):
+    (tmp_path / "calm.asl").write_text("!rest. +!rest <- true.")
+    text = "floorplan: ariac2023\nduration: 1\npeople: [{name: ada, personality: calm.asl}]\n"
+    study = sim.Study("calm", (sim.Trial.parse(text, folder=tmp_path),), repeat=2)
+
+    def edit(_):
+        (tmp_path / "calm.asl").write_text("!rest. +!rest <- .wait(10).")
+
+    with pytest.raises(sim.OutputError, match=r"while they were made: the program calm\.asl"):
+        sim.run_study(study, tmp_path / "out", jobs=1, progress=edit)
+
+
+def test_a_folder_that_cannot_be_used_is_refused(study, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(sim.OutputError, match="can't write to"):
+        sim.run_study(study, tmp_path / "file")
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "results.csv").write_text("row\n")
+    with pytest.raises(sim.OutputError, match=r"holds results, but no study\.json"):
+        sim.run_study(study, tmp_path / "old")
+    (tmp_path / "torn").mkdir()
+    endless = json.dumps({"floorwalker" * 10_000: "x"})
+    for damaged in ('{"flo', '{"floorwalker": ' + "[" * 100_000, endless):
+        (tmp_path / "torn" / "study.json").write_text(damaged)
+        with pytest.raises(sim.OutputError, match=r"study\.json|changed since: floorwalker") as why:
+            sim.run_study(study, tmp_path / "torn")
+        assert len(str(why.value)) < 1000
+
+
+def test_a_full_disk_is_named_and_what_was_written_is_gone_on_with(study, tmp_path, room_for):
+    sim.run_study(study, tmp_path / "whole", jobs=1)
+    for room in (100, 400, 1500):
+        full = pytest.raises(sim.OutputError, match=r"can't write to .*full: File too large")
+        with full, room_for(room):
+            sim.run_study(study, tmp_path / "full", jobs=1)
+        left = {path.name for path in (tmp_path / "full").iterdir()}
+        assert left <= {"study.json", "results.csv", "results.sha256"}
+    sim.run_study(study, tmp_path / "full", jobs=1)
+    whole, full = (tmp_path / name / "results.csv" for name in ("whole", "full"))
+    assert full.read_bytes() == whole.read_bytes()
+
+
+def test_two_processes_cannot_work_on_one_folder(study, tmp_path):
+    with (
+        StudyFolder(tmp_path, study),
+        pytest.raises(sim.OutputError, match="another process works on"),
+    ):
+        sim.run_study(study, tmp_path, jobs=1)
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_is_reported(folder):
+    (folder / "moody.py").write_text("import os\ndef moody(gantry): yield os._exit(7)\n")
+    code, out, err = finished(command(folder, "--out", "out", "--jobs", "2"))
+    assert (code, out) == (1, "")
+    assert err.startswith("floorwalker: a worker process was killed or ran out of memory")
+    assert "Traceback" not in err
+
+
+def test_the_trial_of_a_row_gives_its_figures_again(study, folder, floorwalker):
+    done = floorwalker("study", "s.study.yaml", "--row", "6", "--out", "out", cwd=folder)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "out/trials/000006.yaml\n", "")
+    assert not (folder / "out" / "results.csv").exists()
+    trial = sim.Trial.load(folder / "out" / "trials" / "000006.yaml")
+    sim.run_study(study, folder / "out", jobs=1)
+    line = lines(folder / "out" / "results.csv")[6]
+    summary = sim.run(trial).summary
+    assert line["seed"] == str(trial.seed)
+    walked = summary["people"]["ben"]["distance_walked"]
+    assert float(line["people.ben.distance_walked"]) == walked
+    with pytest.raises(ValueError, match="has rows 0 to 15, but no row 16"):
+        save_trial(study, 16, folder)
+
+
+def test_metrics_are_columns_where_they_are_asked_for(folder):
+    text = STUDY.replace("repeat: 4", "repeat: 1\nmetrics: true")
+    study = sim.Study.parse(text, folder=folder)
+    results = sim.run_study(study, folder / "out", jobs=1)
+    metrics = sim.metrics(sim.run(study.row(0).trial))
+    column = results.columns["metrics.people.ada.path_length"]
+    assert column[0] == metrics["people"]["ada"]["path_length"]
+    assert column[1] is None
+
+
+def test_parquet_has_what_the_table_has(study, tmp_path):
+    import pandas
+
+    results = sim.run_study(study, tmp_path, jobs=1)
+    frame = pandas.read_parquet(tmp_path / "results.parquet")
+    assert list(frame.columns) == list(results.columns)
+    assert frame["penalties"].sum() == sum(v or 0 for v in results.columns["penalties"])
+    assert frame["personality"].tolist() == results.columns["personality"]
+    assert frame["error"].isna().sum() == 8
+
+
+def test_check_knows_studies(folder, floorwalker):
+    checked = floorwalker("check", "s.study.yaml", cwd=folder)
+    assert checked.returncode == 0
+    assert checked.stdout.endswith("s.study.yaml: a study of 1 trial, 16 rows\n")
+    (folder / "s.study.yaml").write_text(STUDY.replace("seed", "sed").replace("4", "0"))
+    checked = floorwalker("check", "s.study.yaml", cwd=folder)
+    assert checked.returncode == 1
+    assert "2 problems" in checked.stderr
+
+
+RECORDS = [
+    {"row": 0, "name": "a, b", "error": None, "x": 1.5},
+    {"row": 1, "name": 'c"', "error": "it broke"},
+    {"row": 2, "name": "d", "error": None, "x": 2.0, "y": 7, "z": "ü"},
+    {"row": 3, "name": "e", "error": None, "x": -1e-9, "y": None},
+]
+
+
+def written(path, records):
+    table = ResultsTable(path)
+    for record in records[table.rows :]:
+        table.add(record)
+    table.close()
+    return path.read_bytes()
+
+
+@settings(max_examples=60)
+@given(cut=st.integers(0, 200))
+def test_a_table_cut_anywhere_is_gone_on_with(cut, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("table")
+    whole = written(folder / "whole.csv", RECORDS)
+    assert whole.decode() == (
+        'row,name,error,x,y,z\n0,"a, b",,1.5,,\n1,"c""",it broke,,,\n2,d,,2.0,7,ü\n3,e,,-1e-09,,\n'
+    )
+    (folder / "cut.csv").write_bytes(whole[:cut])
+    assert written(folder / "cut.csv", RECORDS) == whole
+    columns = read_table(folder / "cut.csv")
+    assert columns["x"] == [1.5, None, 2.0, -1e-9]
+    assert columns["y"] == [None, None, 7, None]
+    assert columns["name"][1] == 'c"'
+
+
+def test_a_defect_in_a_row_is_told_apart_from_what_a_user_may_mend():
+    from sim.studies.table import error_in
+
+    def failing(cause):
+        try:
+            cause()
+        except Exception as why:
+            return error_in(why)["error"]
+
+    def mistake():
+        sim.Trial.load("no_such_trial")
+
+    assert failing(mistake).startswith("TrialError: no_such_trial: no such file")
+    defect = failing(lambda: (1, 2).index(3))
+    assert "defect of Floorwalker" in defect
+    assert "ValueError: tuple.index(x): x not in tuple (test_study.py, line " in defect
+
+
+def test_a_failure_of_a_program_names_row_action_and_reason(tmp_path, floorwalker):
+    (tmp_path / "far.asl").write_text("+human_start <- move(9.5, 3, 0).")
+    (tmp_path / "far.trial.yaml").write_text(
+        "floorplan: {boundary: [[0, 0], [10, 0], [10, 6], [0, 6]],"
+        " obstacles: {wall: {x: [5, 5.2], y: [0, 6], z: [0, 3]}}}\n"
+        "duration: 5\npeople: [{name: ada, personality: far.asl, at: [1, 1]}]\n"
+    )
+    (tmp_path / "far.study.yaml").write_text("trials: [far.trial.yaml]\nrepeat: 2\n")
+    done = floorwalker("study", "far.study.yaml", "--jobs", 2, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    said = [line for line in done.stderr.splitlines() if "an intention ended" in line]
+    assert sorted(line.partition(":")[0] for line in said) == ["row 0", "row 1"]
+    for line in said:
+        assert "failed at far.asl:1 in move(9.5,3,0): action_failed; no way, however narrow" in line
