@@ -42,6 +42,7 @@ from .separation import (
     Scaled,
     SeparationLaw,
     required_at,
+    required_at_speeds,
 )
 from .walking import remaining_path, stop_walking, walk
 from .world import CollisionWorld
@@ -98,6 +99,7 @@ __all__ = [
     "planners",
     "remaining_path",
     "required_at",
+    "required_at_speeds",
     "standing",
     "stop_walking",
     "torso_box",

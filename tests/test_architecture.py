@@ -52,6 +52,7 @@ OF_THE_LIBRARY = {
         "measures",
         "monitor",
         "motion",
+        "moving_obstacles",
         "polynomials",
         "separation",
         "walking",
