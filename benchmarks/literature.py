@@ -1,4 +1,4 @@
-"""People among people against the literature: figures and plot of docs/people-among-people.md.
+"""People among people against the literature: figures and plot of docs/people-validation.md.
 
 Bodies have a radius of 0.2 m and walk at up to 1.34 m/s, as in the literature: in a single file,
 through openings, one way and both ways in a corridor; in the tests 1, 4, 5, 6, 7, 9 and 12 of RiMEA
@@ -162,7 +162,7 @@ def rimea_5(walk: Program) -> str:
     for k, one in enumerate(walkers):
         moved = np.hypot(*(positions(data, k) - one.at).T) > 1e-6
         off.append(abs((int(np.argmax(moved)) - 1) / RATE - one.sets_out))
-    return f"off by {max(off):.1f} s at most"
+    return f"error at most {max(off):.1f} s"
 
 
 def rimea_6(walk: Program) -> str:
@@ -176,7 +176,7 @@ def rimea_6(walk: Program) -> str:
     wall = shapely.distance(floor.exterior, at)
     through = int((~shapely.covers(floor, at)).sum())
     left = int((durations(data) < 90.0).sum())
-    return f"{left} of 20, {through} through a wall, {wall.min():.2f} m from one"
+    return f"{left} of 20, {through} through a wall, minimum {wall.min():.2f} m from one"
 
 
 def rimea_7(walk: Program) -> str:
@@ -188,7 +188,7 @@ def rimea_7(walk: Program) -> str:
     for k, speed in enumerate(speeds):
         steps = np.hypot(*np.diff(positions(data, k)[30:110], axis=0).T) * RATE
         off.append(abs(statistics.mean(steps.tolist()) / speed - 1))
-    return f"off by {100 * max(off):.2f} % at most"
+    return f"error at most {100 * max(off):.2f} %"
 
 
 def juelich_1(walk: Program, turned: float = 0.0) -> str:
@@ -223,15 +223,15 @@ def _past_somebody(walk: Program, width: float) -> pedpy.TrajectoryData:
 def juelich_4(walk: Program) -> str:
     """One person comes up behind somebody who stands, where there is room to get past."""
     data = _past_somebody(walk, 3.0)
-    return f"{durations(data)[0] - 14.0:+.1f} s, {nearest(data):.2f} m past them"
+    return f"{durations(data)[0] - 14.0:+.1f} s, gap {nearest(data):.2f} m"
 
 
 def juelich_5(walk: Program) -> str:
     """One person comes up behind somebody who stands, where there is none."""
     data = _past_somebody(walk, 0.7)
     at = positions(data, 0)
-    past = "gets past" if at[-1, 0] > 8.0 or len(at) < 40 * RATE else "stops"
-    return f"{past}, nearest {nearest(data):.2f} m"
+    past = "passes" if at[-1, 0] > 8.0 or len(at) < 40 * RATE else "stops"
+    return f"{past}, gap {nearest(data):.2f} m"
 
 
 def juelich_6(walk: Program) -> str:
@@ -243,15 +243,15 @@ def juelich_6(walk: Program) -> str:
 
 ROWS: tuple[tuple[str, str, Callable[[Program], str]], ...] = (
     ("one person, 40 m at 1.33 m/s (RiMEA 1)", "26 to 34 s", rimea_1),
-    ("ten set out after 10 to 100 s (RiMEA 5)", "as given", rimea_5),
-    ("twenty round a corner (RiMEA 6)", "all, nobody through a wall", rimea_6),
-    ("speeds of twenty, 0.60 to 1.65 m/s (RiMEA 7)", "as given", rimea_7),
+    ("ten reaction times of 10 to 100 s (RiMEA 5)", "as given", rimea_5),
+    ("twenty people around a corner (RiMEA 6)", "all, none through a wall", rimea_6),
+    ("twenty speeds, 0.60 to 1.65 m/s (RiMEA 7)", "as given", rimea_7),
     ("one person, 10 m at 1 m/s (Jülich 1)", "10 s", juelich_1),
-    ("the same, turned by 45° (Jülich 2)", "10 s", juelich_2),
-    ("to a goal from a hundred places (Jülich 3)", "all", juelich_3),
-    ("past somebody who stands, in 3 m (Jülich 4)", "gets past", juelich_4),
-    ("behind somebody who stands, in 0.7 m (Jülich 5)", "stops without overlap", juelich_5),
-    ("10 m at 1 m/s by three goals (Jülich 6)", "10 s", juelich_6),
+    ("the same, rotated by 45° (Jülich 2)", "10 s", juelich_2),
+    ("one goal from a hundred places (Jülich 3)", "all", juelich_3),
+    ("past a standing person, 3 m wide (Jülich 4)", "passes", juelich_4),
+    ("behind a standing person, 0.7 m wide (Jülich 5)", "stops without overlap", juelich_5),
+    ("10 m at 1 m/s with three goals (Jülich 6)", "10 s", juelich_6),
 )
 """Scene, the figure as published, and the measurement."""
 
@@ -471,7 +471,7 @@ def draw(ours: Diagrams, theirs: Diagrams, path: Path) -> None:
 
 
 def diagram_rows(ours: Diagrams, theirs: Diagrams) -> Iterator[str]:
-    """Yield the diagrams' rows of the table in `docs/people-among-people.md`, in Markdown."""
+    """Yield the diagrams' rows of the table in `docs/people-validation.md`, in Markdown."""
 
     def row(
         scene: str, published: str, figures: Callable[[Diagrams], Sequence[float]], digits: int = 2
@@ -485,41 +485,40 @@ def diagram_rows(ours: Diagrams, theirs: Diagrams) -> Iterator[str]:
         ", ".join(f"{figure:g}" for figure in figures) for figures in (SPEEDS, WIDTHS, RATES)
     )
     file = ", ".join(f"{seyfried(one):.2f}" for one in SPEEDS)
-    full = "corridor full of people of 1.34 ± 0.26 m/s (RiMEA 4)"
+    full = "full corridor, 1.34 ± 0.26 m/s (RiMEA 4)"
     yield row(f"{full}: density, 1/m²", "–", lambda d: [one.at for one in d.full])
-    yield row(f"{full}: speed, m/s", "Weidmann 1993", lambda d: [one.figure for one in d.full])
-    beside = "deviation from Weidmann's speed at that density, %"
+    yield row("its speed, m/s", "Weidmann 1993", lambda d: [one.figure for one in d.full])
     yield row(
-        f"{full}: {beside}",
+        "its difference from Weidmann's speed at that density, %",
         "0",
         lambda d: [100 * (speed / weidmann(at) - 1) for at, speed in d.full],
         0,
     )
-    for name, doors in (("four doors", lambda d: d.four), ("two doors", lambda d: d.two)):
-        hall = f"{len(ours.four):,} people leave a hall of 30 m by 20 m by {name} of 1 m (RiMEA 9)"
-        yield _line(hall, HALL, *(_left(doors(found)) for found in (ours, theirs)))
-    rooms = "150 people leave a room by a corridor into another with a door (RiMEA 12)"
-    jam = "a jam before the corridor alone"
-    yield row(f"{rooms}: greatest density before each, 1/m²", jam, lambda d: d.rooms[:2])
-    yield row(f"{rooms}: the last has left after, s", "–", lambda d: d.rooms[2:], 0)
+    hall = "people leave a 30 m by 20 m hall through four 1 m doors, or two (RiMEA 9)"
+    hall = f"{len(ours.four):,} {hall}"
+    yield _line(hall, HALL, *(f"{_left(one.four)}; {_left(one.two)}" for one in (ours, theirs)))
+    rooms = "150 people leave a room through a corridor into a room with a door (RiMEA 12)"
+    jam = "a jam before the corridor only"
+    yield row(f"{rooms}: peak density before corridor and door, 1/m²", jam, lambda d: d.rooms[:2])
+    yield row("time until the last has left, s", "–", lambda d: d.rooms[2:], 0)
     flows = "1.2 to 2.2"
     opening = f"twenty through openings of {widths} m, people per metre and second"
     yield row(opening, flows, lambda d: [one.figure for one in d.openings])
     single = f"single file at {speeds} m/s, metres per person"
     yield row(single, f"Seyfried et al. 2005: {file}", lambda d: [one.figure for one in d.files])
-    lane = f"counterflow of {rates} people per second from each of three places: order of lanes"
+    lane = f"counterflow of {rates} people per second from each of three places: lane order, 0 to 1"
     yield row(lane, "more than by chance", lambda d: [one for one, _ in d.lanes])
     yield row("the same by chance", "–", lambda d: [one for _, one in d.lanes])
 
 
-HALL = "about twice as long by two doors as by four"
+HALL = "about twice as long with two"
 
 
 def _left(times: NDArray[np.float64]) -> str:
     """Return in words when the last person left a hall, and how many did not."""
     gone = times[np.isfinite(times)]
     stay = len(times) - len(gone)
-    return f"all after {gone.max():.0f} s" if not stay else f"{stay} of {len(times)} stay in it"
+    return f"all after {gone.max():.0f} s" if not stay else f"{stay} of {len(times)} remain"
 
 
 def _line(*cells: str) -> str:
