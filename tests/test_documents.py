@@ -152,7 +152,15 @@ def parts(annotation):
 
 REFERENCE = {
     FloorplanSchema: ("floorplan-formats.md",),
-    TrialKeys: ("trials.md", "people-among-people.md", "rules.md", "floorplan-formats.md"),
+    TrialKeys: (
+        "trials.md",
+        "work.md",
+        "recorded-people.md",
+        "changes.md",
+        "people-among-people.md",
+        "rules.md",
+        "floorplan-formats.md",
+    ),
     RuleKeys: ("rules.md",),
     StudyKeys: ("studies.md",),
 }
