@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from sim.core.events import EVENT_KINDS, EventKind
-from sim.record.figures import FIGURES
+from sim.record.figures import FIGURES, PEOPLE, SummaryFigure
 
 DOCS = Path(__file__).parent
 
@@ -26,10 +26,25 @@ def _fields(kind: type[EventKind]) -> str:
 
 
 def figures() -> str:
-    """Return the table of the figures of a summary."""
-    explained = (figure for figure in FIGURES.values() if figure.meaning)
-    rows = ((f"`{f.path}`", f.label, f.unit, f.meaning) for f in explained)
-    return table(("figure", "in words", "unit", "meaning"), rows)
+    """Return the table of the values of a summary, without those that are explained in the text.
+
+    These are the time and the requirement of a distance, and what each person has as well as all.
+    """
+    rows = (
+        (f"`{figure.path}`", ", ".join(filter(None, (figure.meaning, figure.unit))))
+        for figure in FIGURES.values()
+        if figure.meaning and not figure.path.endswith((".time", ".required"))
+        if not _is_also_of_all(figure)
+    )
+    return table(("value", "meaning"), rows)
+
+
+def _is_also_of_all(figure: SummaryFigure) -> bool:
+    """Return whether a person's value has the same meaning as that of all people."""
+    of_all = FIGURES.get(figure.path.removeprefix(PEOPLE))
+    return (
+        figure.path.startswith(PEOPLE) and of_all is not None and of_all.meaning == figure.meaning
+    )
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:

@@ -221,54 +221,54 @@ def _form(hint: Any, kind: str, name: str) -> Form:
 
 
 class TrialStarted(EventKind):
-    """The trial begins."""
+    """The trial starts."""
 
     trial: str
     floorplan: str
 
 
 class TrialEnded(EventKind):
-    """The trial is over, or was `interrupted` before its end."""
+    """The trial ends, normally or `interrupted`."""
 
     interrupted: bool
 
 
 class HumanStarted(EventKind):
-    """A person begins."""
+    """A person starts."""
 
     person: _Person
 
 
 class Awaited(EventKind):
-    """A person is not on the floor yet: they come in later, at about that place."""
+    """At the start: a person will enter later, near this place."""
 
     person: _Person
     at: Point
 
 
 class Entered(EventKind):
-    """A person comes in."""
+    """A person enters the floor."""
 
     person: _Person
     at: Point
 
 
 class Left(EventKind):
-    """A person leaves the floor for good."""
+    """A person leaves the floor permanently."""
 
     person: _Person
     at: Point
 
 
 class PersonalityChanged(EventKind):
-    """Another program decides for a person from now on."""
+    """Another program controls the person from now on."""
 
     person: _Person
     personality: Annotated[str, "personality"]
 
 
 class GoalChanged(EventKind, kind="goal"):
-    """A person wants to go somewhere; `station` is null where there is none."""
+    """A person has a new goal. `station` is null for other places."""
 
     person: _Person
     station: _Station | None
@@ -276,7 +276,7 @@ class GoalChanged(EventKind, kind="goal"):
 
 
 class Arrived(EventKind):
-    """A person has reached the goal; `station` is null where there is none."""
+    """A person has reached the goal. `station` is null for other places."""
 
     person: _Person
     station: _Station | None
@@ -284,7 +284,7 @@ class Arrived(EventKind):
 
 
 class GantryDetected(EventKind):
-    """A person notices the gantry, nearer than `noticing_distance`."""
+    """A person notices the gantry, within `noticing_distance`."""
 
     person: _Person
     noticing_distance: float
@@ -295,7 +295,7 @@ class GantryDetected(EventKind):
 
 
 class Violation(EventKind):
-    """A person and a machine are nearer to each other than the law requires."""
+    """The distance between a person and a machine falls below the required one."""
 
     person: _Person
     with_: _Machine
@@ -308,14 +308,14 @@ class Violation(EventKind):
 
 
 class Penalty(EventKind):
-    """A penalty that was asked for from outside, over the [ROS bridge](ros-bridge.md)."""
+    """A client of the [ROS bridge](ros-bridge.md) requests a penalty."""
 
     person: _Person
     cause: _Cause
 
 
 class Teleport(EventKind):
-    """A person is put home, because of the `gantry` or an `agv`."""
+    """A person is moved home because of the `gantry` or an `agv`."""
 
     person: _Person
     reason: Annotated[str, "reason"]
@@ -323,20 +323,20 @@ class Teleport(EventKind):
 
 
 class ProtectiveStop(EventKind):
-    """A machine brakes for a person, and stands."""
+    """A machine stops for a person."""
 
     machine: _Machine
     person: _Person
 
 
 class ProtectiveStopEnded(EventKind):
-    """Nobody needs the machine to stand any more."""
+    """The machine may move again."""
 
     machine: _Machine
 
 
 class GantryDisabled(EventKind):
-    """The gantry brakes, and stands for `seconds`, for a penalty."""
+    """The gantry stops for `seconds`, as a penalty."""
 
     seconds: float
     machine: _Machine | None = None
@@ -349,7 +349,7 @@ class GantryEnabled(EventKind):
 
 
 class AgvMoved(EventKind):
-    """An AGV sets out, and `arrives` at that time (s) if nothing stops it."""
+    """An AGV starts. It `arrives` at that time (s) unless it stops on the way."""
 
     agv: _Agv
     to: _Location
@@ -357,7 +357,7 @@ class AgvMoved(EventKind):
 
 
 class AgvYielded(EventKind):
-    """An AGV waits for a person at that `distance`, as it wants to keep the `required` one."""
+    """An AGV waits for a person at this `distance`, to keep the `required` one."""
 
     agv: _Agv
     person: _Person
@@ -366,7 +366,7 @@ class AgvYielded(EventKind):
 
 
 class AgvBlocked(EventKind):
-    """An AGV goes no further than the lane position `at` (m): the way is closed `by` something."""
+    """An AGV goes no further than the lane position `at` (m), blocked `by` an object."""
 
     agv: _Agv
     by: str
@@ -374,7 +374,7 @@ class AgvBlocked(EventKind):
 
 
 class Collision(EventKind):
-    """The boxes of two machines begin to overlap; `speed` (m/s) is that of each from the other."""
+    """The boxes of two machines begin to overlap, with relative `speed` (m/s)."""
 
     machine: _Machine
     with_: _Machine
@@ -382,43 +382,43 @@ class Collision(EventKind):
 
 
 class BlackoutBegan(EventKind):
-    """A machine does not see people from now on."""
+    """A machine no longer perceives people."""
 
     machine: _Machine
 
 
 class BlackoutEnded(EventKind):
-    """A machine sees people again."""
+    """A machine perceives people again."""
 
     machine: _Machine
 
 
 class DoorOpened(EventKind):
-    """A door is open from now on."""
+    """A door opens."""
 
     door: _Door
 
 
 class DoorClosed(EventKind):
-    """A door is closed from now on."""
+    """A door closes."""
 
     door: _Door
 
 
 class ObstacleCame(EventKind):
-    """An obstacle is there from now on."""
+    """An obstacle appears."""
 
     obstacle: _Obstacle
 
 
 class ObstacleWent(EventKind):
-    """An obstacle is gone from now on."""
+    """An obstacle disappears."""
 
     obstacle: _Obstacle
 
 
 class Commanded(EventKind):
-    """Somebody outside has something [done](trials.md#commands): a person sent, a place blocked."""
+    """A [command](changes.md#commands) takes effect."""
 
     send: _Person | None = None
     to: Point | None = None
@@ -432,7 +432,7 @@ class Commanded(EventKind):
 
 
 class JobStarted(EventKind):
-    """The gantry begins a job: that of a trial file, or one [of an order](ariac.md#scores)."""
+    """The gantry starts a job of the trial or [of an order](ariac.md#scores)."""
 
     job: Annotated[str, "kind of job"]
     part: _Part | None = None
@@ -445,11 +445,11 @@ class JobStarted(EventKind):
 
 
 class JobDone(JobStarted):
-    """The gantry has done a job; a `submit` is recorded as `order_submitted`."""
+    """The gantry has finished a job. A `submit` is recorded as `order_submitted`."""
 
 
 class PartDropped(EventKind):
-    """The gantry's gripper has lost a part: its job begins again with another, if there is one."""
+    """The gripper has lost a part. Its job restarts with another part if there is one."""
 
     part: _Part | None = None
     order: _Order | None = None
@@ -458,7 +458,7 @@ class PartDropped(EventKind):
 
 
 class PartFaulty(EventKind):
-    """The quality check finds a part of a kit faulty: the gantry throws it away for another."""
+    """The quality check finds a faulty part, which the gantry replaces."""
 
     part: _Part
     order: _Order
@@ -467,7 +467,7 @@ class PartFaulty(EventKind):
 
 
 class PartCame(EventKind):
-    """A part comes along the conveyor: it lies `at` a place, and falls off at `to`."""
+    """A part appears on the conveyor `at` a place. It would fall off at `to` at time `falls`."""
 
     part: _Part
     number: int
@@ -477,7 +477,7 @@ class PartCame(EventKind):
 
 
 class PartTaken(EventKind):
-    """The gantry has picked a part from the conveyor, `at` the place where it was then."""
+    """The gantry has picked a part from the conveyor, `at` this place."""
 
     part: _Part
     number: int
@@ -485,11 +485,11 @@ class PartTaken(EventKind):
 
 
 class PartMissed(PartTaken):
-    """A part has come to the end of the conveyor, and falls off."""
+    """A part falls off the end of the conveyor."""
 
 
 class OrderAnnounced(EventKind):
-    """An order of an [ARIAC trial](ariac.md#scores) is to be worked on."""
+    """An order of an [ARIAC trial](ariac.md#scores) is announced."""
 
     order: _Order
     type: Annotated[str, "type of order"]
@@ -497,7 +497,7 @@ class OrderAnnounced(EventKind):
 
 
 class OrderSubmitted(EventKind):
-    """An order is handed in; one of an ARIAC trial has the points it got, and what is `missing`."""
+    """An order is submitted, in ARIAC trials with its score and `missing` parts."""
 
     order: _Order
     type: Annotated[str, "type of order"] | None = None
@@ -507,14 +507,14 @@ class OrderSubmitted(EventKind):
 
 
 class RobotMalfunction(EventKind):
-    """The gantry stands for `seconds`: a challenge of an ARIAC trial."""
+    """The gantry stops for `seconds`, a challenge of an ARIAC trial."""
 
     seconds: float
     machine: _Machine | None = None
 
 
 class PathBlocked(EventKind):
-    """A person's path is not free: `message` says why there is none."""
+    """A person has no free path, for the reason in `message`."""
 
     person: _Person
     goal: Point
@@ -522,7 +522,7 @@ class PathBlocked(EventKind):
 
 
 class GoalOccupied(EventKind):
-    """An AGV stands on a person's goal, and the person goes to a place beside it to wait."""
+    """An AGV occupies the goal, and the person waits beside it."""
 
     person: _Person
     goal: Point
@@ -530,42 +530,42 @@ class GoalOccupied(EventKind):
 
 
 class GoalFree(EventKind):
-    """The AGV has left the goal, and the person goes on."""
+    """The AGV has left the goal, and the person continues."""
 
     person: _Person
     goal: Point
 
 
 class Replanned(EventKind):
-    """A person goes to the same goal on another path."""
+    """A person takes another path to the same goal."""
 
     person: _Person
     goal: Point
 
 
 class Met(EventKind):
-    """A person first sees that somebody else will come in their way."""
+    """A person first anticipates a conflict with another person."""
 
     person: _Person
     other: _Person
 
 
 class GaveWay(EventKind):
-    """A person steps aside because somebody asks `to` be let past."""
+    """A person steps aside for another person who has requested it."""
 
     person: _Person
     to: _Person
 
 
 class WalksWith(EventKind):
-    """A person walks with another one from now on, as those of a group with its leader."""
+    """A person walks with another person from now on, as in a group."""
 
     person: _Person
     other: _Person
 
 
 class PeopleTooNear(EventKind):
-    """The bodies of two people come nearer to each other than the rules want between people."""
+    """Two bodies come closer than the rule `between_people` requires."""
 
     person: _Person
     other: _Person
@@ -574,32 +574,32 @@ class PeopleTooNear(EventKind):
 
 
 class Blocked(EventKind):
-    """A person could not go on for as long as their patience lasts, because of somebody else."""
+    """A person has been blocked by other people for longer than their patience."""
 
     person: _Person
     by: _Person
 
 
 class Deadlock(EventKind):
-    """Nobody who is under way can go on because of the others, for as long as their patience."""
+    """All people under way have blocked each other for longer than their patience."""
 
     people: list[str]
 
 
 class ShiftBegan(EventKind):
-    """From now on tasks are offered to a person."""
+    """A person is offered tasks from now on."""
 
     person: _Person
 
 
 class ShiftEnded(EventKind):
-    """No more tasks are offered to a person; the one that they have is theirs."""
+    """A person is offered no more tasks."""
 
     person: _Person
 
 
 class TaskTaken(EventKind):
-    """A person takes on a task, so that nobody else does."""
+    """A person takes a task, which other people can no longer take."""
 
     person: _Person
     task: str
@@ -607,7 +607,7 @@ class TaskTaken(EventKind):
 
 
 class TaskBegun(EventKind):
-    """A person sets to work, at the station of their task; also after a pause."""
+    """A person starts work at the station of the task, or resumes it."""
 
     person: _Person
     task: str
@@ -615,7 +615,7 @@ class TaskBegun(EventKind):
 
 
 class TaskPaused(EventKind):
-    """A person leaves a task that takes `left` more seconds at the usual pace."""
+    """A person leaves a task with `left` seconds of work remaining."""
 
     person: _Person
     task: str
@@ -624,7 +624,7 @@ class TaskPaused(EventKind):
 
 
 class TaskDone(EventKind):
-    """A person has done a task: `waited` seconds untouched, `took` from its begin to its end."""
+    """A task is done: `waited` before its start, `took` until its end (s)."""
 
     person: _Person
     task: str
@@ -634,7 +634,7 @@ class TaskDone(EventKind):
 
 
 class TaskGivenBack(EventKind):
-    """A person gives a task back, for others, or does not take it on at all (`refused`)."""
+    """A person returns a task, or has `refused` it."""
 
     person: _Person
     task: str
@@ -643,14 +643,14 @@ class TaskGivenBack(EventKind):
 
 
 class Said(EventKind):
-    """A program prints something."""
+    """A program prints text."""
 
     person: _Person
     text: str
 
 
 class FileNotice(EventKind, kind="notice"):
-    """Something in an ARIAC trial file that is read in another way than it is written there."""
+    """Part of an ARIAC trial file is interpreted differently than written."""
 
     text: str
     field: str | None
@@ -658,7 +658,7 @@ class FileNotice(EventKind, kind="notice"):
 
 
 class Warning(EventKind):
-    """Something about a program that its author should know."""
+    """A program has a problem that does not stop the run."""
 
     person: _Person
     text: str

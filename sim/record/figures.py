@@ -104,11 +104,11 @@ PEOPLE = "people.NAME."
 
 def _violations(prefix: str, fields: Mapping[str, Any]) -> Iterator[SummaryFigure]:
     """Yield the violations with the gantry by cause: of all people, or of one."""
-    for cause, moved in zip(CAUSES, ("which moved", "which stood"), strict=True):
+    for cause, moved in zip(CAUSES, ("moving", "stationary"), strict=True):
         yield SummaryFigure(
             path=f"{prefix}violations.{cause}",
             label=f"violations, {cause}",
-            meaning=f"with the gantry, {moved}",
+            meaning=f"violations with the {moved} gantry",
             events=(events.Violation, {**fields, "cause": cause}),
             measure="" if prefix else "plain",
         )
@@ -120,7 +120,7 @@ def _separation(prefix: str) -> Iterator[SummaryFigure]:
         f"{prefix}minimum_separation",
         partial(SummaryFigure, null=_no_robot),
         label="least separation",
-        meaning="the nearest that anybody came to the gantry's centre",
+        meaning="minimum distance of a person to the gantry's centre",
         measure="" if prefix else "chief",
         worst=1,
     )
@@ -132,7 +132,7 @@ def _nearest_agv(prefix: str) -> Iterator[SummaryFigure]:
         f"{prefix}nearest_agv",
         _of_vehicles,
         label="least distance to AGVs",
-        meaning="the nearest that anybody came to an AGV while it moved, as the rules measure",
+        meaning="minimum distance of a person to a moving AGV, as the rules measure",
         measure="" if prefix else "plain",
         worst=0 if prefix else 1,
     )
@@ -144,8 +144,8 @@ def _nearest(
     """Yield the parts of a least distance: how much it is, when that was, and what was required."""
     part = partial(figure, instant="time")
     yield part(path=f"{path}.distance", unit="m", short=True, **distance)
-    yield part(path=f"{path}.time", meaning="when that was", unit="s")
-    meaning = "the distance that the law required then"
+    yield part(path=f"{path}.time", meaning="time of this distance", unit="s")
+    meaning = "required distance at this time"
     yield part(path=f"{path}.required", meaning=meaning, unit="m")
 
 
@@ -184,7 +184,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="duration",
             of=lambda run: run.duration,
             label="duration",
-            meaning="until the time was over, or all orders were handed in",
+            meaning="simulated time",
             unit="s",
             measure="plain",
         ),
@@ -192,7 +192,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="interrupted",
             form="flag",
             of=lambda run: run.interrupted,
-            meaning="whether the run ended before that",
+            meaning="whether the run was interrupted",
             column=False,
         ),
         SummaryFigure(
@@ -217,7 +217,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="agv_violations",
             of=lambda run: run.agv_violations,
             label="violations with AGVs",
-            meaning="with an AGV that moved",
+            meaning="violations with a moving AGV",
             words=words.plain,
             events=(events.Violation, {"cause": "VEHICLE"}),
             measure="rare",
@@ -226,7 +226,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="agv_teleports",
             of=lambda run: run.referee.agv_teleports,
             label="teleports by AGVs",
-            meaning="of people who were too close to an AGV",
+            meaning="teleports because of an AGV",
             words=words.plain,
             events=(events.Teleport, {"reason": "agv"}),
             measure="plain",
@@ -235,7 +235,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="protective_stops",
             of=lambda run: run.referee.protective_stops,
             label="protective stops",
-            meaning="of all machines together",
+            meaning="protective stops of all machines",
             words=words.stops,
             events=(events.ProtectiveStop, {}),
             measure="rare",
@@ -244,7 +244,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="protective_stop_time",
             of=lambda run: run.referee.protective_stop_time,
             label="stopped",
-            meaning="in protective stops, all machines together",
+            meaning="duration of protective stops, all machines",
             unit="s",
             events=(events.ProtectiveStop, {}),
             measure="rare",
@@ -253,7 +253,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="contacts",
             of=lambda run: run.contacts,
             label="contacts with machines",
-            meaning="times that the box of a robot, or of a vehicle that drove, touched a person",
+            meaning="contacts of a robot or a moving vehicle with a person",
             words=words.some,
             measure="rare",
             worst=-1,
@@ -262,7 +262,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="collisions",
             of=lambda run: run.collisions,
             label="collisions of machines",
-            meaning="times that two machines ran into each other",
+            meaning="collisions of two machines",
             words=words.some,
             events=(events.Collision, {}),
             measure="rare",
@@ -272,7 +272,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="gantry_disabled_time",
             of=lambda run: float(run.of_robots("disabled_time")),
             label="gantry disabled",
-            meaning="by penalties",
+            meaning="time disabled by penalties",
             unit="s",
             words=words.of_robots(words.seconds),
             events=(events.GantryDisabled, {}),
@@ -282,7 +282,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="gantry_idle_time",
             of=lambda run: float(run.of_robots("idle_time")),
             label="gantry idle",
-            meaning="neither moving, handling anything, disabled nor in a protective stop",
+            meaning="time neither moving, handling, disabled nor in a protective stop",
             unit="s",
             measure="plain",
         ),
@@ -290,7 +290,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="jobs_done",
             of=lambda run: run.of_robots("jobs_done"),
             label="gantry jobs done",
-            meaning="by the gantry",
+            meaning="jobs done by the gantry",
             words=words.of_robots(words.plain),
             events=(events.JobDone, {}),
             measure="chief",
@@ -300,7 +300,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="parts_dropped",
             of=lambda run: run.of_robots("parts_dropped"),
             label="parts dropped",
-            meaning="by the gantry's gripper",
+            meaning="parts lost by the gripper",
             words=words.plain,
             events=(events.PartDropped, {}),
             measure="rare",
@@ -309,7 +309,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="parts_faulty",
             of=lambda run: run.work["parts_faulty"],
             label="parts found faulty",
-            meaning="by the quality check of kits",
+            meaning="parts rejected by the quality check of kits",
             words=words.plain,
             events=(events.PartFaulty, {}),
             measure="rare",
@@ -318,7 +318,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="parts_missed",
             of=lambda run: run.work["parts_missed"],
             label="parts missed",
-            meaning="that fell off the end of the conveyor",
+            meaning="parts that fell off the end of the conveyor",
             words=words.plain,
             events=(events.PartMissed, {}),
             measure="rare",
@@ -340,7 +340,7 @@ FIGURES: dict[str, SummaryFigure] = {
         _of_orders(
             path="best_score",
             of=lambda run: run.work["best_score"],
-            meaning="points that there could have been",
+            meaning="maximum points",
         ),
         _of_orders(path="orders.NAME", form="parts", label="order NAME", words=words.order),
         *(
@@ -351,7 +351,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="tasks_done",
             of=lambda run: sum(person.worker.tasks_done for person in run.people),
             label="tasks done",
-            meaning="by all people, without breaks",
+            meaning="tasks of all people, without breaks",
             words=words.plain,
             events=(events.TaskDone, {}),
             measure="chief",
@@ -365,14 +365,14 @@ FIGURES: dict[str, SummaryFigure] = {
         _of_zones(
             path="zones.NAME.time_occupied",
             label="time in NAME",
-            meaning="that people were in the zone, all together",
+            meaning="time of all people in the zone",
             unit="s",
             measure="plain",
         ),
         _of_zones(
             path="zones.NAME.time_too_close",
             label="too close in NAME",
-            meaning="that people were in the zone and nearer to a machine than required",
+            meaning="time in the zone below the required distance to a machine",
             unit="s",
             measure="rare",
             worst=-1,
@@ -380,7 +380,7 @@ FIGURES: dict[str, SummaryFigure] = {
         _of_zones(
             path="zones.NAME.entries",
             label="entries into NAME",
-            meaning="times that somebody came into the zone",
+            meaning="entries of people into the zone",
             measure="plain",
         ),
         SummaryFigure(
@@ -388,7 +388,7 @@ FIGURES: dict[str, SummaryFigure] = {
             form="parts",
             of=lambda run: [{**vars(short)} for short in short_laws(run.trial)],
             label="law assumes shorter stops of",
-            meaning="machines whose law counts on a shorter stop than they may take",
+            meaning="machines that may stop later than their law assumes",
             words=words.short_laws,
             column=False,
         ),
@@ -421,14 +421,14 @@ FIGURES: dict[str, SummaryFigure] = {
         _of_several(
             path="nearest_people.distance",
             label="least distance between people",
-            meaning="between the bodies of the two who came nearest, `between` says who",
+            meaning="minimum distance between two bodies",
             unit="m",
             instant="time",
             worst=1,
         ),
         _of_several(
             path="nearest_people.time",
-            meaning="when that was",
+            meaning="time of this distance",
             unit="s",
             instant="time",
         ),
@@ -443,7 +443,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="deadlocks",
             of=lambda run: run.deadlocks,
             label="deadlocks",
-            meaning="times that nobody under way could go on because of the others",
+            meaning="deadlocks between people",
             events=(events.Deadlock, {}),
             measure="rare",
         ),
@@ -451,7 +451,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="people_too_near",
             of=lambda run: run.people_too_near,
             label="people too near to each other",
-            meaning="times that two came nearer than the rules want between people",
+            meaning="times that two people came closer than `between_people`",
             words=words.plain,
             events=(events.PeopleTooNear, {}),
             measure="plain",
@@ -461,7 +461,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="people_too_near_time",
             of=lambda run: run.people_too_near_time,
             label="time too near to each other",
-            meaning="for which they were, all pairs together",
+            meaning="duration of this, all pairs",
             unit="s",
             measure="plain",
         ),
@@ -469,7 +469,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="entered",
             of=lambda run: sum(p.has_source and p.started_at is not None for p in run.people),
             label="people who came in",
-            meaning="people from sources who came in",
+            meaning="people who entered at a source",
             words=words.plain,
             events=(events.Entered, {}),
             measure="plain",
@@ -478,7 +478,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="left",
             of=lambda run: sum(person.left_at is not None for person in run.people),
             label="people who left",
-            meaning="people who left the floor at their sinks",
+            meaning="people who left at a sink",
             words=words.plain,
             events=(events.Left, {}),
             measure="plain",
@@ -489,19 +489,19 @@ FIGURES: dict[str, SummaryFigure] = {
             form="text",
             of=lambda run, person: person.personality,
             label="personality",
-            meaning="what the trial says at the start",
+            meaning="initial personality",
             words=words.program,
         ),
         SummaryFigure(
             path=f"{PEOPLE}started",
             of=lambda run, person: person.started_at,
-            meaning="when the person started, null if they did not",
+            meaning="time of the start, or null",
             unit="s",
         ),
         _of_traffic(
             path=f"{PEOPLE}left",
             of=lambda run, person: person.left_at,
-            meaning="when the person left the floor, null if they did not",
+            meaning="time of leaving the floor, or null",
             unit="s",
             events=(events.Left, {"person": "NAME"}),
         ),
@@ -519,7 +519,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path=f"{PEOPLE}distance_walked",
             of=lambda run, person: run.distance_walked(person),
             label="walked",
-            meaning="since the start; teleports don't count",
+            meaning="distance since the start, without teleports",
             unit="m",
             words=words.metres,
             measure="plain",
@@ -528,7 +528,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path=f"{PEOPLE}time_standing",
             of=lambda run, person: run.time_standing(person),
             label="stood",
-            meaning="since the start",
+            meaning="time at rest since the start",
             unit="s",
             words=words.seconds,
             measure="plain",
@@ -537,7 +537,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path=f"{PEOPLE}replans",
             of=lambda run, person: person.walker.replans,
             label="replans",
-            meaning="paths that were blocked, and another was found",
+            meaning="blocked paths for which another was found",
             words=words.plain,
             events=(events.Replanned, {"person": "NAME"}),
             measure="plain",
@@ -546,7 +546,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path=f"{PEOPLE}time_lost_to_others",
             of=lambda run, person: person.walker.traveller.time_lost(run.duration),
             label="kept from walking by others",
-            meaning="waited for other people on the way to a goal, steps aside included",
+            meaning="time lost to other people on the way to a goal",
             unit="s",
             measure="rare",
         ),
@@ -562,7 +562,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path=f"{PEOPLE}time_working",
             of=lambda run, person: person.worker.time_working,
             label="worked",
-            meaning="at tasks, without breaks",
+            meaning="time at tasks, without breaks",
             unit="s",
             words=words.seconds,
             measure="plain",
@@ -571,7 +571,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path=f"{PEOPLE}throughput",
             of=lambda run, person: person.worker.throughput,
             label="throughput",
-            meaning="tasks done in an hour on shift (or since the start, without shifts)",
+            meaning="tasks per hour of shift, or since the start",
             unit="1/h",
             measure="chief",
             worst=1,
@@ -595,10 +595,10 @@ FIGURES: dict[str, SummaryFigure] = {
         ),
         *_nearest_agv(PEOPLE),
         SummaryFigure(
-            path="cpu_seconds", form="text", meaning="what the run cost", unit="s", column=False
+            path="cpu_seconds", form="text", meaning="CPU time of the run", unit="s", column=False
         ),
         SummaryFigure(
-            path="realtime_factor", form="text", meaning="duration per CPU time", column=False
+            path="realtime_factor", form="text", meaning="simulated time per CPU time", column=False
         ),
         *_metrics(),
     )
