@@ -45,16 +45,11 @@ def figures(personality: str, controller: str, seed: int) -> dict[str, Any]:
     """Figures of one run for the table."""
     run = sim.run(kitting_trial(personality, controller, seed))
     summary = run.summary
-    person = summary["people"]["operator"]
     return {
         "penalties": summary["penalties"],
         "by the gantry": summary["violations"]["gantry"],
         "by the person": summary["violations"]["person"],
         "jobs": summary["jobs_done"],
-        "gantry idle": summary["gantry_idle_time"],
-        "disabled": summary["gantry_disabled_time"],
-        "visits": len(person["visits"]),
-        "walked": person["distance_walked"],
         "nearest": summary["minimum_separation"]["distance"],
     }
 
@@ -65,12 +60,9 @@ def row(name: str, runs: Sequence[dict[str, Any]]) -> str:
     def mean(key: str) -> float:
         return statistics.fmean(run[key] for run in runs)
 
-    # How far somebody walks from one visit to the next tells of detours and turning round.
-    way = sum(run["walked"] for run in runs) / max(1, sum(run["visits"] for run in runs))
     return (
         f"| {name} | {mean('penalties'):.2f} | {mean('by the gantry'):.2f} |"
         f" {mean('by the person'):.2f} | {statistics.median(r['jobs'] for r in runs):g} |"
-        f" {mean('gantry idle'):.0f} | {mean('disabled'):.0f} | {mean('visits'):.1f} | {way:.1f} |"
         f" {mean('nearest'):.2f} |"
     )
 
@@ -78,9 +70,9 @@ def row(name: str, runs: Sequence[dict[str, Any]]) -> str:
 def table(trials: int, jobs: int) -> str:
     """Run so many trials of each pair, and return the table."""
     lines = [
-        "| person, controller | penalties | by the gantry | by the person | jobs (median) | idle, s"
-        " | disabled, s | visits | m per visit | nearest, m |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        "| person, controller | penalties | by the gantry | by the person | jobs (median)"
+        " | minimum distance, m |",
+        "|---|---|---|---|---|---|",
     ]
     for personality in PERSONALITIES:
         for controller in CONTROLLERS:
