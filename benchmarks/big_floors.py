@@ -87,7 +87,7 @@ def measure(count: int, spacing: float, queries: int) -> None:
     ]
     figures = [load, build, prepare, ways[0], statistics.median(ways), max(ways)]
     figures += [statistics.median(sampled), *peer(world, asked)]
-    print(" | ".join(f"{figure:.4f}" for figure in figures))
+    print(" | ".join(f"{figure:.6f}" for figure in figures))
 
 
 def peer(world: CollisionWorld, asked: list[Any]) -> tuple[float, float]:
@@ -110,12 +110,14 @@ def draw(file: str, counts: list[int], rows: list[list[float]]) -> None:
     """Draw the medians (see `COLUMNS`) over the number of obstacles."""
     from matplotlib.figure import Figure
 
+    from sim.views.plots import save
+
     figure = Figure(figsize=(6, 4), layout="constrained")
     axes = figure.add_subplot(xlabel="obstacles", ylabel="CPU time of a path, median, ms")
     for name, column in (("Roadmap", 4), ("RRTConnect", 6), ("JuPedSim", 8)):
         axes.loglog(counts, [1000 * row[column] for row in rows], "o-", label=name)
     axes.legend()
-    figure.savefig(file)
+    save(figure, file)
 
 
 def timed(work: Callable[[], _T]) -> tuple[float, _T]:

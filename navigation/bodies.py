@@ -16,6 +16,7 @@ import math
 from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import Any
 
 import fcl
@@ -178,14 +179,13 @@ def around_disc(centre: tuple[float, float], radius: float, step: float) -> Poly
 
 
 def _rings(polygons: shapely.Geometry) -> list[Floats]:
-    rings = []
-    for polygon in shapely.get_parts(polygons):
-        holes = shapely.get_interior_ring(polygon, range(shapely.get_num_interior_rings(polygon)))
-        for ring in (shapely.get_exterior_ring(polygon), *holes):
-            points = shapely.get_coordinates(ring)
-            fresh = (points[1:] != points[:-1]).any(axis=1)
-            rings.append(points if fresh.all() else points[np.append(True, fresh)])
-    return rings
+    rings = shapely.get_rings(shapely.get_parts(polygons))
+    points, of = shapely.get_coordinates(rings, return_index=True)
+    fresh = np.ones(len(points), dtype=bool)
+    fresh[1:] = (points[1:] != points[:-1]).any(axis=1) | (of[1:] != of[:-1])
+    points, of = points[fresh], of[fresh]
+    begin = np.searchsorted(of, np.arange(len(rings) + 1)).tolist()
+    return [points[first:last] for first, last in pairwise(begin)]
 
 
 def _sides(edges: list[Floats]) -> tuple[Floats, Floats]:

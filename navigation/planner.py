@@ -233,6 +233,7 @@ class PathPlanner:
     def prepare(self) -> None:
         """Compute now what the first plan would have to wait for."""
         roadmap = self.roadmap()
+        _ = roadmap.passages
         for body in self.world.bodies:
             roadmap.around(body)
 
@@ -304,6 +305,8 @@ class PathPlanner:
         return leave, self._kept_footing(goal, "goal", 0.0)
 
     def _connected(self, start: Point, goal: Point) -> bool:
+        if self.roadmap().apart(start, goal):
+            return False
         return self.world.reaches(start, goal, self.radius + HAIR)
 
     def _unreachable(self, start: Point, goal: Point) -> PlanningError:

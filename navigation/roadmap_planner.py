@@ -199,7 +199,10 @@ class RoadmapSearch:
     def _hopeless(self) -> bool:
         """Return True if it is proved that there is no path."""
         world, ends = self._links.world, (self._start, self._goal)
-        # What the floor alone keeps apart needs no look at the bodies.
+        # What the floor alone keeps apart needs no look at the bodies. Nearly all of it follows
+        # from the triangles of the roadmap, and the rest from the free space.
+        if world.roadmap(self._links.radius, self._step).apart(*ends):
+            return True
         space = world.fixed_space(self._room)
         return not (world.gates.reach(space, *ends) and world.reaches(*ends, self._room))
 

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 
-OF_THE_MACHINE = {"scaling.svg"}
+OF_THE_MACHINE = {"scaling.svg", "cost.svg"}
 """Pictures of CPU times."""
 
 

@@ -143,7 +143,7 @@ def _field_faults(value: Any) -> Iterator[Fault]:
     fit = True
     for name, hint in _fields(value.__class__):
         held = getattr(value, name)
-        if held.__class__ is not hint or hint not in _PLAIN:
+        if held.__class__ is not hint or _fields(hint):
             for message, rest in _faults(held, hint):
                 fit = False
                 yield message, (name, *rest)

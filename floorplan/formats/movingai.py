@@ -66,37 +66,38 @@ def load_movingai(path: Path, cell: float = CELL) -> Floorplan:
     def in_metres(cells: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.column_stack([cells[:, 0], height - cells[:, 1]]) * cell
 
-    taken = [one for piece in _whole_cells(whole.difference(floor)) for one in _solid(piece)]
-    pieces = shapely.transform(taken, in_metres)
+    pieces = shapely.transform(_whole_cells(whole.difference(floor)), in_metres)
     return Floorplan(
         name=path.stem,
         source=f"{path.name} (MovingAI map, cells of {cell:g} m)",
         boundary=shapely.transform(whole, in_metres),
         obstacles=[
-            Obstacle(f"obstacle{k}", shapely.orient_polygons(piece), 0.0, DEFAULT_HEIGHT)
-            for k, piece in enumerate(pieces, start=1)
+            Obstacle(f"obstacle{k}", piece, 0.0, DEFAULT_HEIGHT)
+            for k, piece in enumerate(shapely.orient_polygons(pieces), start=1)
         ],
     )
 
 
-def _whole_cells(taken: shapely.Geometry) -> Iterator[shapely.Polygon]:
-    """Yield the pieces of `taken` (cells), with all their corners on those of cells.
+def _whole_cells(taken: shapely.Geometry) -> list[shapely.Polygon]:
+    """Return the pieces of `taken` (cells), with all their corners on those of cells.
 
     The outline keeps an eighth of a cell from corners at which two cells of floor touch, and so
     what is taken is joined there. Put back on the corner, it touches itself or another piece at a
-    point, through which no body comes.
+    point, through which no body comes. No piece has a hole, since footprints have none.
     """
     pieces = shapely.get_parts(shapely.transform(taken, np.round))
     touching = ~shapely.is_valid(pieces)
-    pieces[touching] = shapely.make_valid(pieces[touching])
+    pieces[touching] = shapely.make_valid(pieces[touching], method="structure")
     parts = shapely.get_parts(pieces)
-    yield from parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]
+    holed = (shapely.get_num_interior_rings(parts) > 0).tolist()
+    solid: list[shapely.Polygon] = []
+    for part, has_hole in zip(parts, holed, strict=True):
+        solid += _solid(part) if has_hole else [part]
+    return solid
 
 
 def _solid(piece: shapely.Polygon) -> Iterator[shapely.Polygon]:
     """Yield parts of `piece` (cells) without holes, since footprints have none."""
-    if piece.area == 0:
-        return
     if not piece.interiors:
         yield piece
         return

@@ -152,8 +152,8 @@ _INSET = 0.125
 
 Ints = NDArray[np.int64]
 
-Ring: TypeAlias = shapely.Geometry
-"""A closed line."""
+Rings: TypeAlias = NDArray[np.object_]
+"""Closed lines (shapely)."""
 
 
 class IntricateError(UserError):
@@ -172,28 +172,27 @@ def trace(cells: NDArray[np.bool_], tolerance: float) -> shapely.Geometry:
         raise IntricateError(f"{count:,} outlines, of at most {MOST_OUTLINES:,}")
     # Rings lie on the borders of cells and keep apart at diagonal corners, so what they make up is
     # valid by construction and is not checked.
-    area = shapely.MultiPolygon(_polygons(shells, holes))
-    return shapely.simplify(area, tolerance, preserve_topology=True)
+    area = shapely.multipolygons(_polygons(shells, holes))
+    return shapely.simplify(area, tolerance, preserve_topology=True) if tolerance else area
 
 
-def _polygons(shells: list[Ring], holes: list[Ring]) -> list[shapely.Geometry]:
+def _polygons(shells: Rings, holes: Rings) -> NDArray[np.object_]:
     """Return each shell with the holes in it: a hole is in the smallest of the shells around it."""
-    if not holes:
-        return [shapely.polygons(shell) for shell in shells]
-    filled = shapely.polygons(shells)
+    polygons: NDArray[np.object_] = shapely.polygons(shells)
     tree = shapely.STRtree(shapely.get_point(holes, 0))
-    around, inside = tree.query(filled, predicate="contains")
+    around, inside = tree.query(polygons, predicate="contains")
     # The smallest shell around a hole comes first, and `unique` keeps the first of each hole.
-    inner_first = np.argsort(shapely.area(filled)[around], kind="stable")
+    inner_first = np.argsort(shapely.area(polygons)[around], kind="stable")
     _, first = np.unique(inside[inner_first], return_index=True)
-    owner = around[inner_first][first].tolist()
-    held: list[list[Ring]] = [[] for _ in shells]
-    for hole, shell in zip(holes, owner, strict=True):
-        held[shell].append(hole)
-    return [shapely.Polygon(shell, within) for shell, within in zip(shells, held, strict=True)]
+    owner = around[inner_first][first]
+    by_owner = np.argsort(owner, kind="stable")
+    owners, begin = np.unique(owner[by_owner], return_index=True)
+    for shell, held in zip(owners, np.split(holes[by_owner], begin[1:]), strict=False):
+        polygons[shell] = shapely.polygons(shells[shell], held)
+    return polygons
 
 
-def _rings(cells: NDArray[np.bool_]) -> tuple[list[Ring], list[Ring]]:
+def _rings(cells: NDArray[np.bool_]) -> tuple[Rings, Rings]:
     """Return the closed outlines through their corners: those around cells, and those of holes.
 
     Along every row of corners an outline comes and goes in turn, so sorted corners pair up into
@@ -201,8 +200,6 @@ def _rings(cells: NDArray[np.bool_]) -> tuple[list[Ring], list[Ring]]:
     """
     row, column, second, point = _corners(cells)
     count = len(row)
-    if not count:
-        return [], []
     # Sorted by row, then column: every other corner begins a side, and the next one ends it.
     across = _pairs(count, np.lexsort((np.arange(count), column, row)))
     # At a diagonal corner the first of two copies ends the side on the left, the second begins
@@ -210,27 +207,26 @@ def _rings(cells: NDArray[np.bool_]) -> tuple[list[Ring], list[Ring]]:
     # The copy that goes round the cell above comes first along the column.
     lower = cells[row, column] == second
     along = _pairs(count, np.lexsort((lower, row, column)))
-    shells: list[Ring] = []
-    holes: list[Ring] = []
-    # Below and right of its first corner, in the order of rows, is the inside of an outline.
-    is_shell = cells[row + 1, column + 1].tolist()
-    done = np.zeros(count, bool)
     across_list, along_list = across.tolist(), along.tolist()
+    done = bytearray(count)
+    chain: list[int] = []
+    begins: list[int] = []
     for first in range(count):
         if done[first]:
             continue
-        chain = []
+        begins.append(len(chain))
         here = first
-        while True:
+        while not done[here]:
             there = across_list[here]
             chain += [here, there]
+            done[here] = done[there] = True
             here = along_list[there]
-            if here == first:
-                break
-        done[chain] = True
-        ring = shapely.linearrings(point[[*chain, first]])
-        (shells if is_shell[first] else holes).append(ring)
-    return shells, holes
+    of = np.repeat(np.arange(len(begins)), np.diff([*begins, len(chain)]))
+    rings = shapely.linearrings(point[chain], indices=of)
+    # Below and right of its first corner, in the order of rows, is the inside of an outline.
+    starts = np.array(chain, dtype=np.intp)[begins]
+    is_shell = cells[row[starts] + 1, column[starts] + 1]
+    return rings[is_shell], rings[~is_shell]
 
 
 def _corners(

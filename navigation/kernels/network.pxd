@@ -41,7 +41,7 @@ cdef class Network:
     cdef Py_ssize_t depth
     cpdef Numbers links_of(self, Py_ssize_t bend)
     cdef Numbers _linked(self, Py_ssize_t here)
-    cdef bint _clear(self, Bend a, Bend b) except -1
+    cdef bint _clear(self, Py_ssize_t here, Py_ssize_t to) except -1
     cdef bint _allowed(self, Bend a, Bend b) except -1
     cdef list[Py_ssize_t] _seen(self, Py_ssize_t here)
     cdef int _expand(self, Py_ssize_t here, Wedge wedge, list[Py_ssize_t] found) except -1
@@ -51,6 +51,7 @@ cdef class Network:
     cdef int _leave(self, Py_ssize_t triangle, Py_ssize_t came, Wedge wedge, Bend here) except -1
     cdef int _push(self, Py_ssize_t portal, Wedge wedge) except -1
 
+cdef bint _leads(Numbers links, Py_ssize_t to) noexcept
 cdef Wedge _from(Bend place, Portal portal) noexcept
 cdef bint _faces(Wedge seen) noexcept
 cdef bint _meet(Wedge wedge, Wedge other) noexcept

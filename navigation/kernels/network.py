@@ -8,6 +8,7 @@ leads to the next triangle. See F. Bungiu, M. Hemmer, J. Hershberger, K. Huang a
 
 from __future__ import annotations
 
+from array import array
 from math import dist
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,7 @@ else:
 
 if not cython.compiled:
     from .edges import Grid, back_through
-    from .numbers import Doubles, Numbers, at, cut, grow, numbers, room
+    from .numbers import Doubles, Numbers, at, cut, grow, room
     from .uncompiled import Bend, Portal, Wedge
 
     Portals: TypeAlias = "list[Portal]"
@@ -38,15 +39,7 @@ if not cython.compiled:
         return row
 else:
     from cython.cimports.navigation.kernels.edges import Grid, back_through
-    from cython.cimports.navigation.kernels.numbers import (
-        Doubles,
-        Numbers,
-        at,
-        cut,
-        grow,
-        numbers,
-        room,
-    )
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, grow, room
 
 _SLACK: float = 1e-9  # of a metre and of a line's length; so far a line may enter a corner
 _WIDER: float = 1e-7  # radians; wedges are so much wider: too much is looked at, never too little
@@ -79,9 +72,9 @@ class Network:
         order = np.argsort(triangle, kind="stable")
         first_bend = np.searchsorted(triangle[order], np.arange(len(first_portal)))
         if cython.compiled:
-            self.bends: Any = numbers(bends.ravel().tolist())
-            self.within: Any = numbers(bends[order].ravel().tolist())
-            self.portals: Any = numbers(portals.ravel().tolist())
+            self.bends: Any = array("d", bends.tobytes())
+            self.within: Any = array("d", bends[order].tobytes())
+            self.portals: Any = array("d", portals.tobytes())
             self.first_portal: Any = first_portal
             self.triangle: Any = triangle
             self.first_bend: Any = first_bend
@@ -118,17 +111,22 @@ class Network:
         to: cython.Py_ssize_t
         for to in sorted(set(seen)):
             b: Bend = bend[to]
-            # A line is looked at in the same direction from either end: links go both ways.
-            clear: cython.bint = self._clear(a, b) if here < to else self._clear(b, a)
-            if clear and self._allowed(a, b):
+            if self._clear(here, to) and self._allowed(a, b):
                 link[count] = to
                 link[count + 1] = dist((a.x, a.y), (b.x, b.y))
                 count += 2
         cut(found, count)
         return found
 
-    def _clear(self, a: Bend, b: Bend) -> bool:
+    def _clear(self, here: cython.Py_ssize_t, to: cython.Py_ssize_t) -> bool:
         """Return whether the walls leave room between two bends."""
+        back: Numbers | None = self.links[to]
+        if back is not None and len(self.gates) == 0:
+            return _leads(back, here)
+        # A line is looked at in the same direction from either end: links go both ways.
+        bend: Bends = _bends(self.bends)
+        a: Bend = bend[min(here, to)]
+        b: Bend = bend[max(here, to)]
         return not self.walls.touched(a.x, a.y, b.x, b.y, self.radius)
 
     def _allowed(self, a: Bend, b: Bend) -> bool:
@@ -221,6 +219,16 @@ class Network:
         row[o + 4] = wedge.left_y
         self.depth += _WAITING
         return 0
+
+
+def _leads(links: Numbers, to: cython.Py_ssize_t) -> bool:
+    """Return whether one of the links of a bend leads to another."""
+    link: Doubles = at(links)
+    k: cython.Py_ssize_t = 0
+    while k < len(links) and link[k] != to:
+        k += 2
+    found: bool = k < len(links)
+    return found
 
 
 def _from(place: Bend, portal: Portal) -> Wedge:

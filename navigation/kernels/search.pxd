@@ -4,6 +4,7 @@ from navigation.kernels.network cimport Network
 
 cdef Py_ssize_t _SPARE
 cdef double _SLACK
+cdef Py_ssize_t _LONG
 cdef Py_ssize_t _AT_ONCE
 cdef double _BESIDE
 

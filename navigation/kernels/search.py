@@ -6,6 +6,7 @@ minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4 (196
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,6 +41,7 @@ Place = tuple[float, float]
 
 _SPARE: cython.Py_ssize_t = 256  # places beside those of the floor for which there is room at first
 _SLACK: float = 1e-9  # of a metre and of a line's length; so far a line may enter a corner
+_LONG: cython.Py_ssize_t = 256  # places that a search reaches before it asks if it is hopeless
 _AT_ONCE: cython.Py_ssize_t = 100_000  # pairs of bends
 _BESIDE: float = 1.01  # of a bend's reach; nearer places may see a bend that they do not graze
 
@@ -79,12 +81,13 @@ class Search:
         parts: list[NDArray[np.float64]],
         room: Room,
         refused: set[tuple[Place, Place]],
+        hopeless: Callable[[Place, Place], bool],
     ) -> list[Place] | None:
         """Return the places of the shortest path, or None.
 
         It leads from `start` to `goal`; `parts` are the bends of bodies. Links that are not the
         floor's are asked of `room`; those `refused` count for none, and the straight line only if
-        it is `straight`.
+        it is `straight`. A long search asks once whether it is `hopeless`, and ends if so.
         """
         self._lay_out(start, goal, parts)
         self.straight = straight
@@ -98,8 +101,12 @@ class Search:
         there: cython.Py_ssize_t = self.start
         here: cython.Py_ssize_t
         so_far: float = 0.0
+        left: cython.Py_ssize_t = _LONG
         self.best[there] = 0.0
         while there != self.goal:
+            left -= 1
+            if left == 0 and hopeless(start, goal):
+                return None
             self._leave(there, so_far)
             while True:
                 if queue.count == 0:

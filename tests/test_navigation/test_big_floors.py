@@ -67,11 +67,24 @@ def touching(seed):
     return floor(*cells, boundary=box(0, 0, 16, 16))
 
 
+def lined_up(seed):
+    """Posts in rows with aisles in whose middles bends are in line: tiles could be cut there."""
+    across, post, aisle = 11, 0.4, 2 * (RADIUS + 1e-4)
+    there = np.random.default_rng(seed).random((across, across)) < 0.9
+    corner = np.argwhere(there) * (post + aisle)
+    side = across * (post + aisle)
+    return floor(
+        *shapely.box(*corner.T, *(corner.T + post)).tolist(),
+        boundary=box(-aisle, -aisle, side, side),
+    )
+
+
 FLOORS = {
     "hall": lambda seed: hall(36, 4.0, seed),
     "many": lambda seed: hall(121, 3.0, seed),  # in several tiles
     "clutter": lambda seed: cluttered(60, 24.0, seed),
     "cells": touching,
+    "lines": lined_up,
 }
 
 
@@ -121,6 +134,35 @@ def test_ways_are_as_short_as_can_be(seed, kind):
         assert path.length == pytest.approx(length(path.points), rel=1e-12)
         # The oracle cuts its corners by 0.5 % of the radius.
         assert lengths[i, j] - 1e-9 <= path.length <= lengths[i, j] * 1.006 + 1e-3
+
+
+@settings(max_examples=settings.default.max_examples // 12)
+@given(st.integers(0, 2**32), st.sampled_from([*FLOORS]), st.sampled_from([0.2, 0.3, 0.45, 0.52]))
+def test_triangles_prove_only_what_the_free_space_does(seed, kind, radius):
+    plan = FLOORS[kind](seed)
+    places = free_places(plan, 40, seed, radius + 0.01)
+    world = CollisionWorld(plan)
+    roadmap, space = PathPlanner(world, radius).roadmap(), world.free_space(radius + 1e-4)
+    for one, other in itertools.combinations(places, 2):
+        assert not (roadmap.apart(one, other) and space.together(one, other))
+
+
+@pytest.mark.parametrize("widest", [0.59, 0.61])
+def test_a_wall_with_one_gap(widest):
+    """The gap is between two corners, a corner and a wall, or rows of posts on a slope."""
+    for shapes in (
+        [box(5, 0, 5.2, 4), box(5, 4 + widest, 5.2, 10)],
+        [box(5, 0, 5.2, 10 - widest)],
+        [box(3, 0, 3.5, 4), box(3.5 + widest, 3.8, 8, 10), box(3, 3.8, 3.2, 4)],
+        [
+            shapely.affinity.rotate(shape, 0.5, (5, 5), use_radians=True)
+            for shape in (box(5, -5, 5.2, 5), box(5, 5 + widest, 5.2, 15))
+        ],
+    ):
+        plan = floor(*shapes, boundary=box(0, 0, 10, 10))
+        roadmap = PathPlanner(CollisionWorld(plan), RADIUS).roadmap()
+        assert roadmap.apart((1, 5), (9, 5)) == (widest < 2 * RADIUS)
+        assert not roadmap.apart((1, 5), (1, 9))
 
 
 def test_what_was_asked_before_changes_nothing():
