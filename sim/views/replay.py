@@ -320,7 +320,7 @@ def render(
 ) -> str:
     """Return the page that replays `recording`, as HTML (to be written as UTF-8).
 
-    `recording` has the form described in `docs/replay.md`: plain dicts, lists, strings and finite
+    `recording` has the form described in `docs/replay-format.md`: plain dicts, lists, strings and finite
     numbers; an `other` is shown beside it. With a `stream`, the page follows a run under way:
     what is added to the recording comes from that address beside the page, `speed` times as fast
     as it happens. `ValueError` for a recording of another `format`, or one that isn't JSON.
