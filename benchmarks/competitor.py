@@ -30,15 +30,15 @@ MEASURES: dict[str, Callable[[Row], float]] = {
         bool(value) for key, value in row.items() if key.endswith(".submitted")
     ),
     "penalties": lambda row: float(row["penalties"]),
-    "by the gantry": lambda row: float(row["violations.gantry"]),
+    "caused by the gantry": lambda row: float(row["violations.gantry"]),
     "gantry disabled, s": lambda row: float(row["gantry_disabled_time"]),
     "gantry idle, s": lambda row: float(row["gantry_idle_time"]),
-    "nearest, m": lambda row: float(row["minimum_separation.distance"]),
-    "person's visits": lambda row: float(row["people.operator.visits"]),
+    "minimum distance, m": lambda row: float(row["minimum_separation.distance"]),
+    "visits": lambda row: float(row["people.operator.visits"]),
 }
 
 
-COMPARED = ("score", "penalties", "gantry disabled, s", "person's visits")
+COMPARED = ("score", "penalties", "gantry disabled, s", "visits")
 """The measures by which personalities are set against each other."""
 
 
@@ -74,7 +74,7 @@ def table(rows: Sequence[Row]) -> str:
 
 def effects(rows: Sequence[Row]) -> str:
     """Cliff's delta between personalities, with 95 % intervals, as Markdown."""
-    lines = ["| controller, persons | " + " | ".join(COMPARED) + " |"]
+    lines = ["| controller, people compared | " + " | ".join(COMPARED) + " |"]
     lines.append("|---" * (len(COMPARED) + 1) + "|")
     for controller in CONTROLLERS:
         for one, other in itertools.combinations(PERSONALITIES, 2):
