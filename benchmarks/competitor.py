@@ -31,9 +31,7 @@ MEASURES: dict[str, Callable[[Row], float]] = {
     "penalties": lambda row: float(row["penalties"]),
     "caused by the gantry": lambda row: float(row["violations.gantry"]),
     "gantry disabled, s": lambda row: float(row["gantry_disabled_time"]),
-    "gantry idle, s": lambda row: float(row["gantry_idle_time"]),
     "minimum distance, m": lambda row: float(row["minimum_separation.distance"]),
-    "visits": lambda row: float(row["people.operator.visits"]),
 }
 
 

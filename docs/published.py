@@ -133,11 +133,10 @@ def _paths(rows: list[PlannerRow]) -> str:
             f"{row.ratio.value:.4f}",
             f"{row.ratio_most:.4f}",
             f"{row.clearance_least:.4f}",
-            f"{row.turning:.2f}",
         )
         for row in rows
     ]
-    return make_tables.table((*head, "least clearance, m", "turning, rad"), lines)
+    return make_tables.table((*head, "least clearance, m"), lines)
 
 
 PUBLISHED = {
