@@ -1,4 +1,4 @@
-"""The tables and the picture of docs/competitor-study.md, from the results of that study.
+"""The table and the picture of docs/competitor-study.md, from the results of that study.
 
 floorwalker study examples/competitor.study.yaml
 python benchmarks/competitor.py studies/competitor/results.csv docs/images/competitor.png
@@ -7,7 +7,6 @@ python benchmarks/competitor.py studies/competitor/results.csv docs/images/compe
 from __future__ import annotations
 
 import csv
-import itertools
 import statistics
 import sys
 from collections.abc import Callable, Sequence
@@ -16,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from sim.studies.comparison import cliffs_delta, spread
+from sim.studies.comparison import spread
 
 PERSONALITIES = ("indifferent", "antagonistic", "helpful")
 CONTROLLERS = ("oblivious", "pausing", "avoiding")
@@ -30,16 +29,10 @@ MEASURES: dict[str, Callable[[Row], float]] = {
         bool(value) for key, value in row.items() if key.endswith(".submitted")
     ),
     "penalties": lambda row: float(row["penalties"]),
-    "by the gantry": lambda row: float(row["violations.gantry"]),
+    "caused by the gantry": lambda row: float(row["violations.gantry"]),
     "gantry disabled, s": lambda row: float(row["gantry_disabled_time"]),
-    "gantry idle, s": lambda row: float(row["gantry_idle_time"]),
-    "nearest, m": lambda row: float(row["minimum_separation.distance"]),
-    "person's visits": lambda row: float(row["people.operator.visits"]),
+    "minimum distance, m": lambda row: float(row["minimum_separation.distance"]),
 }
-
-
-COMPARED = ("score", "penalties", "gantry disabled, s", "person's visits")
-"""The measures by which personalities are set against each other."""
 
 
 def interval(values: Sequence[float]) -> tuple[float, float]:
@@ -70,26 +63,6 @@ def table(rows: Sequence[Row]) -> str:
                 shown.append(f"{statistics.fmean(values):.2f} ± {(high - low) / 2:.2f}")
             lines.append(f"| {personality}, {controller} | {' | '.join(shown)} |")
     return "\n".join(lines)
-
-
-def effects(rows: Sequence[Row]) -> str:
-    """Cliff's delta between personalities, with 95 % intervals, as Markdown."""
-    lines = ["| controller, persons | " + " | ".join(COMPARED) + " |"]
-    lines.append("|---" * (len(COMPARED) + 1) + "|")
-    for controller in CONTROLLERS:
-        for one, other in itertools.combinations(PERSONALITIES, 2):
-            shown = []
-            for measure in COMPARED:
-                figures = (
-                    np.array([MEASURES[measure](row) for row in chosen(rows, who, controller)])
-                    for who in (one, other)
-                )
-                found = cliffs_delta(*figures)
-                if found is None:
-                    raise ValueError("there are no rows of this pair")
-                shown.append(f"{found.delta:+.2f} ({found.low:+.2f} … {found.high:+.2f})")
-            lines.append(f"| {controller}: {one} and {other} | {' | '.join(shown)} |")
-    return "\n".join(lines).replace("-0", "−0").replace("-1", "−1")
 
 
 def picture(rows: Sequence[Row], path: Path) -> None:
@@ -127,11 +100,11 @@ def rows_of(results: Path) -> list[Row]:
 
 
 def main() -> None:
-    """Print the tables, and draw the picture if a path is given for it."""
+    """Print the table, and draw the picture if a path is given for it."""
     if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
     rows = rows_of(Path(sys.argv[1]))
-    print(table(rows), effects(rows), sep="\n\n")
+    print(table(rows))
     if len(sys.argv) == 3:
         picture(rows, Path(sys.argv[2]))
 

@@ -86,7 +86,7 @@ def competitor(folder: Path) -> dict[str, str]:
         sim.run_study(study, out, jobs=JOBS)
         rows = made.rows_of(Path(out) / "results.csv")
     made.picture(rows, folder / "competitor.png")
-    return {"competitor": made.table(rows), "competitor_effects": made.effects(rows)}
+    return {"competitor": made.table(rows)}
 
 
 def controllers(_: Path) -> dict[str, str]:
@@ -111,21 +111,15 @@ def legs(_: Path) -> dict[str, str]:
 
 
 PEERS = ("JuPedSim", "pyastar2d", "scikit-image")
-FLOORS = {"ariac2023": 50, "machine_shop": 30, "warehouse": 30}
-"""Floors, and the number of questions on each."""
 
 
 def paths(_: Path) -> dict[str, str]:
-    """Ask planners for paths: on the floor of the competition all, on the others fewer."""
-    made = {}
-    for name, queries in FLOORS.items():
-        asked: list[str] = ["Roadmap", "PRM-of-corners"]
-        if name == "ariac2023":
-            asked += [info.name for info in planners() if info.name not in asked]
-        plan = floorplan.load(name)
-        attempts = benchmark([plan], [*asked, *PEERS], queries=queries, longest=1.5)
-        made[f"paths_{name}"] = _paths(summary(attempts))
-    return made
+    """Compare all planners on the floor of the competition."""
+    asked = ["Roadmap", "PRM-of-corners"]
+    asked += [info.name for info in planners() if info.name not in asked]
+    plan = floorplan.load("ariac2023")
+    attempts = benchmark([plan], [*asked, *PEERS], queries=50, longest=1.5)
+    return {"paths_ariac2023": _paths(summary(attempts))}
 
 
 def _paths(rows: list[PlannerRow]) -> str:
@@ -139,11 +133,10 @@ def _paths(rows: list[PlannerRow]) -> str:
             f"{row.ratio.value:.4f}",
             f"{row.ratio_most:.4f}",
             f"{row.clearance_least:.4f}",
-            f"{row.turning:.2f}",
         )
         for row in rows
     ]
-    return make_tables.table((*head, "least clearance, m", "turning, rad"), lines)
+    return make_tables.table((*head, "least clearance, m"), lines)
 
 
 PUBLISHED = {
@@ -157,12 +150,12 @@ PUBLISHED = {
             *(f"{scene.replace('_', '-')}.svg" for scene in make_pictures.SCENES),
         ),
     ),
-    "competitor": Published(competitor, ("competitor", "competitor_effects"), ("competitor.png",)),
+    "competitor": Published(competitor, ("competitor",), ("competitor.png",)),
     "controllers": Published(controllers, ("controllers",)),
     "literature": Published(literature, ("literature",), ("literature.svg",)),
     "crowds": Published(crowds, ("crowds",)),
     "legs": Published(legs, ("legs",)),
-    "paths": Published(paths, tuple(f"paths_{name}" for name in FLOORS)),
+    "paths": Published(paths, ("paths_ariac2023",)),
 }
 """All that is published and does not depend on the machine."""
 

@@ -320,10 +320,11 @@ def render(
 ) -> str:
     """Return the page that replays `recording`, as HTML (to be written as UTF-8).
 
-    `recording` has the form described in `docs/replay.md`: plain dicts, lists, strings and finite
-    numbers; an `other` is shown beside it. With a `stream`, the page follows a run under way:
-    what is added to the recording comes from that address beside the page, `speed` times as fast
-    as it happens. `ValueError` for a recording of another `format`, or one that isn't JSON.
+    `recording` has the form described in `docs/replay-format.md`, with plain dicts, lists, strings
+    and finite numbers. `other` is shown beside it. With `stream`, the page follows a live run: it
+    receives additions from that address beside the page, at `speed` times real time.
+
+    Raises `ValueError` for a recording of another `format`, or one that is not JSON.
     """
     live = {"data-stream": stream, "data-speed": f"{speed:g}"} if stream else {}
     scripts = (*SCRIPTS, *LIVE_SCRIPTS) if stream else SCRIPTS
