@@ -9,6 +9,7 @@ Time belongs to the caller: `advance(t)` runs reasoning cycles until nothing is 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
+from typing import NoReturn
 
 from .actions import InternalAction, error_annots
 from .errors import EndlessProgramError, ProgramError, ProgramProblem, TooDeepError
@@ -358,6 +359,12 @@ class Agent:
     def __repr__(self) -> str:
         counts = f"{len(self.beliefs)} beliefs, {len(self.intentions)} intentions"
         return f"<Agent {self.name} at {self.now:g} s: {counts}>"
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            "an agent cannot be copied or pickled, because it holds its callbacks and its society;"
+            " make another one, bdi.Agent(agent.program, …)"
+        )
 
     # ---- time
 

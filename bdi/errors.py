@@ -48,6 +48,10 @@ class ProgramError(ValueError):
             lines.append(f"and {len(self.problems) - MOST_SHOWN:,} more")
         super().__init__("\n".join(lines))
 
+    def __reduce__(self) -> tuple[type[ProgramError], tuple[tuple[ProgramProblem, ...]]]:
+        """Return how to make a copy: of the problems, not of the text that is made of them."""
+        return type(self), (self.problems,)
+
 
 class EndlessProgramError(ProgramError):
     """Agent that was stopped: it exceeded its budget of cycles, goals, depth or intentions."""

@@ -97,6 +97,9 @@ class Pending:
     def __repr__(self) -> str:
         return "bdi.PENDING"
 
+    def __reduce__(self) -> str:
+        return "PENDING"
+
 
 PENDING = Pending()
 """The answer of `act` for an action whose outcome is not known yet."""

@@ -1,0 +1,54 @@
+"""Public values of the package: copies, pickles, annotations and keyword arguments."""
+
+import copy
+import inspect
+import pickle
+import typing
+
+import pytest
+
+import bdi
+
+PROGRAM = bdi.parse("at(dock, X) :- berth(X). b(1). !go. @l +!go : at(dock, _) <- walk.")
+PROBLEM = bdi.ProgramProblem(file="a.asl", line=1, column=2, message="wrong")
+VALUES = [
+    PROGRAM,
+    *PROGRAM.beliefs,
+    *PROGRAM.goals,
+    *PROGRAM.plans,
+    bdi.parse_literal('~at([a, "s"|T], f(X))[source(S)]'),
+    bdi.Var("X"),
+    PROBLEM,
+    bdi.Message(sender="a", force="tell", content=bdi.parse_literal("b(1)")),
+    bdi.Entry(time=1.5, kind="print", text="hello", intention=2, file="a.asl", line=3),
+    bdi.Refused("too far"),
+]
+COPIES = [copy.deepcopy, copy.copy, lambda value: pickle.loads(pickle.dumps(value))]
+
+
+@pytest.mark.parametrize("copied", COPIES)
+@pytest.mark.parametrize("value", VALUES, ids=lambda value: type(value).__name__)
+def test_copies_of_values_are_equal(value, copied):
+    assert copied(value) == value
+    assert str(copied(value)) == str(value)
+
+
+@pytest.mark.parametrize("copied", COPIES)
+@pytest.mark.parametrize("kind", [bdi.ProgramError, bdi.EndlessProgramError])
+def test_copies_of_errors_have_the_same_problems(kind, copied):
+    error = kind([PROBLEM, PROBLEM])
+    assert type(copied(error)) is kind
+    assert copied(error).problems == error.problems
+    assert str(copied(error)) == str(error)
+
+
+@pytest.mark.parametrize("copied", COPIES)
+def test_pending_has_one_instance(copied):
+    assert copied(bdi.PENDING) is bdi.PENDING
+
+
+@pytest.mark.parametrize("copied", COPIES)
+def test_an_agent_says_why_it_cannot_be_copied(copied):
+    agent = bdi.Agent(PROGRAM)
+    with pytest.raises(TypeError, match=r"bdi\.Agent\(agent\.program, …\)"):
+        copied(agent)
