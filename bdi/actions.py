@@ -15,7 +15,7 @@ from .language.terms import (
     Conjunction,
     Cons,
     Disjunction,
-    Function as Function_,
+    Function,
     Literal,
     Negation,
     Relation,
@@ -23,7 +23,7 @@ from .language.terms import (
 )
 
 #: Takes a `Call` and the arguments; returns True, False, None, a unifier, or an iterator of them.
-Function: TypeAlias = "Callable[..., Any]"
+InternalFunction: TypeAlias = Callable[..., Any]
 
 
 def error_annots(error: str, message: str) -> tuple[Term, ...]:
@@ -54,7 +54,7 @@ class InternalAction:
         in_context: True if contexts and queries may use it.
     """
 
-    function: Function
+    function: InternalFunction
     least: int = 0
     most: int | None = None
     in_context: bool = True
@@ -121,7 +121,7 @@ class InternalActions(dict[str, InternalAction]):
 
     def add(
         self, name: str, *, least: int = 0, most: int | None = None, in_context: bool = True
-    ) -> Callable[[Function], Function]:
+    ) -> Callable[[InternalFunction], InternalFunction]:
         """Register a function under a name with a dot in it, as `floor.distance`.
 
         Args:
@@ -138,7 +138,7 @@ class InternalActions(dict[str, InternalAction]):
         if name in self:
             raise ValueError(f"there is an internal action '{name}' already")
 
-        def register(function: Function) -> Function:
+        def register(function: InternalFunction) -> InternalFunction:
             self[name] = InternalAction(function, least, most, in_context)
             return function
 
@@ -228,9 +228,9 @@ def _in_formula(formula: Term) -> Iterator[tuple[Literal, bool]]:
         elif isinstance(part, Conjunction | Disjunction | Negation):
             pending.extend(reversed(part.operands))
         elif isinstance(part, Relation):
-            kinds = Cons | PlanTerm | BodyTerm | Arithmetic | Function_
+            kinds = Cons | PlanTerm | BodyTerm | Arithmetic | Function
             pending.extend(e for e in part.operands if isinstance(e, kinds))
-        elif isinstance(part, Arithmetic | Function_):
+        elif isinstance(part, Arithmetic | Function):
             pending.extend(part.operands)
         elif isinstance(part, Cons):
             pending.extend(e for e in part if isinstance(e, PlanTerm | BodyTerm))

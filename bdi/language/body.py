@@ -66,7 +66,7 @@ def has_variables(part: Any) -> bool:
 
 
 #: What a goal, a belief or an action is: a literal, or a variable that stands for one.
-Event: TypeAlias = "Literal | Var | Qualified"
+Event: TypeAlias = Literal | Var | Qualified
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,7 @@ class ForkJoin:
         )
 
 
-BodyFormula: TypeAlias = "Achieve | Test | Update | Act | Constraint | If | While | For | ForkJoin"
+BodyFormula: TypeAlias = Achieve | Test | Update | Act | Constraint | If | While | For | ForkJoin
 Body: TypeAlias = tuple[BodyFormula, ...]
 
 

@@ -72,8 +72,8 @@ def _at(meta: Meta) -> tuple[int, int]:
     return getattr(meta, "line", 0), getattr(meta, "column", 0)
 
 
-_Steps: TypeAlias = "BodyFormula | Body"
-_Event: TypeAlias = "Literal | Var | Qualified"
+_Steps: TypeAlias = BodyFormula | Body
+_Event: TypeAlias = Literal | Var | Qualified
 
 
 @v_args(inline=True, meta=True)

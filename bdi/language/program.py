@@ -52,7 +52,7 @@ class Trigger:
 
 _ATOMIC = Literal("atomic")
 #: Formula by which a goal is achieved, if there is one.
-Condition: TypeAlias = "Term | None"
+Condition: TypeAlias = Term | None
 
 
 Key: TypeAlias = tuple[str, int, bool]

@@ -499,7 +499,7 @@ def variable_names(term: Term) -> tuple[str, ...]:
     return tuple(found)
 
 
-Build: TypeAlias = "Callable[[Unifier], Term]"
+Build: TypeAlias = Callable[[Unifier], Term]
 
 
 def builder(term: Term) -> Build:

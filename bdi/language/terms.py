@@ -580,9 +580,9 @@ class Quoted:
         return self
 
 
-Term: TypeAlias = "float | str | Literal | Var | Nil | Cons | Operation | TriggerTerm | Quoted"
+Term: TypeAlias = float | str | Literal | Var | Nil | Cons | Operation | TriggerTerm | Quoted
 """Everything that can stand in a literal or a context; numbers and strings are Python's own."""
-List: TypeAlias = "Nil | Cons"
+List: TypeAlias = Nil | Cons
 
 
 # ---- structure

@@ -370,7 +370,7 @@ def matched(pattern: Literal, belief: Literal, u: Unifier) -> Unifier | None:
     return result
 
 
-Match: TypeAlias = "Callable[[Literal], Unifier | None]"
+Match: TypeAlias = Callable[[Literal], Unifier | None]
 
 
 def matcher(pattern: Literal | Var | Qualified) -> Match:

@@ -28,10 +28,10 @@ from ..language.terms import (
 )
 from ..language.unification import matched, unified, unify
 
-Question: TypeAlias = "tuple[Term | None, ...]"
+Question: TypeAlias = tuple[Term | None, ...]
 """Arguments of a query: values without variables, and None for each variable."""
 
-Values: TypeAlias = "tuple[Term, ...]"
+Values: TypeAlias = tuple[Term, ...]
 """Values of the variables of a query, in one of its answers."""
 
 
@@ -315,7 +315,7 @@ def basis_of(shelves: Mapping[Key, Shelf], key: Key) -> Basis | None:
     return None
 
 
-LiveBeliefs: TypeAlias = "Mapping[tuple[str, int], Callable[[], Iterable[tuple[Term, ...]]]]"
+LiveBeliefs: TypeAlias = Mapping[tuple[str, int], Callable[[], Iterable[tuple[Term, ...]]]]
 """By functor and arity: a function that returns the arguments of each belief that holds now."""
 
 

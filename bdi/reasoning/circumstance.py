@@ -115,7 +115,7 @@ class Refused:
         return False
 
 
-Perform: TypeAlias = "Callable[[Literal], bool | Refused | Pending]"
+Perform: TypeAlias = Callable[[Literal], bool | Refused | Pending]
 
 
 class PendingAction:

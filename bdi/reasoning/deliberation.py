@@ -71,7 +71,7 @@ def deliberate(agent: AgentState) -> None:
             return
 
 
-_Option: TypeAlias = "tuple[LoadedPlan, Unifier]"
+_Option: TypeAlias = tuple[LoadedPlan, Unifier]
 
 
 def _option_inside(agent: AgentState, event: Event) -> tuple[_Option | None, bool]:

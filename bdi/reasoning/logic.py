@@ -38,7 +38,7 @@ from ..language.terms import (
     EMPTY,
     TRUE,
     Conjunction,
-    Cons as ListCell,
+    Cons,
     Disjunction,
     Literal,
     Negation,
@@ -59,7 +59,7 @@ from ..language.unification import belief_matcher, matched, unified, unify
 from .beliefs import BeliefBase, KeptAnswers, Question, Shelf, Values
 
 #: Answer of an internal action: whether it holds, a unifier, or one unifier after another.
-Answer: TypeAlias = "bool | Unifier | Iterator[Unifier] | None"
+Answer: TypeAlias = bool | Unifier | Iterator[Unifier] | None
 Goals: TypeAlias = "tuple[Any, Goals] | None"
 State: TypeAlias = "tuple[Unifier, Goals]"
 
@@ -450,16 +450,16 @@ def take_apart(left: Term, right: Term, u: Unifier) -> Unifier | None:
             make_list(left.args),
             make_list(left.annots),
         ]
-        if isinstance(right, ListCell) and len(right) == 3:
+        if isinstance(right, Cons) and len(right) == 3:
             del parts[0]
         return unified(make_list(parts), right, u)
-    if isinstance(right, ListCell):
+    if isinstance(right, Cons):
         made = put_together(right)
         return None if made is None else unified(left, made, u)
     return None
 
 
-def put_together(parts: ListCell) -> Literal | PlanTerm | None:
+def put_together(parts: Cons) -> Literal | PlanTerm | None:
     """Return the literal that a list like [foo, [1, 2], [annotation]] describes, or None.
 
     A list like [label, { +!g }, context, { a; b }] describes a plan.
@@ -477,7 +477,7 @@ def put_together(parts: ListCell) -> Literal | PlanTerm | None:
     if not isinstance(functor, Literal) or len(elements) > 3:
         return None
     lists = [*elements[1:], EMPTY, EMPTY][:2]
-    if not all(isinstance(part, Nil | ListCell) for part in lists):
+    if not all(isinstance(part, Nil | Cons) for part in lists):
         return None
     args, annots = (tuple(part) for part in lists)  # type: ignore[arg-type]
     made = Literal(functor.functor, args, sorted_annots(annots), functor.negated)

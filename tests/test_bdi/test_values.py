@@ -52,3 +52,27 @@ def test_an_agent_says_why_it_cannot_be_copied(copied):
     agent = bdi.Agent(PROGRAM)
     with pytest.raises(TypeError, match=r"bdi\.Agent\(agent\.program, …\)"):
         copied(agent)
+
+
+def public_callables():
+    for name in bdi.__all__:
+        value = getattr(bdi, name)
+        if inspect.isfunction(value):
+            yield name, value
+        if not inspect.isclass(value):
+            continue
+        yield name, value
+        for attribute, member in inspect.getmembers(value):
+            function = getattr(member, "fget", member)
+            if inspect.isfunction(function) and function.__module__.startswith("bdi"):
+                yield f"{name}.{attribute}", function
+
+
+def test_annotations_can_be_read():
+    wrong = []
+    for name, function in public_callables():
+        try:
+            typing.get_type_hints(function)
+        except NameError as error:
+            wrong.append(f"{name}: {error}")
+    assert wrong == []
