@@ -1,15 +1,11 @@
 """Parser of AgentSpeak: tokens, clauses, and the problems of clauses that cannot be read.
 
-A program has a handful of plans but may have tens of thousands of facts. One pass over the tokens
-of a plain fact takes a small part of the time of the parser.
-
 The grammar is that of one clause, so that a mistake ends with the clause it is in: all wrong
 clauses of a program are reported at once, each with its place.
 """
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -24,11 +20,8 @@ from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput, UnexpectedToken, VisitError
 
 from ..errors import ProgramError, ProgramProblem, TooDeepError
-from .body import Place
-from .builder import Builder, ClauseError, stray_message, string_value
-from .program import Belief, Clause, Plan
-from .substitution import is_function
-from .terms import Literal, Term, atom
+from .builder import Builder, ClauseError, stray_message
+from .program import Clause, Plan
 
 #: Tokens before a trigger or a body formula; a sign after one of these is an UPDATE.
 _BEFORE_A_STEP = frozenset({"<-", ";", "{", "}", "|||", "|&|"})
@@ -226,37 +219,6 @@ def nesting(tokens: Sequence[Token], brackets: str) -> int:
     return deepest
 
 
-def plain_fact(tokens: Sequence[Token], file: str) -> Belief | None:
-    """Return the belief in the tokens of a fact like `at(robot1, -3.5, "dock").`, else None."""
-    head = tokens[0]
-    if head.type != "ATOM" or len(tokens) < 5 or tokens[1].type != "LPAR" or "." in head:
-        return None
-    if tokens[-2].type != "RPAR" or tokens[-1].type != "DOT":
-        return None
-    args: list[Term] = []
-    rest = iter(tokens[2:-2])
-    for token in rest:
-        if token.type == "ATOM" and "." not in token:
-            args.append(atom(str(token)))
-        elif token.type == "STRING":
-            args.append(string_value(token))
-        else:
-            number = next(rest, token) if token.type == "MINUS" else token
-            if number.type != "NUMBER" or math.isinf(value := float(number)):
-                return None
-            args.append(value if number is token else -value)
-        following = next(rest, None)
-        if following is None:
-            break
-        if following.type != "COMMA":
-            return None
-    else:
-        return None  # no argument, or a comma after the last
-    if is_function(head, len(args)):
-        return None
-    return Belief(Literal(str(head), tuple(args)), Place(file, head.line or 0, head.column or 0))
-
-
 _NAMES = {
     "ATOM": "a name",
     "VAR": "a variable",
@@ -376,7 +338,7 @@ def _read_clauses(source: str, file: str) -> tuple[tuple[Clause, ...], tuple[Pro
             if is_block(tokens) and found and isinstance(found[-1], Plan):
                 found[-1] = replace(found[-1], subplans=_subplans(tokens, file, problems))
             else:
-                found.append(plain_fact(tokens, file) or parse_clause(tokens, file))
+                found.append(parse_clause(tokens, file))
         except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
             problems.append(_problem(error, tokens, file))
     return tuple(found), tuple(problems)

@@ -1,10 +1,8 @@
-"""Programs without end, too deep or too long; facts that are read without the parser."""
+"""Programs without end, too deep or too long."""
 
 import pytest
-from hypothesis import given, strategies as st
 
 import bdi
-from bdi.language.parser import clauses, parse_clause, plain_fact, tokenize
 
 ENDLESS = {
     "a goal that calls itself": "!g. +!g <- !g.",
@@ -94,52 +92,6 @@ def test_very_many_facts_are_believed(count):
     agent = bdi.Agent(bdi.parse(text))
     assert len(agent.beliefs) == count
     assert str(next(iter(agent.beliefs))) == "at(robot0,0.5,0)[source(self)]"
-
-
-FACT_PARTS = st.sampled_from(
-    [
-        "a",
-        "at",
-        "3",
-        "-",
-        "2.5e3",
-        '"a\\n"',
-        "(",
-        ")",
-        ",",
-        ".",
-        "X",
-        "[b]",
-        "~",
-        "math.pi",
-        "true",
-        "'Odd'",
-        ".f",
-        "1e999",
-        "+",
-        "math.abs",
-        "f(1)",
-    ]
-)
-
-
-@given(st.lists(FACT_PARTS, max_size=6), st.lists(FACT_PARTS, max_size=3))
-def test_plain_facts_are_read_as_the_parser_reads_them(inside, after):
-    for text in ("at(" + "".join(inside) + ")" + "".join(after) + ".", "".join(inside + after)):
-        for tokens in clauses(tokenize(text)):
-            fact = plain_fact(tokens, "p.asl")
-            if fact is not None:
-                parsed = parse_clause(tokens, "p.asl")
-                assert (fact, fact.place) == (parsed, parsed.place)
-                assert str(fact) == str(parsed)
-
-
-@given(
-    st.lists(st.integers() | st.sampled_from(["a", "b1", '"text"', "-2.5", "'Q x'"]), min_size=1)
-)
-def test_plain_facts_do_not_need_the_parser(args):
-    (tokens,) = clauses(tokenize(f"at({', '.join(map(str, args))})."))
-    assert plain_fact(tokens, "p.asl") == parse_clause(tokens, "p.asl")
 
 
 def test_a_program_too_long_to_read_is_refused():
