@@ -1,7 +1,6 @@
 """Loading of programs from files and texts: inclusion, namespaces and goal patterns.
 
-The parser, and lark with it, is loaded with the first text that is read: programs in the package
-are kept as they were read, and people who run these need none.
+The parser, and lark with it, is imported when the first text is read.
 
 After Hübner, Bordini and Wooldridge, "Programming declarative goals using plan patterns" (DALT
 2006). Each pattern takes the plans between its two directives and returns them with those that make
@@ -10,15 +9,10 @@ its goal declarative: achieved when it is believed, tried again when it has fail
 
 from __future__ import annotations
 
-import os
-import pickle
 import re
-import sys
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import cache
-from importlib.util import cache_from_source
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias
@@ -88,39 +82,6 @@ def parse_plan(source: str) -> Plan:
     if isinstance(clause, Plan):
         return clause
     raise _wrong_part(source, "a plan")
-
-
-_Read = tuple[tuple[Clause, ...], tuple[ProgramProblem, ...]]
-
-
-@cache
-def kept_clauses(source: str, file: str) -> _Read:
-    """Return what `read_clauses` does of a program in the package, without reading it again.
-
-    It is kept wherever Python may keep the bytecode of this package, and like that read anew when
-    its text, its place or a file of the reader has changed.
-    """
-    folder = Path(cache_from_source(__file__)).parent
-    kept = folder / f"{Path(file).stem}.{sys.implementation.cache_tag}.clauses"
-    key = (source, file, _reader())
-    with suppress(Exception), kept.open("rb") as stream:  # not there, or whatever damage does
-        if pickle.load(stream) == key:
-            found: _Read = pickle.load(stream)
-            return found
-    found = read_clauses(source, file)
-    if folder.is_dir() and not sys.dont_write_bytecode:
-        unfinished = kept.with_suffix(f".{os.getpid()}")
-        with suppress(OSError):
-            unfinished.write_bytes(pickle.dumps(key) + pickle.dumps(found))
-            unfinished.replace(kept)
-    return found
-
-
-def _reader() -> list[tuple[str, int, int]]:
-    """Return name, time and size of the files that read programs, as Python knows its bytecode."""
-    with os.scandir(Path(__file__).parent) as entries:
-        files = [(entry.name, entry.stat()) for entry in entries if entry.is_file()]
-    return sorted((name, status.st_mtime_ns, status.st_size) for name, status in files)
 
 
 Clauses: TypeAlias = list[Clause]
@@ -412,8 +373,7 @@ def _read_all(
     namespace: Namespace = NO_NAMESPACE,
 ) -> tuple[list[Clause], list[ProgramProblem]]:
     """Return the clauses of a text, those of included files in their places, and all problems."""
-    read = kept_clauses if Path(file) in _built_in().values() else read_clauses
-    clauses, wrong = read(source, file)
+    clauses, wrong = read_clauses(source, file)
     reading = _FileReader(folder, (*including, file), namespace, "::" in source or THIS in source)
     found = reading.read(list(clauses))
     problems = [*wrong, *reading.problems]

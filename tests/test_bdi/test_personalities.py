@@ -1,14 +1,8 @@
 """What the built-in people do when the gantry comes near."""
 
-import sys
-from importlib.util import cache_from_source
-from pathlib import Path
-
 import pytest
 
 import bdi
-from bdi.language import loading as kept
-from bdi.language.terms import TRUE
 
 STATIONS = ["station(s1,0,0)", "station(s2,10,0)", "station(s3,10,10)", "station(s4,0,10)"]
 PLACES = {"s1": "move(0,0,0)", "s2": "move(10,0,0)", "s3": "move(10,10,0)", "s4": "move(0,10,0)"}
@@ -190,27 +184,3 @@ def test_own_programs_may_include_the_patrol(name, tmp_path):
     agent.add_percept("gantry_detected(1)")
     agent.advance(100.0)
     assert "wave" in done  # the program's own plan comes before that of the patrol
-
-
-def test_programs_are_kept_as_they_were_read(monkeypatch, tmp_path):
-    monkeypatch.setattr(sys, "pycache_prefix", str(tmp_path))
-    monkeypatch.setattr(sys, "dont_write_bytecode", False)
-    folder = Path(cache_from_source(kept.__file__)).parent
-    folder.mkdir(parents=True)
-    texts = {str(path): path.read_text(encoding="utf-8") for path in bdi.programs().values()}
-
-    def read():
-        return [kept.kept_clauses.__wrapped__(text, file) for file, text in texts.items()]
-
-    found = read()
-    with monkeypatch.context() as without_reader:
-        without_reader.delattr(kept, "read_clauses")
-        again = read()
-        assert again == found
-        plans = [one for clauses, _ in again for one in clauses if isinstance(one, bdi.Plan)]
-        assert any(plan.context is TRUE for plan in plans)
-        with pytest.raises(NameError):
-            kept.kept_clauses.__wrapped__("another. text.", next(iter(texts)))
-    for file in folder.glob("*.clauses"):
-        file.write_bytes(file.read_bytes()[:-100])
-    assert read() == found
