@@ -26,6 +26,7 @@ from ..language.terms import (
 )
 from ..reasoning.beliefs import has_source, with_source
 from ..reasoning.execution import Call
+from ..reasoning.logic import condition
 from ..reasoning.plans import LoadedPlan
 from ..reasoning.state import add_plan as load_plan, add_program
 from .messages import nested_source, without_source
@@ -160,7 +161,7 @@ def remove_source_annot(call: Call, term: Term, result: Term, *source: Term) -> 
 @STANDARD.add(".eval", least=2, most=2)
 def evaluate(call: Call, result: Term, formula: Term) -> object:
     """`.eval(R, F)`: true or false, as a formula holds."""
-    solution = call.agent.logic.first(formula, call.unifier)
+    solution = condition(formula)(call.agent.logic, call.unifier)
     return call.unify(result, FALSE if solution is None else TRUE)
 
 

@@ -26,6 +26,7 @@ from ..reasoning.circumstance import Timer
 from ..reasoning.execution import WAITING, Call
 from ..reasoning.failure import fail
 from ..reasoning.intentions import Event, Intention
+from ..reasoning.logic import condition as compiled
 from ..reasoning.plans import compile_body
 from ..reasoning.state import MILLISECOND, AgentState
 from .registry import STANDARD, a_number, a_trigger, wrong
@@ -57,7 +58,7 @@ class ActiveWait:
         self._intention = intention
         self._means = intention.top
         self._trigger = trigger
-        self._condition = condition
+        self._holds = None if condition is None else compiled(condition)
         self._awaited: Term = TRUE if condition is None else condition
         if trigger is not None:
             self._awaited = trigger.literal
@@ -83,8 +84,8 @@ class ActiveWait:
                 self._trigger.literal, event.literal, u
             ):
                 self._end(timed_out=False)
-        elif self._condition is not None:
-            solution = self._agent.logic.first(self._condition, u)
+        elif self._holds is not None:
+            solution = self._holds(self._agent.logic, u)
             if solution is not None:
                 u.update(solution)
                 self._end(timed_out=False)
@@ -113,7 +114,7 @@ class ActiveWait:
             return
         if not intention.atomic and circumstance.is_running(intention):
             return
-        waits_for_something = self._trigger is not None or self._condition is not None
+        waits_for_something = self._trigger is not None or self._holds is not None
         if timed_out and waits_for_something and self._elapsed is None:
             if intention.is_suspended:
                 # The failure comes when it is resumed.
@@ -175,7 +176,7 @@ def wait(call: Call, what: Term, *more: Term) -> object:
                 what, Literal | Relation | Conjunction | Disjunction | Negation | Var
             ):
                 raise wrong("wait", f"'{text(what)}' is nothing to wait for")
-            solution = agent.logic.first(what, call.unifier)
+            solution = compiled(what)(agent.logic, call.unifier)
             if solution is not None:
                 return solution
         ActiveWait(

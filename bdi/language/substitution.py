@@ -558,10 +558,4 @@ def _build_literal(literal: Literal) -> Build:
     if len(build_args) == 1:
         (only,) = build_args
         return lambda u: literal.with_args((only(u),))
-    if len(build_args) == 2:
-        first, second = build_args
-        return lambda u: literal.with_args((first(u), second(u)))
-    if len(build_args) == 3:
-        first, second, third = build_args
-        return lambda u: literal.with_args((first(u), second(u), third(u)))
     return lambda u: literal.with_args(tuple([build(u) for build in build_args]))

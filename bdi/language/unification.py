@@ -30,6 +30,7 @@ from .terms import (
     Term,
     TriggerTerm,
     Var,
+    is_placed,
     make_list,
     namespace_of,
     placed,
@@ -386,14 +387,13 @@ def matcher(pattern: Literal | Var | Qualified) -> Match:
     names = [arg.name for arg in args if arg.__class__ is Var]
     if len(names) < len(args) or len(set(names)) < len(names):
         return lambda literal: matched(pattern, literal, {})
+
     if len(names) == 1:
-        name = names[0]
+        (name,) = names
 
         def match_one(literal: Literal) -> Unifier | None:
-            (one,) = literal.args
-            if one.__class__ is Literal and "::" in one.functor:
-                return None
-            return {name: one}
+            (arg,) = literal.args
+            return None if is_placed(arg) else {name: arg}
 
         return match_one
 
@@ -414,51 +414,22 @@ def _unified(pattern: Term, literal: Literal) -> Unifier | None:
 def belief_matcher(query: Literal) -> Callable[[Literal, Unifier], Unifier | None]:
     """Return a function equal to `lambda belief, u: matched(query, belief, u)`, but faster.
 
-    Most queries have up to three arguments, variables of which the first may have a value.
+    It is faster for queries whose arguments are variables, each another one, as most are.
     """
     names = [arg.name for arg in query.args if arg.__class__ is Var]
-    if len(set(names)) < len(query.args) or not 1 <= len(names) <= 3:
+    if not names or len(set(names)) < len(query.args):
         return lambda belief, u: matched(query, belief, u)
-    first, others = names[0], names[1:]
-    if not others:
 
-        def match_one(belief: Literal, u: Unifier) -> Unifier | None:
-            if belief.ground and first not in u:
-                (one,) = belief.args
-                if one.__class__ is Literal and "::" in one.functor:
-                    return None
-                return {**u, first: one}
+    def match(belief: Literal, u: Unifier) -> Unifier | None:
+        if not belief.ground:
             return matched(query, belief, u)
+        result = u.copy()
+        for name, arg in zip(names, belief.args):  # noqa: B905 - equal lengths, and often
+            value = u.get(name)
+            if value is None and not (arg.__class__ is Literal and "::" in arg.functor):
+                result[name] = arg
+            elif value is not arg:
+                return matched(query, belief, u)
+        return result
 
-        return match_one
-    if len(others) == 1:
-        (second,) = others
-
-        def match_two(belief: Literal, u: Unifier) -> Unifier | None:
-            if belief.ground and second not in u:
-                value, (one, two) = u.get(first), belief.args
-                if two.__class__ is Literal and "::" in two.functor:
-                    return None
-                if value is one:
-                    return {**u, second: two}
-                if value is None and not (one.__class__ is Literal and "::" in one.functor):
-                    return {**u, first: one, second: two}
-            return matched(query, belief, u)
-
-        return match_two
-    second, third = others
-
-    def match_three(belief: Literal, u: Unifier) -> Unifier | None:
-        if belief.ground and second not in u and third not in u:
-            value, (one, two, three) = u.get(first), belief.args
-            if (two.__class__ is Literal and "::" in two.functor) or (
-                three.__class__ is Literal and "::" in three.functor
-            ):
-                return None
-            if value is one:
-                return {**u, second: two, third: three}
-            if value is None and not (one.__class__ is Literal and "::" in one.functor):
-                return {**u, first: one, second: two, third: three}
-        return matched(query, belief, u)
-
-    return match_three
+    return match

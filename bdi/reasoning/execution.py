@@ -21,7 +21,7 @@ from .circumstance import Pending, PendingAction, Refused
 from .deliberation import move_on, set_deadline
 from .failure import end_fork, fail
 from .intentions import Event, Intention, IntentionFork, Means
-from .logic import Answer
+from .logic import Answer, condition
 from .plans import BodyStep, compile_body
 from .state import AgentState
 
@@ -327,7 +327,7 @@ def _do_value(agent: AgentState, intention: Intention, means: Means, step: BodyS
         means.step = compile_body(value.body, step.next)
         agent.circumstance.add_running(intention)
     elif isinstance(value, Relation):
-        solution = agent.logic.first(value, means.u)
+        solution = condition(value)(agent.logic, means.u)
         if solution is None:
             message = f"Constraint {value} was not satisfied"
             fail(agent, intention, error_annots("constraint_failed", message))

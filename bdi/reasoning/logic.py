@@ -3,11 +3,11 @@
 `Logic.solutions` is SLD resolution with negation as failure, depth first and from left to right, as
 in Prolog. It keeps its own stack, so a rule may call itself as deeply as memory allows: a state is
 a unifier and a linked list of the goals still to prove; a choice point is a state to return to or
-an iterator of such states. `Logic.first` decides formulas that need no search directly.
+an iterator of such states.
 
-What `Logic.first` and `Logic.solutions` find out about a formula each time they meet it is found
-out here once: which comparison it is, and which query. Forms that are not frequent are left to
-them; so are rules that may lead back to themselves, for which they keep a stack of their own.
+`condition` and `answers` compile a formula to a function, which finds its first solution or all of
+them without this stack. They leave to `Logic.solutions` what needs it: recursive rules, queries
+with annotations, and formulas that are variables.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import combinations
-from operator import ge, gt, le, lt
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -163,28 +162,6 @@ class Logic:
         tried = self.max_goals if self._allowed == self.max_goals else CYCLES * self.max_goals
         raise TooDeepError(f"more than {tried:,} goals were tried at once, at last {formula}")
 
-    def first(self, formula: Term, u: Unifier) -> Unifier | None:
-        """Return the first solution, or None. `u` is not changed."""
-        if formula is TRUE:
-            return u
-        if formula.__class__ is Literal:
-            return next(self.solutions(formula, u), None)
-        if isinstance(formula, Relation):
-            return self._relate(formula, u)
-        if isinstance(formula, Negation):
-            return u if self.first(formula.operands[0], u) is None else None
-        if isinstance(formula, Conjunction) and isinstance(
-            formula.operands[0], Relation | Negation
-        ):
-            left, right = formula.operands
-            solution = self.first(left, u)
-            return None if solution is None else self.first(right, solution)
-        if isinstance(formula, Disjunction):
-            left, right = formula.operands
-            solution = self.first(left, u)
-            return self.first(right, u) if solution is None else solution
-        return next(self.solutions(formula, u), None)
-
     def solutions(self, formula: Term, u: Unifier) -> Iterator[Unifier]:
         """Yield every solution, in order. `u` is not changed."""
         choices: list[State | Iterator[State]] = []
@@ -252,7 +229,8 @@ class Logic:
             elif cls is _Subquery:
                 u = self._return(goal, u)
             elif cls is Relation:
-                solution = self._relate(goal, u)
+                left, right = goal.operands
+                solution = relate(goal.symbol, substitute(left, u), substitute(right, u), u)
                 if solution is None:
                     return None
                 u = solution
@@ -398,24 +376,6 @@ class Logic:
                 result[name] = value if is_ground(value) else rename(value, self.names, others)
         return result
 
-    def _relate(self, relation: Relation, u: Unifier) -> Unifier | None:
-        left, right = relation.operands
-        left, right = substitute(left, u), substitute(right, u)
-        symbol = relation.symbol
-        if symbol == "=":
-            return unified(left, right, u)
-        if symbol == "==":
-            return u if left == right else None
-        if symbol == "\\==":
-            return u if left != right else None
-        if symbol == "=..":
-            return take_apart(left, right, u)
-        if left.__class__ is float and right.__class__ is float:
-            order = (left > right) - (left < right)
-        else:
-            order = compare(left, right)
-        return u if _ORDERS[symbol](order, 0) else None
-
 
 def _unbound(term: Term, formula: Term, u: Unifier) -> tuple[str, ...]:
     """Return the names of a variable and of a plain query's arguments, if none has a value."""
@@ -429,7 +389,33 @@ def _unbound(term: Term, formula: Term, u: Unifier) -> tuple[str, ...]:
     return tuple(names)
 
 
-_ORDERS = MappingProxyType({"<": lt, "<=": le, ">": gt, ">=": ge})
+_COMPARISONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
+    {
+        "<": operator.lt,
+        "<=": lambda one, other: not one > other,
+        ">": operator.gt,
+        ">=": lambda one, other: not one < other,
+        "==": operator.eq,
+        "\\==": operator.ne,
+    }
+)
+"""Comparisons of numbers; as in the order of terms, NaN is neither smaller nor larger than any."""
+
+
+def relate(symbol: str, left: Term, right: Term, u: Unifier) -> Unifier | None:
+    """Return `u` extended so that a relation holds between two values, or None."""
+    if symbol == "=":
+        return unified(left, right, u)
+    if symbol == "=..":
+        return take_apart(left, right, u)
+    holds = _COMPARISONS[symbol]
+    if left.__class__ is float and right.__class__ is float:
+        return u if holds(left, right) else None
+    if symbol in ("==", "\\=="):
+        return u if (left == right) is (symbol == "==") else None
+    return u if holds(compare(left, right), 0) else None
+
+
 NAMESPACE = Literal("default")
 
 
@@ -510,57 +496,51 @@ Answers: TypeAlias = "Callable[[Logic, Unifier], Iterable[Unifier]]"
 MOST_KEPT = 64
 """Largest number of questions of which the answers by rules are kept."""
 
-_COMPARISONS: Mapping[str, Callable[[float, float], bool]] = MappingProxyType(
-    {
-        "<": operator.lt,
-        "<=": operator.le,
-        ">": operator.gt,
-        ">=": operator.ge,
-        "==": operator.eq,
-        "\\==": operator.ne,
-    }
-)
-
-
 # ---- the first solution
 
 
 def condition(formula: Term) -> Condition:
-    """Return a function equal to `lambda logic, u: logic.first(formula, u)`, but faster."""
+    """Return a function that finds the first solution of a formula in a unifier, or None.
+
+    It leaves the unifier unchanged.
+    """
     if formula == TRUE:
         return lambda logic, u: u
     if isinstance(formula, Relation):
-        if formula.symbol in _COMPARISONS:
-            return _compare(formula)
-        if formula.symbol == "=" and formula.operands[0].__class__ is Var:
-            return _assign(formula)
+        is_assignment = formula.symbol == "=" and formula.operands[0].__class__ is Var
+        return _assign(formula) if is_assignment else _relation(formula)
     if isinstance(formula, Conjunction):
         left, right = formula.operands
         if isinstance(left, Relation | Negation):
             return _both(condition(left), condition(right))
         if _is_plain_query(left):
             return _query(left, right)
+    if isinstance(formula, Disjunction):
+        return _either(*map(condition, formula.operands))
     if isinstance(formula, Negation):
         inner = condition(formula.operands[0])
         return lambda logic, u: u if inner(logic, u) is None else None
     if _is_plain_query(formula):
         return _query(formula)
-    return lambda logic, u: logic.first(formula, u)
+    return lambda logic, u: next(logic.solutions(formula, u), None)
 
 
 def _is_plain_query(formula: Term) -> bool:
     return isinstance(formula, Literal) and not formula.annots and not formula.is_internal_action
 
 
-def _compare(relation: Relation) -> Condition:
-    holds = _COMPARISONS[relation.symbol]
+def _relation(relation: Relation) -> Condition:
+    symbol = relation.symbol
     left_of, right_of = map(builder, relation.operands)
+    holds = _COMPARISONS.get(symbol)
+    if holds is None:
+        return lambda logic, u: relate(symbol, left_of(u), right_of(u), u)
 
     def check(logic: Logic, u: Unifier) -> Unifier | None:
         left, right = left_of(u), right_of(u)
         if left.__class__ is float and right.__class__ is float:
             return u if holds(left, right) else None
-        return logic.first(relation, u)
+        return relate(symbol, left, right, u)
 
     return check
 
@@ -575,7 +555,7 @@ def _assign(relation: Relation) -> Condition:
         value = value_of(u)
         if name not in u and (value.__class__ is float or value.__class__ is str):
             return {**u, name: value}
-        return logic.first(relation, u)
+        return unified(variable, value, u)
 
     return check
 
@@ -584,6 +564,14 @@ def _both(one: Condition, other: Condition) -> Condition:
     def check(logic: Logic, u: Unifier) -> Unifier | None:
         solution = one(logic, u)
         return None if solution is None else other(logic, solution)
+
+    return check
+
+
+def _either(one: Condition, other: Condition) -> Condition:
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        solution = one(logic, u)
+        return other(logic, u) if solution is None else solution
 
     return check
 
