@@ -12,8 +12,8 @@ import bdi
 
 PROGRAMS = sorted((Path(__file__).parent / "programs").glob("*.asl"))
 
-SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
-REFERENCE = sorted(path.stem for path in (SHARED / "agentspeak" / "programs").glob("*.asl"))
+# Programs, societies and traces of a person's actions, with what Jason 3.3 prints.
+REFERENCE = Path(__file__).parent / "reference"
 
 DEVIATIONS = Path(__file__).parents[2] / "docs" / "deviations.md"
 # Programs and societies of which the table of deviations says that they run in another way here.
@@ -49,38 +49,38 @@ def test_own_programs(path):
     assert run_out(bdi.parse_file(path)) == expected
 
 
-@pytest.mark.parametrize("name", REFERENCE or ["none"])
-def test_reference_programs(name, shared_data):
-    path = shared_data / "agentspeak" / "programs" / f"{name}.asl"
+@pytest.mark.parametrize(
+    "path", sorted((REFERENCE / "programs").glob("*.asl")), ids=lambda path: path.stem
+)
+def test_reference_programs(path):
     expected = path.with_suffix(".out").read_text(encoding="utf-8").splitlines()
     actions = any(line.startswith("action ") for line in expected)
     printed = run_out(bdi.parse_file(path), actions=actions)
-    if name.partition("_")[0] in DEVIATING:
+    if path.stem.partition("_")[0] in DEVIATING:
         assert printed != expected, "it runs as in Jason: take it off the table of deviations"
     else:
         assert printed == expected
 
 
-def test_reference_societies(shared_data):
-    folder = shared_data / "agentspeak" / "societies"
-    outputs = sorted(folder.glob("*.out"))
-    assert outputs
-    for output in outputs:
-        lines, society = [], bdi.Society()
-        for path in sorted(folder.glob(f"{output.stem}-*.asl")):
-            name = path.stem.partition("-")[2]
+@pytest.mark.parametrize(
+    "output", sorted((REFERENCE / "societies").glob("*.out")), ids=lambda path: path.stem
+)
+def test_reference_societies(output):
+    lines, society = [], bdi.Society()
+    for path in sorted(output.parent.glob(f"{output.stem}-*.asl")):
+        name = path.stem.partition("-")[2]
 
-            def say(line, name=name, lines=lines):
-                lines.append(f"{name}: {line}")
+        def say(line, name=name):
+            lines.append(f"{name}: {line}")
 
-            bdi.Agent(bdi.parse_file(path), name=name, society=society, print=say)
-        society.advance(20.0)
-        expected = output.read_text(encoding="utf-8").splitlines()
-        # Their lines come in no order, those of each agent do.
-        assert sorted(lines, key=lambda line: line.split(":")[0]) == expected, output.name
+        bdi.Agent(bdi.parse_file(path), name=name, society=society, print=say)
+    society.advance(20.0)
+    expected = output.read_text(encoding="utf-8").splitlines()
+    # Their lines come in no order, those of each agent do.
+    assert sorted(lines, key=lambda line: line.split(":")[0]) == expected
 
 
-def replay(folder, trace):
+def replay(trace):
     """What an agent does and says when the percepts of a trace come."""
     actions, prints = [], []
 
@@ -91,7 +91,7 @@ def replay(folder, trace):
     def say(text):
         prints.append({"t_ms": round(agent.now * 1000), "text": text})
 
-    program = bdi.parse_file(folder / trace["program"])
+    program = bdi.parse_file(REFERENCE / "operator" / trace["program"])
     agent = bdi.Agent(program, beliefs=[trace["belief"]], act=act, print=say)
     for time in sorted({change["t_ms"] for change in trace["percepts"]}):
         for change in trace["percepts"]:
@@ -104,13 +104,12 @@ def replay(folder, trace):
     return actions, prints
 
 
-def test_reference_traces(shared_data):
-    folder = shared_data / "agentspeak"
-    paths = sorted((folder / "traces").glob("*.json"))
+def test_reference_traces():
+    paths = sorted((REFERENCE / "traces").glob("*.json"))
     assert paths
     for path in paths:
         trace = json.loads(path.read_text(encoding="utf-8"))
-        assert replay(folder / "operator", trace) == (trace["actions"], trace["prints"]), path.name
+        assert replay(trace) == (trace["actions"], trace["prints"]), path.name
 
 
 COMMAND = "import typer; from sim.commands.agent import agent; typer.run(agent)"
@@ -126,10 +125,9 @@ def command(*arguments):
     )
 
 
-def test_the_command_replays_a_trace(shared_data, tmp_path):
-    folder = shared_data / "agentspeak"
+def test_the_command_replays_a_trace(tmp_path):
     for name in ("helpful_flip", "antagonistic_detect_arrive_resume"):
-        trace = json.loads((folder / "traces" / f"{name}.json").read_text(encoding="utf-8"))
+        trace = json.loads((REFERENCE / "traces" / f"{name}.json").read_text(encoding="utf-8"))
         script = tmp_path / "script.jsonl"
         lines = []
         for change in trace["percepts"]:
@@ -137,7 +135,7 @@ def test_the_command_replays_a_trace(shared_data, tmp_path):
             lines.append(json.dumps({"t": change["t_ms"] / 1000, how: change[how]}))
         script.write_text("\n".join(lines), encoding="utf-8")
         done = command(
-            folder / "operator" / trace["program"],
+            REFERENCE / "operator" / trace["program"],
             *("--belief", trace["belief"], "--percepts", script),
             *("--until", trace["end_ms"] / 1000),
         )
