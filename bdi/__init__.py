@@ -17,7 +17,7 @@ from .language.terms import Literal, Term, Var
 from .lint import doubts
 from .reasoning.circumstance import PENDING, Refused
 from .reasoning.execution import Call
-from .reasoning.state import Entry, History
+from .reasoning.state import Entry
 from .society import Message, Society
 
 __all__ = [
@@ -28,7 +28,6 @@ __all__ = [
     "EndlessProgramError",
     "Entry",
     "Goal",
-    "History",
     "InternalActions",
     "Literal",
     "Message",

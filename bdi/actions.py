@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any, TypeAlias
 
 from .errors import ProgramError, ProgramProblem
-from .language.body import Act, Body, BodyTerm, Constraint, For, ForkJoin, If, Place, Test, While
-from .language.program import Plan, PlanTerm, Program, Rule, made_once
+from .language.body import (
+    Act,
+    Body,
+    BodyTerm,
+    Constraint,
+    For,
+    If,
+    Place,
+    Test,
+    While,
+    steps_of,
+)
+from .language.program import Plan, PlanTerm, Program, Rule, all_plans, made_once
 from .language.terms import (
     Arithmetic,
     Conjunction,
@@ -179,42 +190,38 @@ def check_actions(
 def _calls(program: Program) -> tuple[tuple[Place, Literal, bool], ...]:
     """Return each call with its place, and True if it stands in a context or query."""
     rules = (clause for clause in program.beliefs if isinstance(clause, Rule))
-    asked = [(rule.place, call, c) for rule in rules for call, c in _in_formula(rule.body)]
-    return (*asked, *(call for plan in program.plans for call in _in_plan(plan)))
+    in_rules = (call for rule in rules for call in _at(rule.place, rule.body))
+    return (*in_rules, *_in_plans(program.plans))
 
 
-def _in_plan(plan: Plan) -> Iterator[tuple[Place, Literal, bool]]:
-    for formula in (plan.context, *(() if plan.until is None else (plan.until,))):
-        yield from ((plan.place, call, within) for call, within in _in_formula(formula))
-    yield from _in_body(plan.body)
-    for inner in plan.subplans:
-        yield from _in_plan(inner)
+def _in_plans(plans: Iterable[Plan]) -> Iterator[tuple[Place, Literal, bool]]:
+    for plan in all_plans(plans):
+        yield from _at(plan.place, plan.context)
+        if plan.until is not None:
+            yield from _at(plan.place, plan.until)
+        yield from _in_body(plan.body)
+
+
+def _at(place: Place, formula: Term) -> Iterator[tuple[Place, Literal, bool]]:
+    return ((place, call, within) for call, within in _in_formula(formula))
 
 
 def _in_body(body: Body) -> Iterator[tuple[Place, Literal, bool]]:
-    for step in body:
-        formulas: tuple[Term, ...] = ()
-        bodies: tuple[Body, ...] = ()
+    for step in steps_of(body):
         if isinstance(step, Act):
             if isinstance(step.action, Literal) and step.action.is_internal_action:
                 yield step.place, step.action, False
-                formulas = step.action.args
+                # The arguments of the call may have bodies and plans that call others.
+                for arg in step.action.args:
+                    yield from _at(step.place, arg)
         elif isinstance(step, Test):
-            formulas = (step.formula,)
+            yield from _at(step.place, step.formula)
         elif isinstance(step, Constraint):
-            formulas = (step.relation,)
-        elif isinstance(step, If):
-            formulas, bodies = (step.condition,), (step.then, step.otherwise)
-        elif isinstance(step, While):
-            formulas, bodies = (step.condition,), (step.body,)
+            yield from _at(step.place, step.relation)
+        elif isinstance(step, If | While):
+            yield from _at(step.place, step.condition)
         elif isinstance(step, For):
-            formulas, bodies = (step.generator,), (step.body,)
-        elif isinstance(step, ForkJoin):
-            bodies = step.branches
-        for formula in formulas:
-            yield from ((step.place, call, within) for call, within in _in_formula(formula))
-        for inner in bodies:
-            yield from _in_body(inner)
+            yield from _at(step.place, step.generator)
 
 
 def _in_formula(formula: Term) -> Iterator[tuple[Literal, bool]]:
@@ -235,6 +242,6 @@ def _in_formula(formula: Term) -> Iterator[tuple[Literal, bool]]:
         elif isinstance(part, Cons):
             pending.extend(e for e in part if isinstance(e, PlanTerm | BodyTerm))
         elif isinstance(part, PlanTerm):
-            yield from ((call, within) for _, call, within in _in_plan(part.plan))
+            yield from ((call, within) for _, call, within in _in_plans((part.plan,)))
         elif isinstance(part, BodyTerm):
             yield from ((call, within) for _, call, within in _in_body(part.body))

@@ -104,7 +104,7 @@ class ReasoningCycle:
         for event in events:
             for plan in state.plans.candidates(event.sort, event.literal):
                 return plan.plan.place.problem(f"{plan.plan.trigger}: {message}")
-        return ProgramProblem(state.program.source, 0, 0, message)
+        return ProgramProblem(file=state.program.source, message=message)
 
     def _run_until(self, clock: int) -> None:
         """Run all that is due before a time (ns), each at its own."""
@@ -267,7 +267,8 @@ class Agent:
             the first draws from it alone, each other one from it and its name.
         start: time at which it begins (s), by default that of its society.
         print: takes the lines of `.print`. Without it they go to standard output.
-        on_event: takes an `Entry` for everything that happens inside, as `History.add` does.
+        on_event: takes an `Entry` for everything that happens inside, as `entries.append` does for
+            `entries = collections.deque(maxlen=10_000)`.
         kinds: the kinds of entries that `on_event` takes; all by default.
         live: beliefs that are asked for and not stored, by functor and arity: each a function
             that returns the arguments of what holds when it is called, as often as a query comes
@@ -353,7 +354,7 @@ class Agent:
             start_program(self._state, extra)
         except (RecursionError, TooDeepError):
             message = "a formula or a term is nested too deeply"
-            raise ProgramError([ProgramProblem(program.source, 0, 0, message)]) from None
+            raise ProgramError([ProgramProblem(file=program.source, message=message)]) from None
         society.join(self)
 
     def __repr__(self) -> str:

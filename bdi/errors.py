@@ -12,7 +12,7 @@ LONGEST = 600
 """Number of characters of a problem in the text of an error."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ProgramProblem:
     """One mistake and its place.
 
@@ -24,8 +24,8 @@ class ProgramProblem:
     """
 
     file: str
-    line: int
-    column: int
+    line: int = 0
+    column: int = 0
     message: str
 
     def __str__(self) -> str:

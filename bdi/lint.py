@@ -8,8 +8,8 @@ from difflib import get_close_matches
 from .actions import ActionError
 from .errors import ProgramProblem
 from .internal_actions import STANDARD
-from .language.body import Achieve, Act, Body, Event, For, ForkJoin, If, Place, Update, While
-from .language.program import Belief, Goal, Plan, Program
+from .language.body import Achieve, Act, Event, Place, Update, steps_of
+from .language.program import Belief, Goal, Program, all_plans
 from .language.terms import Literal
 
 LIKE = 0.85
@@ -37,7 +37,12 @@ def doubts(
         events: names of beliefs from outside. A plan for one that is spelt nearly the same, and
             that the program itself does not believe, is doubtful.
     """
-    steps = [step for plan in program.plans for step in _steps(plan)]
+    steps = [
+        step
+        for plan in all_plans(program.plans)
+        for step in steps_of(plan.body)
+        if isinstance(step, Achieve | Act | Update)
+    ]
     called = {name for step in steps if (name := _name(step)).startswith(".")}
     found: dict[ProgramProblem, None] = {}
     for step in (*program.goals, *steps):
@@ -54,34 +59,9 @@ def doubts(
     return tuple(sorted(found, key=lambda one: (one.file, one.line, one.column)))
 
 
-def _steps(plan: Plan) -> Iterator[Achieve | Act | Update]:
-    """Yield the goals, actions and changes of beliefs in a plan and in those inside it."""
-    yield from _in_body(plan.body)
-    for inner in plan.subplans:
-        yield from _steps(inner)
-
-
-def _in_body(body: Body) -> Iterator[Achieve | Act | Update]:
-    for step in body:
-        if isinstance(step, Achieve | Act | Update):
-            yield step
-        elif isinstance(step, If):
-            yield from (*_in_body(step.then), *_in_body(step.otherwise))
-        elif isinstance(step, While | For):
-            yield from _in_body(step.body)
-        elif isinstance(step, ForkJoin):
-            yield from (inner for branch in step.branches for inner in _in_body(branch))
-
-
 def _name(step: Achieve | Act | Update) -> str:
     """Return the name of the action in a step, or nothing."""
     return step.action.functor if isinstance(step, Act) and isinstance(step.action, Literal) else ""
-
-
-def _all_plans(plans: Iterable[Plan]) -> Iterator[Plan]:
-    for plan in plans:
-        yield plan
-        yield from _all_plans(plan.subplans)
 
 
 def _no_plan(goal: Event, program: Program) -> str:
@@ -89,7 +69,7 @@ def _no_plan(goal: Event, program: Program) -> str:
     if not isinstance(goal, Literal) or "::" in goal.functor:
         return ""
     known: list[str] = []
-    for plan in _all_plans(program.plans):
+    for plan in all_plans(program.plans):
         if plan.trigger.sort in ("+!", "-!"):
             if not isinstance(plan.trigger.literal, Literal):
                 return ""

@@ -12,7 +12,7 @@ from .actions import ActionError
 from .language.terms import Literal, Term
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Message:
     """Message from one agent to another.
 

@@ -424,7 +424,8 @@ def _carry_out(call: Call, formula: BodyFormula) -> Waiting:
 def if_then_else(call: Call, condition: Term, then: Term, *otherwise: Term) -> Waiting:
     """`.if_then_else(F, {a}, {b}?)`: carry out one body or the other."""
     bodies = [_body("if_then_else", term) for term in (then, *otherwise)]
-    return _carry_out(call, If(condition, bodies[0], bodies[1] if otherwise else ()))
+    step = If(condition=condition, then=bodies[0], otherwise=bodies[1] if otherwise else ())
+    return _carry_out(call, step)
 
 
 @STANDARD.add(".loop", least=2, most=2, in_context=False)

@@ -239,7 +239,14 @@ def send(call: Call, receiver: Term, force: Term, content: Term, *more: Term) ->
     number = society.next_question()
     if waits:
         society.awaited.add(number)
-    message = Message(agent.name, how, content, number, reply_to, reply_to in society.awaited)
+    message = Message(
+        sender=agent.name,
+        force=how,
+        content=content,
+        question=number,
+        reply_to=reply_to,
+        is_awaited=reply_to in society.awaited,
+    )
     for name in names:
         society.deliver(name, message)
     if not waits or call.intention is None:
@@ -276,7 +283,10 @@ def broadcast(call: Call, force: Term, content: Term) -> bool:
     for name in society.names():
         if name != agent.name:
             number = society.next_question()
-            society.deliver(name, Message(agent.name, plain_text(force), content, number))
+            message = Message(
+                sender=agent.name, force=plain_text(force), content=content, question=number
+            )
+            society.deliver(name, message)
     return True
 
 
@@ -310,7 +320,8 @@ def register(call: Call, service: Term, *kind: Term) -> bool:
 
 def _tell_provider(society: Society, subscriber: str, provider: str, service: Term) -> None:
     content = Literal("provider", (Literal(provider), service))
-    society.deliver(subscriber, Message("df", "tell", content, society.next_question()))
+    message = Message(sender="df", force="tell", content=content, question=society.next_question())
+    society.deliver(subscriber, message)
 
 
 @STANDARD.add(".df_deregister", least=1, most=2)

@@ -84,7 +84,7 @@ class Place:
 
     def problem(self, message: str) -> ProgramProblem:
         """Return a problem at this place."""
-        return ProgramProblem(self.file, self.line, self.column, message)
+        return ProgramProblem(file=self.file, line=self.line, column=self.column, message=message)
 
 
 NOWHERE = Place()
@@ -150,7 +150,7 @@ class Constraint:
         return str(self.relation)[1:-1]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class If:
     """`if (condition) { then } else { otherwise }`."""
 
@@ -208,6 +208,21 @@ class ForkJoin:
 
 BodyFormula: TypeAlias = Achieve | Test | Update | Act | Constraint | If | While | For | ForkJoin
 Body: TypeAlias = tuple[BodyFormula, ...]
+
+
+def steps_of(body: Body) -> Iterator[BodyFormula]:
+    """Yield the steps of a body, each followed by those inside it."""
+    for step in body:
+        yield step
+        inner: tuple[Body, ...] = ()
+        if isinstance(step, If):
+            inner = (step.then, step.otherwise)
+        elif isinstance(step, While | For):
+            inner = (step.body,)
+        elif isinstance(step, ForkJoin):
+            inner = step.branches
+        for part in inner:
+            yield from steps_of(part)
 
 
 def body_text(body: Body) -> str:

@@ -93,14 +93,14 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         raise ClauseError(meta, stray_message(character))
 
     def directive(self, meta: Meta, name: Token, args: tuple[Term, ...] | None) -> Directive:
-        return Directive(str(name), args or (), self._place(meta))
+        return Directive(name=str(name), args=args or (), place=self._place(meta))
 
     def opening_directive(
         self, meta: Meta, begin: Token, name: Token, args: tuple[Term, ...] | None
     ) -> Directive:
         if begin != "begin":
             raise ClauseError(meta, f"a directive of two names is {{ begin {name} }}")
-        return Directive(str(name), args or (), self._place(meta), opens=True)
+        return Directive(name=str(name), args=args or (), place=self._place(meta), opens=True)
 
     def belief(self, meta: Meta, head: Term, body: Term | None) -> Belief | Rule:
         if not isinstance(head, Literal):
@@ -129,8 +129,14 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         until: Term | None,
         body: Body | None,
     ) -> Plan:
-        condition = TRUE if context is None else context
-        return Plan(label, trigger, condition, _without_true(body or ()), self._place(meta), until)
+        return Plan(
+            label=label,
+            trigger=trigger,
+            context=TRUE if context is None else context,
+            body=_without_true(body or ()),
+            place=self._place(meta),
+            until=until,
+        )
 
     def named_label(
         self,
@@ -209,7 +215,12 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         return replace(conditional, place=self._place(meta))
 
     def conditional(self, meta: Meta, condition: Term, then: Body, otherwise: _Steps | None) -> If:
-        return If(condition, then, _as_body(otherwise or ()), self._place(meta))
+        return If(
+            condition=condition,
+            then=then,
+            otherwise=_as_body(otherwise or ()),
+            place=self._place(meta),
+        )
 
     def while_(self, meta: Meta, condition: Term, body: Body) -> While:
         return While(condition, body, self._place(meta))
@@ -277,7 +288,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
             return Function(str(name), args or ())
         functor, kept = _in(qualifier, name), _annots(annots)
         is_atom = not (args or kept or negated)
-        literal = atom(functor) if is_atom else Literal(functor, args or (), kept, negated)
+        literal = atom(functor) if is_atom else Literal(functor, args or (), kept, negated=negated)
         if literal.is_internal_action and (negated or literal.annots):
             what = "be negated" if negated else "have annotations"
             raise ClauseError(meta, f"the internal action {name} cannot {what}")

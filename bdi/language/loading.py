@@ -40,7 +40,7 @@ def _parse_part(source: str, before: str = "") -> Any:
 
 
 def _wrong_part(source: str, expected: str) -> ProgramError:
-    return ProgramError([ProgramProblem(source, 0, 0, f"{expected} is expected")])
+    return ProgramError([ProgramProblem(file=source, message=f"{expected} is expected")])
 
 
 def parse_literal(source: str) -> Literal:
@@ -342,7 +342,7 @@ def parse(source: str, name: str = "<text>", *, folder: str | Path | None = None
 
 def _parse(source: str, name: str, folder: Path | None, namespace: str = "default") -> Program:
     if len(source) > MAX_TEXT:
-        raise ProgramError([ProgramProblem(name, 0, 0, _TOO_LONG)])
+        raise ProgramError([ProgramProblem(file=name, message=_TOO_LONG)])
     within = NO_NAMESPACE if namespace == "default" else Namespace(namespace)
     found, problems = _read_all(source, name, folder, (), within)
     if problems:
@@ -352,11 +352,11 @@ def _parse(source: str, name: str, folder: Path | None, namespace: str = "defaul
     known = _READ.get(key)
     if known is None:
         known = _READ[key] = Program(
-            name,
-            tuple(c for c in found if isinstance(c, Belief | Rule)),
-            tuple(c for c in found if isinstance(c, Goal)),
-            tuple(c for c in found if isinstance(c, Plan)),
-            folder,
+            source=name,
+            beliefs=tuple(c for c in found if isinstance(c, Belief | Rule)),
+            goals=tuple(c for c in found if isinstance(c, Goal)),
+            plans=tuple(c for c in found if isinstance(c, Plan)),
+            folder=folder,
         )
     return known
 
@@ -507,20 +507,16 @@ def _open_included(
 
 def find_included(name: str, folder: Path | None) -> Path | str:
     """Return the file that an inclusion names, or the reason why there is none."""
-    try:
-        return _find_included(name, folder)
-    except (OSError, ValueError):
-        return f"'{name}' is no name of a file"
-
-
-def _find_included(name: str, folder: Path | None) -> Path | str:
     if folder is not None:
         inside = folder.resolve()
-        path = (inside / name).resolve()
-        if not path.is_relative_to(inside):
-            return f"'{name}' is outside the program's folder {folder}"
-        if path.is_file():
-            return path
+        try:
+            path = (inside / name).resolve()
+            if not path.is_relative_to(inside):
+                return f"'{name}' is outside the program's folder {folder}"
+            if path.is_file():
+                return path
+        except (OSError, ValueError):
+            return f"'{name}' is no name of a file"
     if name in _built_in():
         return _built_in()[name]
     where = "and none is built in" if folder is None else f"in {folder}, and none is built in"
@@ -531,12 +527,12 @@ def _read(path: Path) -> str | ProgramProblem:
     """Return the text of a file that is regular or passed by a shell."""
     try:
         if not (path.is_file() or _HANDED_OVER.fullmatch(str(path))) and path.exists():
-            return ProgramProblem(str(path), 0, 0, "is no regular file")
+            return ProgramProblem(file=str(path), message="is no regular file")
         with path.open(encoding="utf-8") as file:
             text = file.read(MAX_TEXT + 1)
     except FileNotFoundError:
-        return ProgramProblem(str(path), 0, 0, "there is no such file")
+        return ProgramProblem(file=str(path), message="there is no such file")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-        return ProgramProblem(str(path), 0, 0, f"cannot be read: {reason}")
-    return ProgramProblem(str(path), 0, 0, _TOO_LONG) if len(text) > MAX_TEXT else text
+        return ProgramProblem(file=str(path), message=f"cannot be read: {reason}")
+    return ProgramProblem(file=str(path), message=_TOO_LONG) if len(text) > MAX_TEXT else text

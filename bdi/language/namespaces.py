@@ -174,7 +174,7 @@ class Namespace:
 
 def _renamed(term: Term, functor: str) -> Term:
     assert isinstance(term, Literal)  # called for literals only
-    return Literal(functor, term.args, term.annots, term.negated)
+    return Literal(functor, term.args, term.annots, negated=term.negated)
 
 
 def _without_default(part: Any) -> Term | None:

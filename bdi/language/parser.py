@@ -20,6 +20,7 @@ from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput, UnexpectedToken, VisitError
 
 from ..errors import ProgramError, ProgramProblem, TooDeepError
+from .body import Place
 from .builder import Builder, ClauseError, stray_message
 from .program import Clause, Plan
 
@@ -263,29 +264,34 @@ def parse_clause(tokens: Sequence[Token], file: str) -> Any:
     return Builder(file).transform(tree)
 
 
+def _place(token: Token, file: str) -> Place:
+    return Place(file, token.line or 0, token.column or 0)
+
+
 def _problem(error: Exception, tokens: Sequence[Token], file: str) -> ProgramProblem:
     """Return the problem for which a clause could not be read."""
     if isinstance(error, VisitError) and isinstance(error.orig_exc, ClauseError):
         refused = error.orig_exc
-        return ProgramProblem(file, refused.line, refused.column, str(refused))
+        place = Place(file, refused.line, refused.column)
+        return place.problem(str(refused))
     if isinstance(error, VisitError):
         # A term over the limits of size and depth.
         error = TooDeepError(str(error.orig_exc))
     if isinstance(error, RecursionError | TooDeepError):
         what = "too deeply nested" if isinstance(error, RecursionError) else str(error)
-        return ProgramProblem(file, tokens[0].line or 0, tokens[0].column or 0, what)
+        return _place(tokens[0], file).problem(what)
     if isinstance(error, UnexpectedToken):
         token = error.token
         line, column = token.line or 0, token.column or 0
         stray = next((t for t in tokens if t.type == "STRAY"), None)
         if stray is not None and (stray.line, stray.column) <= (line, column):
-            return ProgramProblem(file, stray.line or 0, stray.column or 0, stray_message(stray))
+            return _place(stray, file).problem(stray_message(stray))
         found = f"'{token}'"
         if token.type == "$END" or token == _END:
             last = tokens[-1] if token.type == "$END" or len(tokens) < 2 else tokens[-2]
             found, line, column = "the end", last.end_line or 0, last.end_column or 0
         expected = _expected(_acceptable(tokens, error.token))
-        return ProgramProblem(file, line, column, f"found {found}, expected {expected}")
+        return Place(file, line, column).problem(f"found {found}, expected {expected}")
     raise error
 
 
@@ -351,9 +357,7 @@ def _subplans(
     inner = tokens[1:-1] if tokens[-1].type == "RBRACE" else tokens[1:]
     plans: list[Plan] = []
     if tokens[-1].type != "RBRACE":
-        problems.append(
-            ProgramProblem(file, tokens[0].line or 0, tokens[0].column or 0, _NOT_CLOSED)
-        )
+        problems.append(_place(tokens[0], file).problem(_NOT_CLOSED))
     for clause in clauses(iter(inner)):
         try:
             if is_block(clause) and plans:
@@ -364,8 +368,7 @@ def _subplans(
             if isinstance(plan, Plan):
                 plans.append(plan)
             else:
-                place = ProgramProblem(file, clause[0].line or 0, clause[0].column or 0, _NO_PLAN)
-                problems.append(place)
+                problems.append(_place(clause[0], file).problem(_NO_PLAN))
         except (UnexpectedInput, VisitError, RecursionError, TooDeepError) as error:
             problems.append(_problem(error, clause, file))
     return tuple(plans)

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial, wraps
 from pathlib import Path
@@ -177,7 +177,7 @@ def _numbered(rule: Rule) -> object:
     return transformed((rule.head.without_annots(), rule.body), number)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Plan(Clause):
     """Plan `@label[annotations] trigger : context <- body.`
 
@@ -235,6 +235,13 @@ class Plan(Clause):
         return f"{label}{self.trigger}{context}{until}{body}{more}"
 
 
+def all_plans(plans: Iterable[Plan]) -> Iterator[Plan]:
+    """Yield plans, each followed by those inside it."""
+    for plan in plans:
+        yield plan
+        yield from all_plans(plan.subplans)
+
+
 @dataclass(frozen=True, repr=False)
 class Goal(Clause):
     """Initial goal.
@@ -282,7 +289,7 @@ def _is_plain(term: Term) -> bool:
     return term.__class__ is float or term.__class__ is str
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Directive(Clause):
     """`{ include("file.asl") }`: carried out while a program is read."""
 
@@ -293,7 +300,7 @@ class Directive(Clause):
     """True for `{ begin name }`, which `{ end }` closes."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Program(_Picklable):
     """Program of an agent: what it believes, wants and knows to do at the start.
 

@@ -346,7 +346,7 @@ def substitute_literal(literal: Literal, u: Unifier) -> Literal:
         literal.functor,
         tuple([substitute(arg, u) for arg in literal.args]),
         annots,
-        literal.negated,
+        negated=literal.negated,
     )
 
 
@@ -415,7 +415,7 @@ def _substitute_qualified(term: Qualified, u: Unifier) -> Term:
     if isinstance(inner, Literal) and isinstance(namespace, Literal):
         if namespace == DEFAULT:
             negated = inner.negated or term.negated
-            return Literal(inner.functor, inner.args, inner.annots, negated)
+            return Literal(inner.functor, inner.args, inner.annots, negated=negated)
         return placed(inner, namespace.functor, True if term.negated else None)
     if isinstance(inner, Literal | Var | Qualified):
         return Qualified(namespace, inner, term.negated)
@@ -440,7 +440,10 @@ def _substitute_annotated(term: AnnotatedVar, u: Unifier) -> Term:
         rest = annots[-1:] if annots and isinstance(annots[-1], RestVar) else ()
         own = annots[: len(annots) - len(rest)]
         return Literal(
-            value.functor, value.args, (*sorted_annots(value.annots + own), *rest), value.negated
+            value.functor,
+            value.args,
+            (*sorted_annots(value.annots + own), *rest),
+            negated=value.negated,
         )
     if isinstance(value, Var):
         return AnnotatedVar(value.name, annots) if annots else value

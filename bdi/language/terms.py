@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from decimal import Decimal
-from functools import lru_cache
+from functools import lru_cache, partial
 from numbers import Real
 from typing import Any, NoReturn, TypeAlias, cast
 
@@ -90,6 +90,7 @@ class Literal:
         functor: str,
         args: tuple[Term, ...] = (),
         annots: tuple[Term, ...] = (),
+        *,
         negated: bool = False,
     ) -> None:
         self.functor = functor
@@ -252,7 +253,8 @@ class Literal:
             return self.functor.upper()
         if self.is_atom:
             return atom, (self.functor,)
-        return Literal, (self.functor, self.args, self.annots, self.negated)
+        made = partial(Literal, negated=True) if self.negated else Literal
+        return made, (self.functor, self.args, self.annots)
 
 
 class Nil:
@@ -646,7 +648,7 @@ def rebuilt(term: Term, change: Callable[[Term], Term]) -> Term:
     """Return the term with `change` applied to each of its `parts`."""
     if isinstance(term, Literal):
         args, annots = tuple(map(change, term.args)), tuple(map(change, term.annots))
-        return Literal(term.functor, args, annots, term.negated)
+        return Literal(term.functor, args, annots, negated=term.negated)
     if isinstance(term, Cons):
         elements, rest = list(map(change, term)), term.open_tail
         return make_list(elements, EMPTY if rest is None else change(rest))
@@ -686,7 +688,7 @@ def placed(literal: Literal, namespace: str, negated: bool | None = None) -> Lit
     bare = literal.functor.rpartition("::")[2]
     functor = bare if namespace == "default" else f"{namespace}::{bare}"
     sign = literal.negated if negated is None else negated
-    return Literal(functor, literal.args, literal.annots, sign)
+    return Literal(functor, literal.args, literal.annots, negated=sign)
 
 
 # ---- making terms

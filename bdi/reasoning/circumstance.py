@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import count
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from ..language.substitution import Unifier, with_more_annots
 from ..language.terms import Literal, Term
@@ -69,26 +69,6 @@ class TimerQueue:
     def clear(self) -> None:
         """Cancel all of them."""
         self.heap.clear()
-
-
-class States(Protocol):
-    """Takes notice of the states of goals (`goal_states.py`)."""
-
-    @property
-    def has_changes(self) -> bool:
-        """True if goals have changed since the last cycle."""
-
-    def note(self, state: str, sort: str, goal: Literal, reason: Term | None = None) -> None:
-        """Note that a goal is in another state."""
-
-    def note_top(self, state: str, intention: Intention, reason: Term | None = None) -> None:
-        """Note the state of the goal for which an intention carries out a plan."""
-
-    def note_all(self, state: str, intention: Intention, *, but: Literal | None = None) -> None:
-        """Note that all goals of an intention have ended, but one that is noted already."""
-
-    def post(self) -> None:
-        """Post the events of the goals that have changed."""
 
 
 class Pending:
@@ -165,7 +145,7 @@ class Circumstance:
         self.pending: dict[int, tuple[str, Intention]] = {}
         self.waits: list[Wait] = []
         self.on_end: Callable[[Intention], None] | None = None
-        self.states: States | None = None
+        self.states: GoalStates | None = None
         self.has_conditions = False
 
     # ---- events

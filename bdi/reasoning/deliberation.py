@@ -151,11 +151,11 @@ def _inside(agent: AgentState, event: Event, intention: Intention) -> _Option | 
 
 
 _ENDING = Plan(
-    None,
-    Trigger("+", "", Literal("event")),
-    TRUE,
+    label=None,
+    trigger=Trigger("+", "", Literal("event")),
+    context=TRUE,
     # The first step is the one that waits for the event.
-    (Act(Literal(".perceive")), Act(Literal(".drop_intention"))),
+    body=(Act(Literal(".perceive")), Act(Literal(".drop_intention"))),
 )
 
 

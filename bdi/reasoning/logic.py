@@ -466,7 +466,7 @@ def put_together(parts: Cons) -> Literal | PlanTerm | None:
     if not all(isinstance(part, Nil | Cons) for part in lists):
         return None
     args, annots = (tuple(part) for part in lists)  # type: ignore[arg-type]
-    made = Literal(functor.functor, args, sorted_annots(annots), functor.negated)
+    made = Literal(functor.functor, args, sorted_annots(annots), negated=functor.negated)
     return made if space == NAMESPACE else placed(made, space.functor)
 
 
@@ -486,7 +486,14 @@ def _plan_of(elements: list[Term]) -> PlanTerm | None:
     steps = body.body if isinstance(body, BodyTerm) else (Act(body),)  # type: ignore[arg-type]
     name = None if label.functor == "nolabel" else label
     sort = trigger.sort
-    return PlanTerm(Plan(name, Trigger(sort[0], sort[1:], trigger.literal), context, steps))
+    return PlanTerm(
+        Plan(
+            label=name,
+            trigger=Trigger(sort[0], sort[1:], trigger.literal),
+            context=context,
+            body=steps,
+        )
+    )
 
 
 Condition: TypeAlias = "Callable[[Logic, Unifier], Unifier | None]"

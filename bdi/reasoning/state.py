@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import math
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
@@ -33,7 +33,7 @@ KINDS = ("percept", "plan", "action", "print", "log", "ended", "warning")
 """Kinds of entries."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Entry:
     """One thing that happened inside an agent.
 
@@ -57,30 +57,6 @@ class Entry:
         place = f"  ({self.file}:{self.line})" if self.line else ""
         number = f"#{self.intention}" if self.intention else ""
         return f"{self.time:10.3f}  {number:>4}  {self.kind:<8} {self.text}{place}"
-
-
-class History:
-    """Record of the last entries: `Agent(…, on_event=history.add)`.
-
-    Args:
-        limit: number of entries that are kept.
-    """
-
-    def __init__(self, limit: int = 10_000) -> None:
-        self._entries: deque[Entry] = deque(maxlen=limit)
-
-    def add(self, entry: Entry) -> None:
-        """Append an entry, and drop the oldest if there are too many."""
-        self._entries.append(entry)
-
-    def __repr__(self) -> str:
-        return f"<History of {len(self)} entries>"
-
-    def __iter__(self) -> Iterator[Entry]:
-        return iter(self._entries)
-
-    def __len__(self) -> int:
-        return len(self._entries)
 
 
 Change: TypeAlias = tuple[bool, Literal]
@@ -402,7 +378,10 @@ class AgentState:
         if intention is not None and intention.stack:
             place = intention.top.place
             file, line = place.file, place.line
-        self._on_event(Entry(self.now, kind, str(what), number, file, line))
+        entry = Entry(
+            time=self.now, kind=kind, text=str(what), intention=number, file=file, line=line
+        )
+        self._on_event(entry)
 
     def _note_end(self, intention: Intention) -> None:
         self.note("ended", f"intention {intention.number}", intention)
@@ -443,7 +422,7 @@ def add_plan(agent: AgentState, plan: Plan, source: Literal, *, first: bool = Fa
         ProgramError: it uses internal actions where they are not allowed.
         ValueError: another plan has its label.
     """
-    whole = Program(agent.program.source, plans=(plan,))
+    whole = Program(source=agent.program.source, plans=(plan,))
     _check(agent, whole)
     (bound,) = with_run_functions(whole.plans, agent.functions)
     agent.plans.add(bound, source, first=first)

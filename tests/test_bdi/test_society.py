@@ -146,7 +146,7 @@ def test_mail_wakes_up():
     society, agents, _ = make({"ann": "a.", "bob": "+hi <- .print(hi)."})
     society.advance(1.0)
     assert agents["bob"].next_wakeup is None
-    society.deliver("bob", bdi.Message("ann", "tell", bdi.parse_literal("hi")))
+    society.deliver("bob", bdi.Message(sender="ann", force="tell", content=bdi.parse_literal("hi")))
     assert agents["bob"].next_wakeup == 1.0
 
 
