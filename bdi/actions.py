@@ -20,7 +20,8 @@ from .language.body import (
     While,
     steps_of,
 )
-from .language.program import Plan, PlanTerm, Program, Rule, all_plans, made_once
+from .language.program import Plan, Program, Rule, all_plans, made_once
+from .language.quoted import PlanTerm
 from .language.terms import (
     Arithmetic,
     Conjunction,

@@ -8,7 +8,8 @@ from dataclasses import replace
 from ..actions import ActionError
 from ..errors import ProgramError
 from ..language.loading import find_included, parse_file, parse_plan
-from ..language.program import Plan, PlanTerm, Rule, RuleTerm
+from ..language.program import Plan, Rule
+from ..language.quoted import PlanTerm, RuleTerm
 from ..language.substitution import Unifier, distinct, rename, substitute, with_more_annots
 from ..language.terms import (
     FALSE,

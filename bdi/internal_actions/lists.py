@@ -7,7 +7,7 @@ from itertools import count
 
 from ..actions import ActionError
 from ..language.body import BodyTerm
-from ..language.program import PlanTerm, RuleTerm
+from ..language.quoted import PlanTerm, RuleTerm
 from ..language.substitution import Unifier, compare, distinct, standard_order
 from ..language.terms import (
     EMPTY,

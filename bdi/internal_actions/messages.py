@@ -15,7 +15,8 @@ from typing import overload
 
 from ..actions import ActionError, error_annots
 from ..language.loading import parse
-from ..language.program import PlanTerm, Program
+from ..language.program import Program
+from ..language.quoted import PlanTerm
 from ..language.substitution import Unifier, rename, sorted_annots, substitute
 from ..language.terms import (
     FALSE,

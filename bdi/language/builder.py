@@ -25,7 +25,8 @@ from .body import (
     While,
 )
 from .namespaces import THIS
-from .program import Belief, Directive, Goal, Plan, PlanTerm, Rule, RuleTerm, Trigger, plan_change
+from .program import Belief, Directive, Goal, Plan, Rule, Trigger
+from .quoted import PlanTerm, RuleTerm, plan_change
 from .substitution import is_function, sorted_annots
 from .terms import (
     DEFAULT,

@@ -6,13 +6,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, partial, wraps
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
-from .body import NOWHERE, Body, BodyTerm, Place, all_parts, body_text, has_variables, transformed
-from .substitution import RUN_FUNCTIONS, is_function, with_more_annots
+from .body import NOWHERE, Body, BodyTerm, Place, all_parts, body_text, transformed
+from .substitution import RUN_FUNCTIONS, is_function
 from .terms import (
     TRUE,
     Conjunction,
@@ -21,7 +21,6 @@ from .terms import (
     Literal,
     Negation,
     Qualified,
-    Quoted,
     Term,
     TriggerTerm,
     Var,
@@ -343,64 +342,6 @@ def _escaped(part: object) -> str | None:
     if not isinstance(part, str):
         return None
     return part.replace('"', '\\"').replace("\n", "\\n")
-
-
-@dataclass(frozen=True)
-class PlanTerm(Quoted):
-    """`{ +!g : c <- b }` as an argument."""
-
-    plan: Plan
-
-    @cached_property
-    def ground(self) -> bool:
-        """True if there are no variables in it."""
-        return not has_variables(self.plan)
-
-    def changed(self, change: Callable[[Any], Any]) -> PlanTerm:
-        """Return it with everything inside replaced for which `change` returns not None."""
-        return PlanTerm(transformed(self.plan, change))
-
-    @property
-    def structure(self) -> Literal:
-        """The plan as a structure, `plan(Label, Event, Context, Body)`."""
-        return Literal("plan", self.plan.parts)
-
-    def __str__(self) -> str:
-        has_more = self.plan.body or self.plan.context != TRUE
-        return f"{{ {self.plan} }}" if has_more else f"{{ {self.plan} <- true }}"
-
-
-@dataclass(frozen=True)
-class RuleTerm(Quoted):
-    """`{ head :- body }` as an argument."""
-
-    rule: Rule
-
-    @cached_property
-    def ground(self) -> bool:
-        """True if there are no variables in it."""
-        return not has_variables(self.rule)
-
-    def changed(self, change: Callable[[Any], Any]) -> RuleTerm:
-        """Return it with everything inside replaced for which `change` returns not None."""
-        return RuleTerm(transformed(self.rule, change))
-
-    def annotated(self, annots: tuple[Term, ...]) -> RuleTerm:
-        """Return it with these annotations of its head beside those it has."""
-        return RuleTerm(replace(self.rule, head=with_more_annots(self.rule.head, *annots)))
-
-    def __str__(self) -> str:
-        return f"{{ {self.rule} }}"
-
-
-def plan_change(operator: str, plan: PlanTerm) -> Literal | None:
-    """Return the internal action for `+{ +!g }` or `-{ +!g }`; None for other operators."""
-    if operator == "-":
-        return Literal(".remove_plan", (plan,))
-    if operator not in ("+", "+<", "+>"):
-        return None
-    at = Literal("end" if operator == "+>" else "begin")
-    return Literal(".add_plan", (plan, Literal("self"), at))
 
 
 # ---- what all runs share, and what belongs to one

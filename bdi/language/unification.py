@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from .body import Achieve, Act, BodyFormula, BodyTerm, Constraint, Test, Update
-from .program import PlanTerm, RuleTerm
+from .quoted import PlanTerm, RuleTerm
 from .substitution import Unifier, substitute, walk
 from .terms import (
     DEFAULT,

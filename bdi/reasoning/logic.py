@@ -19,34 +19,29 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from ..errors import TooDeepError
-from ..language.body import Act, BodyTerm, Constraint
-from ..language.program import Plan, PlanTerm, Rule, Trigger, made_once
+from ..language.program import Rule, made_once
+from ..language.quoted import decomposed
 from ..language.substitution import (
     Names,
     Unifier,
     builder,
     compare,
     rename,
-    sorted_annots,
     substitute,
     substitute_literal,
     value_of,
     variable_names,
 )
 from ..language.terms import (
-    EMPTY,
     TRUE,
     Conjunction,
-    Cons,
     Disjunction,
     Literal,
     Negation,
-    Nil,
     Qualified,
     Relation,
     RestVar,
     Term,
-    TriggerTerm,
     Var,
     is_ground,
     is_placed,
@@ -407,93 +402,14 @@ def relate(symbol: str, left: Term, right: Term, u: Unifier) -> Unifier | None:
     if symbol == "=":
         return unified(left, right, u)
     if symbol == "=..":
-        return take_apart(left, right, u)
+        sides = decomposed(left, right)
+        return None if sides is None else unified(*sides, u)
     holds = _COMPARISONS[symbol]
     if left.__class__ is float and right.__class__ is float:
         return u if holds(left, right) else None
     if symbol in ("==", "\\=="):
         return u if (left == right) is (symbol == "==") else None
     return u if holds(compare(left, right), 0) else None
-
-
-NAMESPACE = Literal("default")
-
-
-def take_apart(left: Term, right: Term, u: Unifier) -> Unifier | None:
-    """Unify the sides of `Literal =.. [default, Functor, Arguments, Annotations]`.
-
-    The namespace `default` may be left out.
-    """
-    if isinstance(left, PlanTerm):
-        return unified(make_list(left.plan.parts), right, u)
-    if isinstance(left, BodyTerm) and left.structure is not None:
-        left = left.structure
-    if isinstance(left, Literal):
-        space, _, functor = left.functor.rpartition("::")
-        parts: list[Term] = [
-            Literal(space) if space else NAMESPACE,
-            Literal(functor, negated=left.negated),
-            make_list(left.args),
-            make_list(left.annots),
-        ]
-        if isinstance(right, Cons) and len(right) == 3:
-            del parts[0]
-        return unified(make_list(parts), right, u)
-    if isinstance(right, Cons):
-        made = put_together(right)
-        return None if made is None else unified(left, made, u)
-    return None
-
-
-def put_together(parts: Cons) -> Literal | PlanTerm | None:
-    """Return the literal that a list like [foo, [1, 2], [annotation]] describes, or None.
-
-    A list like [label, { +!g }, context, { a; b }] describes a plan.
-    """
-    elements = list(parts)
-    if len(elements) == 4 and isinstance(elements[1], TriggerTerm | BodyTerm):
-        return _plan_of(elements)
-    space = NAMESPACE
-    if len(elements) == 4:
-        first = elements.pop(0)
-        space = first if isinstance(first, Literal) else NAMESPACE
-    functor = elements[0]
-    if isinstance(functor, str):
-        functor = Literal(functor)
-    if not isinstance(functor, Literal) or len(elements) > 3:
-        return None
-    lists = [*elements[1:], EMPTY, EMPTY][:2]
-    if not all(isinstance(part, Nil | Cons) for part in lists):
-        return None
-    args, annots = (tuple(part) for part in lists)  # type: ignore[arg-type]
-    made = Literal(functor.functor, args, sorted_annots(annots), negated=functor.negated)
-    return made if space == NAMESPACE else placed(made, space.functor)
-
-
-def _plan_of(elements: list[Term]) -> PlanTerm | None:
-    label, event, context, body = elements
-    trigger = event.as_trigger if isinstance(event, BodyTerm) else event
-    if not isinstance(label, Literal) or not isinstance(trigger, TriggerTerm):
-        return None
-    if isinstance(context, BodyTerm):
-        # A context in braces, { c }, is read as a body of one step.
-        step = context.body[0] if len(context.body) == 1 else None
-        context = TRUE
-        if isinstance(step, Act):
-            context = step.action
-        elif isinstance(step, Constraint):
-            context = step.relation
-    steps = body.body if isinstance(body, BodyTerm) else (Act(body),)  # type: ignore[arg-type]
-    name = None if label.functor == "nolabel" else label
-    sort = trigger.sort
-    return PlanTerm(
-        Plan(
-            label=name,
-            trigger=Trigger(sort[0], sort[1:], trigger.literal),
-            context=context,
-            body=steps,
-        )
-    )
 
 
 Condition: TypeAlias = "Callable[[Logic, Unifier], Unifier | None]"

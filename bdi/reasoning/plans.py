@@ -19,7 +19,8 @@ from ..language.body import (
     Update,
     While,
 )
-from ..language.program import Key, Plan, Rule, RuleTerm, made_once
+from ..language.program import Key, Plan, Rule, made_once
+from ..language.quoted import RuleTerm
 from ..language.substitution import Build, builder, sorted_annots
 from ..language.terms import FROM_SELF, TRUE, Literal, Qualified, Term, Var
 from ..language.unification import matcher
