@@ -26,8 +26,8 @@ from ..language.terms import (
     text,
 )
 from ..reasoning.beliefs import has_source, with_source
+from ..reasoning.contexts import condition
 from ..reasoning.execution import Call
-from ..reasoning.logic import condition
 from ..reasoning.plans import LoadedPlan
 from ..reasoning.state import add_plan as load_plan, add_program
 from .messages import nested_source, without_source

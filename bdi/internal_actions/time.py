@@ -23,10 +23,10 @@ from ..language.terms import (
 from ..language.unification import try_unify, unify
 from ..reasoning.beliefs import with_source
 from ..reasoning.circumstance import Timer
+from ..reasoning.contexts import condition as compiled
 from ..reasoning.execution import WAITING, Call
 from ..reasoning.failure import fail
 from ..reasoning.intentions import Event, Intention
-from ..reasoning.logic import condition as compiled
 from ..reasoning.plans import compile_body
 from ..reasoning.state import MILLISECOND, AgentState
 from .registry import STANDARD, a_number, a_trigger, wrong

@@ -18,10 +18,11 @@ from ..language.terms import ONLY_SELF, Literal, Relation, Term, Var, make_term,
 from ..language.unification import unified
 from .beliefs import with_source
 from .circumstance import Pending, PendingAction, Refused
+from .contexts import condition
 from .deliberation import move_on, set_deadline
 from .failure import end_fork, fail
 from .intentions import Event, Intention, IntentionFork, Means
-from .logic import Answer, condition
+from .logic import Answer
 from .plans import BodyStep, compile_body
 from .state import AgentState
 

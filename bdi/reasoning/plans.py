@@ -25,7 +25,7 @@ from ..language.substitution import Build, builder, sorted_annots
 from ..language.terms import FROM_SELF, TRUE, Literal, Qualified, Term, Var
 from ..language.unification import matcher
 from .beliefs import has_source, with_source
-from .logic import Condition, condition
+from .contexts import Condition, condition
 
 
 class BodyStep:

@@ -9,7 +9,8 @@ import pytest
 import bdi
 from bdi.language.substitution import Unifier, substitute
 from bdi.language.terms import Term
-from bdi.reasoning.logic import Logic, answers, condition
+from bdi.reasoning.contexts import answers, condition
+from bdi.reasoning.logic import Logic
 
 FORMULAS = (
     "p(X)",
