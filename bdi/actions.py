@@ -20,19 +20,10 @@ from .language.body import (
     While,
     steps_of,
 )
+from .language.operations import Arithmetic, Conjunction, Disjunction, Function, Negation, Relation
 from .language.program import Plan, Program, Rule, all_plans, made_once
 from .language.quoted import PlanTerm
-from .language.terms import (
-    Arithmetic,
-    Conjunction,
-    Cons,
-    Disjunction,
-    Function,
-    Literal,
-    Negation,
-    Relation,
-    Term,
-)
+from .language.terms import Cons, Literal, Term
 
 #: Takes a `Call` and the arguments; returns True, False, None, a unifier, or an iterator of them.
 InternalFunction: TypeAlias = Callable[..., Any]

@@ -8,6 +8,7 @@ from dataclasses import replace
 from ..actions import ActionError
 from ..errors import ProgramError
 from ..language.loading import find_included, parse_file, parse_plan
+from ..language.operations import Qualified
 from ..language.program import Plan, Rule
 from ..language.quoted import PlanTerm, RuleTerm
 from ..language.substitution import Unifier, distinct, rename, substitute, with_more_annots
@@ -17,7 +18,6 @@ from ..language.terms import (
     Cons,
     Literal,
     Nil,
-    Qualified,
     Term,
     Var,
     make_list,

@@ -6,8 +6,9 @@ from bisect import insort
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TypeAlias, TypeVar
 
+from ..language.operations import Quoted
 from ..language.substitution import Unifier, standard_order
-from ..language.terms import Cons, Literal, Nil, Quoted, Term, Var, make_list, text
+from ..language.terms import Cons, Literal, Nil, Term, Var, make_list, text
 from ..reasoning.execution import Call
 from .registry import STANDARD, wrong
 

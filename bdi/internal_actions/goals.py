@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ..actions import ActionError
 from ..language.body import Achieve, Act, Body, BodyFormula, BodyTerm, For, ForkJoin, If, While
+from ..language.operations import TriggerTerm
 from ..language.substitution import (
     Unifier,
     rename,
@@ -13,7 +14,7 @@ from ..language.substitution import (
     substitute_literal,
     with_more_annots,
 )
-from ..language.terms import Literal, Term, TriggerTerm, Var, make_list, plain_text, text
+from ..language.terms import Literal, Term, Var, make_list, plain_text, text
 from ..language.unification import try_unify, unified
 from ..reasoning.circumstance import Circumstance
 from ..reasoning.deliberation import Finish

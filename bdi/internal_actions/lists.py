@@ -7,20 +7,22 @@ from itertools import count
 
 from ..actions import ActionError
 from ..language.body import BodyTerm
+from ..language.operations import (
+    Conjunction,
+    Disjunction,
+    Negation,
+    Operation,
+    Relation,
+    TriggerTerm,
+)
 from ..language.quoted import PlanTerm, RuleTerm
 from ..language.substitution import Unifier, compare, distinct, standard_order
 from ..language.terms import (
     EMPTY,
-    Conjunction,
     Cons,
-    Disjunction,
     Literal,
-    Negation,
     Nil,
-    Operation,
-    Relation,
     Term,
-    TriggerTerm,
     Var,
     is_ground,
     make_list,

@@ -6,7 +6,8 @@ from ..actions import ActionError, InternalActions
 from ..errors import ProgramError
 from ..language.body import BodyTerm
 from ..language.loading import parse_trigger
-from ..language.terms import Cons, Literal, Nil, Term, TriggerTerm, Var, text
+from ..language.operations import TriggerTerm
+from ..language.terms import Cons, Literal, Nil, Term, Var, text
 
 STANDARD = InternalActions()
 

@@ -7,19 +7,9 @@ from datetime import datetime, timedelta
 
 from ..actions import ActionError, error_annots
 from ..language.body import Act
+from ..language.operations import Conjunction, Disjunction, Negation, Relation, TriggerTerm
 from ..language.substitution import rename
-from ..language.terms import (
-    TRUE,
-    Conjunction,
-    Disjunction,
-    Literal,
-    Negation,
-    Relation,
-    Term,
-    TriggerTerm,
-    Var,
-    text,
-)
+from ..language.terms import TRUE, Literal, Term, Var, text
 from ..language.unification import try_unify, unify
 from ..reasoning.beliefs import with_source
 from ..reasoning.circumstance import Timer

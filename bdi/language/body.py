@@ -12,18 +12,8 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from ..errors import ProgramProblem
-from .terms import (
-    Literal,
-    Qualified,
-    Quoted,
-    Relation,
-    Term,
-    TriggerTerm,
-    Var,
-    parts,
-    rebuilt,
-    text,
-)
+from .operations import Qualified, Quoted, Relation, TriggerTerm, parts, rebuilt
+from .terms import Literal, Term, Var, text
 
 
 def transformed(part: Any, change: Callable[[Any], Any]) -> Any:

@@ -25,6 +25,16 @@ from .body import (
     While,
 )
 from .namespaces import THIS
+from .operations import (
+    Arithmetic,
+    Conjunction,
+    Disjunction,
+    Function,
+    Negation,
+    Qualified,
+    Relation,
+    TriggerTerm,
+)
 from .program import Belief, Directive, Goal, Plan, Rule, Trigger
 from .quoted import PlanTerm, RuleTerm, plan_change
 from .substitution import is_function, sorted_annots
@@ -34,19 +44,11 @@ from .terms import (
     FALSE,
     TRUE,
     AnnotatedVar,
-    Arithmetic,
-    Conjunction,
-    Disjunction,
-    Function,
     List,
     Literal,
-    Negation,
     Nil,
-    Qualified,
-    Relation,
     RestVar,
     Term,
-    TriggerTerm,
     Var,
     atom,
     make_list,

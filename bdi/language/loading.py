@@ -21,8 +21,9 @@ from weakref import WeakValueDictionary
 from ..errors import ProgramError, ProgramProblem
 from .body import BodyFormula, Place, Test, Update
 from .namespaces import NO_NAMESPACE, THIS, Namespace
+from .operations import Conjunction, Negation, TriggerTerm
 from .program import Belief, Clause, Directive, Goal, Plan, Program, Rule
-from .terms import TRUE, Conjunction, Literal, Negation, Term, TriggerTerm, text
+from .terms import TRUE, Literal, Term, text
 from .unification import unified
 
 

@@ -26,19 +26,9 @@ from .body import (
     While,
     transformed,
 )
+from .operations import Conjunction, Disjunction, Negation, Qualified, Relation, rebuilt
 from .program import Belief, Clause, Goal, Plan, Rule
-from .terms import (
-    DEFAULT,
-    Conjunction,
-    Disjunction,
-    Literal,
-    Negation,
-    Qualified,
-    Relation,
-    Term,
-    Var,
-    rebuilt,
-)
+from .terms import DEFAULT, Literal, Term, Var
 
 THIS = "this_ns"
 """Name of the namespace of the file in which it is written."""

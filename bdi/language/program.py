@@ -12,21 +12,9 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 from .body import NOWHERE, Body, BodyTerm, Place, all_parts, body_text, transformed
+from .operations import Conjunction, Disjunction, Function, Negation, Qualified, TriggerTerm
 from .substitution import RUN_FUNCTIONS, is_function
-from .terms import (
-    TRUE,
-    Conjunction,
-    Disjunction,
-    Function,
-    Literal,
-    Negation,
-    Qualified,
-    Term,
-    TriggerTerm,
-    Var,
-    is_ground,
-    text,
-)
+from .terms import TRUE, Literal, Term, Var, is_ground, text
 
 
 @dataclass(frozen=True)

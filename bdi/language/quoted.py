@@ -8,21 +8,10 @@ from functools import cached_property
 from typing import Any
 
 from .body import Act, BodyTerm, Constraint, has_variables, transformed
+from .operations import Quoted, TriggerTerm
 from .program import Plan, Rule, Trigger
 from .substitution import sorted_annots, with_more_annots
-from .terms import (
-    DEFAULT,
-    EMPTY,
-    TRUE,
-    Cons,
-    Literal,
-    Nil,
-    Quoted,
-    Term,
-    TriggerTerm,
-    make_list,
-    placed,
-)
+from .terms import DEFAULT, EMPTY, TRUE, Cons, Literal, Nil, Term, make_list, placed
 
 
 @dataclass(frozen=True)

@@ -20,28 +20,30 @@ from itertools import count
 from types import MappingProxyType
 from typing import TypeAlias, overload
 
-from .terms import (
-    DEFAULT,
-    ONLY_SELF,
-    AnnotatedVar,
+from .operations import (
     Arithmetic,
-    Cons,
     Function,
-    Literal,
-    Nil,
     Operation,
     Qualified,
     Quoted,
     Relation,
+    TriggerTerm,
+    parts,
+    rebuilt,
+)
+from .terms import (
+    DEFAULT,
+    ONLY_SELF,
+    AnnotatedVar,
+    Cons,
+    Literal,
+    Nil,
     RestVar,
     Term,
-    TriggerTerm,
     Var,
     is_ground,
     make_list,
-    parts,
     placed,
-    rebuilt,
     text,
 )
 

@@ -11,8 +11,7 @@ parts counted as often as they occur, and its `depth`, and a term over either li
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
 from decimal import Decimal
 from functools import lru_cache, partial
 from numbers import Real
@@ -60,7 +59,7 @@ class AnnotatedVar(Var):
     def __init__(self, name: str, annots: tuple[Term, ...]) -> None:
         super().__init__(name)
         self.annots = annots
-        self.size, self.depth = _measure(annots)
+        self.size, self.depth = measure(annots)
 
     def __str__(self) -> str:
         return super().__str__() + _annots_text(self.annots)
@@ -371,218 +370,28 @@ class Cons:
         return hash(tuple(self))
 
 
-# ---- expressions and formulas
-
-
-class Operation:
-    """Base of expressions and formulas: a symbol that is applied to operands."""
-
-    __slots__ = ("depth", "ground", "operands", "size", "symbol")
-
-    def __init__(self, symbol: str, *operands: Term) -> None:
-        self.symbol = symbol
-        self.operands = operands
-        self.ground = all(map(is_ground, operands))
-        self.size, self.depth = _measure(operands)
-
-    def with_operands(self, operands: tuple[Term, ...]) -> Operation:
-        """Return the operation on other operands."""
-        other = object.__new__(type(self))
-        Operation.__init__(other, self.symbol, *operands)
-        return other
-
-    def __str__(self) -> str:
-        left, right = self.operands
-        return f"({text(left)} {self.symbol} {text(right)})"
-
-    def __repr__(self) -> str:
-        return f"<{self}>"
-
-    def __eq__(self, other: object) -> bool:
-        return (
-            isinstance(other, Operation)
-            and self.symbol == other.symbol
-            and self.operands == other.operands
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.symbol, self.operands))
-
-
-class Relation(Operation):
-    """Comparison (`<`, `==`, …), unification (`=`) or decomposition (`=..`)."""
+class Compound:
+    """Base of all other terms: operations, and parts of programs that are terms."""
 
     __slots__ = ()
-
-
-class Conjunction(Operation):
-    """Conjunction."""
-
-    __slots__ = ()
-
-    def __init__(self, left: Term, right: Term) -> None:
-        super().__init__("&", left, right)
-
-
-class Disjunction(Operation):
-    """Disjunction."""
-
-    __slots__ = ()
-
-    def __init__(self, left: Term, right: Term) -> None:
-        super().__init__("|", left, right)
-
-
-class Negation(Operation):
-    """Negation as failure."""
-
-    __slots__ = ()
-
-    def __init__(self, formula: Term) -> None:
-        super().__init__("not", formula)
-
-    def __str__(self) -> str:
-        return f"not ({text(self.operands[0])})"
-
-
-class Arithmetic(Operation):
-    """Arithmetic operation, `N-1`. Not ground: substitution replaces it by its value."""
-
-    __slots__ = ()
-
-    def __init__(self, symbol: str, left: Term, right: Term) -> None:
-        super().__init__(symbol, left, right)
-        self.ground = False
-
-    def with_operands(self, operands: tuple[Term, ...]) -> Arithmetic:
-        """Return the operation on other operands."""
-        return Arithmetic(self.symbol, *operands)
-
-    def __str__(self) -> str:
-        left, right = map(text, self.operands)
-        spaced = f" {self.symbol} " if self.symbol.isalpha() else self.symbol
-        return f"({left}{spaced}{right})"
-
-
-class Function(Operation):
-    """Call of an arithmetic function, `math.abs(X)`, or a sign, `-X`. Not ground.
-
-    `calculate` is set for a function that belongs to the run, as `math.random`.
-    """
-
-    __slots__ = ("calculate",)
-
-    def __init__(
-        self, name: str, args: tuple[Term, ...], calculate: Callable[..., float] | None = None
-    ) -> None:
-        super().__init__(name, *args)
-        self.ground = False
-        self.calculate = calculate
-
-    @property
-    def counts(self) -> bool:
-        """True for `.count(Formula)`, whose argument is a query and not a value."""
-        return self.symbol == ".count"
-
-    def with_operands(self, operands: tuple[Term, ...]) -> Function:
-        """Return the function called with other arguments."""
-        return Function(self.symbol, operands, self.calculate)
-
-    def __str__(self) -> str:
-        args = ",".join(map(text, self.operands))
-        if self.symbol in ("+", "-"):
-            return f"({self.symbol}{args})"
-        return f"{self.symbol}({args})" if args else self.symbol
-
-
-class Qualified(Operation):
-    """Literal or variable whose namespace or negation is open: `NS::b(X)`, `ns::X`, `~X`.
-
-    Not ground: substitution makes a literal of it when both parts are known.
-    """
-
-    __slots__ = ("negated",)
-
-    def __init__(self, namespace: Term, inner: Term, negated: bool = False) -> None:
-        super().__init__("::", namespace, inner)
-        self.negated = negated
-        self.ground = False
-
-    def with_operands(self, operands: tuple[Term, ...]) -> Qualified:
-        """Return the same with another namespace and another literal or variable."""
-        return Qualified(operands[0], operands[1], self.negated)
-
-    def __str__(self) -> str:
-        namespace, inner = self.operands
-        prefix = "" if namespace == DEFAULT else f"{namespace}::"
-        return f"{prefix}{'~' if self.negated else ''}{inner}"
-
-    def __eq__(self, other: object) -> bool:
-        return (
-            isinstance(other, Qualified)
-            and self.negated == other.negated
-            and self.operands == other.operands
-        )
-
-    def __hash__(self) -> int:
-        return hash((self.symbol, self.operands))
-
-
-# ---- parts of a program as terms
-
-
-@dataclass(frozen=True)
-class TriggerTerm:
-    """Event as an argument, `{+!g(X)}`; `sort` is its `+!`.
-
-    `bare` is True for one taken out of a plan, which is printed without braces.
-    """
-
-    sort: str
-    literal: Literal | Var | Qualified
-    bare: bool = field(default=False, compare=False)
 
     @property
     def ground(self) -> bool:
         """True if substitution leaves it unchanged."""
-        return is_ground(self.literal)
+        raise NotImplementedError
 
     @property
     def size(self) -> int:
         """Number of its parts."""
-        return self.literal.size
+        raise NotImplementedError
 
     @property
     def depth(self) -> int:
         """Number of terms nested in each other."""
-        return self.literal.depth
-
-    def __str__(self) -> str:
-        event = f"{self.sort}{self.literal}"
-        return event if self.bare else f"{{ {event} }}"
+        raise NotImplementedError
 
 
-class Quoted:
-    """Base of plans, rules and bodies that are arguments (`body.py`, `program.py`)."""
-
-    size = 1
-    depth = 1
-
-    @property
-    def ground(self) -> bool:
-        """True if there are no variables in it."""
-        return True
-
-    def changed(self, change: Callable[[Any], Any]) -> Quoted:
-        """Return it with everything inside replaced for which `change` returns not None."""
-        return self
-
-    def annotated(self, annots: tuple[Term, ...]) -> Quoted:
-        """Return it with these annotations beside those it has, if it may have any."""
-        return self
-
-
-Term: TypeAlias = float | str | Literal | Var | Nil | Cons | Operation | TriggerTerm | Quoted
+Term: TypeAlias = float | str | Literal | Var | Nil | Cons | Compound
 """Everything that can stand in a literal or a context; numbers and strings are Python's own."""
 List: TypeAlias = Nil | Cons
 
@@ -597,7 +406,7 @@ def is_ground(term: Term) -> bool:
     return isinstance(term, _PLAIN) or term.ground
 
 
-def _measure(terms: tuple[Term, ...]) -> tuple[int, int]:
+def measure(terms: tuple[Term, ...]) -> tuple[int, int]:
     """Return size and depth of a term with these parts; refuse one over the limits."""
     size, depth = 1, 0
     for term in terms:
@@ -615,55 +424,6 @@ def _refuse(size: int) -> NoReturn:
     if size > MAX_SIZE:
         raise TooDeepError(f"a term of more than {MAX_SIZE:,} parts")
     raise TooDeepError(f"terms within terms, more than {MAX_DEPTH} deep")
-
-
-def parts(term: Term) -> tuple[Term, ...]:
-    """Return the terms that stand directly inside a term; the variables of a quoted one."""
-    if isinstance(term, Literal):
-        return (*term.args, *term.annots)
-    if isinstance(term, Cons):
-        rest = term.open_tail
-        return tuple(term) if rest is None else (*term, rest)
-    if isinstance(term, Operation):
-        return term.operands
-    if isinstance(term, TriggerTerm):
-        return (term.literal,)
-    if isinstance(term, Quoted):
-        return tuple(_variables_in(term))
-    return term.annots if isinstance(term, AnnotatedVar) else ()
-
-
-def _variables_in(quoted: Quoted) -> list[Var]:
-    found: dict[Var, None] = {}
-
-    def look(part: Any) -> None:
-        if isinstance(part, Var):
-            found[part] = None
-
-    quoted.changed(look)
-    return list(found)
-
-
-def rebuilt(term: Term, change: Callable[[Term], Term]) -> Term:
-    """Return the term with `change` applied to each of its `parts`."""
-    if isinstance(term, Literal):
-        args, annots = tuple(map(change, term.args)), tuple(map(change, term.annots))
-        return Literal(term.functor, args, annots, negated=term.negated)
-    if isinstance(term, Cons):
-        elements, rest = list(map(change, term)), term.open_tail
-        return make_list(elements, EMPTY if rest is None else change(rest))
-    if isinstance(term, Operation):
-        return term.with_operands(tuple(map(change, term.operands)))
-    if isinstance(term, AnnotatedVar):
-        return AnnotatedVar(term.name, tuple(map(change, term.annots)))
-    if isinstance(term, TriggerTerm):
-        literal = change(term.literal)
-        if isinstance(literal, Literal | Var | Qualified):
-            return TriggerTerm(term.sort, literal, term.bare)
-        return term
-    if isinstance(term, Quoted):
-        return term.changed(lambda part: change(part) if isinstance(part, Var) else None)
-    return term
 
 
 # ---- namespaces

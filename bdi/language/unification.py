@@ -14,21 +14,16 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from .body import Achieve, Act, BodyFormula, BodyTerm, Constraint, Test, Update
+from .operations import Arithmetic, Function, Operation, Qualified, Quoted, TriggerTerm
 from .quoted import PlanTerm, RuleTerm
 from .substitution import Unifier, substitute, walk
 from .terms import (
     DEFAULT,
     AnnotatedVar,
-    Arithmetic,
     Cons,
-    Function,
     Literal,
-    Operation,
-    Qualified,
-    Quoted,
     RestVar,
     Term,
-    TriggerTerm,
     Var,
     is_placed,
     make_list,

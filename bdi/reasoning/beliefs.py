@@ -13,6 +13,7 @@ from operator import itemgetter
 from types import MappingProxyType
 from typing import TypeAlias
 
+from ..language.operations import Qualified
 from ..language.program import Key, Rule, are_apart
 from ..language.substitution import Unifier, substitute, substitute_literal, with_more_annots
 from ..language.terms import (
@@ -21,7 +22,6 @@ from ..language.terms import (
     ONLY_PERCEPT,
     ONLY_SELF,
     Literal,
-    Qualified,
     Term,
     Var,
     is_ground,

@@ -9,20 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeAlias
 
+from ..language.operations import Conjunction, Disjunction, Negation, Relation
 from ..language.program import Rule, made_once
 from ..language.substitution import Unifier, builder, rename, value_of
-from ..language.terms import (
-    TRUE,
-    Conjunction,
-    Disjunction,
-    Literal,
-    Negation,
-    Relation,
-    Term,
-    Var,
-    is_ground,
-    is_placed,
-)
+from ..language.terms import TRUE, Literal, Term, Var, is_ground, is_placed
 from ..language.unification import belief_matcher, matched, unified, unify
 from .beliefs import KeptAnswers, Question, Shelf, Values
 from .logic import COMPARISONS, Logic, relate

@@ -12,9 +12,10 @@ from typing import TypeAlias
 
 from ..actions import ActionError, error_annots
 from ..language.body import BodyTerm
+from ..language.operations import Relation
 from ..language.quoted import PlanTerm, RuleTerm, plan_change
 from ..language.substitution import Unifier, rename, substitute, variable_names
-from ..language.terms import ONLY_SELF, Literal, Relation, Term, Var, make_term, text
+from ..language.terms import ONLY_SELF, Literal, Term, Var, make_term, text
 from ..language.unification import unified
 from .beliefs import with_source
 from .circumstance import Pending, PendingAction, Refused

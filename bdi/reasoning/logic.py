@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from ..errors import TooDeepError
+from ..language.operations import Conjunction, Disjunction, Negation, Qualified, Relation
 from ..language.program import Rule
 from ..language.quoted import decomposed
 from ..language.substitution import (
@@ -28,12 +29,7 @@ from ..language.substitution import (
 )
 from ..language.terms import (
     TRUE,
-    Conjunction,
-    Disjunction,
     Literal,
-    Negation,
-    Qualified,
-    Relation,
     RestVar,
     Term,
     Var,

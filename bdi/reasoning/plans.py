@@ -19,10 +19,11 @@ from ..language.body import (
     Update,
     While,
 )
+from ..language.operations import Qualified
 from ..language.program import Key, Plan, Rule, made_once
 from ..language.quoted import RuleTerm
 from ..language.substitution import Build, builder, sorted_annots
-from ..language.terms import FROM_SELF, TRUE, Literal, Qualified, Term, Var
+from ..language.terms import FROM_SELF, TRUE, Literal, Term, Var
 from ..language.unification import matcher
 from .beliefs import has_source, with_source
 from .contexts import Condition, condition
