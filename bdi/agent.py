@@ -79,7 +79,7 @@ class ReasoningCycle:
                 self._run_until(clock)
             state.clock, state.now = clock, time
             if percepts.coming:
-                percepts.take()
+                percepts.apply()
             self._run_instant()
         except RecursionError:
             raise EndlessProgramError([self.problem("a term is nested too deeply")]) from None
@@ -198,7 +198,7 @@ class ReasoningCycle:
     def _sense(self) -> None:
         state = self._state
         if state.alarms.heap:
-            state.alarms.ring(state.clock)
+            state.alarms.run_due(state.clock)
         if state.percepts.changed:
             for sort, literal in state.percepts.update(state.beliefs):
                 if state.is_observed:
@@ -414,7 +414,7 @@ class Agent:
             ProgramError: the text is not one literal.
         """
         literal = percept if percept.__class__ is Literal else _as_literal(percept)
-        self._state.percepts.notice((True, literal))
+        self._state.percepts.queue((True, literal))
 
     def remove_percept(self, percept: str | Literal) -> None:
         """Remove a percept from the time of the next `advance` on, or at once as `add_percept`.
@@ -426,7 +426,7 @@ class Agent:
             ProgramError: the text is not one literal.
         """
         literal = percept if percept.__class__ is Literal else _as_literal(percept)
-        self._state.percepts.notice((False, literal))
+        self._state.percepts.queue((False, literal))
 
     @property
     def pending_actions(self) -> dict[int, Literal]:

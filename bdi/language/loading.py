@@ -277,14 +277,14 @@ _HANDED_OVER = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
 _TOO_LONG = f"is longer than {MAX_TEXT:,} characters, the most that is read"
 
 
-PARTS = ("group.asl", "patrol.asl")
+INCLUDED_ONLY = ("group.asl", "patrol.asl")
 """Programs that are parts of others, and no personalities."""
 
 
 def programs() -> dict[str, Path]:
     """Return the built-in personalities: their names and files."""
     found = _built_in().items()
-    return {name.removesuffix(".asl"): path for name, path in found if name not in PARTS}
+    return {name.removesuffix(".asl"): path for name, path in found if name not in INCLUDED_ONLY}
 
 
 @cache

@@ -46,7 +46,7 @@ Key: TypeAlias = tuple[str, int, bool]
 """Functor, arity and negation of a literal."""
 
 
-LASTING = frozenset({".findall", ".length", ".nth", ".member"})
+CACHEABLE = frozenset({".findall", ".length", ".nth", ".member"})
 """Internal actions of which the answers follow from their arguments, and from what they ask."""
 
 
@@ -120,18 +120,18 @@ class Rule(Clause):
         return names if len(set(names)) == len(self.head.args) else None
 
     @cached_property
-    def asks(self) -> frozenset[Key]:
+    def queried_keys(self) -> frozenset[Key]:
         """Keys of the literals that its body asks, and `.findall` in it."""
         return frozenset(part.key for part in self._formulas if isinstance(part, Literal))
 
     @cached_property
-    def lasts(self) -> bool:
+    def is_cacheable(self) -> bool:
         """True if it says the same until the answers change to what it asks.
 
-        So it calls nothing but `LASTING` actions, and no formula is a variable.
+        So it calls nothing but `CACHEABLE` actions, and no formula is a variable.
         """
         is_open = any(isinstance(part, Var | Qualified) for part in self._formulas)
-        return self.functions <= LASTING and not is_open
+        return self.functions <= CACHEABLE and not is_open
 
     @property
     def _formulas(self) -> list[Term]:

@@ -35,14 +35,14 @@ Values: TypeAlias = tuple[Term, ...]
 """Values of the variables of a query, in one of its answers."""
 
 
-class KeptAnswers:
+class CachedAnswers:
     """Answers of a `source` to one question, found out as far as anybody has asked for them.
 
     `failures` is asked how many internal actions have failed.
     """
 
     def __init__(self, source: Iterator[Values], failures: Callable[[], int]) -> None:
-        self.lasts = True
+        self.is_cacheable = True
         """False once it turns out that they have to be found out anew the next time."""
         self._source = source
         self._failures = failures
@@ -56,13 +56,13 @@ class KeptAnswers:
 
     def _find_another(self) -> bool:
         """Find the next answer; return whether there is one."""
-        before, lasts, self.lasts = self._failures(), self.lasts, False
-        values = next(self._source, None)  # if this raises, they do not last
+        before, is_cacheable, self.is_cacheable = self._failures(), self.is_cacheable, False
+        values = next(self._source, None)  # if this raises, they are not cacheable
         # A failure is reported each time, and variables are other ones each time.
-        self.lasts = lasts and self._failures() == before
+        self.is_cacheable = is_cacheable and self._failures() == before
         if values is None:
             return False
-        self.lasts = self.lasts and all(map(is_ground, values))
+        self.is_cacheable = self.is_cacheable and all(map(is_ground, values))
         self._found.append(values)
         return True
 
@@ -73,7 +73,7 @@ _Entry = tuple[int, "Literal | Rule"]
 _by_rank = itemgetter(0)
 
 
-class Shelf:
+class ClauseIndex:
     """The beliefs and rules of one functor and arity.
 
     Many are also indexed by their first argument, as clauses are in Prolog. Those whose first
@@ -81,8 +81,8 @@ class Shelf:
     queries with one first argument is kept until something changes.
     """
 
-    keeps_answers = True
-    """False of a shelf of which each query may get other answers."""
+    is_cacheable = True
+    """False for an index in which each query may find other answers."""
 
     _MANY = 2
     _MOST_COLLECTED = 16
@@ -98,10 +98,10 @@ class Shelf:
         self._known: dict[Term, tuple[Literal | Rule, ...]] = {}
         self.collected: dict[tuple[str, ...], tuple[Term, int]] = {}
         """Lists of all answers to a query of these names, with the goals they took, as they are."""
-        self.answers: dict[Question, KeptAnswers] | None = None
-        """Answers of the rules to queries with these values, where they last; None: not kept."""
-        self.readers: tuple[Shelf, ...] = ()
-        """Shelves with rules of which the answers follow from what is here."""
+        self.answers: dict[Question, CachedAnswers] | None = None
+        """Cached answers of the rules by the values of the query; None if they cannot be cached."""
+        self.readers: tuple[ClauseIndex, ...] = ()
+        """Indexes with rules whose answers depend on the clauses here."""
 
     def collect(self, names: tuple[str, ...], answers: Term, goals: int) -> tuple[Term, int]:
         """Keep all answers to a query of these names until something changes."""
@@ -110,18 +110,18 @@ class Shelf:
         self.collected[names] = answers, goals
         return self.collected[names]
 
-    def keep_answers(self, basis: Iterable[Shelf]) -> None:
-        """Keep the answers of the rules until something on the shelves of their `basis` changes."""
+    def cache_answers(self, dependencies: Iterable[ClauseIndex]) -> None:
+        """Cache the answers of the rules until something in one of these indexes changes."""
         self.answers = {}
-        for shelf in basis:
-            shelf.readers += (self,)
+        for index in dependencies:
+            index.readers += (self,)
 
     def _changed(self) -> None:
         """Forget what followed from what was here."""
         self._ordered = None
         self.collected.clear()
-        for shelf in self.readers:
-            shelf.answers = {}
+        for index in self.readers:
+            index.answers = {}
 
     def __len__(self) -> int:
         return len(self._entries)
@@ -239,15 +239,15 @@ class Shelf:
         return known
 
     # What may answer a query, and all that can, in order. Aliases, not methods that call the
-    # others: most shelves have nothing live, and every query comes here.
+    # others: most indexes have nothing live, and every query comes here.
     candidates = kept
     everything = all
 
 
-class LiveShelf(Shelf):
-    """Shelf whose `source` is asked by each query; its answers come before what is kept."""
+class LiveClauseIndex(ClauseIndex):
+    """Clause index whose `source` each query calls. Its answers come before what is kept."""
 
-    keeps_answers = False
+    is_cacheable = False
 
     def __init__(
         self, functor: str, arity: int, source: Callable[[], Iterable[tuple[Term, ...]]]
@@ -286,30 +286,30 @@ MOST_LAYERS = 12
 
 
 @dataclass(frozen=True)
-class Basis:
-    """Functors, arities and negations of what rules go back to; True if their answers last."""
+class Dependencies:
+    """Keys of all that rules query, directly or through others; True if answers can be cached."""
 
     keys: frozenset[Key]
-    lasts: bool
+    is_cacheable: bool
 
 
-def basis_of(shelves: Mapping[Key, Shelf], key: Key) -> Basis | None:
+def dependencies_of(clauses: Mapping[Key, ClauseIndex], key: Key) -> Dependencies | None:
     """Return what the rules of that key go back to; None where they are not plain throughout.
 
     Plain ones have values and variables for arguments, and ask each other no more than
     `MOST_LAYERS` times over, so that none goes back to itself.
     """
-    found, lasts, asked = {key}, True, {key}
+    found, is_cacheable, asked = {key}, True, {key}
     for _ in range(MOST_LAYERS):
-        there = [shelves[one] for one in asked if one in shelves]
-        rules = [one for shelf in there for one in shelf.all() if isinstance(one, Rule)]
+        there = [clauses[one] for one in asked if one in clauses]
+        rules = [one for index in there for one in index.all() if isinstance(one, Rule)]
         if not all(are_apart(rule.head.args) for rule in rules):
             return None
-        lasts = lasts and all(shelf.keeps_answers for shelf in there)
-        lasts = lasts and all(rule.lasts for rule in rules)
-        asked = {one for rule in rules for one in rule.asks}
+        is_cacheable = is_cacheable and all(index.is_cacheable for index in there)
+        is_cacheable = is_cacheable and all(rule.is_cacheable for rule in rules)
+        asked = {one for rule in rules for one in rule.queried_keys}
         if not asked:
-            return Basis(frozenset(found), lasts)
+            return Dependencies(frozenset(found), is_cacheable)
         found |= asked
     # Rules that go back to themselves are never through with asking, and end here as well.
     return None
@@ -341,38 +341,38 @@ class BeliefBase:
     """Beliefs and rules; `live` beliefs answer queries, and are not counted among the others.
 
     Attributes:
-        shelves: what it holds, by functor, arity and negation.
+        clauses: what it holds, by functor, arity and negation.
         lost_percepts: by their identity, the beliefs that the program has taken the source
             `percept` off since the base was last updated from percepts.
     """
 
     def __init__(self, live: LiveBeliefs = MappingProxyType({})) -> None:
-        self.shelves: dict[Key, Shelf] = {
-            (functor, arity, False): LiveShelf(functor, arity, source)
+        self.clauses: dict[Key, ClauseIndex] = {
+            (functor, arity, False): LiveClauseIndex(functor, arity, source)
             for (functor, arity), source in live.items()
         }
         self.lost_percepts: dict[object, Literal] = {}
-        self._bases: dict[Key, Basis | None] = {}
-        self._read: list[Shelf] = []
+        self._dependencies: dict[Key, Dependencies | None] = {}
+        self._read: list[ClauseIndex] = []
 
     def __iter__(self) -> Iterator[Literal]:
         """Iterate over the beliefs, without the rules."""
-        for shelf in self.shelves.values():
-            for clause in shelf.all():
+        for index in self.clauses.values():
+            for clause in index.all():
                 if isinstance(clause, Literal):
                     yield clause
 
     def __len__(self) -> int:
-        return sum(len(shelf) - shelf.rules for shelf in self.shelves.values())
+        return sum(len(index) - index.rules for index in self.clauses.values())
 
     def all_clauses(self) -> tuple[Literal | Rule, ...]:
         """Return all that may answer a query for anything."""
-        return tuple(c for shelf in self.shelves.values() for c in shelf.everything())
+        return tuple(c for index in self.clauses.values() for c in index.everything())
 
     def find(self, literal: Literal) -> Literal | None:
         """Return the belief that equals a literal, annotations aside."""
-        shelf = self.shelves.get(literal.key)
-        return None if shelf is None else shelf.find(literal.args)
+        index = self.clauses.get(literal.key)
+        return None if index is None else index.find(literal.args)
 
     def add_rule(self, rule: Rule, *, at_end: bool = False) -> None:
         """Add a rule before the clauses of its functor and arity, or after them."""
@@ -381,69 +381,72 @@ class BeliefBase:
 
     def remove_rule(self, rule: Rule) -> None:
         """Remove the first rule that is the same and has the annotations, if there is one."""
-        shelf = self.shelves.get(rule.head.key)
-        if shelf is None:
+        index = self.clauses.get(rule.head.key)
+        if index is None:
             return
-        for known in shelf.all():
+        for known in index.all():
             if (
                 isinstance(known, Rule)
                 and known.is_same(rule)
                 and _among(rule.head.annots, known.head.annots)
             ):
-                shelf.remove_rule(known)
+                index.remove_rule(known)
                 self._find_out_anew()
                 return
 
     def has_plain_rules(self, key: Key) -> bool:
-        """Return whether the rules of that key are plain, and those that they ask (`basis_of`)."""
-        if key not in self._bases:
-            basis = self._bases[key] = basis_of(self.shelves, key)
-            if basis is not None and basis.lasts:
-                read = [self.shelves[one] for one in basis.keys if one in self.shelves]
-                self.shelves[key].keep_answers(read)
+        """Return whether the rules of that key and those that they query are plain.
+
+        See `dependencies_of`.
+        """
+        if key not in self._dependencies:
+            dependencies = self._dependencies[key] = dependencies_of(self.clauses, key)
+            if dependencies is not None and dependencies.is_cacheable:
+                read = [self.clauses[one] for one in dependencies.keys if one in self.clauses]
+                self.clauses[key].cache_answers(read)
                 self._read += read
-        return self._bases[key] is not None
+        return self._dependencies[key] is not None
 
     def _find_out_anew(self) -> None:
-        """Forget what rules go back to: there is another shelf, or another rule."""
-        if not self._bases:
+        """Forget what rules go back to: there is another index, or another rule."""
+        if not self._dependencies:
             return
-        self._bases.clear()
-        for shelf in self._read:
-            shelf.answers, shelf.readers = None, ()
+        self._dependencies.clear()
+        for index in self._read:
+            index.answers, index.readers = None, ()
         self._read.clear()
 
-    def _shelf(self, key: Key) -> Shelf:
-        """Return the shelf of a key, a new one if there is none yet."""
-        shelf = self.shelves.get(key)
-        if shelf is None:
-            shelf = self.shelves[key] = Shelf()
+    def _shelf(self, key: Key) -> ClauseIndex:
+        """Return the index of a key, a new one if there is none yet."""
+        index = self.clauses.get(key)
+        if index is None:
+            index = self.clauses[key] = ClauseIndex()
             self._find_out_anew()
-        return shelf
+        return index
 
     def rules(self) -> list[Rule]:
         """Return the rules."""
-        shelves = self.shelves.values()
-        return [clause for shelf in shelves for clause in shelf.all() if isinstance(clause, Rule)]
+        clauses = self.clauses.values()
+        return [clause for index in clauses for clause in index.all() if isinstance(clause, Rule)]
 
     def add(self, literal: Literal, *, at_end: bool = False) -> Literal | None:
         """Add a belief, or annotations to one. Return what is new of it, or None."""
-        shelf = self._shelf(literal.key)
-        known = shelf.find(literal.args)
+        index = self._shelf(literal.key)
+        known = index.find(literal.args)
         if known is None:
-            shelf.add(literal, at_end=at_end)
+            index.add(literal, at_end=at_end)
             return literal
         # Only what is new makes an event, and the event has nothing else.
         added = tuple(annot for annot in literal.annots if annot not in known.annots)
         if not added:
             return None
-        shelf.replace(with_more_annots(known, *added))
+        index.replace(with_more_annots(known, *added))
         return literal.with_annots(added)
 
     def perceive(self, percept: Literal) -> Literal | None:
         """Believe a percept. Return what is new, as `add`; None if it is believed as one."""
-        shelf = self._shelf(percept.key)
-        known = shelf.find(percept.args)
+        index = self._shelf(percept.key)
+        known = index.find(percept.args)
         if known is not None and FROM_PERCEPT in known.annots:
             return None
         if percept.annots:
@@ -452,20 +455,20 @@ class BeliefBase:
             belief = percept.with_annots(ONLY_PERCEPT)
         if known is not None:
             return self.add(belief)
-        shelf.add(belief)
+        index.add(belief)
         return belief
 
     def forget_percept(self, percept: Literal) -> Literal | None:
         """Stop believing a percept, unless it has other sources. Return as `remove`."""
-        shelf = self.shelves.get(percept.key)
-        known = None if shelf is None else shelf.find(percept.args)
-        if shelf is None or known is None or FROM_PERCEPT not in known.annots:
+        index = self.clauses.get(percept.key)
+        known = None if index is None else index.find(percept.args)
+        if index is None or known is None or FROM_PERCEPT not in known.annots:
             return None
         if known.annots is ONLY_PERCEPT:
-            shelf.remove(known.args)
+            index.remove(known.args)
             return known
         removed = percept.with_annots(ONLY_PERCEPT)
-        self._strip(shelf, known, ONLY_PERCEPT)
+        self._strip(index, known, ONLY_PERCEPT)
         del self.lost_percepts[known.identity]  # nothing that the program has done
         return removed
 
@@ -475,18 +478,18 @@ class BeliefBase:
         A literal with variables that is not believed as it stands removes the first belief with
         which it unifies, and binds them in `u`. Return the literal removed, or None.
         """
-        shelf = self.shelves.get(literal.key)
-        if shelf is None:
+        index = self.clauses.get(literal.key)
+        if index is None:
             return None
-        known = shelf.find(literal.args)
+        known = index.find(literal.args)
         if known is not None and _among(literal.annots, known.annots):
             if not literal.annots and has_source(known):
                 return None
-            self._strip(shelf, known, literal.annots)
+            self._strip(index, known, literal.annots)
             return literal
         if literal.ground:
             return None
-        for belief in shelf.kept(literal, u):
+        for belief in index.kept(literal, u):
             if isinstance(belief, Rule):
                 continue
             if literal.annots is belief.annots is ONLY_SELF:
@@ -496,7 +499,7 @@ class BeliefBase:
             if solution is not None:
                 u.update(solution)
                 removed = substitute_literal(literal, u)
-                return removed if self._strip(shelf, belief, removed.annots) else None
+                return removed if self._strip(index, belief, removed.annots) else None
         return None
 
     def swap(self, literal: Literal) -> Literal | None:
@@ -504,52 +507,52 @@ class BeliefBase:
 
         Return the one that was there, or None if nothing has changed.
         """
-        shelf = self.shelves.get(literal.key)
-        return None if shelf is None or literal.annots is not ONLY_SELF else shelf.swap(literal)
+        index = self.clauses.get(literal.key)
+        return None if index is None or literal.annots is not ONLY_SELF else index.swap(literal)
 
     def remove_first(self, key: Key, annots: tuple[Term, ...]) -> Literal | None:
         """Take annotations off the first belief that has them all, whatever its arguments.
 
         Return what was removed, or None if there is no such belief or it has other sources.
         """
-        shelf = self.shelves.get(key)
-        if shelf is None:
+        index = self.clauses.get(key)
+        if index is None:
             return None
-        for belief in shelf.all():
+        for belief in index.all():
             if isinstance(belief, Rule):
                 continue
             if belief.annots is annots is ONLY_SELF:
-                shelf.remove(belief.args)
+                index.remove(belief.args)
                 return belief
             if _among(annots, belief.annots):
                 removed = belief if belief.annots is annots else belief.with_annots(annots)
-                return removed if self._strip(shelf, belief, annots) else None
+                return removed if self._strip(index, belief, annots) else None
         return None
 
-    def _strip(self, shelf: Shelf, belief: Literal, annots: tuple[Term, ...]) -> bool:
+    def _strip(self, index: ClauseIndex, belief: Literal, annots: tuple[Term, ...]) -> bool:
         """Take annotations off; return True if the belief was removed with its last source."""
         if belief.annots is ONLY_SELF and annots is ONLY_SELF:
-            shelf.remove(belief.args)
+            index.remove(belief.args)
             return True
         # It still holds: the next update from percepts believes it anew.
         if FROM_PERCEPT in belief.annots and FROM_PERCEPT in annots:
             self.lost_percepts[belief.identity] = belief
         if belief.annots is annots:
-            shelf.remove(belief.args)
+            index.remove(belief.args)
             return True
         left = belief.with_annots(tuple(a for a in belief.annots if a not in annots))
         if has_source(left):
-            shelf.replace(left)
+            index.replace(left)
             return False
-        shelf.remove(belief.args)
+        index.remove(belief.args)
         return True
 
     def matching(self, pattern: Literal | Var | Qualified, u: Unifier) -> list[Literal]:
         """Return the beliefs that unify with a pattern, each on its own."""
         clauses: tuple[Literal | Rule, ...]
         if isinstance(pattern, Literal):
-            shelf = self.shelves.get(pattern.key)
-            clauses = () if shelf is None else shelf.candidates(pattern, u)
+            index = self.clauses.get(pattern.key)
+            clauses = () if index is None else index.candidates(pattern, u)
         else:
             clauses = self.all_clauses()
         return [

@@ -61,7 +61,7 @@ class TimerQueue:
         following = self.next
         return following is not None and following <= clock
 
-    def ring(self, clock: int) -> None:
+    def run_due(self, clock: int) -> None:
         """Run the tasks that are due at `clock` (ns)."""
         while self.is_due(clock):
             heapq.heappop(self.heap)[2].task()

@@ -14,7 +14,7 @@ from ..language.program import Rule, made_once
 from ..language.substitution import Unifier, builder, rename, value_of
 from ..language.terms import TRUE, Literal, Term, Var, is_ground, is_placed
 from ..language.unification import belief_matcher, matched, unified, unify
-from .beliefs import KeptAnswers, Question, Shelf, Values
+from .beliefs import CachedAnswers, ClauseIndex, Question, Values
 from .logic import COMPARISONS, Logic, relate
 
 Condition: TypeAlias = Callable[[Logic, Unifier], Unifier | None]
@@ -115,12 +115,12 @@ def _query(query: Term, following: Term | None = None) -> Condition:
     by_rules = _asked(query)
 
     def check(logic: Logic, u: Unifier) -> Unifier | None:
-        shelf = logic.shelves.get(key)
-        if shelf is None:
+        index = logic.clauses.get(key)
+        if index is None:
             return None
         solution: Unifier | None
         # Rules may come and go while the agent runs, so each query looks what there is.
-        if shelf.rules:
+        if index.rules:
             for solution in by_rules(logic, u):
                 if rest is None:
                     return solution
@@ -128,7 +128,7 @@ def _query(query: Term, following: Term | None = None) -> Condition:
                 if solution is not None:
                     return solution
             return None
-        for belief in shelf.candidates(query, u):
+        for belief in index.candidates(query, u):
             solution = match(belief, u)  # type: ignore[arg-type]
             if solution is None:
                 continue
@@ -209,11 +209,11 @@ def _asked(query: Term) -> Answers:
                 yield solution
 
     def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
-        shelf = logic.shelves.get(key)
-        if shelf is None:
+        index = logic.clauses.get(key)
+        if index is None:
             return ()
-        if not shelf.rules:
-            clauses = shelf.candidates(query, u)
+        if not index.rules:
+            clauses = index.candidates(query, u)
             if len(clauses) != 1:
                 return believed(clauses, u)
             solution = match(clauses[0], u)  # type: ignore[arg-type]
@@ -231,25 +231,25 @@ def _asked(query: Term) -> Answers:
                 return logic.solutions(query, u)
         if len(set(names)) < len(names) or not logic.beliefs.has_plain_rules(key):
             return logic.solutions(query, u)
-        values = _kept(logic, query, tuple(question), u, shelf)
+        values = _kept(logic, query, tuple(question), u, index)
         return ({**u, **dict(zip(names, one))} for one in values)  # noqa: B905 - equal lengths
 
     return found
 
 
 def _kept(
-    logic: Logic, query: Literal, question: Question, u: Unifier, shelf: Shelf
+    logic: Logic, query: Literal, question: Question, u: Unifier, index: ClauseIndex
 ) -> Iterable[Values]:
     """Return the answers to a question, as far as possible those known."""
-    kept = shelf.answers
+    kept = index.answers
     if kept is None:
         return _proved(logic, query, question, u)
     known = kept.get(question)
-    if known is None or not known.lasts:
+    if known is None or not known.is_cacheable:
         if len(kept) >= MOST_KEPT:
             kept.clear()
         source = _proved(logic, query, question, u)
-        known = kept[question] = KeptAnswers(source, lambda: logic.failures)
+        known = kept[question] = CachedAnswers(source, lambda: logic.failures)
     return known
 
 
@@ -259,7 +259,7 @@ def _proved(logic: Logic, query: Literal, question: Question, u: Unifier) -> Ite
     A rule is proved in a unifier of its own, in which the variables of its head have the values of
     the query's arguments. Those that the query asks for get theirs as the body is proved.
     """
-    for clause in logic.shelves[query.key].candidates(query, u):
+    for clause in logic.clauses[query.key].candidates(query, u):
         logic.spend(1, query)
         if isinstance(clause, Literal):
             solution = matched(query, clause, u)

@@ -14,7 +14,7 @@ from ..language.unification import unify
 from .intentions import Event, Intention
 from .state import AgentState
 
-DEAR = 10
+SEARCH_COST = 10
 """Cost, in goals, of one step of the search through the goals of an intention."""
 
 
@@ -69,7 +69,7 @@ def _search(
             while position < len(below) and unify(means.literal, literal, dict(means.u)):
                 # Counted, as a search down thousands of goals at each failure adds up to a run
                 # without end.
-                agent.logic.spend(DEAR, literal)
+                agent.logic.spend(SEARCH_COST, literal)
                 means = below[position]
                 position += 1
                 found = True

@@ -113,7 +113,7 @@ class Logic:
         max_goals: int,
     ) -> None:
         self.beliefs = beliefs
-        self.shelves = beliefs.shelves
+        self.clauses = beliefs.clauses
         self.names = names
         self.call = call
         self.failures = 0
@@ -179,14 +179,14 @@ class Logic:
         programs ask for all stations again and again; it counts as many goals as the first time.
         """
         names = _unbound(term, formula, u)
-        shelf = self.shelves.get(formula.key) if names else None  # type: ignore[union-attr]
-        if shelf is None or shelf.rules or not shelf.keeps_answers:
+        index = self.clauses.get(formula.key) if names else None  # type: ignore[union-attr]
+        if index is None or index.rules or not index.is_cacheable:
             return make_list([substitute(term, one) for one in self.solutions(formula, u)])
-        known = shelf.collected.get(names)
+        known = index.collected.get(names)
         if known is None or self.goals_left < known[1]:
             left = self.goals_left
             made = make_list([substitute(term, one) for one in self.solutions(formula, u)])
-            known = shelf.collect(names, made, left - self.goals_left)
+            known = index.collect(names, made, left - self.goals_left)
         else:
             self.goals_left -= known[1]
         return known[0]
@@ -259,10 +259,10 @@ class Logic:
                 return answer
             choices.append((solution, goals) for solution in answer)
             return None
-        shelf = self.shelves.get(literal.key)
-        if shelf is None:
+        index = self.clauses.get(literal.key)
+        if index is None:
             return u if literal.functor == "true" and literal == TRUE else None
-        candidates = shelf.candidates(literal, u)
+        candidates = index.candidates(literal, u)
         # The one belief there may be: no choice point, so that a chain of facts needs no memory.
         if len(candidates) == 1 and candidates[0].__class__ is Literal and not literal.annots:
             return matched(literal, candidates[0], u)

@@ -84,14 +84,14 @@ class PerceptBuffer:
         """The percepts that hold, in the order in which they came."""
         return list(self._now.values())
 
-    def notice(self, change: Change) -> None:
+    def queue(self, change: Change) -> None:
         """Let a percept come or go, with the next `advance` or at once."""
         if self.at_once:
             self._change((change,))
         else:
             self.coming.append(change)
 
-    def take(self) -> None:
+    def apply(self) -> None:
         """Let those come and go that wait for it."""
         changes, self.coming = self.coming, []
         self._change(changes)

@@ -371,9 +371,9 @@ def test_many_beliefs_are_found_by_their_first_argument():
     agent, log = make("+!ask(K) : b(K,V) <- .print(V). b(_,0) :- false.")
     for i in range(20_000):
         agent.believe(bdi.Literal("b", (float(i), float(i * i))))
-    shelf = agent.beliefs.shelves["b", 2, False]
+    index = agent.beliefs.clauses["b", 2, False]
     query = bdi.parse_literal("b(777,X)")
-    assert len(shelf.candidates(query, {})) == 2  # the belief and the rule
+    assert len(index.candidates(query, {})) == 2  # the belief and the rule
     agent.plans.add(bdi.parse("+p(K) <- !ask(K).").plans[0])
     agent.add_percept("p(777)")
     agent.advance(0.0)
