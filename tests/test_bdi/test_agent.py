@@ -8,8 +8,6 @@ import pytest
 from hypothesis import given, strategies as st
 
 import bdi
-from bdi.language.loading import parse_term
-from bdi.language.terms import text as text_of
 
 
 def make(source, **options):
@@ -125,7 +123,7 @@ def test_actions_are_easy_to_take_apart():
     assert action.functor == "move"
     number, integer, string, elements, structure = action.args
     assert (number, integer, string) == (1.5, -2.0, "name")
-    assert [str(text_of(element)) for element in elements] == ["1", "b"]
+    assert list(elements) == [1.0, bdi.Literal("b")]
     assert (structure.functor, structure.args) == ("f", (bdi.Literal("x"),))
     assert str(action) == 'move(1.5,-2,"name",[1,b],f(x))'
 
@@ -188,7 +186,7 @@ def test_reprs_are_short():
     assert repr(program.plans[0]) == "<Plan @l +!go : p(X) <- .wait(1000); walk(X)>"
     assert repr(agent) == "<Agent human at 0.5 s: 1 beliefs, 1 intentions>"
     assert repr(agent.intentions) == "[<Intention 1: +!go[source(self)]>]"
-    assert repr(parse_term("p(X) & not q(-X)")) == "<(p(X) & not (q((-X))))>"
+    assert repr(bdi.parse("x :- p(X) & not q(-X).").beliefs[0].body) == "<(p(X) & not (q((-X))))>"
 
 
 def test_entries_tell_what_happened():

@@ -3,11 +3,11 @@
 from hypothesis import given, strategies as st
 
 import bdi
-from bdi.language.terms import Var, is_ground
+from bdi.language.terms import is_ground
 from bdi.language.unification import unify
 from bdi.reasoning.beliefs import BeliefBase
 
-TERMS = st.sampled_from([1.0, 2.0, bdi.Literal("a"), "text", Var("Any")])
+TERMS = st.sampled_from([1.0, 2.0, bdi.Literal("a"), "text", bdi.Var("Any")])
 SOURCES = st.sampled_from([bdi.Literal("source", (bdi.Literal(n),)) for n in ("self", "ann")])
 CHANGES = st.tuples(
     st.sampled_from(["add", "add", "add", "add at the end", "remove", "remove first"]),
