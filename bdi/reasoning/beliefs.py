@@ -376,7 +376,7 @@ class BeliefBase:
 
     def add_rule(self, rule: Rule, *, at_end: bool = False) -> None:
         """Add a rule before the clauses of its functor and arity, or after them."""
-        self._shelf(rule.head.key).add(rule, at_end=at_end)
+        self._index(rule.head.key).add(rule, at_end=at_end)
         self._find_out_anew()
 
     def remove_rule(self, rule: Rule) -> None:
@@ -416,7 +416,7 @@ class BeliefBase:
             index.answers, index.readers = None, ()
         self._read.clear()
 
-    def _shelf(self, key: Key) -> ClauseIndex:
+    def _index(self, key: Key) -> ClauseIndex:
         """Return the index of a key, a new one if there is none yet."""
         index = self.clauses.get(key)
         if index is None:
@@ -431,7 +431,7 @@ class BeliefBase:
 
     def add(self, literal: Literal, *, at_end: bool = False) -> Literal | None:
         """Add a belief, or annotations to one. Return what is new of it, or None."""
-        index = self._shelf(literal.key)
+        index = self._index(literal.key)
         known = index.find(literal.args)
         if known is None:
             index.add(literal, at_end=at_end)
@@ -445,7 +445,7 @@ class BeliefBase:
 
     def perceive(self, percept: Literal) -> Literal | None:
         """Believe a percept. Return what is new, as `add`; None if it is believed as one."""
-        index = self._shelf(percept.key)
+        index = self._index(percept.key)
         known = index.find(percept.args)
         if known is not None and FROM_PERCEPT in known.annots:
             return None
