@@ -290,7 +290,7 @@ def programs() -> dict[str, Path]:
 @cache
 def _built_in() -> dict[str, Path]:
     """Return the programs in the package, by file name."""
-    folder = Path(__file__).parents[1] / "programs"
+    folder = Path(__file__).parents[1] / "personalities"
     return {path.name: path for path in sorted(folder.glob("*.asl"))}
 
 
