@@ -2,7 +2,7 @@
 
 from .bodies import Disc
 from .catalog import Path, PlannerError, PlanningError, planners
-from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes, agv_box, folded_arm, torso_box
+from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes
 from .machines import (
     ARIAC_GANTRY,
     AxisState,

@@ -16,6 +16,8 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import NamedTuple
 
+from typing_extensions import Self
+
 from floorplan import Gantry, Lane
 
 from .kernels.encounter import EncounterBounds
@@ -51,6 +53,11 @@ class Cylinder:
     def __post_init__(self) -> None:
         _require_solid(self)
 
+    @classmethod
+    def of_arm(cls, gantry: Gantry) -> Self:
+        """Return what a gantry's folded arm may sweep as it turns, up to its torso's top."""
+        return cls(radius=gantry.arm_reach, bottom=gantry.arm_bottom, top=gantry.torso[3])
+
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
         """The points whose hull, grown by `rounding`, is the footprint."""
@@ -76,6 +83,17 @@ class Box:
 
     def __post_init__(self) -> None:
         _require_solid(self)
+
+    @classmethod
+    def of_torso(cls, gantry: Gantry) -> Self:
+        """Return the torso of a gantry, which turns with its rotation."""
+        length, width, bottom, top = gantry.torso
+        return cls(length=length, width=width, bottom=bottom, top=top)
+
+    @classmethod
+    def of_agv(cls, lane: Lane) -> Self:
+        """Return the box of the AGV of a lane, with its load."""
+        return cls(length=lane.length, width=lane.width, top=lane.height)
 
     def is_level_with(self, other: Box) -> bool:
         """Return whether their heights overlap: neither is above the other."""
@@ -116,22 +134,6 @@ class Shapes:
     def gauges(self) -> tuple[Gauge, ...]:
         """What measures between the person and each part of the machine."""
         return tuple(_gauge(self.person, part) for part in self.machine)
-
-
-def torso_box(gantry: Gantry) -> Box:
-    """Return the torso of a gantry, which turns with its rotation."""
-    length, width, bottom, top = gantry.torso
-    return Box(length=length, width=width, bottom=bottom, top=top)
-
-
-def folded_arm(gantry: Gantry) -> Cylinder:
-    """The cylinder that a gantry's folded arm may sweep as it turns, up to its torso's top."""
-    return Cylinder(radius=gantry.arm_reach, bottom=gantry.arm_bottom, top=gantry.torso[3])
-
-
-def agv_box(lane: Lane) -> Box:
-    """Return the box of the AGV of a lane, with its load."""
-    return Box(length=lane.length, width=lane.width, top=lane.height)
 
 
 def _gauge(person: Cylinder, part: Cylinder | Box) -> Gauge:

@@ -15,7 +15,6 @@ from shapely.geometry import Polygon
 
 from floorplan import Obstacle, UserError
 from floorplan.files.problems import refuse, suggestion
-from floorplan.files.reading import no_garbage
 from floorplan.files.values import require
 from navigation import CollisionWorld
 
@@ -150,7 +149,6 @@ class Simulation:
     """
 
     @supervised()
-    @no_garbage()
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
         require(trial, Trial, "sim.Trial.load")

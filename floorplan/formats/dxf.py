@@ -113,8 +113,7 @@ def _without_texts(path: Path) -> Drawing:
     lines = path.read_text(encoding=encoding, errors="surrogateescape").split("\n")
     tags = lines[: len(lines) // 2 * 2]
     codes, values = _kept([int(code) for code in tags[::2]], tags[1::2])
-    tag: Any = partial(tuple.__new__, _Tag)  # without a call of Python's for each
-    return Drawing.load(map(tag, zip(codes, values, strict=True)))
+    return Drawing.load(map(_Tag, codes, values))
 
 
 def _kept(codes: list[int], values: list[str]) -> tuple[list[int], list[str]]:
