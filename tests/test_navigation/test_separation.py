@@ -20,7 +20,7 @@ from navigation import (
     SeparationLaw,
 )
 from navigation.encounter import Odometer
-from navigation.machines import AxisLimits
+from navigation.machines import ARIAC_GANTRY, AxisLimits
 from navigation.motion import State
 from navigation.separation import is_of_motions, is_of_speeds, required_at_speeds
 
@@ -266,12 +266,12 @@ def test_no_gantry_takes_longer_to_stop_than_its_law_says(axes, shares):
 def test_the_stops_of_the_built_in_machines():
     plan = floorplan.load("ariac2023")
     law = SeparationLaw.for_machine(plan.gantry, t1=1.0)
-    assert law == SeparationLaw.for_machine(navigation.ARIAC_GANTRY, t1=1.0)
+    assert law == SeparationLaw.for_machine(ARIAC_GANTRY, t1=1.0)
     assert law.t2 == pytest.approx(1.0 / 0.5 + 2 * 0.5 / 2.0)
     lane = plan.lanes[0]
     law = SeparationLaw.for_machine(lane, t1=1.0)
-    run = navigation.agv_run(lane, navigation.AxisState(0.0), 17.0)
-    fast = navigation.lane_state(lane, run.state(4.0))
+    run = navigation.agv_run(lane, 0.0, 17.0)
+    fast = run.state(4.0)
     braked = navigation.agv_stop(lane, fast)
     assert fast.velocity == pytest.approx(lane.max_speed)
     assert law.t2 == pytest.approx(braked.end)

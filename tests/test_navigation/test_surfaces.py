@@ -14,7 +14,7 @@ from stretches import assert_bounds, assert_negative_within, encounters, part_of
 
 import floorplan
 import navigation
-from navigation import AxisState, Box, Cylinder, FixedDistance, IntegralLaw, SeparationLaw, Shapes
+from navigation import Box, Cylinder, FixedDistance, IntegralLaw, SeparationLaw, Shapes
 
 END = 20.0
 PLAN = floorplan.load("ariac2023")
@@ -120,7 +120,7 @@ def test_the_shapes_are_those_of_the_floorplan():
 
 def test_an_agv_hits_who_stands_beside_its_lane_or_does_not():
     lane = PLAN.lane("agv1")
-    run = navigation.agv_run(lane, AxisState(0.0), 10.0)
+    run = navigation.agv_run(lane, 0.0, 10.0)
     shapes = Shapes(machine=(Box.of_agv(lane),))
     (x, y), away = lane.position(5.0), 0.67 / 2 + 0.3
     for gap in (0.1, 1e-6):
@@ -231,7 +231,7 @@ def test_beside_a_wall_that_turns_the_minimum_takes_few_steps():
 def test_a_tie_is_no_violation_and_is_settled_at_once(required):
     """An AGV passes somebody who stands exactly as far from its lane as the law asks."""
     lane = PLAN.lane("agv1")
-    run = navigation.agv_run(lane, AxisState(0.0), 17.0)
+    run = navigation.agv_run(lane, 0.0, 17.0)
     shapes = Shapes(machine=(Box.of_agv(lane),))
     (x, y), law = lane.position(8.0), FixedDistance(required)
     beside = navigation.standing((x, y + 0.67 / 2 + 0.3 + required))

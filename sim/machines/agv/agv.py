@@ -12,8 +12,8 @@ import numpy as np
 import shapely
 
 from floorplan import Gate, Lane, Point, Zone, rectangle
-from navigation import AxisState, CollisionWorld, Motion, agv_run, agv_stop, join, lane_state, walk
-from navigation.machines import agv_stops
+from navigation import CollisionWorld, Motion, agv_run, agv_stop, join, walk
+from navigation.machines import AxisState, agv_stops, lane_state
 from navigation.separation import required_at_speeds
 
 from ...core.body import Body, Machine, MachineShape
