@@ -266,7 +266,8 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
     zone = schema.safe_zone
     return {
         "obstacles": [
-            Obstacle(name, footprint(one), *one.z) for name, one in schema.obstacles.items()
+            Obstacle(name=name, footprint=footprint(one), bottom=one.z[0], top=one.z[1])
+            for name, one in schema.obstacles.items()
         ],
         "stations": [Station(name, at) for name, at in schema.stations.items()],
         "patrol": None if schema.patrol is None else tuple(schema.patrol),
@@ -275,22 +276,28 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
         "lanes": _lanes(schema.agvs) if schema.agvs else (),
         "gantry": _gantry(schema.gantry) if schema.gantry else None,
         "doors": [
-            Door(name, one.between, one.open, one.thickness, one.height)
+            Door(
+                name=name,
+                ends=one.between,
+                is_open=one.open,
+                thickness=one.thickness,
+                height=one.height,
+            )
             for name, one in schema.doors.items()
         ],
         "zones": [
             Zone(
-                name,
-                footprint(one),
-                one.max_speed,
-                one.forbidden,
-                tuple(one.concerns),
-                one.one_way,
+                name=name,
+                area=footprint(one),
+                max_speed=one.max_speed,
+                forbidden=one.forbidden,
+                concerns=tuple(one.concerns),
+                one_way=one.one_way,
             )
             for name, one in schema.zones.items()
         ],
         "gates": [
-            Gate(name, one.between, one.towards, tuple(one.concerns))
+            Gate(name=name, ends=one.between, towards=one.towards, concerns=tuple(one.concerns))
             for name, one in schema.gates.items()
         ],
     }
@@ -356,4 +363,11 @@ def _round(x: float, y: float, radius: float) -> Polygon:
 
 
 def _axis(entry: AxisSchema) -> Axis:
-    return Axis(*entry.range, entry.max_speed, entry.max_acceleration, entry.max_jerk)
+    low, high = entry.range
+    return Axis(
+        low=low,
+        high=high,
+        max_speed=entry.max_speed,
+        max_acceleration=entry.max_acceleration,
+        max_jerk=entry.max_jerk,
+    )

@@ -3,8 +3,6 @@
 All lengths are metres, angles radians, speeds m/s, heights above the floor; z points up.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -47,7 +45,7 @@ def rectangle(centre: Point, direction: Point, length: float, width: float) -> P
     return Polygon(corners)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Obstacle:
     """Something that stands on or hangs over the floor: a footprint from `bottom` up to `top`."""
 
@@ -69,7 +67,7 @@ class Station:
     position: Point
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Door:
     """A door between the two `ends`: nothing where it is open, and a wall where it is closed.
 
@@ -93,14 +91,14 @@ class Door:
     @property
     def closed(self) -> Obstacle:
         """The obstacle that it is where it is closed."""
-        return Obstacle(self.name, self.footprint, 0.0, self.height)
+        return Obstacle(name=self.name, footprint=self.footprint, bottom=0.0, top=self.height)
 
 
 ALONG = 0.2
 """Sine of the angle (11.5°) within which a side of a one-way zone runs along its direction."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Zone:
     """An area with a rule for the people and AGVs whose names match one of `concerns`.
 
@@ -121,7 +119,7 @@ class Zone:
         return _is_one_of(name, self.concerns)
 
     @property
-    def gates(self) -> tuple[Gate, ...]:
+    def gates(self) -> "tuple[Gate, ...]":
         """The sides of a one-way zone that lie across its direction, as gates."""
         if self.one_way is None or not any(self.one_way):
             return ()
@@ -136,11 +134,18 @@ class Zone:
             if abs(outwards) > ALONG * width:
                 towards = ((ax + bx) / 2 + c, (ay + by) / 2 + s)
                 name = f"{self.name} ({'exit' if outwards > 0 else 'entry'})"
-                found.append(Gate(name, ((ax, ay), (bx, by)), towards, self.concerns))
+                found.append(
+                    Gate(
+                        name=name,
+                        ends=((ax, ay), (bx, by)),
+                        towards=towards,
+                        concerns=self.concerns,
+                    )
+                )
         return tuple(found)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Gate:
     """A line between two `ends`, from wall to wall, that is crossed in one direction only.
 
@@ -179,7 +184,7 @@ class SafeZone:
     heading: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Human:
     """Measures of the people on this floor (metres, seconds), unless a trial says otherwise."""
 
@@ -190,7 +195,7 @@ class Human:
     goal_tolerance: float = 0.25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Lane:
     """The straight lane of one AGV.
 
@@ -252,7 +257,7 @@ ROUNDING = 1e-9
 """Metres or radians. A pose this little beyond a limit counts as at it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Axis:
     """One axis of the gantry: its range and limits, in metres or radians, and seconds."""
 
@@ -267,7 +272,7 @@ class Axis:
         return self.low - ROUNDING <= value <= self.high + ROUNDING
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Gantry:
     """An overhead robot: a bridge (x), a trolley (y) and a rotation about z that carry a torso.
 
@@ -307,7 +312,7 @@ LEFT_OUT_IF_EMPTY = ("doors", "zones", "gates")
 """Fields of a floor that recordings have only where there is something."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Floor:
     """A floor as data: its boundary and what stands on it. Compare with `==`, share freely.
 
@@ -353,7 +358,7 @@ class Floor:
             source=source,
             boundary=Polygon(area.exterior),
             obstacles=[
-                Obstacle(f"obstacle{k}", hole, 0.0, DEFAULT_HEIGHT)
+                Obstacle(name=f"obstacle{k}", footprint=hole, bottom=0.0, top=DEFAULT_HEIGHT)
                 for k, hole in enumerate(holes, start=1)
             ],
         )

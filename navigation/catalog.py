@@ -23,7 +23,7 @@ from floorplan.files.problems import field_name, suggestion
 Reason = Literal["start_blocked", "goal_blocked", "unreachable", "not_found"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Path:
     """A polyline on the floor that a disc can follow without touching anything."""
 

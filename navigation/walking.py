@@ -43,6 +43,11 @@ class Swath(NamedTuple):
     box: MutableSequence[float]
 
     @staticmethod
+    def of(table: MutableSequence[float], box: MutableSequence[float]) -> Swath:
+        """Return the swath of a table within bounds."""
+        return Swath(table, table[-ROW], box)
+
+    @staticmethod
     def along(
         corners: Sequence[Corner],
         start: float,
@@ -76,7 +81,7 @@ class Swath(NamedTuple):
             return None
         box = room(4)
         bound(places, len(places), bounds, box)
-        return Swath(table, table[-ROW], box)
+        return Swath.of(table, box)
 
     def motion(self, heading: float) -> Motion:
         """Return the motion along it: turned to where it goes, at first by `heading` (radians)."""
@@ -101,8 +106,7 @@ def swath(motion: Motion, begin: float) -> Swath:
     """Return the swath of `motion` from `begin` (seconds) on."""
     since = max(begin, motion.end)
     box = room(4)
-    table = swept(motion.table, begin, since, *motion.state(since).at, box)
-    return Swath(table, table[-ROW], box)
+    return Swath.of(swept(motion.table, begin, since, *motion.state(since).at, box), box)
 
 
 def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> float | None:

@@ -107,7 +107,7 @@ def _as_recorded(one: Obstacle) -> Obstacle:
     """Return an obstacle as it is read again from what is recorded of it."""
     corners = [tuple(map(float, rounded(corner))) for corner in _corners(one)]
     bottom, top = rounded((float(one.bottom), float(one.top)))
-    return Obstacle(one.name, Polygon(corners), bottom, top)
+    return Obstacle(name=one.name, footprint=Polygon(corners), bottom=bottom, top=top)
 
 
 def schedule_blackouts(stage: Stage, blackouts: Iterable[Blackout]) -> None:

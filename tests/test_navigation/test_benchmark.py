@@ -95,7 +95,7 @@ def test_questions_have_answers():
 
 
 def test_no_room_is_said():
-    plan = Floorplan("cell", box(0, 0, 1, 1))
+    plan = Floorplan(name="cell", boundary=box(0, 0, 1, 1))
     with pytest.raises(ValueError, match=r"cell has no two places for a radius of 0\.6 m"):
         benchmark([plan], ["Roadmap"], queries=1, radius=0.6)
 
@@ -233,13 +233,21 @@ def test_shortest_ways_do_not_cut_corners():
 
 
 def test_a_floor_without_obstacles():
-    plan = Floorplan("hall", box(0, 0, 5, 5), (Obstacle("lamp", box(1, 1, 2, 2), 2.0, 3.0),))
+    plan = Floorplan(
+        name="hall",
+        boundary=box(0, 0, 5, 5),
+        obstacles=(Obstacle(name="lamp", footprint=box(1, 1, 2, 2), bottom=2.0, top=3.0),),
+    )
     (one,) = benchmark([plan], ["Roadmap"], queries=1)
     assert one.ratio == 1.0
     assert one.turning == 0.0
 
 
-BARRED = Floorplan("barred", box(0, 0, 10, 10), (Obstacle("wall", box(4, -1, 6, 6), 0.0, 3.0),))
+BARRED = Floorplan(
+    name="barred",
+    boundary=box(0, 0, 10, 10),
+    obstacles=(Obstacle(name="wall", footprint=box(4, -1, 6, 6), bottom=0.0, top=3.0),),
+)
 
 
 def test_budgets_and_parameters_reach_the_planner():

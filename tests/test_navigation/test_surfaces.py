@@ -218,7 +218,7 @@ def test_beside_a_wall_that_turns_the_minimum_takes_few_steps():
         def required(self, encounter, begin, end):
             nonlocal asked
             asked += 1
-            return navigation.Enclosure(0.0)
+            return navigation.Enclosure(value=0.0)
 
     span = (0.0, 2.0)
     _, nearest = navigation.minimum_margin(person, machine, Nothing(), *span, shapes=TORSO)
