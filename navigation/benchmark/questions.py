@@ -104,7 +104,7 @@ def scenes_of(
     With `queries`, so many of them, drawn by `seed`, in the order of the file. `QuestionsError`
     lists everything that is wrong with the file, also ends that leave the disc no room.
     """
-    reader = _Reader(plan)
+    reader = _QuestionsReader(plan)
     text = read_text(path, QuestionsError)
     if path.suffix.lower() == SCENARIO:
         reader.read_scenario(text)
@@ -143,7 +143,7 @@ def map_of(path: Path) -> Path:
     raise QuestionsError.of(path, "asks no question")
 
 
-class _Reader:
+class _QuestionsReader:
     """Reader of questions about `plan`, which collects them and what is wrong with the file."""
 
     def __init__(self, plan: Floorplan) -> None:
