@@ -94,16 +94,6 @@ class GateSchema(Strictly):
     concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
 
 
-class HumanSchema(Strictly):
-    """The measures of people."""
-
-    radius: Positive = 0.3
-    height: Positive = 1.75
-    max_speed: Positive = 1.0
-    max_acceleration: Positive = 2.5
-    goal_tolerance: Positive = 0.25
-
-
 class SafeZoneSchema(Strictly):
     """Start of people."""
 
@@ -229,7 +219,7 @@ class FloorplanSchema(Strictly):
     stations: dict[str, Pair] = {}
     patrol: list[str] | None = None
     safe_zone: SafeZoneSchema | None = None
-    human: HumanSchema = HumanSchema()
+    human: Human = Human()
     agvs: AgvsSchema | None = None
     gantry: GantrySchema | None = None
     doors: dict[str, DoorSchema] = {}
@@ -272,7 +262,7 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
         "stations": [Station(name, at) for name, at in schema.stations.items()],
         "patrol": None if schema.patrol is None else tuple(schema.patrol),
         "safe_zone": SafeZone(zone.at, zone.heading) if zone else None,
-        "human": Human(**schema.human.model_dump()),
+        "human": schema.human,
         "lanes": _lanes(schema.agvs) if schema.agvs else (),
         "gantry": _gantry(schema.gantry) if schema.gantry else None,
         "doors": [

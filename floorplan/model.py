@@ -14,6 +14,7 @@ import shapely
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
+from .files.fields import KEYS, Positive
 from .files.problems import Problem, UserError
 from .files.values import NamedField
 
@@ -77,8 +78,8 @@ class Door:
     name: str
     ends: tuple[Point, Point]
     is_open: bool = True
-    thickness: float = 0.1
-    height: float = DEFAULT_HEIGHT
+    thickness: Positive = 0.1
+    height: Positive = DEFAULT_HEIGHT
 
     @property
     def footprint(self) -> Polygon:
@@ -109,7 +110,7 @@ class Zone:
 
     name: str
     area: Polygon
-    max_speed: float | None = None
+    max_speed: Positive | None = None
     forbidden: bool = False
     concerns: tuple[str, ...] = EVERYBODY
     one_way: Point | None = None
@@ -188,11 +189,13 @@ class SafeZone:
 class Human:
     """Measures of the people on this floor (metres, seconds), unless a trial says otherwise."""
 
-    radius: float = 0.3
-    height: float = 1.75
-    max_speed: float = 1.0
-    max_acceleration: float = 2.5
-    goal_tolerance: float = 0.25
+    __pydantic_config__ = KEYS
+
+    radius: Positive = 0.3
+    height: Positive = 1.75
+    max_speed: Positive = 1.0
+    max_acceleration: Positive = 2.5
+    goal_tolerance: Positive = 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -209,11 +212,11 @@ class Lane:
     limits: tuple[float, float]
     locations: Mapping[str, float]
     start: str
-    length: float
-    width: float
-    height: float
-    max_speed: float
-    max_acceleration: float
+    length: Positive
+    width: Positive
+    height: Positive
+    max_speed: Positive
+    max_acceleration: Positive
     serves: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
@@ -263,9 +266,9 @@ class Axis:
 
     low: float
     high: float
-    max_speed: float
-    max_acceleration: float
-    max_jerk: float
+    max_speed: Positive
+    max_acceleration: Positive
+    max_jerk: Positive
 
     def reaches(self, value: float) -> bool:
         """Return True if `value` is within its range, but for rounding."""
@@ -286,10 +289,10 @@ class Gantry:
     start: tuple[float, float, float]
     torso: tuple[float, float, float, float]
     arm_mount: tuple[float, float]
-    arm_reach: float
-    arm_bottom: float
-    rail_height: float
-    tray_height: float
+    arm_reach: Positive
+    arm_bottom: Positive
+    rail_height: Positive
+    tray_height: Positive
 
     def faults(self, target: tuple[float, float, float]) -> list[str]:
         """Return a message for each of x, y and rotation of `target` that is out of range."""
