@@ -92,18 +92,14 @@ def measure(count: int, spacing: float, queries: int) -> None:
 
 def peer(world: CollisionWorld, asked: list[Any]) -> tuple[float, float]:
     """Seconds that JuPedSim takes to look at a floor, and for a path; NaN if not asked."""
-    from navigation.benchmark.peers import JuPedSim
+    from navigation.benchmark import PEERS
 
-    if shapely.get_num_coordinates(world.free_space(RADIUS).pieces).sum() > MOST_CORNERS:
+    jupedsim = PEERS["JuPedSim"]
+    corners = shapely.get_num_coordinates(world.free_space(RADIUS).pieces).sum()
+    if corners > MOST_CORNERS or not jupedsim.installed:
         return math.nan, math.nan
-    engine = JuPedSim(world, RADIUS)
-    try:
-        look, _ = timed(engine.look)
-    except ImportError:
-        return math.nan, math.nan
-    return look, statistics.median(
-        timed(lambda a=a, b=b: engine.between(a, b))[0] for a, b in asked
-    )
+    look, search = timed(lambda: jupedsim.prepare(world, RADIUS))
+    return look, statistics.median(timed(lambda a=a, b=b: search(a, b))[0] for a, b in asked)
 
 
 def draw(file: str, counts: list[int], rows: list[list[float]]) -> None:

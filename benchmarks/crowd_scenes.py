@@ -90,7 +90,7 @@ def floorwalker(scene: Scene) -> pedpy.TrajectoryData:
 def trial(scene: Scene) -> sim.Trial:
     """Return the scene as a trial; its walkers are called p0, p1, …"""
     human = floorplan.Human(radius=RADIUS, max_speed=FREE_SPEED)
-    plan = floorplan.Floorplan("floor", scene.floor, human=human)
+    plan = floorplan.Floorplan(name="floor", boundary=scene.floor, human=human)
     return sim.Trial(
         plan,
         duration=scene.duration,

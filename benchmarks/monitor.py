@@ -90,7 +90,7 @@ def main() -> None:
     gantry = floorplan.load("ariac2023").gantry
     if gantry is None:
         raise SystemExit("the floorplan has no gantry")
-    torso = Shapes(machine=(navigation.torso_box(gantry),))
+    torso = Shapes(machine=(navigation.Box.of_torso(gantry),))
     span = (0.0, SPAN)
     jobs: dict[str, Callable[[], object]] = {
         "violations, linear law": lambda: navigation.violations(person, machine, LAW, *span),

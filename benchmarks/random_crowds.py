@@ -53,9 +53,12 @@ Wall = tuple[float, float, float, float]
 def hall(width: float, depth: float, walls: Sequence[Wall] = ()) -> floorplan.Floorplan:
     """Return a floor from the origin on, with walls (x0, y0, x1, y1; metres)."""
     obstacles = tuple(
-        floorplan.Obstacle(f"wall{k}", shapely.box(*wall), 0.0, 2.5) for k, wall in enumerate(walls)
+        floorplan.Obstacle(name=f"wall{k}", footprint=shapely.box(*wall), bottom=0.0, top=2.5)
+        for k, wall in enumerate(walls)
     )
-    return floorplan.Floorplan("hall", shapely.box(0, 0, width, depth), obstacles=obstacles)
+    return floorplan.Floorplan(
+        name="hall", boundary=shapely.box(0, 0, width, depth), obstacles=obstacles
+    )
 
 
 FLOORS = {

@@ -94,16 +94,6 @@ class GateSchema(Strictly):
     concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
 
 
-class HumanSchema(Strictly):
-    """The measures of people."""
-
-    radius: Positive = 0.3
-    height: Positive = 1.75
-    max_speed: Positive = 1.0
-    max_acceleration: Positive = 2.5
-    goal_tolerance: Positive = 0.25
-
-
 class SafeZoneSchema(Strictly):
     """Start of people."""
 
@@ -229,7 +219,7 @@ class FloorplanSchema(Strictly):
     stations: dict[str, Pair] = {}
     patrol: list[str] | None = None
     safe_zone: SafeZoneSchema | None = None
-    human: HumanSchema = HumanSchema()
+    human: Human = Human()
     agvs: AgvsSchema | None = None
     gantry: GantrySchema | None = None
     doors: dict[str, DoorSchema] = {}
@@ -266,31 +256,38 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
     zone = schema.safe_zone
     return {
         "obstacles": [
-            Obstacle(name, footprint(one), *one.z) for name, one in schema.obstacles.items()
+            Obstacle(name=name, footprint=footprint(one), bottom=one.z[0], top=one.z[1])
+            for name, one in schema.obstacles.items()
         ],
         "stations": [Station(name, at) for name, at in schema.stations.items()],
         "patrol": None if schema.patrol is None else tuple(schema.patrol),
         "safe_zone": SafeZone(zone.at, zone.heading) if zone else None,
-        "human": Human(**schema.human.model_dump()),
+        "human": schema.human,
         "lanes": _lanes(schema.agvs) if schema.agvs else (),
         "gantry": _gantry(schema.gantry) if schema.gantry else None,
         "doors": [
-            Door(name, one.between, one.open, one.thickness, one.height)
+            Door(
+                name=name,
+                ends=one.between,
+                is_open=one.open,
+                thickness=one.thickness,
+                height=one.height,
+            )
             for name, one in schema.doors.items()
         ],
         "zones": [
             Zone(
-                name,
-                footprint(one),
-                one.max_speed,
-                one.forbidden,
-                tuple(one.concerns),
-                one.one_way,
+                name=name,
+                area=footprint(one),
+                max_speed=one.max_speed,
+                forbidden=one.forbidden,
+                concerns=tuple(one.concerns),
+                one_way=one.one_way,
             )
             for name, one in schema.zones.items()
         ],
         "gates": [
-            Gate(name, one.between, one.towards, tuple(one.concerns))
+            Gate(name=name, ends=one.between, towards=one.towards, concerns=tuple(one.concerns))
             for name, one in schema.gates.items()
         ],
     }
@@ -356,4 +353,11 @@ def _round(x: float, y: float, radius: float) -> Polygon:
 
 
 def _axis(entry: AxisSchema) -> Axis:
-    return Axis(*entry.range, entry.max_speed, entry.max_acceleration, entry.max_jerk)
+    low, high = entry.range
+    return Axis(
+        low=low,
+        high=high,
+        max_speed=entry.max_speed,
+        max_acceleration=entry.max_acceleration,
+        max_jerk=entry.max_jerk,
+    )

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from dataclasses import fields
+from collections.abc import Iterator
+from functools import cache
 from itertools import combinations
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import shapely
 from shapely.geometry import LineString, Point, Polygon
 from shapely.validation import explain_validity
 
-from .files.fields import LARGEST, SMALLEST, size_fault
+from .files.fields import LARGEST, SMALLEST, Positive, size_fault
 from .files.problems import Fault, FloorplanError, Place, refuse
 from .files.values import SOUND, require, require_fields
 from .model import Floor, Gate, Lane, Obstacle, Zone
@@ -21,10 +22,6 @@ from .model import Floor, Gate, Lane, Obstacle, Zone
 WIDEST = 1e6
 """Metres (or radians). No floor is longer, and no lane or axis goes further from its 0: on longer
 paths Ruckig finds no motion."""
-
-_LANE_SIZES = ("length", "width", "height", "max_speed", "max_acceleration")
-_AXIS_SIZES = ("max_speed", "max_acceleration", "max_jerk")
-_GANTRY_SIZES = ("arm_reach", "arm_bottom", "rail_height", "tray_height")
 
 _TOUCHES = 1e-6
 """m². An AGV and an obstacle that share no more than this only touch."""
@@ -203,7 +200,7 @@ def _door_faults(plan: Floor) -> Iterator[Fault]:
             yield "its two ends are one place", (*place, "between")
             continue
         whole.append(door)
-        yield from _sizes(door, ("thickness", "height"), *place)
+        yield from _sizes(door, *place)
         for k, end in enumerate(door.ends):
             if not plan.boundary.covers(Point(end)):
                 yield f"({end[0]:g}, {end[1]:g}) is outside the boundary", (*place, "between", k)
@@ -222,8 +219,7 @@ def _zone_faults(plan: Floor) -> Iterator[Fault]:
             yield "must either be forbidden, or have a max_speed or be one_way", place
         if zone.one_way is not None:
             yield from _one_way_faults(zone, (*place, "one_way"))
-        if zone.max_speed is not None:
-            yield from _sizes(zone, ("max_speed",), *place)
+        yield from _sizes(zone, *place)
         if not zone.forbidden or "*" not in zone.concerns:
             continue
         for station in plan.stations:
@@ -301,18 +297,18 @@ def _figure_faults(plan: Floor) -> Iterator[Fault]:
     west, south, east, north = plan.boundary.bounds
     if max(east - west, north - south) > WIDEST:
         yield f"is more than {WIDEST:,.0f} m long", ("boundary",)
-    yield from _sizes(plan.human, [field.name for field in fields(plan.human)], "human")
+    yield from _sizes(plan.human, "human")
     for lane in plan.lanes:
         place = ("agvs", "lanes", lane.name)
         if not all(abs(value) <= LARGEST for value in (*lane.origin, lane.heading)):
             yield f"origin and heading must be within ±{LARGEST:g}", place
         yield from _range(lane.limits, *place, "limits")
-        yield from _sizes(lane, _LANE_SIZES, *place)
+        yield from _sizes(lane, *place)
     if plan.gantry is not None:
         for name, axis in zip(("x", "y", "rotation"), plan.gantry.axes, strict=True):
             yield from _range((axis.low, axis.high), "gantry", name, "range")
-            yield from _sizes(axis, _AXIS_SIZES, "gantry", name)
-        yield from _sizes(plan.gantry, _GANTRY_SIZES, "gantry")
+            yield from _sizes(axis, "gantry", name)
+        yield from _sizes(plan.gantry, "gantry")
 
 
 def _range(ends: tuple[float, float], *place: str) -> Iterator[Fault]:
@@ -320,7 +316,15 @@ def _range(ends: tuple[float, float], *place: str) -> Iterator[Fault]:
         yield f"must be [low, high], both within ±{WIDEST:g}, not {list(ends)}", place
 
 
-def _sizes(thing: object, names: Iterable[str], *place: str) -> Iterator[Fault]:
-    for name in names:
-        if fault := size_fault(getattr(thing, name)):
+def _sizes(thing: Any, *place: str) -> Iterator[Fault]:
+    """Yield the fields that must be above 0, where one is given, and are not."""
+    for name in _positive_fields(thing.__class__):
+        value = getattr(thing, name)
+        if value is not None and (fault := size_fault(value)):
             yield fault, (*place, name)
+
+
+@cache
+def _positive_fields(kind: type) -> list[str]:
+    hints = get_type_hints(kind, include_extras=True)
+    return [name for name, hint in hints.items() if Positive in (hint, *get_args(hint))]

@@ -3,8 +3,6 @@
 All lengths are metres, angles radians, speeds m/s, heights above the floor; z points up.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -16,6 +14,7 @@ import shapely
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
+from .files.fields import KEYS, Positive
 from .files.problems import Problem, UserError
 from .files.values import NamedField
 
@@ -47,7 +46,7 @@ def rectangle(centre: Point, direction: Point, length: float, width: float) -> P
     return Polygon(corners)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Obstacle:
     """Something that stands on or hangs over the floor: a footprint from `bottom` up to `top`."""
 
@@ -69,7 +68,7 @@ class Station:
     position: Point
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Door:
     """A door between the two `ends`: nothing where it is open, and a wall where it is closed.
 
@@ -79,8 +78,8 @@ class Door:
     name: str
     ends: tuple[Point, Point]
     is_open: bool = True
-    thickness: float = 0.1
-    height: float = DEFAULT_HEIGHT
+    thickness: Positive = 0.1
+    height: Positive = DEFAULT_HEIGHT
 
     @property
     def footprint(self) -> Polygon:
@@ -93,14 +92,14 @@ class Door:
     @property
     def closed(self) -> Obstacle:
         """The obstacle that it is where it is closed."""
-        return Obstacle(self.name, self.footprint, 0.0, self.height)
+        return Obstacle(name=self.name, footprint=self.footprint, bottom=0.0, top=self.height)
 
 
 ALONG = 0.2
 """Sine of the angle (11.5°) within which a side of a one-way zone runs along its direction."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Zone:
     """An area with a rule for the people and AGVs whose names match one of `concerns`.
 
@@ -111,7 +110,7 @@ class Zone:
 
     name: str
     area: Polygon
-    max_speed: float | None = None
+    max_speed: Positive | None = None
     forbidden: bool = False
     concerns: tuple[str, ...] = EVERYBODY
     one_way: Point | None = None
@@ -121,7 +120,7 @@ class Zone:
         return _is_one_of(name, self.concerns)
 
     @property
-    def gates(self) -> tuple[Gate, ...]:
+    def gates(self) -> "tuple[Gate, ...]":
         """The sides of a one-way zone that lie across its direction, as gates."""
         if self.one_way is None or not any(self.one_way):
             return ()
@@ -136,11 +135,18 @@ class Zone:
             if abs(outwards) > ALONG * width:
                 towards = ((ax + bx) / 2 + c, (ay + by) / 2 + s)
                 name = f"{self.name} ({'exit' if outwards > 0 else 'entry'})"
-                found.append(Gate(name, ((ax, ay), (bx, by)), towards, self.concerns))
+                found.append(
+                    Gate(
+                        name=name,
+                        ends=((ax, ay), (bx, by)),
+                        towards=towards,
+                        concerns=self.concerns,
+                    )
+                )
         return tuple(found)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Gate:
     """A line between two `ends`, from wall to wall, that is crossed in one direction only.
 
@@ -179,18 +185,20 @@ class SafeZone:
     heading: float = 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Human:
     """Measures of the people on this floor (metres, seconds), unless a trial says otherwise."""
 
-    radius: float = 0.3
-    height: float = 1.75
-    max_speed: float = 1.0
-    max_acceleration: float = 2.5
-    goal_tolerance: float = 0.25
+    __pydantic_config__ = KEYS
+
+    radius: Positive = 0.3
+    height: Positive = 1.75
+    max_speed: Positive = 1.0
+    max_acceleration: Positive = 2.5
+    goal_tolerance: Positive = 0.25
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Lane:
     """The straight lane of one AGV.
 
@@ -204,11 +212,11 @@ class Lane:
     limits: tuple[float, float]
     locations: Mapping[str, float]
     start: str
-    length: float
-    width: float
-    height: float
-    max_speed: float
-    max_acceleration: float
+    length: Positive
+    width: Positive
+    height: Positive
+    max_speed: Positive
+    max_acceleration: Positive
     serves: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
@@ -252,22 +260,22 @@ ROUNDING = 1e-9
 """Metres or radians. A pose this little beyond a limit counts as at it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Axis:
     """One axis of the gantry: its range and limits, in metres or radians, and seconds."""
 
     low: float
     high: float
-    max_speed: float
-    max_acceleration: float
-    max_jerk: float
+    max_speed: Positive
+    max_acceleration: Positive
+    max_jerk: Positive
 
     def reaches(self, value: float) -> bool:
         """Return True if `value` is within its range, but for rounding."""
         return self.low - ROUNDING <= value <= self.high + ROUNDING
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Gantry:
     """An overhead robot: a bridge (x), a trolley (y) and a rotation about z that carry a torso.
 
@@ -281,10 +289,10 @@ class Gantry:
     start: tuple[float, float, float]
     torso: tuple[float, float, float, float]
     arm_mount: tuple[float, float]
-    arm_reach: float
-    arm_bottom: float
-    rail_height: float
-    tray_height: float
+    arm_reach: Positive
+    arm_bottom: Positive
+    rail_height: Positive
+    tray_height: Positive
 
     def faults(self, target: tuple[float, float, float]) -> list[str]:
         """Return a message for each of x, y and rotation of `target` that is out of range."""
@@ -307,7 +315,7 @@ LEFT_OUT_IF_EMPTY = ("doors", "zones", "gates")
 """Fields of a floor that recordings have only where there is something."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Floor:
     """A floor as data: its boundary and what stands on it. Compare with `==`, share freely.
 
@@ -353,7 +361,7 @@ class Floor:
             source=source,
             boundary=Polygon(area.exterior),
             obstacles=[
-                Obstacle(f"obstacle{k}", hole, 0.0, DEFAULT_HEIGHT)
+                Obstacle(name=f"obstacle{k}", footprint=hole, bottom=0.0, top=DEFAULT_HEIGHT)
                 for k, hole in enumerate(holes, start=1)
             ],
         )

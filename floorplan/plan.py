@@ -321,7 +321,7 @@ def free_cells(
     return free
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, kw_only=True)
 class Floorplan(Floor):
     """A floor: its boundary and what stands on it. Compare with `==`, share freely.
 

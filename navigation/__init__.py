@@ -2,25 +2,13 @@
 
 from .bodies import Disc
 from .catalog import Path, PlannerError, PlanningError, planners
-from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes, agv_box, folded_arm, torso_box
-from .machines import (
-    ARIAC_GANTRY,
-    AxisState,
-    GantryLimits,
-    agv_run,
-    agv_stop,
-    gantry_move,
-    gantry_stop,
-    lane_state,
-    longest_stop,
-)
+from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes
+from .machines import agv_run, agv_stop, gantry_move, gantry_stop
 from .monitor import (
     Apart,
     Approaching,
-    Both,
     Condition,
     Moving,
-    Not,
     Overlapping,
     TooClose,
     first_time,
@@ -48,12 +36,9 @@ from .walking import remaining_path, stop_walking, walk
 from .world import CollisionWorld
 
 __all__ = [
-    "ARIAC_GANTRY",
     "Apart",
     "ApproachLaw",
     "Approaching",
-    "AxisState",
-    "Both",
     "Box",
     "CollisionWorld",
     "Condition",
@@ -62,7 +47,6 @@ __all__ = [
     "Enclosure",
     "Encounter",
     "FixedDistance",
-    "GantryLimits",
     "GantryPath",
     "GantryPlanner",
     "IntegralLaw",
@@ -71,7 +55,6 @@ __all__ = [
     "MotionLaw",
     "Mover",
     "Moving",
-    "Not",
     "Overlapping",
     "Path",
     "PathPlanner",
@@ -82,17 +65,13 @@ __all__ = [
     "SeparationLaw",
     "Shapes",
     "TooClose",
-    "agv_box",
     "agv_run",
     "agv_stop",
     "first_time",
     "first_violation",
-    "folded_arm",
     "gantry_move",
     "gantry_stop",
     "join",
-    "lane_state",
-    "longest_stop",
     "minimum_margin",
     "minimum_separation",
     "plan_among",
@@ -102,7 +81,6 @@ __all__ = [
     "required_at_speeds",
     "standing",
     "stop_walking",
-    "torso_box",
     "violations",
     "walk",
     "when",

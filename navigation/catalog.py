@@ -23,7 +23,7 @@ from floorplan.files.problems import field_name, suggestion
 Reason = Literal["start_blocked", "goal_blocked", "unreachable", "not_found"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Path:
     """A polyline on the floor that a disc can follow without touching anything."""
 
@@ -40,8 +40,9 @@ class Path:
         figures = f"{len(self.points)} waypoints, {self.clearance:.3f} m clear"
         return f"<{type(self).__name__} of {self.length:.3f} m by {self.planner}: {figures}>"
 
-    def __reduce__(self) -> tuple[type[Path], tuple[NDArray[np.float64], float, str, int]]:
-        return (type(self), (self.points, self.clearance, self.planner, self.checks))
+    def __getstate__(self) -> dict[str, Any]:
+        """Return its fields, with the clearance as a number."""
+        return vars(self) | {"clear": self.clearance}
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """Return its points: a path stands for them wherever an array does, as in `walk`."""

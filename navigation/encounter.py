@@ -16,6 +16,8 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import NamedTuple
 
+from typing_extensions import Self
+
 from floorplan import Gantry, Lane
 
 from .kernels.encounter import EncounterBounds
@@ -51,6 +53,11 @@ class Cylinder:
     def __post_init__(self) -> None:
         _require_solid(self)
 
+    @classmethod
+    def of_arm(cls, gantry: Gantry) -> Self:
+        """Return what a gantry's folded arm may sweep as it turns, up to its torso's top."""
+        return cls(radius=gantry.arm_reach, bottom=gantry.arm_bottom, top=gantry.torso[3])
+
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
         """The points whose hull, grown by `rounding`, is the footprint."""
@@ -76,6 +83,17 @@ class Box:
 
     def __post_init__(self) -> None:
         _require_solid(self)
+
+    @classmethod
+    def of_torso(cls, gantry: Gantry) -> Self:
+        """Return the torso of a gantry, which turns with its rotation."""
+        length, width, bottom, top = gantry.torso
+        return cls(length=length, width=width, bottom=bottom, top=top)
+
+    @classmethod
+    def of_agv(cls, lane: Lane) -> Self:
+        """Return the box of the AGV of a lane, with its load."""
+        return cls(length=lane.length, width=lane.width, top=lane.height)
 
     def is_level_with(self, other: Box) -> bool:
         """Return whether their heights overlap: neither is above the other."""
@@ -118,22 +136,6 @@ class Shapes:
         return tuple(_gauge(self.person, part) for part in self.machine)
 
 
-def torso_box(gantry: Gantry) -> Box:
-    """Return the torso of a gantry, which turns with its rotation."""
-    length, width, bottom, top = gantry.torso
-    return Box(length=length, width=width, bottom=bottom, top=top)
-
-
-def folded_arm(gantry: Gantry) -> Cylinder:
-    """The cylinder that a gantry's folded arm may sweep as it turns, up to its torso's top."""
-    return Cylinder(radius=gantry.arm_reach, bottom=gantry.arm_bottom, top=gantry.torso[3])
-
-
-def agv_box(lane: Lane) -> Box:
-    """Return the box of the AGV of a lane, with its load."""
-    return Box(length=lane.length, width=lane.width, top=lane.height)
-
-
 def _gauge(person: Cylinder, part: Cylinder | Box) -> Gauge:
     height = max(part.bottom - person.top, person.bottom - part.top, 0.0)
     if isinstance(part, Cylinder):
@@ -147,7 +149,7 @@ that is integrated with eight nodes: the error is then below 2e-13 of the stretc
 (L. N. Trefethen, "Approximation Theory and Approximation Practice", theorem 19.3)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Enclosure:
     """A figure over an interval: within `slack` of `value` + `slope` u + `curve` u² / 2.
 
@@ -162,7 +164,7 @@ class Enclosure:
     @staticmethod
     def between(low: float, high: float) -> Enclosure:
         """Return a figure of which only bounds are known."""
-        return Enclosure((low + high) / 2, 0.0, (high - low) / 2)
+        return Enclosure(value=(low + high) / 2, slope=0.0, slack=(high - low) / 2)
 
     def range(self, half: float) -> tuple[float, float]:
         """Return the least and the most it may be on an interval of twice `half` (seconds)."""
@@ -172,20 +174,28 @@ class Enclosure:
     def __add__(self, other: Enclosure | float) -> Enclosure:
         if isinstance(other, Enclosure):
             return Enclosure(
-                self.value + other.value,
-                self.slope + other.slope,
-                self.slack + other.slack,
-                self.curve + other.curve,
+                value=self.value + other.value,
+                slope=self.slope + other.slope,
+                slack=self.slack + other.slack,
+                curve=self.curve + other.curve,
             )
-        return Enclosure(self.value + other, self.slope, self.slack, self.curve)
+        return Enclosure(
+            value=self.value + other, slope=self.slope, slack=self.slack, curve=self.curve
+        )
 
     def __mul__(self, factor: float) -> Enclosure:
         return Enclosure(
-            self.value * factor,
-            self.slope * factor,
-            self.slack * abs(factor),
-            self.curve * factor,
+            value=self.value * factor,
+            slope=self.slope * factor,
+            slack=self.slack * abs(factor),
+            curve=self.curve * factor,
         )
+
+
+def enclosure_of(figures: tuple[float, float, float, float]) -> Enclosure:
+    """Return the enclosure with this value, slope, slack and curve."""
+    value, slope, slack, curve = figures
+    return Enclosure(value=value, slope=slope, slack=slack, curve=curve)
 
 
 class Odometer(PathLength):
@@ -197,11 +207,11 @@ class Odometer(PathLength):
 
     def ahead(self, begin: float, end: float, seconds: float) -> Enclosure:
         """The path length (metres) within `seconds` of each instant from `begin` to `end`."""
-        return Enclosure(*self.path_ahead(begin, end, seconds).numbers())
+        return enclosure_of(self.path_ahead(begin, end, seconds).numbers())
 
     def speed(self, begin: float, end: float) -> Enclosure:
         """Return the speed (m/s) from `begin` to `end`; at a change, the one after it."""
-        return Enclosure(*self.speed_within(begin, end).numbers())
+        return enclosure_of(self.speed_within(begin, end).numbers())
 
     def cut(self) -> tuple[MutableSequence[float], float]:
         """Return the stretches in which the speed is smooth, and the whole length (metres).
@@ -348,8 +358,8 @@ class Encounter(EncounterBounds):
 
     def human_speed(self, begin: float, end: float) -> Enclosure:
         """Return the human's speed over an interval within this stretch, m/s."""
-        return Enclosure(*self.speed_of(False, begin, end).numbers())
+        return enclosure_of(self.speed_of(False, begin, end).numbers())
 
     def robot_speed(self, begin: float, end: float) -> Enclosure:
         """Return the robot's speed over an interval within this stretch, m/s."""
-        return Enclosure(*self.speed_of(True, begin, end).numbers())
+        return enclosure_of(self.speed_of(True, begin, end).numbers())

@@ -267,15 +267,17 @@ def gantry_move(
     target: tuple[float, float, float],
     start: float = 0.0,
     *,
-    limits: GantryLimits = ARIAC_GANTRY,
+    limits: Gantry | GantryLimits = ARIAC_GANTRY,
 ) -> Motion:
     """Return the fastest move to `target` (x, y in metres, rotation in radians), to end at rest.
 
     `current` is where the gantry stands, or its `State` if it moves: position, velocity and
     acceleration go on without a jump. The axes arrive together, and from rest go straight. The
-    move begins at `start` (seconds), and keeps within `limits`.
+    move begins at `start` (seconds), and keeps within `limits`: those of ARIAC's gantry by default,
+    or of the gantry of a floorplan.
     """
     target = _plain(target)
+    limits = gantry_limits(limits) if isinstance(limits, Gantry) else limits
     if not isinstance(current, State):
         return _along_axes(straight(_plain(current), target, limits), start)
     if not (any(current.velocity) or any(current.acceleration)):
@@ -283,8 +285,14 @@ def gantry_move(
     return _along_axes(rows_to_position(current, (target, _STILL, _STILL), limits), start)
 
 
-def gantry_stop(current: State, start: float, *, limits: GantryLimits = ARIAC_GANTRY) -> Motion:
-    """Return the fastest stop from `current` within `limits`; it begins at `start` (seconds)."""
+def gantry_stop(
+    current: State, start: float, *, limits: Gantry | GantryLimits = ARIAC_GANTRY
+) -> Motion:
+    """Return the fastest stop from `current` within `limits`; it begins at `start` (seconds).
+
+    `limits` are as in `gantry_move`.
+    """
+    limits = gantry_limits(limits) if isinstance(limits, Gantry) else limits
     state = numbers([*current.position, *current.velocity, *current.acceleration])
     return Motion(TablePieces(gantry_stops(limits).after(state, float(start))))
 
@@ -295,21 +303,32 @@ def gantry_stops(limits: GantryLimits = ARIAC_GANTRY) -> AxisStops:
     return AxisStops([c for axis in limits for c in (axis.max_acceleration, axis.max_jerk)])
 
 
-def agv_run(lane: Lane, current: AxisState, target: str | float, start: float = 0.0) -> Motion:
-    """Return a run along `lane` from the lane position in `current` to `target`, to end at rest.
+def agv_run(
+    lane: Lane, current: float | State | AxisState, target: str | float, start: float = 0.0
+) -> Motion:
+    """Return a run along `lane` from where the AGV is in `current` to `target`, to end at rest.
 
-    `target` is a lane position in metres or the name of a location; `ValueError` if the lane has
-    no such place. The run begins at `start` (seconds).
+    `current` is the lane position (metres) at which it stands, or its `State` if it moves. `target`
+    is a lane position in metres or the name of a location; `ValueError` if the lane has no such
+    place. The run begins at `start` (seconds).
     """
     limits = AxisLimits(lane.max_speed, lane.max_acceleration)
-    (phases,) = to_position([current], [AxisState(lane.lane_position(target))], [limits])
+    begin, end = _on_lane(lane, current), AxisState(lane.lane_position(target))
+    (phases,) = to_position([begin], [end], [limits])
     return _along_lane(lane, phases, start)
 
 
-def agv_stop(lane: Lane, current: AxisState, start: float = 0.0) -> Motion:
-    """The fastest stop on `lane` from the lane position in `current`, begun at `start` (s)."""
-    state = (current.position, current.velocity, current.acceleration)
+def agv_stop(lane: Lane, current: State | AxisState, start: float = 0.0) -> Motion:
+    """Return the fastest stop on `lane` of an AGV in the state `current`, begun at `start` (s)."""
+    now = _on_lane(lane, current)
+    state = (now.position, now.velocity, now.acceleration)
     return Motion(TablePieces(agv_stops(lane).after(*state, float(start))))
+
+
+def _on_lane(lane: Lane, current: float | State | AxisState) -> AxisState:
+    if isinstance(current, State):
+        return lane_state(lane, current)
+    return current if isinstance(current, AxisState) else AxisState(float(current))
 
 
 def agv_stops(lane: Lane) -> LaneStops:

@@ -63,6 +63,18 @@ class _KernelCondition:
         """See `Condition`."""
         return judge_of(self).verdict(encounter, begin, end)
 
+    def __invert__(self) -> Not:
+        """Return the condition that this one does not hold."""
+        return Not(self)
+
+    def __and__(self, other: Condition) -> Both:
+        """Return the condition that both hold at once."""
+        return Both(self, other)
+
+    def __rand__(self, other: Condition) -> Both:
+        """Return the condition that both hold at once."""
+        return Both(other, self)
+
 
 @dataclass(frozen=True)
 class TooClose(_KernelCondition):

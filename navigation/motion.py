@@ -203,7 +203,7 @@ class Motion:
         if known is not None and known[0] == t:
             return known[1]
         t = float(t)
-        found = tuple.__new__(State, state(self.table, t))  # as `State(...)`, in half the time
+        found = State(*state(self.table, t))
         # A motion never changes, so an answer of its is right for ever.
         kept["known"] = (t, found)
         return found

@@ -224,7 +224,12 @@ class PathPlanner:
             found = self._sampled(leave, arrive, choice, seed, watch)
         points = np.array(distinct([a, leave, *found, arrive, b], _STEP))
         clear = partial(self.world.clearance, points, self.world.bodies)
-        return Path(points, clear, choice.name, self.world.checks - before)
+        return Path(
+            points=points,
+            clear=clear,
+            planner=choice.name,
+            checks=self.world.checks - before,
+        )
 
     def roadmap(self, step: float | None = None) -> Roadmap:
         """Return the network of paths between the fixed things, made when first needed."""
@@ -398,7 +403,7 @@ class GantryPlanner:
         counted = dict(agvs or {})
         self._world = CollisionWorld(
             Floorplan(
-                plan.name,
+                name=plan.name,
                 boundary=self._range(),
                 obstacles=plan.obstacles,
                 lanes=tuple(lane for lane in plan.lanes if lane.name in counted),
@@ -450,10 +455,10 @@ class GantryPlanner:
         share = so_far / so_far[-1] if so_far[-1] > 0 else np.array([0.0, 1.0])
         turned = start[2] + share * (goal[2] - start[2])
         return GantryPath(
-            np.column_stack([path.points, turned]),
-            lambda: path.clearance,
-            path.planner,
-            path.checks,
+            points=np.column_stack([path.points, turned]),
+            clear=lambda: path.clearance,
+            planner=path.planner,
+            checks=path.checks,
         )
 
     def _range(self) -> shapely.Polygon:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from numbers import Real
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
-from .encounter import Enclosure, Encounter
+from .encounter import Enclosure, Encounter, enclosure_of
 from .kernels.laws import LawEvaluator, LinearLaw, PathIntegralLaw, PythonLaw, ScaledLaw
 from .machines import Machine, longest_stop
 from .motion import Motion, Piece
@@ -51,7 +51,7 @@ class MotionLaw(Protocol):
         ...
 
 
-AnyLaw: TypeAlias = "Law | MotionLaw"
+AnyLaw: TypeAlias = Law | MotionLaw
 """A law of either kind."""
 
 
@@ -213,7 +213,7 @@ def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> 
 
     See `MotionLaw`.
     """
-    return Enclosure(*kernel_of(law).required(encounter, begin, end))
+    return enclosure_of(kernel_of(law).required(encounter, begin, end))
 
 
 def kernel_of(law: AnyLaw) -> LawEvaluator:

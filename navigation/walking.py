@@ -4,7 +4,7 @@ Both follow motions that end in a standing which counts for ever. Where they go 
 of plain numbers, in which the kernel of `discs` looks.
 
 A person among others weighs many courses before taking one, and slows down to speeds below the
-one they have. Courses that are weighed are tables (see `pacing`); the one taken becomes a motion.
+one they have. Courses that are weighed are swaths; the one taken becomes a motion.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .kernels import walks
 from .kernels.candidates import bound
@@ -25,6 +25,10 @@ from .kernels.pacing import turned, walk_table
 from .kernels.pieces import along_legs
 from .machines import AxisLimits
 from .motion import Motion, State, TablePieces, motion_of, standing
+
+Corner = tuple[float, float]
+
+_NONE = numbers(())
 
 
 class Swath(NamedTuple):
@@ -41,7 +45,47 @@ class Swath(NamedTuple):
     @staticmethod
     def of(table: MutableSequence[float], box: MutableSequence[float]) -> Swath:
         """Return the swath of a table within bounds."""
-        return tuple.__new__(Swath, (table, table[-ROW], box))  # as `Swath(...)`, but quicker
+        return Swath(table, table[-ROW], box)
+
+    @staticmethod
+    def along(
+        corners: Sequence[Corner],
+        start: float,
+        *,
+        initial_speed: float = 0.0,
+        top_speed: float | Sequence[float],
+        max_speed: float,
+        max_acceleration: float,
+        lead: Swath | None = None,
+        since: float | None = None,
+    ) -> Swath | None:
+        """Return where the `walk` along `corners` goes that keeps to `top_speed`, from `start` on.
+
+        It follows on the walk `lead`, if there is one, or on standing from `since` (seconds) on.
+        None where it can't come to rest, or slow down enough for a corner.
+        """
+        places, before, bounds = flat([*corners]), _NONE, _NONE
+        if lead is not None:
+            before, bounds, since = lead.walk, lead.box, lead.rests
+        table = walk_table(
+            places,
+            numbers((top_speed,) if isinstance(top_speed, float | int) else top_speed),
+            start if since is None else since,
+            start,
+            initial_speed,
+            max_speed,
+            max_acceleration,
+            before,
+        )
+        if not table:
+            return None
+        box = room(4)
+        bound(places, len(places), bounds, box)
+        return Swath.of(table, box)
+
+    def motion(self, heading: float) -> Motion:
+        """Return the motion along it: turned to where it goes, at first by `heading` (radians)."""
+        return motion_of(turned(self.table, heading))
 
     @property
     def walk(self) -> MutableSequence[float]:
@@ -63,11 +107,6 @@ def swath(motion: Motion, begin: float) -> Swath:
     since = max(begin, motion.end)
     box = room(4)
     return Swath.of(swept(motion.table, begin, since, *motion.state(since).at, box), box)
-
-
-def walked(swath: Swath, heading: float) -> Motion:
-    """Return the motion along a `swath`: turned to where it goes, at first by `heading` (rad)."""
-    return motion_of(turned(swath.table, heading))
 
 
 def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> float | None:
@@ -96,8 +135,6 @@ MAX_SPEED = 1.0
 MAX_ACCELERATION = 2.5
 """m/s². A person's acceleration where nothing else is said."""
 
-Corner = tuple[float, float]
-
 
 def walk(
     points: ArrayLike,
@@ -106,6 +143,7 @@ def walk(
     max_speed: float = MAX_SPEED,
     max_acceleration: float = MAX_ACCELERATION,
     initial_speed: float = 0.0,
+    top_speed: float | Sequence[float] | None = None,
 ) -> Motion:
     """Return a walk along `points` ((N, 2), metres) that begins at `start` (seconds).
 
@@ -113,9 +151,24 @@ def walk(
     `max_speed` nor changes faster than `max_acceleration`, and at every corner it is at most
     `corner_speed`. The rotation is the heading. `ValueError` if the points are not finite, or if
     the path is too short to come to rest from `initial_speed`.
+
+    With a `top_speed`, or one for each leg between `points`, the walk slows down to it as soon as
+    `max_acceleration` lets it: `initial_speed` may be higher.
     """
-    corners = _corners(points)
     _check_limits(max_speed, max_acceleration)
+    if top_speed is not None:
+        swath = Swath.along(
+            [(x, y) for x, y in _checked(points).tolist()],
+            float(start),
+            initial_speed=initial_speed,
+            top_speed=top_speed,
+            max_speed=max_speed,
+            max_acceleration=max_acceleration,
+        )
+        if swath is None:
+            raise ValueError(f"the path is too short to slow down from {initial_speed:g} m/s")
+        return swath.motion(0.0)
+    corners = _corners(points)
     if len(corners) == 1:
         if initial_speed > 0:
             raise ValueError("a path of no length is too short to come to rest on")
@@ -214,82 +267,16 @@ def _corners(points: ArrayLike) -> list[Corner]:
         corners = walks.bends(points)
         if corners is not None:
             return corners
+    found = walks.bends([(x, y) for x, y in _checked(points).tolist()])
+    assert found is not None  # they are finite floats
+    return found
+
+
+def _checked(points: ArrayLike) -> NDArray[np.float64]:
+    """Return `points` as finite numbers of shape (N, 2)."""
     array = np.asarray(points, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 2 or len(array) == 0:
         raise ValueError(f"a path needs points of shape (N, 2), not {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError("a path needs finite points")
-    found = walks.bends([(x, y) for x, y in array.tolist()])
-    assert found is not None  # they are finite floats
-    return found
-
-
-Waypoint = tuple[float, float]
-
-_NONE = numbers(())
-
-
-def pace(
-    corners: Sequence[Waypoint],
-    start: float,
-    *,
-    initial_speed: float = 0.0,
-    top_speed: float | Sequence[float],
-    max_speed: float,
-    max_acceleration: float,
-    lead: Swath | None = None,
-    since: float | None = None,
-) -> Swath | None:
-    """Return where a walk along `corners` (x, y in metres) goes, from `start` (seconds) to rest.
-
-    It sets out at `initial_speed` along the first leg, and keeps to `top_speed` as soon as
-    `max_acceleration` lets it; corners are taken as `walk` takes them, and never faster than
-    `max_speed` (m/s, m/s²). `top_speed` may be a speed for each leg. It follows on the walk `lead`,
-    if there is one, or on standing from `since` on. None where it can't come to rest, or slow down
-    enough for a corner.
-    """
-    places, before, bounds = flat([*corners]), _NONE, _NONE
-    if lead is not None:
-        before, bounds, since = lead.walk, lead.box, lead.rests
-    tops = numbers((top_speed,) if isinstance(top_speed, float | int) else top_speed)
-    table = walk_table(
-        places,
-        tops,
-        start if since is None else since,
-        start,
-        initial_speed,
-        max_speed,
-        max_acceleration,
-        before,
-    )
-    if not table:
-        return None
-    box = room(4)
-    bound(places, len(places), bounds, box)
-    return Swath.of(table, box)
-
-
-def paced(
-    corners: Sequence[Waypoint],
-    start: float,
-    *,
-    initial_speed: float = 0.0,
-    top_speed: float | Sequence[float],
-    max_speed: float,
-    max_acceleration: float,
-) -> Motion | None:
-    """Return the walk of `pace` as a motion.
-
-    Along `corners` (x, y in metres) from `start` (seconds), at `initial_speed` first, then at
-    `top_speed` (or those of each leg), at corners at `max_speed` at most (m/s), with
-    `max_acceleration` (m/s²). None where there is none.
-    """
-    found = pace(
-        corners,
-        float(start),
-        initial_speed=initial_speed,
-        top_speed=top_speed,
-        max_speed=max_speed,
-        max_acceleration=max_acceleration,
-    )
-    return None if found is None else walked(found, 0.0)
+    return array

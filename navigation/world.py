@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Collection, Iterable, Mapping, MutableSequence
+from typing import NoReturn
 
 import numpy as np
 import shapely
@@ -76,6 +76,9 @@ class CollisionWorld:
         for lane in plan.lanes:
             self.move_agv(lane.name, lane.start)
 
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(f"a {type(self).__name__} holds FCL's geometry, which can't be copied")
+
     def __repr__(self) -> str:
         return f"<CollisionWorld of {self.plan.name!r} with {len(self._bodies)} bodies>"
 
@@ -136,7 +139,8 @@ class CollisionWorld:
         for name in away:
             if name not in known:
                 raise KeyError(f"no body is called {name!r}; {suggestion(name, sorted(known))}")
-        other = copy.copy(self)
+        other = object.__new__(type(self))
+        vars(other).update(vars(self))
         other._bodies = {name: b for name, b in self._bodies.items() if name not in away}
         other._agvs = {name: q for name, q in self._agvs.items() if name not in away}
         other._free_space = dict(self._free_space)

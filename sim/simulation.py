@@ -15,7 +15,6 @@ from shapely.geometry import Polygon
 
 from floorplan import Obstacle, UserError
 from floorplan.files.problems import refuse, suggestion
-from floorplan.files.reading import no_garbage
 from floorplan.files.values import require
 from navigation import CollisionWorld
 
@@ -108,7 +107,7 @@ def _as_recorded(one: Obstacle) -> Obstacle:
     """Return an obstacle as it is read again from what is recorded of it."""
     corners = [tuple(map(float, rounded(corner))) for corner in _corners(one)]
     bottom, top = rounded((float(one.bottom), float(one.top)))
-    return Obstacle(one.name, Polygon(corners), bottom, top)
+    return Obstacle(name=one.name, footprint=Polygon(corners), bottom=bottom, top=top)
 
 
 def schedule_blackouts(stage: Stage, blackouts: Iterable[Blackout]) -> None:
@@ -150,7 +149,6 @@ class Simulation:
     """
 
     @supervised()
-    @no_garbage()
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
         require(trial, Trial, "sim.Trial.load")

@@ -1,5 +1,6 @@
 """The documents are true: their examples run, their links lead somewhere."""
 
+import dataclasses
 import importlib
 import pkgutil
 import re
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 import yaml
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 import bdi
 import floorplan
@@ -136,15 +138,23 @@ gantry: {{jobs: [{{move: [-2.3, 3.0, 0.0]}}, {{pick: bin6, place: agv4}}]}}
 
 def keys(model, above=()):
     """Every key of a file's part and of the parts in it, with those above it."""
-    for name, info in model.model_fields.items():
+    for name, info in fields_of(model):
         yield (*above, name), info
         for part in parts(info.annotation):
             if part.__name__ not in above:
                 yield from keys(part, (*above, part.__name__))
 
 
+def fields_of(part):
+    if issubclass(part, BaseModel):
+        return part.model_fields.items()
+    return [(one.name, FieldInfo.from_annotation(one.type)) for one in dataclasses.fields(part)]
+
+
 def parts(annotation):
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+    if isinstance(annotation, type) and (
+        issubclass(annotation, BaseModel) or dataclasses.is_dataclass(annotation)
+    ):
         yield annotation
     for inner in typing.get_args(annotation):
         yield from parts(inner)

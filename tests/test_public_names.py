@@ -1,9 +1,17 @@
-"""Every public name is explained where it is defined."""
+"""Public names: explained where they are defined, with known types, by keyword, and copied."""
 
+import copy
+import dataclasses
 import importlib
 import inspect
+import pickle
 import re
-from typing import get_origin
+from typing import get_origin, get_type_hints
+
+import pytest
+
+import floorplan
+import navigation
 
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
 NAMES = [
@@ -58,3 +66,138 @@ def test_functions_say_what_each_parameter_is():
         if not re.search(rf"\b{parameter}\b", own_docstring(value(name)))
     ]
     assert unnamed == []
+
+
+BEHAVING = ("floorplan", "navigation")
+"""Packages whose names are held to the rules below."""
+
+MOST_POSITIONAL = 3
+"""Values with more fields are made by keyword."""
+
+
+def names_of(package):
+    return importlib.import_module(package).__all__
+
+
+def classes_of(package):
+    found = [getattr(importlib.import_module(package), name) for name in names_of(package)]
+    return [of for of in found if is_class(of)]
+
+
+def callables_of(package):
+    """Return the functions, classes and public methods of a package, by name."""
+    for name in names_of(package):
+        of = value(f"{package}.{name}")
+        if is_class(of):
+            yield name, of
+            yield name, of.__init__
+            yield from public_members(of)
+        elif inspect.isfunction(of):
+            yield name, of
+
+
+@pytest.mark.parametrize("package", BEHAVING)
+def test_types_of_everything_that_can_be_called_are_known(package):
+    unknown = []
+    for name, of in callables_of(package):
+        try:
+            get_type_hints(of)
+        except NameError as why:
+            unknown.append(f"{name}: {why}")
+    assert unknown == []
+
+
+@pytest.mark.parametrize("package", BEHAVING)
+def test_values_of_many_fields_are_made_by_keyword(package):
+    positional = {
+        of.__name__: names
+        for of in classes_of(package)
+        if dataclasses.is_dataclass(of)
+        for names in [[f.name for f in dataclasses.fields(of) if f.init and not f.kw_only]]
+        if len(names) > MOST_POSITIONAL
+    }
+    assert positional == {}
+
+
+PLAN = floorplan.load("ariac2023")
+LANE, GANTRY = PLAN.lanes[0], PLAN.gantry
+WORLD = navigation.CollisionWorld(PLAN)
+PERSON = navigation.walk([(-15.0, -10.0), (-13.0, -10.0), (-13.0, -8.0)])
+MOVE = navigation.gantry_move((-7.0, 0.0, 0.0), (-2.5, 0.5, 0.0))
+LAW = navigation.SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
+TORSO = navigation.Box.of_torso(GANTRY)
+DOOR = floorplan.Door(name="door", ends=((0.0, 0.0), (1.0, 0.0)))
+GATE = floorplan.Gate(name="gate", ends=((0.0, 0.0), (1.0, 0.0)), towards=(0.0, 1.0))
+INTEGRAL = navigation.IntegralLaw(t1=0.1, t2=0.5, stopping=0.2, intrusion=0.1)
+
+SAMPLES = {
+    "floorplan": [
+        *(PLAN, LANE, GANTRY, GANTRY.x, PLAN.human, PLAN.safe_zone, DOOR, GATE),
+        *(PLAN.obstacles[0], PLAN.stations[0], floorplan.Problem("is missing", "boundary", 1)),
+        floorplan.Zone(name="zone", area=PLAN.boundary, max_speed=1.0),
+    ],
+    "navigation": [
+        *(PERSON, MOVE, PERSON.pieces[0], LAW, INTEGRAL, navigation.ApproachLaw(time=0.5)),
+        *(navigation.FixedDistance(1.0), navigation.Scaled(LAW, 2.0), navigation.TooClose(LAW)),
+        *(navigation.TooClose(LAW) & ~navigation.Approaching(), navigation.Moving()),
+        *(
+            navigation.Approaching(),
+            navigation.Apart(1.0),
+            navigation.Overlapping(TORSO, TORSO),
+            TORSO,
+        ),
+        *(navigation.Cylinder.of_arm(GANTRY), navigation.Shapes(machine=(TORSO,))),
+        *(navigation.Enclosure(value=1.0), navigation.Disc((0.0, 0.0), 0.3)),
+    ],
+}
+"""Values to copy, which are compared by what they hold."""
+
+COPIES = {
+    "deepcopy": copy.deepcopy,
+    "pickle": lambda original: pickle.loads(pickle.dumps(original)),
+}
+
+
+@pytest.mark.parametrize("way", COPIES)
+@pytest.mark.parametrize("package", BEHAVING)
+def test_copies_are_equal(package, way):
+    navigation.first_time(navigation.TooClose(LAW), PERSON, MOVE, 0.0, 10.0)
+    different = [
+        type(original).__name__
+        for original in SAMPLES[package]
+        if type(copied := COPIES[way](original)) is not type(original) or copied != original
+    ]
+    assert different == []
+
+
+def test_every_value_is_copied():
+    for package, samples in SAMPLES.items():
+        kinds = {type(sample) for sample in samples}
+        values = {
+            of
+            for of in classes_of(package)
+            if dataclasses.is_dataclass(of) and of.__dataclass_params__.eq
+        }
+        assert values - kinds == set()
+
+
+@pytest.mark.parametrize("way", COPIES)
+def test_paths_movers_and_errors_are_copied(way):
+    planner = navigation.PathPlanner(WORLD, radius=0.3)
+    path = planner.plan((-15.0, -10.0), (-5.0, 3.75))
+    copied = COPIES[way](path)
+    assert (copied.points.tolist(), copied.clearance) == (path.points.tolist(), path.clearance)
+    mover = COPIES[way](navigation.Mover("agv", MOVE, TORSO))
+    assert (mover.name, mover.motion, mover.solid) == ("agv", MOVE, TORSO)
+    with pytest.raises(navigation.PlanningError) as found:
+        planner.plan((-15.0, -10.0), (99.0, 0.0))
+    for error in (found.value, floorplan.FloorplanError("f", [floorplan.Problem("is missing")])):
+        assert type(COPIES[way](error)) is type(error)
+        assert str(COPIES[way](error)) == str(error)
+
+
+@pytest.mark.parametrize("way", COPIES)
+def test_worlds_say_why_they_are_not_copied(way):
+    for original in (WORLD, navigation.PathPlanner(WORLD), navigation.GantryPlanner(PLAN)):
+        with pytest.raises(TypeError, match="holds FCL's geometry, which can't be copied"):
+            COPIES[way](original)

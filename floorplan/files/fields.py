@@ -134,6 +134,10 @@ Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_r
 """A field of a file: [low, high] with low < high, from -`LARGEST` to `LARGEST`."""
 
 
+KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True)
+"""How a dataclass is read that is a part of a file: unknown keys are refused."""
+
+
 class Strictly(BaseModel):
     """A part of a file in which unknown keys are refused.
 

@@ -111,6 +111,7 @@ MOST_MISFITS = 1_000
 
 EXPECTED = {
     "bool_type": "true or false",
+    "dataclass_type": "keys with values",
     "dict_type": "keys with values",
     "finite_number": "a finite number",
     "float_parsing": "a number",
@@ -135,6 +136,7 @@ UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 MISSING = ("missing", "missing_argument")
 FORMS = (
     "bool_type",
+    "dataclass_type",
     "dict_type",
     "float_type",
     "int_type",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import sys
 import types
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
@@ -19,6 +18,7 @@ from typing import (
     Union,
     get_args,
     get_origin,
+    get_type_hints,
     overload,
 )
 
@@ -105,8 +105,6 @@ _PLAIN: dict[Any, tuple[Any, str]] = {
 }
 """Values that count as a plain type, and the name of that type. Whole numbers are numbers."""
 
-_HINTS = "__annotations__"
-
 SOUND = "_sound"
 """Mark of a floorplan that was checked: it never changes, so once is enough."""
 
@@ -165,18 +163,17 @@ def _never_changes(value: Any) -> bool:
 def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
     """Return the fields that a dataclass is compared by, with their types.
 
-    A type that is imported for type checkers only is Any.
+    All are Any where one of them is imported for type checkers only.
     """
     found = []
+    try:
+        hints = get_type_hints(kind)
+    except NameError:
+        hints = {}
     for field in dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ():
         if not field.compare:
             continue
-        home = next(base for base in kind.__mro__ if field.name in vars(base).get(_HINTS, ()))
-        known = vars(sys.modules[home.__module__])
-        try:
-            hint = eval(field.type, known) if isinstance(field.type, str) else field.type
-        except NameError:
-            hint = Any
+        hint = hints.get(field.name, Any)
         if get_origin(hint) is NamedField:
             hint = types.GenericAlias(tuple, (*get_args(hint), ...))
         found.append((field.name, hint))

@@ -113,8 +113,8 @@ def _without_texts(path: Path) -> Drawing:
     lines = path.read_text(encoding=encoding, errors="surrogateescape").split("\n")
     tags = lines[: len(lines) // 2 * 2]
     codes, values = _kept([int(code) for code in tags[::2]], tags[1::2])
-    tag: Any = partial(tuple.__new__, _Tag)  # without a call of Python's for each
-    return Drawing.load(map(tag, zip(codes, values, strict=True)))
+    tag: Any = _Tag
+    return Drawing.load(map(tag, codes, values))
 
 
 def _kept(codes: list[int], values: list[str]) -> tuple[list[int], list[str]]:
@@ -569,5 +569,5 @@ def _obstacles(areas: list[_Area]) -> tuple[Obstacle, ...]:
             numbered = (f"{area.group}{k}" for k in numbers[area.group])
             name = next(one for one in numbered if one not in taken)
             taken.add(name)
-        found.append(Obstacle(name, area.polygon, area.bottom, area.top))
+        found.append(Obstacle(name=name, footprint=area.polygon, bottom=area.bottom, top=area.top))
     return tuple(found)

@@ -209,4 +209,4 @@ def _named(parts: _Parts) -> Iterator[Obstacle]:
         if name is None:
             counter = counters.setdefault(label, itertools.count(1))
             name = next(one for k in counter if (one := f"{label}{k}") not in taken)
-        yield Obstacle(name, polygon, bottom, top)
+        yield Obstacle(name=name, footprint=polygon, bottom=bottom, top=top)

@@ -72,7 +72,7 @@ def load_movingai(path: Path, cell: float = CELL) -> Floorplan:
         source=f"{path.name} (MovingAI map, cells of {cell:g} m)",
         boundary=shapely.transform(whole, in_metres),
         obstacles=[
-            Obstacle(f"obstacle{k}", piece, 0.0, DEFAULT_HEIGHT)
+            Obstacle(name=f"obstacle{k}", footprint=piece, bottom=0.0, top=DEFAULT_HEIGHT)
             for k, piece in enumerate(shapely.orient_polygons(pieces), start=1)
         ],
     )

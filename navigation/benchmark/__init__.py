@@ -1,17 +1,8 @@
 """Benchmark of planners: questions, measured and judged answers, tables and logs."""
 
 from .measuring import SEEDED, TOUCHES, Asked, Attempt, benchmark, known
-from .peers import PEERS, PeerInfo
-from .questions import (
-    MOST_CORNERS,
-    SHORTFALL,
-    QuerySet,
-    QuestionsError,
-    ShortestPaths,
-    map_of,
-    scenes,
-    scenes_of,
-)
+from .peers import PEERS
+from .questions import QuerySet, QuestionsError, map_of, scenes, scenes_of
 from .reports import (
     Curve,
     Estimate,
@@ -24,6 +15,7 @@ from .reports import (
     write_ompl_log,
     write_summary,
 )
+from .shortest import MOST_CORNERS, SHORTFALL, ShortestPaths
 
 __all__ = [
     "MOST_CORNERS",
@@ -35,7 +27,6 @@ __all__ = [
     "Attempt",
     "Curve",
     "Estimate",
-    "PeerInfo",
     "PlannerRow",
     "QuerySet",
     "QuestionsError",

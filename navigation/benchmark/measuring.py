@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,77 +17,10 @@ from floorplan import Floorplan, Point, UserError
 
 from ..catalog import PlannerChoice
 from ..world import CollisionWorld
-from .peers import Answer, Budget, Contender, Ours, Progress, peer_named
+from .peers import Answer, Contender, OwnPlanner, PeerPlanner, Progress, peer_named
 from .questions import QuerySet, scenes, scenes_of
 
 Floats = NDArray[np.float64]
-
-
-def turning(points: Floats) -> float:
-    """Return the radians that the polyline `points`, shape (N, 2), turns by in all."""
-    heading = np.unwrap(np.arctan2(*np.diff(points, axis=0).T[::-1]))
-    return float(np.abs(np.diff(heading)).sum())
-
-
-def ompl_smoothness(points: Floats) -> float:
-    """Return `PathGeometric::smoothness()` of the polyline `points`, shape (N, 2), in metres.
-
-    That is the sum over the inner waypoints of (2 α / (a + b))², with a and b the lengths of the
-    segments before and after, and α the angle in radians between their directions: 0 for a
-    straight path. OMPL leaves out a waypoint at which the path goes straight on or straight back.
-    """
-    steps = np.diff(points, axis=0)
-    lengths = np.hypot(*steps.T)
-    before, after = lengths[:-1], lengths[1:]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        cosine = (steps[:-1] * steps[1:]).sum(axis=1) / (before * after)
-        bends = np.abs(cosine) < 1
-        terms = (2 * np.arccos(cosine[bends]) / (before + after)[bends]) ** 2
-    return float(terms.sum())
-
-
-def ompl_clearance(points: Floats, distance: Callable[[Point], float], radius: float) -> float:
-    """Return `PathGeometric::clearance()` of the polyline `points`, shape (N, 2), in metres.
-
-    That is the mean over the waypoints of the distance to the nearest place that is not valid:
-    for a disc of `radius` metres its centre's `distance` to the nearest thing, less the radius.
-    """
-    return float(np.mean([distance((x, y)) for x, y in points.tolist()])) - radius
-
-
-_STATUS = Path("/proc/self/status")
-_RESET = Path("/proc/self/clear_refs")
-
-_PEAK = "5\n"
-"""Sets the peak to what there is now, since Linux 4.0: see proc(5)."""
-
-
-class PeakMemory:
-    """Growth of the resident memory from when this is made to its peak; Linux alone tells it.
-
-    What the allocator has kept from before is not counted again, so that the first answers of a
-    process grow more than later ones.
-    """
-
-    def __init__(self) -> None:
-        self._before = math.nan
-        try:
-            _RESET.write_text(_PEAK, encoding="ascii")
-            self._before = _megabytes("VmRSS")
-        except OSError:  # no Linux, or not allowed
-            return
-
-    def grown(self) -> float:
-        """Return the growth in MB; NaN where the system does not tell."""
-        if math.isnan(self._before):
-            return math.nan
-        return max(0.0, _megabytes("VmHWM") - self._before)
-
-
-def _megabytes(field: str) -> float:
-    found = re.search(rf"^{field}:\s+(\d+) kB", _STATUS.read_text(encoding="ascii"), re.M)
-    return int(found[1]) / 1024 if found else math.nan
-
 
 TOUCHES = 2e-3
 """Metres. A path that is this much closer to something than the radius is a wrong answer; some
@@ -95,8 +29,11 @@ peers know the floor no better."""
 _AT = 1e-6
 """Metres. A path begins and ends no farther than this from where it was asked to."""
 
+SEEDED = 50
+"""Number of seeded questions where none is given."""
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, kw_only=True)
 class Asked:
     """A question as it was put to a planner."""
 
@@ -107,17 +44,17 @@ class Asked:
     seed: int
     start: Point
     goal: Point
-    agvs: tuple[tuple[str, float], ...]
+    agvs: tuple[tuple[str, float], ...] = ()
     """Where they stood: lane positions, in metres."""
     shortest: float
     """Metres of the shortest path; infinite where there is none, NaN where nobody knows."""
-    listed: float
+    listed: float = math.nan
     """Metres that a scenario lists, over cells; NaN where there is none."""
     longest: float = math.inf
     """A path of more than so many times the shortest is a wrong answer."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Attempt:
     """One answer of one planner to one question."""
 
@@ -131,23 +68,23 @@ class Attempt:
     cpu_seconds: float
     planning_seconds: float
     simplification_seconds: float
-    scene_seconds: float
+    scene_seconds: float = 0.0
     """Of the CPU, that the planner looked at where the AGVs stand before it was asked here."""
-    memory: float
+    memory: float = math.nan
     """MB that the process grew by at its peak; NaN where the system does not tell."""
-    checks: int
+    checks: int = 0
     """Collision queries; 0 for a peer, which has its own."""
-    length: float
+    length: float = math.nan
     """Metres, as is all that follows but `bends` and `turning`; NaN where there is no path."""
-    clearance: float
+    clearance: float = math.nan
     """The least anywhere along the path, of its centre line."""
-    bends: int
-    turning: float
+    bends: int = 0
+    turning: float = math.nan
     """Radians that the path turns by in all."""
-    ompl_clearance: float
+    ompl_clearance: float = math.nan
     """OMPL's definition: the mean over the waypoints, less the radius."""
-    ompl_smoothness: float
-    """OMPL's definition, in 1/m²: see `geometry.ompl_smoothness`."""
+    ompl_smoothness: float = math.nan
+    """OMPL's definition, in 1/m²: see `ompl_smoothness`."""
     points: Floats | None
     progress: tuple[Progress, ...]
     """Ever shorter paths while it searched; the last is the answer."""
@@ -191,90 +128,6 @@ def _over(length: float, best: float) -> float:
     return length / best
 
 
-@dataclass(frozen=True)
-class Spent:
-    """What one answer took, beside its own times."""
-
-    scene_seconds: float
-    memory: float
-    checks: int
-
-
-@dataclass(frozen=True)
-class Evaluator:
-    """Measures and judges answers in `world`, for a disc of `radius` metres."""
-
-    world: CollisionWorld
-    radius: float
-
-    def attempt(self, asked: Asked, answer: Answer, spent: Spent) -> Attempt:
-        """Return `answer`, which took what it `spent`, measured and judged."""
-        points = _line(answer.points)
-        figures = _no_figures() if points is None else self._measured(points)
-        return Attempt(
-            asked=asked,
-            solved=points is not None,
-            reason=answer.reason,
-            wrong=self._fault(asked, answer, points, figures),
-            cpu_seconds=answer.planning + answer.simplification,
-            planning_seconds=answer.planning,
-            simplification_seconds=answer.simplification,
-            scene_seconds=spent.scene_seconds,
-            memory=spent.memory,
-            checks=spent.checks,
-            points=points,
-            progress=answer.progress,
-            **vars(figures),
-        )
-
-    def _measured(self, points: Floats) -> _Figures:
-        return _Figures(
-            length=float(np.hypot(*np.diff(points, axis=0).T).sum()),
-            clearance=self.world.clearance(points),
-            bends=len(points) - 2,
-            turning=turning(points),
-            ompl_clearance=ompl_clearance(points, self.world.distance, self.radius),
-            ompl_smoothness=ompl_smoothness(points),
-        )
-
-    def _fault(self, asked: Asked, answer: Answer, points: Floats | None, figures: _Figures) -> str:
-        if points is None:
-            claims = answer.reason == "unreachable" and math.isfinite(asked.shortest)
-            return "none" if claims else ""
-        if max(math.dist(points[0], asked.start), math.dist(points[-1], asked.goal)) > _AT:
-            return "elsewhere"
-        if figures.clearance < self.radius - TOUCHES:
-            return "touches"
-        return "too long" if figures.length > asked.longest * asked.shortest else ""
-
-
-@dataclass(frozen=True)
-class _Figures:
-    """Measures of a path, by the names that an attempt has them under."""
-
-    length: float
-    clearance: float
-    bends: int
-    turning: float
-    ompl_clearance: float
-    ompl_smoothness: float
-
-
-def _no_figures() -> _Figures:
-    return _Figures(math.nan, math.nan, 0, math.nan, math.nan, math.nan)
-
-
-def _line(points: Floats | None) -> Floats | None:
-    """Return `points` as a line of two or more, or None if they are none."""
-    if points is None or points.shape[1:] != (2,) or not np.isfinite(points).all():
-        return None
-    return points if len(points) > 1 else np.repeat(points, 2, axis=0)
-
-
-SEEDED = 50
-"""Number of seeded questions where none is given."""
-
-
 def benchmark(
     plans: Sequence[Floorplan],
     planners: Sequence[str | PlannerChoice],
@@ -312,7 +165,6 @@ def benchmark(
     if twice := [name for name in names if names.count(name) > 1]:
         raise UserError(f"two floors are called {twice[0]!r}: their answers would be mixed up")
     entries = {known(planner): planner for planner in planners}
-    budget = Budget(iterations, seconds)
     attempts = []
     for plan in plans:
         keep = plan.human.radius if radius is None else radius
@@ -320,9 +172,12 @@ def benchmark(
             asked = list(scenes(plan, queries=queries or SEEDED, seed=seed, radius=keep))
         else:
             asked = scenes_of(questions, plan, radius=keep, queries=queries, seed=seed)
-        terms = _Terms(plan, asked, keep, runs, seed, budget, longest or math.inf)
         for name, planner in entries.items():
-            for attempt in terms.attempts(name, planner):
+            world = CollisionWorld(plan)
+            contender = _contender(planner, world, keep, iterations, seconds)
+            for attempt in _attempts(
+                world, keep, contender, _put(asked, name, runs, seed, longest)
+            ):
                 attempts.append(attempt)
                 if progress is not None:
                     progress(plan.name, name)
@@ -338,63 +193,174 @@ def known(planner: str | PlannerChoice) -> str:
     return str(choice)
 
 
-@dataclass(frozen=True)
-class _Terms:
-    """What is the same for all planners on one floor."""
+def _contender(
+    planner: str | PlannerChoice,
+    world: CollisionWorld,
+    radius: float,
+    iterations: int | None,
+    seconds: float | None,
+) -> Contender:
+    peer = peer_named(planner) if isinstance(planner, str) else None
+    if peer is not None:
+        return PeerPlanner(peer, world, radius)
+    choice = PlannerChoice.of(planner)
+    return OwnPlanner(world, radius, choice, iterations=iterations, seconds=seconds)
 
-    plan: Floorplan
-    scenes: Sequence[QuerySet]
-    radius: float
-    runs: int
-    seed: int
-    budget: Budget
-    longest: float
 
-    def attempts(self, name: str, planner: str | PlannerChoice) -> Iterator[Attempt]:
-        """Yield the answers of `planner`, which tables call `name`, to all questions."""
-        world = CollisionWorld(self.plan)
-        contender = self._contender(planner, world)
-        judge = Evaluator(world, self.radius)
-        number = 0
-        for scene in self.scenes:
-            for agv, at in scene.agvs:
+def _put(
+    scenes: Sequence[QuerySet], planner: str, runs: int, seed: int, longest: float | None
+) -> Iterator[Asked]:
+    """Yield all questions of `scenes` as they are put to `planner`, each of them `runs` times."""
+    questions = [(scene, k) for scene in scenes for k in range(len(scene.questions))]
+    for number, (scene, k) in enumerate(questions):
+        start, goal = scene.questions[k]
+        for run in range(runs):
+            yield Asked(
+                floorplan=scene.plan.name,
+                planner=planner,
+                query=number,
+                run=run,
+                seed=seed + number + run * len(questions),
+                start=start,
+                goal=goal,
+                agvs=scene.agvs,
+                shortest=scene.shortest[k],
+                listed=scene.listed[k],
+                longest=longest or math.inf,
+            )
+
+
+def _attempts(
+    world: CollisionWorld, radius: float, contender: Contender, questions: Iterator[Asked]
+) -> Iterator[Attempt]:
+    """Yield the answers of `contender`, measured and judged."""
+    agvs = None
+    looked = 0.0
+    for asked in questions:
+        if asked.agvs != agvs:
+            agvs = asked.agvs
+            for agv, at in agvs:
                 world.move_agv(agv, at)
             begin = time.process_time()
             contender.look()
             looked = time.process_time() - begin
-            for k in range(len(scene.questions)):
-                for run in range(self.runs):
-                    asked = self._asked(scene, k, name, number, run)
-                    yield _attempt(judge, contender, asked, looked)
-                number += 1
-
-    def _contender(self, planner: str | PlannerChoice, world: CollisionWorld) -> Contender:
-        peer = peer_named(planner) if isinstance(planner, str) else None
-        if peer is not None:
-            return peer.kind(world, self.radius)
-        return Ours(world, self.radius, PlannerChoice.of(planner), self.budget)
-
-    def _asked(self, scene: QuerySet, k: int, name: str, number: int, run: int) -> Asked:
-        count = sum(len(scene.questions) for scene in self.scenes)
-        start, goal = scene.questions[k]
-        return Asked(
-            floorplan=self.plan.name,
-            planner=name,
-            query=number,
-            run=run,
-            seed=self.seed + number + run * count,
-            start=start,
-            goal=goal,
-            agvs=scene.agvs,
-            shortest=scene.shortest[k],
-            listed=scene.listed[k] if scene.listed else math.nan,
-            longest=self.longest,
+        checks, before = world.checks, _start_of_peak()
+        answer = contender.answer(asked.start, asked.goal, asked.seed)
+        yield evaluate(
+            asked,
+            answer,
+            world,
+            radius,
+            scene_seconds=looked,
+            memory=max(_megabytes("VmHWM") - before, 0.0),
+            checks=world.checks - checks,
         )
 
 
-def _attempt(judge: Evaluator, contender: Contender, asked: Asked, looked: float) -> Attempt:
-    checks = judge.world.checks
-    memory = PeakMemory()
-    answer = contender.answer(asked.start, asked.goal, asked.seed)
-    spent = Spent(looked, memory.grown(), judge.world.checks - checks)
-    return judge.attempt(asked, answer, spent)
+def evaluate(
+    asked: Asked, answer: Answer, world: CollisionWorld, radius: float, **spent: float
+) -> Attempt:
+    """Return `answer`, measured and judged in `world`; `spent` are further values of it."""
+    points = _line(answer.points)
+    measures: dict[str, float] = {}
+    if points is not None:
+        measures = {
+            "length": float(np.hypot(*np.diff(points, axis=0).T).sum()),
+            "clearance": world.clearance(points),
+            "bends": len(points) - 2,
+            "turning": turning(points),
+            "ompl_clearance": ompl_clearance(points, world.distance, radius),
+            "ompl_smoothness": ompl_smoothness(points),
+        }
+    taken: dict[str, Any] = {**spent, **measures}
+    return Attempt(
+        asked=asked,
+        solved=points is not None,
+        reason=answer.reason,
+        wrong=_fault(asked, answer, points, measures, radius),
+        cpu_seconds=answer.planning + answer.simplification,
+        planning_seconds=answer.planning,
+        simplification_seconds=answer.simplification,
+        points=points,
+        progress=answer.progress,
+        **taken,
+    )
+
+
+def _fault(
+    asked: Asked,
+    answer: Answer,
+    points: Floats | None,
+    measures: dict[str, float],
+    radius: float,
+) -> str:
+    if points is None:
+        claims = answer.reason == "unreachable" and math.isfinite(asked.shortest)
+        return "none" if claims else ""
+    if max(math.dist(points[0], asked.start), math.dist(points[-1], asked.goal)) > _AT:
+        return "elsewhere"
+    if measures["clearance"] < radius - TOUCHES:
+        return "touches"
+    return "too long" if measures["length"] > asked.longest * asked.shortest else ""
+
+
+def _line(points: Floats | None) -> Floats | None:
+    """Return `points` as a line of two or more, or None if they are none."""
+    if points is None or points.shape[1:] != (2,) or not np.isfinite(points).all():
+        return None
+    return points if len(points) > 1 else np.repeat(points, 2, axis=0)
+
+
+def turning(points: Floats) -> float:
+    """Return the radians that the polyline `points`, shape (N, 2), turns by in all."""
+    heading = np.unwrap(np.arctan2(*np.diff(points, axis=0).T[::-1]))
+    return float(np.abs(np.diff(heading)).sum())
+
+
+def ompl_smoothness(points: Floats) -> float:
+    """Return `PathGeometric::smoothness()` of the polyline `points`, shape (N, 2), in metres.
+
+    That is the sum over the inner waypoints of (2 α / (a + b))², with a and b the lengths of the
+    segments before and after, and α the angle in radians between their directions: 0 for a
+    straight path. OMPL leaves out a waypoint at which the path goes straight on or straight back.
+    """
+    steps = np.diff(points, axis=0)
+    lengths = np.hypot(*steps.T)
+    before, after = lengths[:-1], lengths[1:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cosine = (steps[:-1] * steps[1:]).sum(axis=1) / (before * after)
+        bends = np.abs(cosine) < 1
+        terms = (2 * np.arccos(cosine[bends]) / (before + after)[bends]) ** 2
+    return float(terms.sum())
+
+
+def ompl_clearance(points: Floats, distance: Callable[[Point], float], radius: float) -> float:
+    """Return `PathGeometric::clearance()` of the polyline `points`, shape (N, 2), in metres.
+
+    That is the mean over the waypoints of the distance to the nearest place that is not valid:
+    for a disc of `radius` metres its centre's `distance` to the nearest thing, less the radius.
+    """
+    return float(np.mean([distance((x, y)) for x, y in points.tolist()])) - radius
+
+
+def _start_of_peak() -> float:
+    """Set the peak of resident memory to what there is now, and return that in MB.
+
+    NaN where the system is no Linux or does not allow it. What the allocator has kept from before
+    is not counted again, so that the first answers of a process grow more than later ones.
+    """
+    try:
+        # Since Linux 4.0: see proc(5).
+        Path("/proc/self/clear_refs").write_text("5\n", encoding="ascii")
+    except OSError:
+        return math.nan
+    return _megabytes("VmRSS")
+
+
+def _megabytes(field: str) -> float:
+    try:
+        status = Path("/proc/self/status").read_text(encoding="ascii")
+    except OSError:
+        return math.nan
+    found = re.search(rf"^{field}:\s+(\d+) kB", status, re.M)
+    return int(found[1]) / 1024 if found else math.nan

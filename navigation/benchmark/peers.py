@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 import time
 import weakref
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
@@ -48,11 +47,11 @@ class Progress:
     """Metres."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Answer:
     """Path that was found, with what it took; times are of the CPU, in seconds."""
 
-    points: NDArray[np.float64] | None
+    points: NDArray[np.float64] | None = None
     """(N, 2) metres; None where no path was found."""
     reason: str = ""
     """As of `PlanningError`; "failed" and the error where the planner itself broke down."""
@@ -71,15 +70,6 @@ class Contender(Protocol):
         """Return the path from `start` to `goal` (metres) that `seed` leads to."""
 
 
-@dataclass(frozen=True)
-class Budget:
-    """Budget of an answer of one of OMPL's planners; without one, each has its own."""
-
-    iterations: int | None = None
-    seconds: float | None = None
-    """Of the CPU; what comes out then depends on the machine."""
-
-
 class _ProgressWatch(Watch):
     """Watches a search for its best paths, and ends it after so many `seconds` of CPU time."""
 
@@ -87,10 +77,13 @@ class _ProgressWatch(Watch):
         self._seconds = math.inf if seconds is None else seconds
         self._begin = time.process_time()
         self._iterations = 0
-        self._least = math.inf
         self.progress: list[Progress] = []
-        self.solved_after: float | None = None
+        self.solved_after = math.inf
         """Seconds, until the search ended with a path."""
+
+    def elapsed(self) -> float:
+        """Return the seconds of CPU time since the search began."""
+        return time.process_time() - self._begin
 
     def iteration(self, planner: Any) -> bool:
         """Note the planner's best cost, where it has one; see `Watch`."""
@@ -98,29 +91,39 @@ class _ProgressWatch(Watch):
         # OMPL's progress properties have the same figure, but its binding can't return them.
         if hasattr(planner, "bestCost"):
             cost = float(planner.bestCost().value())
-            if 0 < cost < self._least:
+            if cost > 0:
                 self.found(cost)
-        return time.process_time() - self._begin > self._seconds
+        return self.elapsed() > self._seconds
 
     def solved(self) -> None:
         """Note when; see `Watch`."""
-        self.solved_after = time.process_time() - self._begin
+        self.solved_after = self.elapsed()
 
     def found(self, length: float) -> None:
-        """Note that the best path is now `length` metres long."""
-        self._least = length
-        elapsed = time.process_time() - self._begin
-        self.progress.append(Progress(self._iterations, elapsed, length))
+        """Note that a path is `length` metres long, if it is the shortest so far."""
+        if not self.progress or length < self.progress[-1].length:
+            self.progress.append(Progress(self._iterations, self.elapsed(), length))
 
 
-class Ours:
-    """A planner of `PathPlanner`, by its choice, and with no more than a budget."""
+class OwnPlanner:
+    """A planner of `PathPlanner`, with a budget of iterations and of `seconds` of CPU time."""
 
     def __init__(
-        self, world: CollisionWorld, radius: float, choice: PlannerChoice, budget: Budget
+        self,
+        world: CollisionWorld,
+        radius: float,
+        choice: PlannerChoice,
+        *,
+        iterations: int | None,
+        seconds: float | None,
     ) -> None:
-        self._budget = budget
-        self._planner = PathPlanner(world, radius, planner=_within(choice, budget))
+        if iterations is None and seconds is not None:
+            iterations = _WITHOUT_END
+        takes = choice.is_own or "iterations" in planner_info(choice.name).parameters
+        if iterations is not None and takes and "iterations" not in dict(choice.parameters):
+            choice = choice.with_parameters({"iterations": iterations})
+        self._seconds = seconds
+        self._planner = PathPlanner(world, radius, planner=choice)
         self._planner.prepare()
 
     def look(self) -> None:
@@ -128,212 +131,199 @@ class Ours:
 
     def answer(self, start: Point, goal: Point, seed: int) -> Answer:
         """Return the path from `start` to `goal` (metres) that `seed` leads to."""
-        watch = _ProgressWatch(self._budget.seconds)
-        begin = time.process_time()
+        watch = _ProgressWatch(self._seconds)
         try:
             path = self._planner.plan(start, goal, seed=seed, watch=watch)
         except PlanningError as why:
-            return Answer(None, why.reason, time.process_time() - begin)
-        taken = time.process_time() - begin
+            return Answer(reason=why.reason, planning=watch.elapsed())
+        taken = watch.elapsed()
         watch.found(path.length)
-        planning = taken if watch.solved_after is None else min(watch.solved_after, taken)
-        return Answer(path.points, "", planning, taken - planning, _rising(watch.progress))
+        planning = min(watch.solved_after, taken)
+        return Answer(
+            points=path.points,
+            planning=planning,
+            simplification=taken - planning,
+            progress=tuple(watch.progress),
+        )
 
 
-def _within(choice: PlannerChoice, budget: Budget) -> PlannerChoice:
-    """Return `choice` with the iterations of `budget`, unless it has its own, or can't have any."""
-    iterations = budget.iterations
-    if iterations is None and budget.seconds is not None:
-        iterations = _WITHOUT_END
-    takes = choice.is_own or "iterations" in planner_info(choice.name).parameters
-    if iterations is None or not takes or "iterations" in dict(choice.parameters):
-        return choice
-    return choice.with_parameters({"iterations": iterations})
+Search = Callable[[Point, Point], Sequence[Point] | None]
+"""Function from start and goal to the waypoints between, or None where there is no path."""
 
 
-def _rising(progress: Sequence[Progress]) -> tuple[Progress, ...]:
-    """Return `progress` without what is not shorter than before."""
-    kept: list[Progress] = []
-    for one in progress:
-        if not kept or one.length < kept[-1].length:
-            kept.append(one)
-    return tuple(kept)
+@dataclass(frozen=True)
+class Peer:
+    """Planner of another package that one can ask for by name."""
+
+    name: str
+    """That of its package."""
+    module: str
+    prepare: Callable[[CollisionWorld, float], Search]
+    """Takes in where things stand now, for a disc of a radius, and returns the search there."""
+
+    @property
+    def installed(self) -> bool:
+        """True if its package is there."""
+        return find_spec(self.module) is not None
 
 
-CELL = 0.05
-"""Metres. Side of the cells of grid planners."""
+class PeerPlanner:
+    """A peer in `world`, for a disc of `radius` metres."""
 
-COARSENED = 0.002
-"""Metres. How far extremitypathfinder's corners may be off: it takes minutes to look at finer."""
+    def __init__(self, peer: Peer, world: CollisionWorld, radius: float) -> None:
+        self._peer, self._world, self._radius = peer, world, radius
 
-
-class Peer(ABC):
-    """Planner of another package, in `world`, for a disc of `radius` metres."""
-
-    def __init__(self, world: CollisionWorld, radius: float) -> None:
-        self._world, self._radius = world, radius
-
-    @abstractmethod
     def look(self) -> None:
-        """Take in where things stand now."""
-
-    @abstractmethod
-    def between(self, start: Point, goal: Point) -> Sequence[Point] | None:
-        """Return the path from `start` to `goal`, or None where there is none."""
+        """Prepare the peer for where things stand now."""
+        self._search = self._peer.prepare(self._world, self._radius)
 
     def answer(self, start: Point, goal: Point, seed: int) -> Answer:
         """Return the path from `start` to `goal` (metres); `seed` makes no difference."""
         begin = time.process_time()
         try:
-            points = self.between(start, goal)
+            points = self._search(start, goal)
         except Exception as why:  # a peer's own failure, whatever it is, is its answer
-            return Answer(None, f"failed: {type(why).__name__}", time.process_time() - begin)
+            reason = f"failed: {type(why).__name__}"
+            return Answer(reason=reason, planning=time.process_time() - begin)
         taken = time.process_time() - begin
         if points is None:
-            return Answer(None, "unreachable", taken)
+            return Answer(reason="unreachable", planning=taken)
         path = np.array([start, *points, goal], dtype=float)
-        moves = np.append(True, np.any(np.diff(path, axis=0) != 0, axis=1))
+        path = path[np.append(True, np.any(np.diff(path, axis=0) != 0, axis=1))]
         length = float(np.hypot(*np.diff(path, axis=0).T).sum())
-        return Answer(path[moves], "", taken, progress=(Progress(0, taken, length),))
+        return Answer(points=path, planning=taken, progress=(Progress(0, taken, length),))
 
 
-class _AmongPolygons(Peer):
-    """Planner that searches a polygon with holes: the piece of the free space with both ends."""
+def _among_polygons(
+    pieces: Sequence[shapely.Polygon], search: Callable[[shapely.Polygon], Search]
+) -> Search:
+    """Return a search of the piece with both ends, by what `search` makes of each piece."""
+    shapely.prepare(pieces)
+    searches = [search(piece) for piece in pieces]
 
-    def look(self) -> None:
-        """Make a search for each piece of the free space."""
-        pieces = self._world.free_space(self._radius).pieces
-        self._pieces = [self._coarsened(piece) for piece in pieces]
-        shapely.prepare(self._pieces)
-        self._searches = [self._search(piece) for piece in self._pieces]
-
-    def between(self, start: Point, goal: Point) -> Sequence[Point] | None:
-        """Return the path from `start` to `goal`, or None where they are in different pieces."""
-        one, a = self._inside(start)
-        other, b = self._inside(goal)
-        return self._searches[one](a, b) if one == other else None
-
-    def _inside(self, place: Point) -> tuple[int, Point]:
+    def inside(place: Point) -> tuple[int, Point]:
         """Return the index of the piece at `place`, and the place in it that is nearest."""
-        inside = np.flatnonzero(shapely.intersects_xy(self._pieces, *place))
-        if len(inside):
-            return int(inside[0]), place
+        found = np.flatnonzero(shapely.intersects_xy(pieces, *place))
+        if len(found):
+            return int(found[0]), place
         at = shapely.Point(place)
-        nearest = int(np.argmin(shapely.distance(self._pieces, at)))
-        link = shapely.shortest_line(self._pieces[nearest], at)
+        nearest = int(np.argmin(shapely.distance(pieces, at)))
+        link = shapely.shortest_line(pieces[nearest], at)
         x, y = shapely.get_coordinates(link)[0].tolist()
         return nearest, (x, y)
 
-    def _coarsened(self, piece: shapely.Polygon) -> shapely.Polygon:
-        return piece
+    def between(start: Point, goal: Point) -> Sequence[Point] | None:
+        one, a = inside(start)
+        other, b = inside(goal)
+        return searches[one](a, b) if one == other else None
 
-    @abstractmethod
-    def _search(self, piece: shapely.Polygon) -> Callable[[Point, Point], Sequence[Point] | None]:
-        """Return a function that searches `piece`."""
+    return between
 
 
-class JuPedSim(_AmongPolygons):
+def _jupedsim(world: CollisionWorld, radius: float) -> Search:
     """JuPedSim's routing engine: A* over a triangulation, and the funnel through it."""
 
-    def _search(self, piece: shapely.Polygon) -> Callable[[Point, Point], Sequence[Point] | None]:
+    def search(piece: shapely.Polygon) -> Search:
         engine = import_module("jupedsim").RoutingEngine(piece)
         return lambda start, goal: list(engine.compute_waypoints(start, goal))
 
+    return _among_polygons(world.free_space(radius).pieces, search)
 
-class Extremity(_AmongPolygons):
+
+COARSENED = 0.002
+"""Metres. How far extremitypathfinder's corners may be off: it takes minutes to look at finer."""
+
+
+def _extremity(world: CollisionWorld, radius: float) -> Search:
     """extremitypathfinder: A* over the visibility graph of the corners."""
 
-    def _coarsened(self, piece: shapely.Polygon) -> shapely.Polygon:
-        return shapely.orient_polygons(piece.simplify(COARSENED))
-
-    def _search(self, piece: shapely.Polygon) -> Callable[[Point, Point], Sequence[Point] | None]:
+    def search(piece: shapely.Polygon) -> Search:
         environment = import_module("extremitypathfinder").PolygonEnvironment()
         rings = [shapely.get_coordinates(ring)[:-1] for ring in (piece.exterior, *piece.interiors)]
         environment.store(rings[0], rings[1:], validate=False)
+        return lambda start, goal: (
+            list(environment.find_shortest_path(start, goal, verify=False)[0]) or None
+        )
 
-        def search(start: Point, goal: Point) -> Sequence[Point] | None:
-            points, _ = environment.find_shortest_path(start, goal, verify=False)
-            return list(points) or None
+    pieces = world.free_space(radius).pieces
+    return _among_polygons(
+        [shapely.orient_polygons(piece.simplify(COARSENED)) for piece in pieces], search
+    )
+
+
+CELL = 0.05
+"""Metres. Side of the cells of grid planners."""
+
+Cell = tuple[int, int]
+"""Row and column."""
+
+CellSearch = Callable[[Cell, Cell], Any]
+"""Function from start and goal to the cells between, or None where there is no path."""
+
+
+def _on_grid(
+    world: CollisionWorld, radius: float, prepare: Callable[[NDArray[np.bool_]], CellSearch]
+) -> Search:
+    """Return a search over the cells from whose centres every step to a neighbour is free."""
+    low_x, low_y, high_x, high_y = world.plan.boundary.bounds
+    xs = np.arange(low_x, high_x, CELL) + CELL / 2
+    ys = np.arange(low_y, high_y, CELL) + CELL / 2
+    # Half of a diagonal step is from a place at this distance no nearer than the radius.
+    keep = math.hypot(radius, CELL * math.sqrt(0.5))
+    free = np.zeros((len(ys), len(xs)), bool)
+    for piece in world.free_space(keep).pieces:
+        shapely.prepare(piece)
+        free |= shapely.contains_xy(piece, *np.meshgrid(xs, ys))
+    search = prepare(free)
+
+    def cell(at: Point) -> Cell | None:
+        """Return the free cell nearest to `at`, up to three cells away."""
+        row, column = int((at[1] - ys[0]) / CELL + 0.5), int((at[0] - xs[0]) / CELL + 0.5)
+        first_row, first_column = max(row - 3, 0), max(column - 3, 0)
+        near = np.argwhere(free[first_row : row + 4, first_column : column + 4])
+        near += (first_row, first_column)
+        away = np.hypot(xs[near[:, 1]] - at[0], ys[near[:, 0]] - at[1])
+        return (int(near[away.argmin(), 0]), int(near[away.argmin(), 1])) if len(near) else None
+
+    def between(start: Point, goal: Point) -> Sequence[Point] | None:
+        a, b = cell(start), cell(goal)
+        cells = None if a is None or b is None else search(a, b)
+        if cells is None:
+            return None
+        return [(float(xs[column]), float(ys[row])) for row, column in cells]
+
+    return between
+
+
+def _pyastar2d(world: CollisionWorld, radius: float) -> Search:
+    """pyastar2d: A* in C++, for which a diagonal step is no longer than a straight one."""
+
+    def prepare(free: NDArray[np.bool_]) -> CellSearch:
+        search = import_module("pyastar2d").astar_path
+        weights = np.where(free, 1.0, np.inf).astype(np.float32)
+        return lambda start, goal: search(weights, start, goal, allow_diagonal=True)
+
+    return _on_grid(world, radius, prepare)
+
+
+def _scikit_image(world: CollisionWorld, radius: float) -> Search:
+    """scikit-image's minimum cost paths: Dijkstra's search, with diagonal steps at their length."""
+
+    def prepare(free: NDArray[np.bool_]) -> CellSearch:
+        geometric = import_module("skimage.graph").MCP_Geometric
+        weights = np.where(free, 1.0, -1.0)
+
+        def search(start: Cell, goal: Cell) -> Any:
+            graph = geometric(weights)
+            costs, _ = graph.find_costs([start], [goal])
+            return graph.traceback(goal) if np.isfinite(costs[goal]) else None
 
         return search
 
-
-class _OnGrid(Peer):
-    """Planner over the cells from whose centres every step to a neighbour keeps the radius."""
-
-    def __init__(self, world: CollisionWorld, radius: float) -> None:
-        super().__init__(world, radius)
-        low_x, low_y, high_x, high_y = world.plan.boundary.bounds
-        self._x = np.arange(low_x, high_x, CELL) + CELL / 2
-        self._y = np.arange(low_y, high_y, CELL) + CELL / 2
-
-    def look(self) -> None:
-        """Draw the free space as cells."""
-        # Half of a diagonal step is from a place at this distance no nearer than the radius.
-        keep = math.hypot(self._radius, CELL * math.sqrt(0.5))
-        x, y = np.meshgrid(self._x, self._y)
-        free = np.zeros(x.shape, bool)
-        for piece in self._world.free_space(keep).pieces:
-            shapely.prepare(piece)
-            free |= shapely.contains_xy(piece, x, y)
-        self._free = free
-        self._take(free)
-
-    def between(self, start: Point, goal: Point) -> Sequence[Point] | None:
-        """Return the centres of cells from `start` to `goal`, or None where they don't lead on."""
-        a, b = self._cell(start), self._cell(goal)
-        cells = None if a is None or b is None else self._search(a, b)
-        if cells is None:
-            return None
-        return [(float(self._x[column]), float(self._y[row])) for row, column in cells]
-
-    def _cell(self, at: Point) -> tuple[int, int] | None:
-        """Return row and column of the free cell nearest to `at`, up to three cells away."""
-        row = int((at[1] - self._y[0]) / CELL + 0.5)
-        column = int((at[0] - self._x[0]) / CELL + 0.5)
-        first_row, first_column = max(row - 3, 0), max(column - 3, 0)
-        near = self._free[first_row : row + 4, first_column : column + 4]
-        rows, columns = np.nonzero(near)
-        if not len(rows):
-            return None
-        rows, columns = rows + first_row, columns + first_column
-        nearest = int(np.argmin(np.hypot(self._x[columns] - at[0], self._y[rows] - at[1])))
-        return int(rows[nearest]), int(columns[nearest])
-
-    @abstractmethod
-    def _take(self, free: NDArray[np.bool_]) -> None:
-        """Make of the free cells what the search needs."""
-
-    @abstractmethod
-    def _search(self, start: tuple[int, int], goal: tuple[int, int]) -> Any:
-        """Return rows and columns of the cells from `start` to `goal`, or None."""
+    return _on_grid(world, radius, prepare)
 
 
-class PyAStar2D(_OnGrid):
-    """pyastar2d: A* in C++, for which a diagonal step is no longer than a straight one."""
-
-    def _take(self, free: NDArray[np.bool_]) -> None:
-        self._weights = np.where(free, 1.0, np.inf).astype(np.float32)
-
-    def _search(self, start: tuple[int, int], goal: tuple[int, int]) -> Any:
-        return import_module("pyastar2d").astar_path(
-            self._weights, start, goal, allow_diagonal=True
-        )
-
-
-class ScikitImage(_OnGrid):
-    """scikit-image's minimum cost paths: Dijkstra's search, with diagonal steps at their length."""
-
-    def _take(self, free: NDArray[np.bool_]) -> None:
-        self._costs = np.where(free, 1.0, -1.0)
-
-    def _search(self, start: tuple[int, int], goal: tuple[int, int]) -> Any:
-        graph = import_module("skimage.graph").MCP_Geometric(self._costs)
-        costs, _ = graph.find_costs([start], [goal])
-        return graph.traceback(goal) if np.isfinite(costs[goal]) else None
-
-
-class RoadmapOfCorners(Peer):
+class RoadmapOfCorners:
     """OMPL's own roadmap planner, PRM, with the corner points as its samples.
 
     They are those of the default planner: the bends around all corners of the floor and of what
@@ -342,20 +332,13 @@ class RoadmapOfCorners(Peer):
     """
 
     def __init__(self, world: CollisionWorld, radius: float) -> None:
-        super().__init__(world, radius)
-        self._keep = radius + SLACK
-        self._corners: list[Point] = []
+        self._world, self._radius, self._keep = world, radius, radius + SLACK
         self._number: dict[Point, int] = {}
-        self._judged: NDArray[np.int8] = np.empty((0, 0), np.int8)
         low_x, low_y, high_x, high_y = world.plan.boundary.bounds
         self._floor = OmplFloor((low_x, low_y), (high_x, high_y), self._free)
         # OMPL must let go before Python does, at exit as well.
         self.release = weakref.finalize(self, self._floor.release)
-
-    def look(self) -> None:
-        """Let FCL judge the links between all corner points."""
-        world = self._world
-        roadmap = world.roadmap(self._radius, COARSE)
+        roadmap = world.roadmap(radius, COARSE)
         around = [roadmap.around(body)[:2].T for body in world.bodies]
         places = np.concatenate([roadmap.bends.point, *around]).tolist()
         self._corners = [*dict.fromkeys((x, y) for x, y in places if self._free((x, y), (x, y)))]
@@ -363,7 +346,7 @@ class RoadmapOfCorners(Peer):
         self._judged = np.full((len(self._corners),) * 2, -1, np.int8)
         self._grown(self._corners, ob.ProblemDefinition(self._floor.information))
 
-    def between(self, start: Point, goal: Point) -> Sequence[Point] | None:
+    def __call__(self, start: Point, goal: Point) -> Sequence[Point] | None:
         """Return the path from `start` to `goal`, or None where the corner points lead nowhere."""
         leave, arrive = self._footing(start), self._footing(goal)
         if leave is None or arrive is None:
@@ -446,47 +429,22 @@ class _Given(ob.ValidStateSampler):  # type: ignore[misc]
         return place is not None
 
 
-@dataclass(frozen=True)
-class PeerInfo:
-    """A peer that one can ask for by name."""
-
-    name: str
-    """That of its package."""
-    summary: str
-    kind: type[Peer]
-    module: str
-
-    @property
-    def installed(self) -> bool:
-        """True if its package is there."""
-        return find_spec(self.module) is not None
-
-
-PEERS = (
-    PeerInfo("JuPedSim", "its routing engine, on the floor shrunk", JuPedSim, "jupedsim"),
-    PeerInfo(
-        "extremitypathfinder",
-        f"on the floor shrunk, corners up to {1000 * COARSENED:g} mm off",
-        Extremity,
-        "extremitypathfinder",
-    ),
-    PeerInfo("pyastar2d", f"A* on cells of {100 * CELL:g} cm", PyAStar2D, "pyastar2d"),
-    PeerInfo("scikit-image", f"Dijkstra on cells of {100 * CELL:g} cm", ScikitImage, "skimage"),
-    PeerInfo(
-        "PRM-of-corners",
-        "OMPL's PRM, the corner points its samples, FCL its judge",
-        RoadmapOfCorners,
-        "ompl",
-    ),
-)
+PEERS = {
+    peer.name: peer
+    for peer in (
+        Peer("JuPedSim", "jupedsim", _jupedsim),
+        Peer("extremitypathfinder", "extremitypathfinder", _extremity),
+        Peer("pyastar2d", "pyastar2d", _pyastar2d),
+        Peer("scikit-image", "skimage", _scikit_image),
+        Peer("PRM-of-corners", "ompl", RoadmapOfCorners),
+    )
+}
 """All peers, by the names that they are asked for."""
 
 
-def peer_named(name: str) -> PeerInfo | None:
+def peer_named(name: str) -> Peer | None:
     """Return the peer called `name`, None if there is none; `ValueError` if it isn't installed."""
-    for peer in PEERS:
-        if peer.name == name:
-            if not peer.installed:
-                raise UserError(f"{name} is not installed: pip install {name.lower()}")
-            return peer
-    return None
+    peer = PEERS.get(name)
+    if peer is not None and not peer.installed:
+        raise UserError(f"{name} is not installed: pip install {name.lower()}")
+    return peer

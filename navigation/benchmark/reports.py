@@ -21,7 +21,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .measuring import Asked, Attempt
+from .measuring import Attempt
 
 CONFIDENCE = 0.95
 
@@ -41,7 +41,7 @@ class Estimate:
     high: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Curve:
     """A figure over time: from each of `seconds` on it has its value, until the next."""
 
@@ -82,11 +82,9 @@ def median(values: Sequence[float]) -> Estimate:
     if not len(ordered) or np.isnan(ordered).any():
         return Estimate(math.nan, math.nan, math.nan)
     low, high = _ranks(len(ordered))
-    return Estimate(
-        _middle(ordered),
-        float(ordered[low]) if low >= 0 else -math.inf,
-        float(ordered[high]) if low >= 0 else math.inf,
-    )
+    if low < 0:
+        return Estimate(_middle(ordered), -math.inf, math.inf)
+    return Estimate(_middle(ordered), float(ordered[low]), float(ordered[high]))
 
 
 def by_question(attempts: Iterable[Attempt], values: Iterable[_Value]) -> list[list[_Value]]:
@@ -148,7 +146,8 @@ def _ratios(attempt: Attempt, seconds: Floats) -> Floats:
 
 def _curve(seconds: Floats, estimates: Sequence[Estimate]) -> Curve:
     figures = np.array([(e.value, e.low, e.high) for e in estimates]).reshape(-1, 3)
-    return Curve(seconds, *figures.T)
+    value, low, high = figures.T
+    return Curve(seconds=seconds, value=value, low=low, high=high)
 
 
 def _middle(ordered: Floats) -> float:
@@ -171,11 +170,11 @@ def _ranks(n: int) -> tuple[int, int]:
     return -1, n
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlannerRow:
     """Results of one planner on one floor: milliseconds of CPU, metres.
 
-    Of what a question's runs differ in, their median (or share) is taken first; see `statistics`.
+    Of what a question's runs differ in, their median (or share) is taken first.
     """
 
     floorplan: str
@@ -266,51 +265,54 @@ def _row(group: Sequence[Attempt]) -> PlannerRow:
     )
 
 
-_ASKED = ("floorplan", "planner", "query", "run", "seed")
-_KNOWN = ("shortest", "listed")
 _INNER = ("asked", "points", "progress")
 """Fields of an attempt that have columns of their own, or none."""
 
 
 def write_csv(attempts: Sequence[Attempt], path: Path) -> None:
     """Write every answer as a line of `path`; lengths in metres, times in seconds of CPU."""
+    _write(path, (_answer_columns(attempt) for attempt in attempts))
+
+
+def _answer_columns(attempt: Attempt) -> dict[str, object]:
+    asked = attempt.asked
     own = [field.name for field in fields(Attempt) if field.name not in _INNER]
-    header = [*_ASKED, "x0", "y0", "x1", "y1", *own, *_KNOWN, "ratio"]
-    _write(path, header, (_line(attempt, own) for attempt in attempts))
-
-
-def _line(attempt: Attempt, own: Sequence[str]) -> list[object]:
-    asked: Asked = attempt.asked
-    return [
-        *(getattr(asked, name) for name in _ASKED),
-        *asked.start,
-        *asked.goal,
-        *(getattr(attempt, name) for name in own),
-        *(getattr(asked, name) for name in _KNOWN),
-        attempt.ratio,
-    ]
+    return {
+        "floorplan": asked.floorplan,
+        "planner": asked.planner,
+        "query": asked.query,
+        "run": asked.run,
+        "seed": asked.seed,
+        **dict(zip(("x0", "y0", "x1", "y1"), (*asked.start, *asked.goal), strict=True)),
+        **{name: getattr(attempt, name) for name in own},
+        "shortest": asked.shortest,
+        "listed": asked.listed,
+        "ratio": attempt.ratio,
+    }
 
 
 def write_summary(rows: Sequence[PlannerRow], path: Path) -> None:
     """Write every row as a line of `path`; `_low` and `_high` end columns of an interval."""
-    header: list[str] = []
-    lines: list[list[object]] = [[] for _ in rows]
-    for field in fields(PlannerRow):
-        values = [getattr(row, field.name) for row in rows]
-        interval = bool(values) and isinstance(values[0], Estimate)
-        header += [field.name, *([f"{field.name}_low", f"{field.name}_high"] if interval else [])]
-        for line, value in zip(lines, values, strict=True):
-            line += [value.value, value.low, value.high] if interval else [value]
-    _write(path, header, lines)
+    _write(path, (_row_columns(row) for row in rows))
 
 
-def _write(
-    path: Path, header: Sequence[str], lines: Iterator[list[object]] | list[list[object]]
-) -> None:
+def _row_columns(row: PlannerRow) -> dict[str, object]:
+    columns: dict[str, object] = {}
+    for name, value in vars(row).items():
+        if isinstance(value, Estimate):
+            columns |= {name: value.value, f"{name}_low": value.low, f"{name}_high": value.high}
+        else:
+            columns[name] = value
+    return columns
+
+
+def _write(path: Path, rows: Iterable[dict[str, object]]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
-        writer.writerows(lines)
+        for number, row in enumerate(rows):
+            if number == 0:
+                writer.writerow(row)
+            writer.writerow(row.values())
 
 
 def write_ompl_log(
@@ -326,24 +328,29 @@ def write_ompl_log(
     path.write_text(lines, encoding="utf-8")
 
 
-_PROPERTIES = (
-    "time REAL",
-    "solved BOOLEAN",
-    "simplification time REAL",
-    "memory REAL",
-    "solution length REAL",
-    "solution clearance REAL",
-    "solution smoothness REAL",
-    "solution segments INTEGER",
-    "least clearance REAL",
-    "turning REAL",
-    "shortest length REAL",
-    "length ratio REAL",
-    "correct solution BOOLEAN",
-    "collision checks INTEGER",
-    "query INTEGER",
-    "run INTEGER",
-)
+def _if_solved(name: str) -> Callable[[Attempt], object]:
+    return lambda attempt: getattr(attempt, name) if attempt.solved else ""
+
+
+_PROPERTIES: dict[str, Callable[[Attempt], object]] = {
+    "time REAL": lambda attempt: attempt.planning_seconds,
+    "solved BOOLEAN": lambda attempt: int(attempt.solved),
+    "simplification time REAL": lambda attempt: attempt.simplification_seconds,
+    "memory REAL": lambda attempt: attempt.memory,
+    "solution length REAL": _if_solved("length"),
+    "solution clearance REAL": _if_solved("ompl_clearance"),
+    "solution smoothness REAL": _if_solved("ompl_smoothness"),
+    "solution segments INTEGER": lambda attempt: attempt.bends + 1 if attempt.solved else "",
+    "least clearance REAL": _if_solved("clearance"),
+    "turning REAL": _if_solved("turning"),
+    "shortest length REAL": lambda attempt: attempt.asked.shortest,
+    "length ratio REAL": _if_solved("ratio"),
+    "correct solution BOOLEAN": lambda attempt: int(attempt.right),
+    "collision checks INTEGER": lambda attempt: attempt.checks,
+    "query INTEGER": lambda attempt: attempt.asked.query,
+    "run INTEGER": lambda attempt: attempt.asked.run,
+}
+"""Names and kinds of the properties of each run."""
 
 _PROGRESS = ("time REAL", "iterations INTEGER", "best cost REAL")
 
@@ -377,28 +384,13 @@ def _log(attempts: Sequence[Attempt], seed: int, seconds: float | None) -> Itera
         yield f"{len(_PROPERTIES)} properties for each run"
         yield from _PROPERTIES
         yield f"{len(runs)} runs"
-        yield from (_run(attempt) for attempt in runs)
+        for attempt in runs:
+            yield "".join(f"{value(attempt)}; " for value in _PROPERTIES.values())
         yield f"{len(_PROGRESS)} progress properties for each run"
         yield from _PROGRESS
         yield f"{len(runs)} runs"
-        yield from (_progress(attempt) for attempt in runs)
+        for attempt in runs:
+            yield "".join(
+                f"{one.cpu_seconds},{one.iterations},{one.length},;" for one in attempt.progress
+            )
         yield "."
-
-
-def _run(attempt: Attempt) -> str:
-    asked = attempt.asked
-    values: list[float | str] = [attempt.planning_seconds, int(attempt.solved)]
-    values += [attempt.simplification_seconds, attempt.memory]
-    if attempt.solved:
-        values += [attempt.length, attempt.ompl_clearance, attempt.ompl_smoothness]
-        values += [attempt.bends + 1, attempt.clearance, attempt.turning]
-        values += [asked.shortest, attempt.ratio]
-    else:
-        values += ["", "", "", "", "", "", asked.shortest, ""]
-    values += [int(attempt.right), attempt.checks, asked.query, asked.run]
-    return "".join(f"{value}; " for value in values)
-
-
-def _progress(attempt: Attempt) -> str:
-    samples = [(one.cpu_seconds, one.iterations, one.length) for one in attempt.progress]
-    return "".join("".join(f"{value}," for value in sample) + ";" for sample in samples)

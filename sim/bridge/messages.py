@@ -14,7 +14,7 @@ from typing import Any
 
 from floorplan import Gantry, Lane, UserError
 from floorplan.files.problems import suggestion
-from navigation import lane_state
+from navigation.machines import lane_state
 from navigation.motion import State
 
 from ..core.body import Body

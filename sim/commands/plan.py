@@ -287,8 +287,7 @@ def _planner(text: str) -> str | PlannerChoice:
 
     from ..people.programs import find_planner
 
-    peers = [peer.name for peer in PEERS]
-    if text in peers:
+    if text in PEERS:
         return text
     choice = None
     try:
@@ -297,7 +296,7 @@ def _planner(text: str) -> str | PlannerChoice:
     except UserError as why:
         known = [info.name for info in planners()]
         unknown = choice is not None and not choice.is_own and choice.name not in known
-        others = f" (peers: {', '.join(peers)})" if unknown else ""
+        others = f" (peers: {', '.join(PEERS)})" if unknown else ""
         raise UserError(f"--planner {text}: {why}{others}") from None
 
 

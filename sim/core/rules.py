@@ -9,7 +9,7 @@ from typing import Literal
 
 from floorplan import Point, UserError
 from floorplan.files.problems import suggestion
-from navigation import Both, Condition, FixedDistance, Moving, Scaled, SeparationLaw, TooClose
+from navigation import Condition, FixedDistance, Moving, Scaled, SeparationLaw, TooClose
 from navigation.separation import AnyLaw
 
 from .body import MachineShape
@@ -108,7 +108,7 @@ class RuleSet:
         A vehicle that stands violates nothing.
         """
         too_close = TooClose(self.law_of(machine))
-        return Both(Moving(), too_close) if machine.category == "vehicle" else too_close
+        return Moving() & too_close if machine.category == "vehicle" else too_close
 
     def measured_at(self, machine: MachineShape) -> Point:
         """Return the point (x, y in metres from its axis) to which distances are measured."""

@@ -8,7 +8,7 @@ from contextlib import suppress
 
 from floorplan import Point
 from floorplan.files.problems import suggestion
-from navigation import Approaching, Not, PlanningError, first_time
+from navigation import Approaching, PlanningError, first_time
 
 from ..core.clock import Alarm, Turn
 from ..core.events import WalksWith
@@ -135,7 +135,7 @@ class Interaction:
         other, _, earliest, latest = self._passing
         mine, theirs = self._walker.body.motion, other.body.motion
         begin = max(self._clock.now, earliest)
-        passed = first_time(Not(Approaching()), mine, theirs, begin, max(begin, theirs.end))
+        passed = first_time(~Approaching(), mine, theirs, begin, max(begin, theirs.end))
         self._going_on.set(max(begin, min(latest, latest if passed is None else passed)))
 
     def _go_on(self) -> None:

@@ -223,7 +223,9 @@ class Vision:
                 x, y, rotation = machine.body.state.position
                 shape = machine.shape
                 footprint = shape.footprint((x, y), rotation)
-                yield Obstacle(machine.name, footprint, shape.bottom, shape.top)
+                yield Obstacle(
+                    name=machine.name, footprint=footprint, bottom=shape.bottom, top=shape.top
+                )
 
 
 def _spans(line: LineString, obstacle: Obstacle) -> list[tuple[float, float]]:

@@ -19,7 +19,7 @@ from navigation import (
     walk,
 )
 from navigation.moving_obstacles import Passage
-from navigation.walking import can_go_on, paced
+from navigation.walking import can_go_on
 
 from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
@@ -329,14 +329,16 @@ class Walker:
         def walked(
             course: list[Point], tops: float | list[float], t: float, speed: float
         ) -> Motion | None:
-            return paced(
-                course,
-                t,
-                initial_speed=speed,
-                top_speed=tops,
-                max_speed=self.human.max_speed,
-                max_acceleration=acceleration,
-            )
+            with suppress(ValueError):  # too short to come to rest on
+                return walk(
+                    course,
+                    t,
+                    initial_speed=speed,
+                    top_speed=tops,
+                    max_speed=self.human.max_speed,
+                    max_acceleration=acceleration,
+                )
+            return None
 
         if len(course) > 1 and can_go_on(state, course[1], acceleration, self.body.leg):
             motion = walked(course, tops, now, state.speed)

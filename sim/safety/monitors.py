@@ -10,10 +10,8 @@ from typing import Literal, Protocol
 from navigation import (
     Apart,
     Approaching,
-    Both,
     Condition,
     Motion,
-    Not,
     TooClose,
     first_time,
     required_at,
@@ -259,8 +257,8 @@ class Noticing:
     def __init__(self, rule: Notice) -> None:
         self.rule = rule
         self.near = TooClose(rule.law)
-        self.closing_in = Both(self.near, Approaching())
-        self.parting = Not(Approaching())
+        self.closing_in = self.near & Approaching()
+        self.parting = ~Approaching()
 
 
 class NoticingMonitor:
@@ -347,7 +345,7 @@ class NoticingMonitor:
         """Return the condition that the two have parted, or are nearer than at their nearest."""
         # A millimetre less, or rounding at the nearest point would count as nearer.
         nearer, parted = max(self._nearest - 1e-3, 0.0), self._nearest + self.rule.parting
-        return Not(Both(Apart(nearer), Not(Apart(parted))))
+        return ~(Apart(nearer) & ~Apart(parted))
 
     def _perceive(self) -> None:
         self._noticed(self.pair, self.rule.law)
@@ -366,7 +364,7 @@ class Hold:
     ) -> None:
         self._pair = pair
         self._law = _AtSpeed(law, top_speed)
-        self._clear = Not(TooClose(self._law))
+        self._clear = ~TooClose(self._law)
         self._hold = hold
         self._holds = False
         self._alarm = Alarm(pair.clock, self._end, Turn.MOTION_ENDS)

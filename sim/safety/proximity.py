@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache, partial
 from itertools import combinations
 
-from navigation import Apart, Box, Condition, FixedDistance, Not, Overlapping, TooClose, first_time
+from navigation import Apart, Box, Condition, FixedDistance, Overlapping, TooClose, first_time
 
 from ..core.body import Body, Machine
 from ..core.clock import Alarm, Turn
@@ -58,7 +58,7 @@ DEPTH = 1e-3
 @lru_cache(maxsize=1024)
 def _conditions(box: Box, others: Box) -> tuple[Condition, Condition]:
     """Return when two boxes collide, and when they have parted."""
-    return Overlapping(box, others, DEPTH), Not(Overlapping(box, others))
+    return Overlapping(box, others, DEPTH), ~Overlapping(box, others)
 
 
 class Collisions:

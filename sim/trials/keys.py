@@ -70,7 +70,12 @@ class _Block(ObstacleSchema):
     z: Range = (0.0, 1.0)
 
     def value(self) -> Command:
-        return Command(self.time, block=Obstacle(self.block, footprint(self), *self.z))
+        return Command(
+            self.time,
+            block=Obstacle(
+                name=self.block, footprint=footprint(self), bottom=self.z[0], top=self.z[1]
+            ),
+        )
 
 
 class _Clear(_Keys):

@@ -253,7 +253,10 @@ class TimedKeys(ObstacleSchema):
 
     def value_at(self, name: str, begins: float) -> TimedObstacle:
         """Return the obstacle in a trial that `begins` at that time of day."""
-        return TimedObstacle(Obstacle(name, footprint(self), *self.z), _at(self.there, begins))
+        return TimedObstacle(
+            Obstacle(name=name, footprint=footprint(self), bottom=self.z[0], top=self.z[1]),
+            _at(self.there, begins),
+        )
 
 
 def _at(spans: list[Any], begins: float) -> tuple[Interval, ...]:

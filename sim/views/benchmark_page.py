@@ -421,7 +421,7 @@ def interval(estimate: Estimate, digits: int = 2) -> str:
 
 def _machine(planners: Collection[str]) -> dict[str, str]:
     """Return what the times of these planners depend on, by name."""
-    peers = [peer for peer in PEERS if peer.name in planners]
+    peers = [PEERS[name] for name in planners if name in PEERS]
     return {
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}",
         "software": ", ".join(

@@ -50,12 +50,17 @@ def divided_floor(random):
             low = k * room + random.uniform(0.3, room - gap - 0.3)
             ends.append((low, low + gap))
         doors = tuple(
-            Door(f"door{k}", ((at, low), (at, high)), thickness=thick)
+            Door(name=f"door{k}", ends=((at, low), (at, high)), thickness=thick)
             for k, (low, high) in enumerate(ends)
         )
         sides = [0.0, *(y for pair in ends for y in pair), depth]
         wall = tuple(
-            Obstacle(f"wall.{k}", shapely.box(at - thick / 2, a, at + thick / 2, b), 0.0, 2.5)
+            Obstacle(
+                name=f"wall.{k}",
+                footprint=shapely.box(at - thick / 2, a, at + thick / 2, b),
+                bottom=0.0,
+                top=2.5,
+            )
             for k, (a, b) in enumerate(zip(sides[::2], sides[1::2], strict=True))
         )
         keep = shapely.union_all([door.footprint.buffer(1.0) for door in doors])
@@ -79,7 +84,12 @@ def _furnished(random, width, depth, obstacles, doors):
     )
     gantry = _gantry(random, width, depth) if random.random() < 0.3 else None
     plan = Floorplan(
-        "rooms", boundary, obstacles=obstacles, doors=doors, human=human, gantry=gantry
+        name="rooms",
+        boundary=boundary,
+        obstacles=obstacles,
+        doors=doors,
+        human=human,
+        gantry=gantry,
     )
     for k in range(random.choice([0, 0, 1, 2])):
         plan = _with_lane(random, plan, f"agv{k}")
@@ -103,8 +113,8 @@ def _hall(random):
         corner = shapely.box(width * random.uniform(0.4, 0.8), depth * 0.5, width, depth)
         boundary = boundary.difference(corner)
     plan = Floorplan(
-        "hall",
-        boundary,
+        name="hall",
+        boundary=boundary,
         obstacles=tuple(_obstacles(random, width, depth)),
         human=Human(
             radius=random.choice([0.2, 0.25, 0.3]),
@@ -154,14 +164,14 @@ def _obstacles(random, width, depth):
                 if not across:
                     gap = (x + along, y - 1, x + along + door, y + 1)
                 for part, half in enumerate(shapely.get_parts(shape.difference(shapely.box(*gap)))):
-                    yield Obstacle(f"wall{k}.{part}", half, 0.0, 2.5)
+                    yield Obstacle(name=f"wall{k}.{part}", footprint=half, bottom=0.0, top=2.5)
                 continue
         else:
             shape = shapely.box(x, y, x + random.uniform(0.3, 4), y + random.uniform(0.3, 4))
             if kind == "turned":
                 shape = affinity.rotate(shape, random.uniform(0, 180))
         bottom, top = random.choice([(0.0, 1.0), (0.0, 2.5), (1.5, 3.0), (2.2, 3.0), (0.3, 0.4)])
-        yield Obstacle(f"{kind}{k}", shape, bottom, top)
+        yield Obstacle(name=f"{kind}{k}", footprint=shape, bottom=bottom, top=top)
 
 
 def _with_lane(random, plan, name):
@@ -171,7 +181,7 @@ def _with_lane(random, plan, name):
         length = random.uniform(2, 0.8 * (east - west))
         stop = random.uniform(0, length)
         lane = Lane(
-            name,
+            name=name,
             origin=(random.uniform(west, east), random.uniform(south, north)),
             heading=random.choice([0.0, math.pi / 2, math.pi, random.uniform(-3, 3)]),
             limits=(0.0, length),
@@ -202,7 +212,11 @@ def _with_wall_along(random, plan, lane):
     side = [(x + q * c - away * s, y + q * s + away * c) for q in (begin - 1.0, end + 1.0)]
     wall = shapely.LineString(side).buffer(0.03, cap_style="flat")
     walled = replace(
-        plan, obstacles=(*plan.obstacles, Obstacle(f"{lane.name}_wall", wall, 0.0, 2.5))
+        plan,
+        obstacles=(
+            *plan.obstacles,
+            Obstacle(name=f"{lane.name}_wall", footprint=wall, bottom=0.0, top=2.5),
+        ),
     )
     try:
         check(walled)
@@ -213,7 +227,13 @@ def _with_wall_along(random, plan, lane):
 
 def _gantry(random, width, depth):
     def axis(low, high):
-        return Axis(low, high, *(random.uniform(0.3, 1.5) for _ in range(2)), random.uniform(1, 4))
+        return Axis(
+            low=low,
+            high=high,
+            max_speed=random.uniform(0.3, 1.5),
+            max_acceleration=random.uniform(0.3, 1.5),
+            max_jerk=random.uniform(1, 4),
+        )
 
     x, y = axis(1.0, width - 1.0), axis(1.0, depth - 1.0)
     return Gantry(

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 import sim
-from navigation import Both, Moving, TooClose, when
+from navigation import Moving, TooClose, when
 from navigation.separation import is_of_speeds
 
 from .movement import sampled, state_of
@@ -66,7 +66,7 @@ def _referee_faults(run):
         law = law_of(run, machine)
         condition = TooClose(law)
         if _drives(run, machine):
-            condition = Both(Moving(AGV_STANDS), condition)
+            condition = Moving(AGV_STANDS) & condition
         if is_of_speeds(law):
             spans = [(0.0, run.duration, run.motions[person], run.motions[machine])]
         else:

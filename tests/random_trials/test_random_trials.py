@@ -54,7 +54,7 @@ def test_what_is_broken_is_found():
     other, solid = run.trial.people[1].name, run.floorplan.obstacles[0]
     inside = navigation.standing(solid.footprint.centroid.coords[0]).cut(0.0, run.duration)
     x, y = next(p for p in run.motions[one].pieces if p.moves)[2:4]
-    door = Door("shut", ((x[0] - 0.5, y[0]), (x[0] + 0.5, y[0])), is_open=False)
+    door = Door(name="shut", ends=((x[0] - 0.5, y[0]), (x[0] + 0.5, y[0])), is_open=False)
     shut = replace(run.floorplan, doors=(door,))
     tampered = {
         "what never moves": {"motions": run.motions | {one: away}},

@@ -10,13 +10,13 @@ from floorplan import Door, Floorplan, Human, Obstacle, SafeZone, Station
 from floorplan.checks import faults
 from navigation import CollisionWorld
 
-SHOP = Floorplan("shop", box(0, 0, 10, 10))
+SHOP = Floorplan(name="shop", boundary=box(0, 0, 10, 10))
 CELL = floorplan.load("ariac2023")
 CROSSED = Polygon([(3, 3), (7, 7), (7, 3), (3, 7)])
 
 
 def press(footprint, bottom=0.0, top=1.0):
-    return {"obstacles": (Obstacle("press", footprint, bottom, top),)}
+    return {"obstacles": (Obstacle(name="press", footprint=footprint, bottom=bottom, top=top),)}
 
 
 CART = {"lanes": (replace(CELL.lanes[0], origin=(2.0, 5.0), heading=0.0, limits=(0.0, 17.0)),)}
@@ -31,7 +31,10 @@ CART = {"lanes": (replace(CELL.lanes[0], origin=(2.0, 5.0), heading=0.0, limits=
         (press(Polygon()), "obstacles.press: encloses no area"),
         (press(box(1, 1, 2, 2), 1.0, 0.5), r"obstacles.press.z: must rise .* 1 … 0.5"),
         (press(box(1, 1, 2, 2), float("nan")), r"obstacles.press.z: must rise .* nan … 1"),
-        ({"obstacles": (Obstacle("a", box(1, 1, 2, 2), 0, 1),) * 2}, "obstacles.a: 2 of them"),
+        (
+            {"obstacles": (Obstacle(name="a", footprint=box(1, 1, 2, 2), bottom=0, top=1),) * 2},
+            "obstacles.a: 2 of them",
+        ),
         ({"stations": (Station("a", (1, 1)), Station("a", (2, 2)))}, "stations.a: 2 of them"),
         ({"stations": (Station("a", (11, 1)),)}, r"stations.a: \(11, 1\) is outside"),
         ({"safe_zone": SafeZone((0.1, 5.0))}, "safe_zone.at: .*does not fit"),
@@ -73,6 +76,9 @@ def test_everything_is_told_at_once():
 
 
 def test_a_door_of_no_width_hides_nothing_that_is_wrong_with_others():
-    doors = [Door("slit", ((1.0, 1.0), (1.0, 1.0))), Door("far", ((1.0, 1.0), (99.0, 1.0)))]
+    doors = [
+        Door(name="slit", ends=((1.0, 1.0), (1.0, 1.0))),
+        Door(name="far", ends=((1.0, 1.0), (99.0, 1.0))),
+    ]
     with pytest.raises(floorplan.FloorplanError, match=r"(?s)slit.*far.*outside the boundary"):
         floorplan.check(replace(SHOP, doors=doors))

@@ -49,7 +49,9 @@ def test_ariac_has_everything_that_stands_there(ariac):
     assert ariac.patrol == ("station4", "station2", "station1", "station3")
     assert [station.name for station in ariac.patrolled] == [*ariac.patrol]
     assert ariac.safe_zone == floorplan.SafeZone((-15.0, -10.0), math.pi)
-    assert ariac.human == floorplan.Human(0.3, 1.75, 1.0, 2.5, 0.25)
+    assert ariac.human == floorplan.Human(
+        radius=0.3, height=1.75, max_speed=1.0, max_acceleration=2.5, goal_tolerance=0.25
+    )
 
 
 def test_people_walk_below_the_lintels_and_through_the_door(ariac):

@@ -14,22 +14,47 @@ from floorplan.plan import lost
 BUILT_IN = [floorplan.load(name) for name in floorplan.builtin()]
 RING = box(3, 3, 6, 6).difference(box(4, 4, 5, 5))
 PLAN = floorplan.Floorplan(
-    "yard: 1",
-    box(0, 0, 20, 12).difference(box(15, 9, 16, 10)),
+    name="yard: 1",
+    boundary=box(0, 0, 20, 12).difference(box(15, 9, 16, 10)),
     obstacles=[
-        floorplan.Obstacle("press", box(6.1, 4.2, 9, 12), 0.0, 2.0),
-        floorplan.Obstacle("pillar", Point(13, 5).buffer(0.5), 0.0, 3.0),
-        floorplan.Obstacle("1e3", RING, 0.0, 1e-5),
-        floorplan.Obstacle("beam", Polygon([(0, 0), (1, 0), (0, 1)]), 2.5, 3.0),
+        floorplan.Obstacle(name="press", footprint=box(6.1, 4.2, 9, 12), bottom=0.0, top=2.0),
+        floorplan.Obstacle(name="pillar", footprint=Point(13, 5).buffer(0.5), bottom=0.0, top=3.0),
+        floorplan.Obstacle(name="1e3", footprint=RING, bottom=0.0, top=1e-5),
+        floorplan.Obstacle(
+            name="beam", footprint=Polygon([(0, 0), (1, 0), (0, 1)]), bottom=2.5, top=3.0
+        ),
     ],
     stations=[floorplan.Station("gate", (18, 8)), floorplan.Station("no", (18.1, 8))],
     patrol=("no", "gate", "no"),
     safe_zone=floorplan.SafeZone((1.5, 1.5), 0.1),
     human=floorplan.Human(radius=0.25),
     lanes=[
-        floorplan.Lane("a", (2, 10), 0.0, (0, 3), {"home": 0.0}, "home", 1, 0.5, 1, 2, 2),
         floorplan.Lane(
-            "b", (2, 8), 0.1, (-1, 2), {"x": 1.0}, "x", 1, 0.6, 1, 2, 3, serves={"out": "x"}
+            name="a",
+            origin=(2, 10),
+            heading=0.0,
+            limits=(0, 3),
+            locations={"home": 0.0},
+            start="home",
+            length=1,
+            width=0.5,
+            height=1,
+            max_speed=2,
+            max_acceleration=2,
+        ),
+        floorplan.Lane(
+            name="b",
+            origin=(2, 8),
+            heading=0.1,
+            limits=(-1, 2),
+            locations={"x": 1.0},
+            start="x",
+            length=1,
+            width=0.6,
+            height=1,
+            max_speed=2,
+            max_acceleration=3,
+            serves={"out": "x"},
         ),
     ],
     title="A yard",
@@ -75,10 +100,10 @@ sizes = st.floats(0.05, 2.0)
 @given(st.lists(st.tuples(corners, corners, sizes, sizes), max_size=5), st.floats(0.05, 0.3))
 def test_a_map_shows_no_room_that_is_not_there(tmp_path_factory, rectangles, resolution):
     blocks = [
-        floorplan.Obstacle(f"o{k}", box(x, y, x + w, y + h), 0.0, 1.0)
+        floorplan.Obstacle(name=f"o{k}", footprint=box(x, y, x + w, y + h), bottom=0.0, top=1.0)
         for k, (x, y, w, h) in enumerate(rectangles)
     ]
-    plan = floorplan.Floorplan("hall", box(0, 0, 10.0, 9.0), blocks)
+    plan = floorplan.Floorplan(name="hall", boundary=box(0, 0, 10.0, 9.0), obstacles=blocks)
     path = tmp_path_factory.mktemp("map") / "hall.yaml"
     plan.save(path, resolution=resolution)
     again = floorplan.load(path).free(0, 1)
@@ -99,8 +124,8 @@ def test_what_can_not_be_written(tmp_path):
     says("a resolution belongs to a ROS map", PLAN, "floor.wkt", resolution=0.1)
     says("a resolution belongs to a ROS map", PLAN, "floor.pgm", resolution=0.0)
     says("is too large", PLAN, "floor.pgm", resolution=0.001)
-    wall = floorplan.Obstacle("wall", box(9, -1, 10, 13), 0.0, 2.0)
-    hall = floorplan.Floorplan("hall", box(0, 0, 20, 12), [wall])
+    wall = floorplan.Obstacle(name="wall", footprint=box(9, -1, 10, 13), bottom=0.0, top=2.0)
+    hall = floorplan.Floorplan(name="hall", boundary=box(0, 0, 20, 12), obstacles=[wall])
     says("walk on 2 separate areas", hall, "floor.wkt")
     full = replace(hall, obstacles=[replace(wall, footprint=box(-1, -1, 21, 13))])
     says("walk nowhere", full, "floor.pgm")

@@ -12,8 +12,11 @@ from floorplan import Floorplan, Obstacle
 
 def floor(*obstacles, boundary=None):
     """A floor of 10 m × 10 m, or within `boundary`, with things 1 m high."""
-    things = [Obstacle(f"thing{k}", shape, 0.0, 1.0) for k, shape in enumerate(obstacles)]
-    return Floorplan("test", boundary=boundary or box(0, 0, 10, 10), obstacles=things)
+    things = [
+        Obstacle(name=f"thing{k}", footprint=shape, bottom=0.0, top=1.0)
+        for k, shape in enumerate(obstacles)
+    ]
+    return Floorplan(name="test", boundary=boundary or box(0, 0, 10, 10), obstacles=things)
 
 
 def solid(world):

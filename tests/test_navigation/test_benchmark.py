@@ -25,7 +25,7 @@ from navigation.benchmark import (
     write_csv,
     write_ompl_log,
 )
-from navigation.benchmark.measuring import Evaluator, Spent, ompl_clearance, ompl_smoothness
+from navigation.benchmark.measuring import evaluate, ompl_clearance, ompl_smoothness
 from navigation.benchmark.peers import Answer
 
 
@@ -95,7 +95,7 @@ def test_questions_have_answers():
 
 
 def test_no_room_is_said():
-    plan = Floorplan("cell", box(0, 0, 1, 1))
+    plan = Floorplan(name="cell", boundary=box(0, 0, 1, 1))
     with pytest.raises(ValueError, match=r"cell has no two places for a radius of 0\.6 m"):
         benchmark([plan], ["Roadmap"], queries=1, radius=0.6)
 
@@ -233,13 +233,21 @@ def test_shortest_ways_do_not_cut_corners():
 
 
 def test_a_floor_without_obstacles():
-    plan = Floorplan("hall", box(0, 0, 5, 5), (Obstacle("lamp", box(1, 1, 2, 2), 2.0, 3.0),))
+    plan = Floorplan(
+        name="hall",
+        boundary=box(0, 0, 5, 5),
+        obstacles=(Obstacle(name="lamp", footprint=box(1, 1, 2, 2), bottom=2.0, top=3.0),),
+    )
     (one,) = benchmark([plan], ["Roadmap"], queries=1)
     assert one.ratio == 1.0
     assert one.turning == 0.0
 
 
-BARRED = Floorplan("barred", box(0, 0, 10, 10), (Obstacle("wall", box(4, -1, 6, 6), 0.0, 3.0),))
+BARRED = Floorplan(
+    name="barred",
+    boundary=box(0, 0, 10, 10),
+    obstacles=(Obstacle(name="wall", footprint=box(4, -1, 6, 6), bottom=0.0, top=3.0),),
+)
 
 
 def test_budgets_and_parameters_reach_the_planner():
@@ -278,13 +286,23 @@ def test_senseless_terms_are_refused(options, words):
 
 
 def test_wrong_answers_are_noticed():
-    asked = Asked("barred", "somebody", 0, 0, 0, (1, 2), (9, 2), (), 14.0, math.nan, 1.5)
-    judge = Evaluator(CollisionWorld(BARRED), 0.3)
+    asked = Asked(
+        floorplan="barred",
+        planner="somebody",
+        query=0,
+        run=0,
+        seed=0,
+        start=(1, 2),
+        goal=(9, 2),
+        shortest=14.0,
+        longest=1.5,
+    )
+    world = CollisionWorld(BARRED)
 
     def fault(points, reason="", **other):
         line = None if points is None else np.array(points, dtype=float)
-        answer = Answer(line, reason)
-        return judge.attempt(replace(asked, **other), answer, Spent(0.0, 0.0, 0)).wrong
+        answer = Answer(points=line, reason=reason)
+        return evaluate(replace(asked, **other), answer, world, 0.3).wrong
 
     over = [(1, 2), (3.7, 6.3), (6.3, 6.3), (9, 2)]
     assert fault(over) == ""
@@ -295,11 +313,10 @@ def test_wrong_answers_are_noticed():
     assert fault(None, "unreachable") == "none"
     assert fault(None, "unreachable", shortest=math.inf) == ""
     assert fault(None, "not_found") == ""
-    spent = Spent(0.0, 0.0, 0)
-    assert not judge.attempt(asked, Answer(np.full((3, 2), math.nan)), spent).solved
+    assert not evaluate(asked, Answer(points=np.full((3, 2), math.nan)), world, 0.3).solved
     there = replace(asked, goal=asked.start, shortest=0.0)
-    assert math.isnan(judge.attempt(there, Answer(None, "not_found"), spent).ratio)
-    stays = judge.attempt(there, Answer(np.array([asked.start])), spent)
+    assert math.isnan(evaluate(there, Answer(reason="not_found"), world, 0.3).ratio)
+    stays = evaluate(there, Answer(points=np.array([asked.start])), world, 0.3)
     assert (stays.right, stays.ratio, stays.length) == (True, 1.0, 0.0)
 
 
@@ -325,13 +342,12 @@ def test_ompls_own_roadmap_planner_finds_nothing_where_no_path_is(
         "obstacles: {wall: {x: [4, 5], y: [0, 6], z: [0, 3]}}\n"
     )
     world = CollisionWorld(floorplan.load(parted))
-    (prm,) = (peer.kind(world, 0.3) for peer in PEERS if peer.name == "PRM-of-corners")
-    prm.look()
-    assert prm.between((2.0, 3.0), (8.0, 3.0)) is None
-    assert prm.between((2.0, 3.0), (3.0, 1.0)) == [(2.0, 3.0), (3.0, 1.0)]
+    search = PEERS["PRM-of-corners"].prepare(world, 0.3)
+    assert search((2.0, 3.0), (8.0, 3.0)) is None
+    assert search((2.0, 3.0), (3.0, 1.0)) == [(2.0, 3.0), (3.0, 1.0)]
 
 
-@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.name)
+@pytest.mark.parametrize("peer", PEERS.values(), ids=PEERS)
 def test_peers_answer_the_same_questions(peer):
     """Each with the radius, round the wall, and none of them into it."""
     if not peer.installed:

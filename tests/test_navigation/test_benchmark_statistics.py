@@ -48,7 +48,17 @@ def test_few_values_bound_no_median():
 
 def attempt(query, run, progress, shortest=10.0, longest=math.inf):
     """An answer that became ever shorter, or none."""
-    asked = Asked("f", "p", query, run, 0, (0, 0), (1, 1), (), shortest, math.nan, longest)
+    asked = Asked(
+        floorplan="f",
+        planner="p",
+        query=query,
+        run=run,
+        seed=0,
+        start=(0, 0),
+        goal=(1, 1),
+        shortest=shortest,
+        longest=longest,
+    )
     times = {"planning_seconds": 9.0, "simplification_seconds": 0.0, "scene_seconds": 0.0}
     figures = dict.fromkeys(
         ("memory", "length", "clearance", "turning", "ompl_clearance", "ompl_smoothness"), 0.0

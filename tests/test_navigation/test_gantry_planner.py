@@ -40,15 +40,15 @@ def test_round_a_person(plan):
 
 
 def test_walls_that_are_tall_are_gone_round(plan):
-    wall = Obstacle("press", box(-8, -7.9, -7, 4), 0.0, 2.0)
-    low = Obstacle("press", wall.footprint, 0.0, 1.05)
+    wall = Obstacle(name="press", footprint=box(-8, -7.9, -7, 4), bottom=0.0, top=2.0)
+    low = Obstacle(name="press", footprint=wall.footprint, bottom=0.0, top=1.05)
     start, goal = (-12.0, 0.0, 0.0), (-3.0, 0.0, 0.0)
     tall = GantryPlanner(replace(plan, obstacles=(*plan.obstacles, wall))).plan(start, goal)
     assert shapely.LineString(tall.points[:, :2]).distance(wall.footprint) >= 0.9
     assert len(tall.points) > 2
     over = GantryPlanner(replace(plan, obstacles=(*plan.obstacles, low))).plan(start, goal)
     assert len(over.points) == 2
-    across = Obstacle("press", box(-8, -9, -7, 9), 0.0, 2.0)
+    across = Obstacle(name="press", footprint=box(-8, -9, -7, 9), bottom=0.0, top=2.0)
     with pytest.raises(PlanningError) as cut:
         GantryPlanner(replace(plan, obstacles=(*plan.obstacles, across))).plan(start, goal)
     assert cut.value.reason == "unreachable"

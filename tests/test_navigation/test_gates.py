@@ -47,7 +47,7 @@ def gated_floor(rng):
             a, b = (tuple(end) for end in shapely.get_coordinates(line).tolist())
             way = rng.choice([-1, 1])
             towards = (a[0] - way * (b[1] - a[1]), a[1] + way * (b[0] - a[0]))
-            gates.append(Gate(f"gate{len(gates)}", (a, b), towards))
+            gates.append(Gate(name=f"gate{len(gates)}", ends=(a, b), towards=towards))
     return replace(plan, gates=gates)
 
 

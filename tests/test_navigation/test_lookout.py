@@ -51,11 +51,11 @@ def test_a_motion_is_safe_for_as_long_as_it_is_said_and_no_longer(gantry, ends, 
         stop_from = navigation.gantry_stop
     else:
         q = [abs(end[0] + 5) for end in ends]
-        motion = navigation.agv_run(LANE, navigation.AxisState(q[0]), q[1], 2.0)
+        motion = navigation.agv_run(LANE, q[0], q[1], 2.0)
         stops = agv_stops(LANE)
 
         def stop_from(state, t):
-            return navigation.agv_stop(LANE, navigation.lane_state(LANE, state), t)
+            return navigation.agv_stop(LANE, state, t)
 
     assume(motion.end > NOW)
     rows = []

@@ -164,11 +164,11 @@ def test_conditions_combine():
     person = navigation.walk([(-10, 0), (10, 0)], 0.0)
     machine = navigation.standing((0.0, 1.0))
     near = navigation.TooClose(FixedDistance(5.0))
-    approaching = navigation.Both(near, navigation.Approaching())
+    approaching = near & navigation.Approaching()
     ((begin, end),) = navigation.when(approaching, person, machine, 0.0, 60.0)
     assert begin == pytest.approx(10.2 - math.sqrt(24), abs=1e-6)
     assert end == pytest.approx(10.2, abs=1e-6)
-    leaving = navigation.Both(near, navigation.Not(navigation.Approaching()))
+    leaving = near & ~navigation.Approaching()
     ((begin, end),) = navigation.when(leaving, person, machine, 0.0, 60.0)
     assert (begin, end) == pytest.approx((10.2, 10.2 + math.sqrt(24)), abs=1e-6)
     apart = list(navigation.when(navigation.Apart(5.0), person, machine, 0.0, 60.0))
@@ -208,7 +208,7 @@ class Counted:
 def test_somebody_who_stops_abreast_of_a_machine_is_judged_in_a_few_steps():
     # 0.03 mm past the machine's centre the person has stopped, 0.6 m beside it.
     person = navigation.walk([(-3.0, 0.0), (0.0, 0.0)], 0.0, max_speed=0.4)
-    leaving = Counted(navigation.Not(navigation.Approaching()))
+    leaving = Counted(~navigation.Approaching())
     machine = navigation.standing((-2.2e-5, 0.634))
     t = navigation.first_time(leaving, person, machine, 1.0, person.end)
     assert person.position(t)[0] == pytest.approx(-2.2e-5, abs=1e-7)

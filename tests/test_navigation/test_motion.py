@@ -13,9 +13,9 @@ from hypothesis import assume, example, given, strategies as st
 
 import floorplan
 import navigation
-from navigation import AxisState, Motion, Piece
+from navigation import Motion, Piece
 from navigation.kernels.pieces import along_legs
-from navigation.machines import AxisLimits, to_position
+from navigation.machines import ARIAC_GANTRY, AxisLimits, AxisState, lane_state, to_position
 from navigation.motion import State, motion_of
 from navigation.walking import corner_speed
 
@@ -149,7 +149,7 @@ def test_gantry_moves_keep_the_limits_of_every_axis_even_when_replaced(a, b, c, 
         for piece in motion.pieces:
             for u in np.linspace(piece.begin, piece.end, 7)[:-1]:
                 now = motion.state(float(u))
-                for axis, limits in enumerate(navigation.ARIAC_GANTRY):
+                for axis, limits in enumerate(ARIAC_GANTRY):
                     assert abs(now.velocity[axis]) <= limits.max_speed + 1e-6
                     assert abs(now.acceleration[axis]) <= limits.max_acceleration + 1e-6
 
@@ -218,13 +218,13 @@ def test_a_stop_is_as_fast_as_that_of_ruckig(state, top, jerk):
 
 def test_an_agv_run_is_the_trapezoid_of_its_limits():
     lane = floorplan.load("ariac2023").lane("agv1")
-    run = navigation.agv_run(lane, AxisState(0.0), "assembly_front", 30.0)
+    run = navigation.agv_run(lane, 0.0, "assembly_front", 30.0)
     # 2 m/s reached after 1 s and 1 m at 2 m/s²: 1 + 3.6 / 2 + 1 seconds in all.
     assert run.end == pytest.approx(33.8)
     assert run.position(31.0) == pytest.approx((-3.27, 4.8))
     assert run.velocity(32.0) == pytest.approx((-2.0, 0.0), abs=1e-9)
     assert run.position(40.0) == pytest.approx((-7.87, 4.8))
-    turned = navigation.agv_run(lane, navigation.lane_state(lane, run.state(32.0)), 0.0, 32.0)
+    turned = navigation.agv_run(lane, run.state(32.0), 0.0, 32.0)
     assert turned.velocity(32.0) == pytest.approx((-2.0, 0.0), abs=1e-9)
     assert turned.position(turned.end) == pytest.approx((-2.27, 4.8))
 
@@ -237,7 +237,7 @@ def test_an_agv_that_came_back_is_still_on_its_lane(stops):
     for q in [*stops, 0.0, 18.0, 0.0]:
         run = navigation.agv_run(lane, state, q, t)
         t = run.end + 1.0
-        state = navigation.lane_state(lane, run.state(t))
+        state = lane_state(lane, run.state(t))
         assert lane.limits[0] <= state.position <= lane.limits[1]
         assert state.position == pytest.approx(q, abs=1e-9)
 

@@ -20,7 +20,7 @@ from navigation import (
     SeparationLaw,
 )
 from navigation.encounter import Odometer
-from navigation.machines import AxisLimits
+from navigation.machines import ARIAC_GANTRY, AxisLimits
 from navigation.motion import State
 from navigation.separation import is_of_motions, is_of_speeds, required_at_speeds
 
@@ -159,10 +159,17 @@ def test_what_a_law_says_of_an_interval_holds_throughout(person, machine, t1, t2
 
 
 def test_enclosures_add_up():
-    one = Enclosure(1.0, 0.5, 0.1) * -2.0 + Enclosure(1.0, 1.0, 0.0) + 4.0
+    one = (
+        Enclosure(value=1.0, slope=0.5, slack=0.1) * -2.0
+        + Enclosure(value=1.0, slope=1.0, slack=0.0)
+        + 4.0
+    )
     assert (one.value, one.slope, one.slack) == (3.0, 0.0, 0.2)
     assert one.range(10.0) == (2.8, 3.2)
-    two = (Enclosure(1.0, 0.5, 0.0, 2.0) + Enclosure(0.0, 0.0, 0.0, 1.0)) * 2.0
+    two = (
+        Enclosure(value=1.0, slope=0.5, slack=0.0, curve=2.0)
+        + Enclosure(value=0.0, slope=0.0, slack=0.0, curve=1.0)
+    ) * 2.0
     assert (two.curve, two.range(1.0)) == (6.0, (-2.0, 6.0))
     assert Enclosure.between(1.0, 2.0).range(3.0) == (1.0, 2.0)
 
@@ -266,14 +273,14 @@ def test_no_gantry_takes_longer_to_stop_than_its_law_says(axes, shares):
 def test_the_stops_of_the_built_in_machines():
     plan = floorplan.load("ariac2023")
     law = SeparationLaw.for_machine(plan.gantry, t1=1.0)
-    assert law == SeparationLaw.for_machine(navigation.ARIAC_GANTRY, t1=1.0)
+    assert law == SeparationLaw.for_machine(ARIAC_GANTRY, t1=1.0)
     assert law.t2 == pytest.approx(1.0 / 0.5 + 2 * 0.5 / 2.0)
     lane = plan.lanes[0]
     law = SeparationLaw.for_machine(lane, t1=1.0)
-    run = navigation.agv_run(lane, navigation.AxisState(0.0), 17.0)
-    fast = navigation.lane_state(lane, run.state(4.0))
+    run = navigation.agv_run(lane, 0.0, 17.0)
+    fast = run.state(4.0)
     braked = navigation.agv_stop(lane, fast)
-    assert fast.velocity == pytest.approx(lane.max_speed)
+    assert fast.speed == pytest.approx(lane.max_speed)
     assert law.t2 == pytest.approx(braked.end)
     assert law.stopping == pytest.approx(math.dist(run.state(4.0).at[:2], braked.position(9.0)))
     with pytest.raises(TypeError, match="Gantry"):

@@ -14,24 +14,13 @@ from stretches import assert_bounds, assert_negative_within, encounters, part_of
 
 import floorplan
 import navigation
-from navigation import (
-    AxisState,
-    Box,
-    Cylinder,
-    FixedDistance,
-    IntegralLaw,
-    SeparationLaw,
-    Shapes,
-    agv_box,
-    folded_arm,
-    torso_box,
-)
+from navigation import Box, Cylinder, FixedDistance, IntegralLaw, SeparationLaw, Shapes
 
 END = 20.0
 PLAN = floorplan.load("ariac2023")
-TORSO = Shapes(machine=(torso_box(PLAN.gantry),))
-ARM = Shapes(machine=(folded_arm(PLAN.gantry),))
-CHILD = Shapes(person=Cylinder(radius=0.25, top=1.0), machine=(torso_box(PLAN.gantry),))
+TORSO = Shapes(machine=(Box.of_torso(PLAN.gantry),))
+ARM = Shapes(machine=(Cylinder.of_arm(PLAN.gantry),))
+CHILD = Shapes(person=Cylinder(radius=0.25, top=1.0), machine=(Box.of_torso(PLAN.gantry),))
 LONG = Shapes(
     machine=(Box(length=2.4, width=0.4, bottom=1.3, top=2.0), Cylinder(radius=0.6, top=3.0))
 )
@@ -124,15 +113,15 @@ def test_the_torso_passes_over_who_is_small_enough():
 
 
 def test_the_shapes_are_those_of_the_floorplan():
-    assert torso_box(PLAN.gantry) == Box(length=1.05, width=0.95, bottom=1.24, top=2.71)
-    assert folded_arm(PLAN.gantry) == Cylinder(radius=0.9, bottom=1.1, top=2.71)
-    assert agv_box(PLAN.lane("agv1")) == Box(length=1.17, width=0.67, top=1.21)
+    assert Box.of_torso(PLAN.gantry) == Box(length=1.05, width=0.95, bottom=1.24, top=2.71)
+    assert Cylinder.of_arm(PLAN.gantry) == Cylinder(radius=0.9, bottom=1.1, top=2.71)
+    assert Box.of_agv(PLAN.lane("agv1")) == Box(length=1.17, width=0.67, top=1.21)
 
 
 def test_an_agv_hits_who_stands_beside_its_lane_or_does_not():
     lane = PLAN.lane("agv1")
-    run = navigation.agv_run(lane, AxisState(0.0), 10.0)
-    shapes = Shapes(machine=(agv_box(lane),))
+    run = navigation.agv_run(lane, 0.0, 10.0)
+    shapes = Shapes(machine=(Box.of_agv(lane),))
     (x, y), away = lane.position(5.0), 0.67 / 2 + 0.3
     for gap in (0.1, 1e-6):
         beside = navigation.standing((x, y + away + gap))
@@ -229,7 +218,7 @@ def test_beside_a_wall_that_turns_the_minimum_takes_few_steps():
         def required(self, encounter, begin, end):
             nonlocal asked
             asked += 1
-            return navigation.Enclosure(0.0)
+            return navigation.Enclosure(value=0.0)
 
     span = (0.0, 2.0)
     _, nearest = navigation.minimum_margin(person, machine, Nothing(), *span, shapes=TORSO)
@@ -242,8 +231,8 @@ def test_beside_a_wall_that_turns_the_minimum_takes_few_steps():
 def test_a_tie_is_no_violation_and_is_settled_at_once(required):
     """An AGV passes somebody who stands exactly as far from its lane as the law asks."""
     lane = PLAN.lane("agv1")
-    run = navigation.agv_run(lane, AxisState(0.0), 17.0)
-    shapes = Shapes(machine=(agv_box(lane),))
+    run = navigation.agv_run(lane, 0.0, 17.0)
+    shapes = Shapes(machine=(Box.of_agv(lane),))
     (x, y), law = lane.position(8.0), FixedDistance(required)
     beside = navigation.standing((x, y + 0.67 / 2 + 0.3 + required))
     assert navigation.violations(beside, run, law, 0.0, 60.0, shapes=shapes) == []
@@ -273,7 +262,7 @@ def test_conditions_measure_between_surfaces_too():
     apart = navigation.Apart(2.0)
     (begin, _), (_, end) = navigation.when(apart, person, machine, 0.0, 60.0, shapes=TORSO)
     assert (begin, end) == (0.0, 60.0)
-    t = navigation.first_time(navigation.Not(apart), person, machine, 0.0, 60.0, shapes=TORSO)
+    t = navigation.first_time(~apart, person, machine, 0.0, 60.0, shapes=TORSO)
     assert t == pytest.approx(10.2 - 2.825, abs=1e-6)
 
 

@@ -14,7 +14,7 @@ from navigation.kernels.movers import Movers
 from navigation.kernels.numbers import numbers
 from navigation.kernels.retreats import Retreats
 from navigation.kernels.throng import Throng
-from navigation.walking import Swath, pace
+from navigation.walking import Swath
 
 GAP = 0.006
 START, TOP, FASTEST, ACCELERATION = 7.0, 0.9, 1.2, 2.5
@@ -27,7 +27,7 @@ Crowd = tuple[list[Numbers], Numbers, Numbers]
 
 def drawn(corners: list[Place]) -> Swath | None:
     limits = {"top_speed": TOP, "max_speed": FASTEST, "max_acceleration": ACCELERATION}
-    return pace(corners, START, **limits)
+    return Swath.along(corners, START, **limits)
 
 
 def somewhere(rng: random.Random) -> Place:

@@ -271,6 +271,6 @@ def test_heights_must_rise(plan):
 
 
 def test_default_top_is_a_persons_height():
-    plan = Floorplan("low", box(0, 0, 5, 5), human=Human(height=0.9))
+    plan = Floorplan(name="low", boundary=box(0, 0, 5, 5), human=Human(height=0.9))
     world = CollisionWorld(plan)
     assert world.top == 0.9

@@ -35,7 +35,10 @@ def interfere(simulation, chance):
             case "block":
                 x, y = chance.uniform(-14, -3), chance.uniform(-9, 9)
                 name = f"box{len(simulation.commands)}"
-                command = sim.Command(at, block=Obstacle(name, box(x, y, x + 1, y + 1), 0, 1))
+                command = sim.Command(
+                    at,
+                    block=Obstacle(name=name, footprint=box(x, y, x + 1, y + 1), bottom=0, top=1),
+                )
                 placed.append(name)
             case "clear" if placed:
                 command = sim.Command(at, clear=placed.pop())

@@ -3,7 +3,7 @@
 import pytest
 
 import sim
-from navigation import Cylinder, Shapes, agv_box, minimum_separation
+from navigation import Box, Cylinder, Shapes, minimum_separation
 from sim.people import walker
 from sim.people.steering import vehicle_conflicts as foreseen
 
@@ -40,7 +40,7 @@ def test_nobody_sets_out_into_a_lane_that_an_agv_is_about_to_cross(
     plan = run.trial.floorplan
     shapes = Shapes(
         person=Cylinder(radius=plan.human.radius, top=plan.human.height),
-        machine=(agv_box(plan.lane("agv1")),),
+        machine=(Box.of_agv(plan.lane("agv1")),),
     )
     apart = minimum_separation(run.motions["ada"], run.motions["agv1"], 0.0, 40.0, shapes=shapes)
     assert apart[1] >= foreseen.GAP - 1e-6

@@ -7,6 +7,7 @@ import pytest
 import floorplan
 import navigation
 import sim
+from navigation.machines import longest_stop
 from sim.record.summary import figures_in_words
 
 TRIAL = """\
@@ -31,7 +32,7 @@ def audited(**laws):
 def test_the_summary_has_what_the_law_states_and_what_the_machine_needs():
     found = audited()
     assert found.keys() == {"gantry"}
-    stop = navigation.longest_stop(PLAN.gantry)
+    stop = longest_stop(PLAN.gantry)
     assert found["gantry"] == {
         "machine": "gantry",
         "law": "gantry_law",

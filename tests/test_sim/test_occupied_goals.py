@@ -128,7 +128,7 @@ def test_an_agv_that_drives_across_is_let_pass(run, tmp_path):
     (arrived,) = events(found, "arrived")
     assert arrived["at"] == [11, 12] and arrived["t"] < 18.0
     lane = found.trial.floorplan.lane("cart")
-    shapes = navigation.Shapes(machine=(navigation.agv_box(lane),))
+    shapes = navigation.Shapes(machine=(navigation.Box.of_agv(lane),))
     pair = (found.motions["a"], found.motions["cart"])
     assert navigation.minimum_separation(*pair, 0.0, 30.0, shapes=shapes)[1] >= 0.1
 

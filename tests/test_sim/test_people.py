@@ -78,8 +78,8 @@ def test_a_person_starts_when_something_happens(start, kind):
 )
 def test_people_on_a_floor_made_in_python_go_to_all_stations_by_default(patrol, visits):
     floor = floorplan.Floorplan(
-        "yard",
-        box(0.0, 0.0, 12.0, 12.0),
+        name="yard",
+        boundary=box(0.0, 0.0, 12.0, 12.0),
         stations=(
             floorplan.Station("gate", (9.0, 2.0)),
             floorplan.Station("press", (9.0, 9.0)),

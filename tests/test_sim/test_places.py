@@ -231,7 +231,7 @@ def test_doors_and_zones_are_written_scaled_and_turned(tmp_path):
 
 
 def test_a_leg_past_the_corner_of_a_zone_is_clear_of_it():
-    zones = SpeedZones([floorplan.Zone("slow", box(0, 0, 10, 10), max_speed=0.5)], "eve")
+    zones = SpeedZones([floorplan.Zone(name="slow", area=box(0, 0, 10, 10), max_speed=0.5)], "eve")
     past = [(-4.0, 8.0), (3.0, 15.0)]  # within the zone's bounds, not in the zone
     assert zones.along(past, 1.0) == (past, 1.0)
     _, speeds = zones.along([(-4.0, 4.0), (3.0, 11.0)], 1.0)

@@ -13,17 +13,31 @@ import floorplan
 import navigation
 import sim
 
-AXIS = floorplan.Axis(0.0, 12.0, 1.0, 1.0, 2.0)
+AXIS = floorplan.Axis(low=0.0, high=12.0, max_speed=1.0, max_acceleration=1.0, max_jerk=2.0)
 FLOOR = floorplan.Floorplan(
-    "hall",
-    box(0.0, 0.0, 12.0, 12.0),
-    obstacles=(floorplan.Obstacle("table", box(5.0, 5.0, 6.0, 6.0), 0.0, 1.0),),
+    name="hall",
+    boundary=box(0.0, 0.0, 12.0, 12.0),
+    obstacles=(
+        floorplan.Obstacle(name="table", footprint=box(5.0, 5.0, 6.0, 6.0), bottom=0.0, top=1.0),
+    ),
     stations=(floorplan.Station("a", (2.0, 2.0)), floorplan.Station("b", (10.0, 10.0))),
     safe_zone=floorplan.SafeZone((2.0, 10.0), 3.0),
-    human=floorplan.Human(0.3, 2.0, 1.0, 2.0, 0.25),
+    human=floorplan.Human(
+        radius=0.3, height=2.0, max_speed=1.0, max_acceleration=2.0, goal_tolerance=0.25
+    ),
     lanes=(
         floorplan.Lane(
-            "agv1", (4.0, 3.0), 0.0, (0.0, 4.0), {"home": 0.0, "away": 4.0}, "home", *[1.0] * 5
+            name="agv1",
+            origin=(4.0, 3.0),
+            heading=0.0,
+            limits=(0.0, 4.0),
+            locations={"home": 0.0, "away": 4.0},
+            start="home",
+            length=1.0,
+            width=1.0,
+            height=1.0,
+            max_speed=1.0,
+            max_acceleration=1.0,
         ),
     ),
     gantry=floorplan.Gantry(

@@ -116,7 +116,7 @@ def test_margins_are_where_people_were_before_they_were_put_elsewhere():
 
 def test_zones_and_doors_are_drawn(run):
     plan = run.floorplan
-    door = floorplan.Door("gate", ((5.0, 0.0), (5.0, 2.0)), is_open=False)
+    door = floorplan.Door(name="gate", ends=((5.0, 0.0), (5.0, 2.0)), is_open=False)
     without, with_both = (
         (len(axes.lines), len(axes.patches))
         for one in (replace(plan, zones=()), replace(plan, doors=[door]))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from functools import partial
 from itertools import pairwise
 
@@ -11,10 +12,9 @@ import numpy as np
 import shapely
 
 from floorplan import Gate, Lane, Point, Zone, rectangle
-from navigation import AxisState, CollisionWorld, Motion, agv_run, agv_stop, join, lane_state
-from navigation.machines import agv_stops
+from navigation import CollisionWorld, Motion, agv_run, agv_stop, join, walk
+from navigation.machines import AxisState, agv_stops, lane_state
 from navigation.separation import required_at_speeds
-from navigation.walking import paced
 
 from ...core.body import Body, Machine, MachineShape
 from ...core.clock import Alarm, Turn
@@ -99,15 +99,15 @@ def run_slowly(
     edges = {e for part, _ in ahead for e in part if low + SLIGHT < e < high - SLIGHT}
     points = sorted({at, to, *edges}, reverse=way < 0)
     if speed * way >= 0.0 and len(points) > 1:
-        motion = paced(
-            [lane.position(q) for q in points],
-            start,
-            initial_speed=abs(speed),
-            top_speed=[_limit(lane, sum(leg) / 2, ahead) for leg in pairwise(points)],
-            max_speed=lane.max_speed,
-            max_acceleration=lane.max_acceleration,
-        )
-        if motion is not None:
+        with suppress(ValueError):  # too fast for a part
+            motion = walk(
+                [lane.position(q) for q in points],
+                start,
+                initial_speed=abs(speed),
+                top_speed=[_limit(lane, sum(leg) / 2, ahead) for leg in pairwise(points)],
+                max_speed=lane.max_speed,
+                max_acceleration=lane.max_acceleration,
+            )
             return _looking_along(lane, motion)
     if abs(speed) < SLIGHT:
         return agv_run(lane, state, to, start)

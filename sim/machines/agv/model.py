@@ -22,8 +22,7 @@ from floorplan.files.fields import (
     time_fault,
 )
 from floorplan.files.problems import Fault
-from navigation import longest_stop
-from navigation.machines import Stop
+from navigation.machines import Stop, longest_stop
 
 from ...core.body import MachineShape
 from ...core.entries import Keys, times_until

@@ -12,8 +12,7 @@ from pydantic import model_validator
 from floorplan import Floorplan, Gantry, Point, UserError
 from floorplan.files.fields import Flag, NotNegative, Positive, Range, size_fault, time_fault, whole
 from floorplan.files.problems import Fault, suggestion
-from navigation import longest_stop
-from navigation.machines import Stop
+from navigation.machines import Stop, longest_stop
 
 from ...core.body import MachineShape
 from ...core.entries import Keys, Pose

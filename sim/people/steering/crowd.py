@@ -15,7 +15,7 @@ from functools import partial
 
 from floorplan import Point
 from navigation import CollisionWorld, Motion, PlanningError, join, standing, stop_walking
-from navigation.walking import Swath, first_conflict, swath, walked
+from navigation.walking import Swath, first_conflict, swath
 
 from ...core.clock import Alarm, Turn
 from ...core.events import Blocked, Deadlock, GaveWay, Met
@@ -250,7 +250,7 @@ class Crowd:
                 for who, draft in request.drafts.items():
                     if not who.is_vehicle:
                         self._commit(
-                            self._parties[who], walked(draft, who.body.state.position[2]), draft
+                            self._parties[who], draft.motion(who.body.state.position[2]), draft
                         )
                 return
 
@@ -522,7 +522,7 @@ class Crowd:
     def _give_way(self, who: Traveller, draft: Swath, *, to: Traveller) -> None:
         """Let somebody step aside for another."""
         self._stage.record(GaveWay(person=who.name, to=to.name))
-        self._commit(self._parties[who], walked(draft, who.body.state.position[2]), draft)
+        self._commit(self._parties[who], draft.motion(who.body.state.position[2]), draft)
 
     def _commit(
         self,

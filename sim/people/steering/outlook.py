@@ -15,7 +15,7 @@ from navigation.kernels.edges import Legs
 from navigation.kernels.foresight import TrajectoryChoice
 from navigation.kernels.grid import middles
 from navigation.kernels.numbers import numbers
-from navigation.walking import Swath, can_go_on, pace, swath, walked
+from navigation.walking import Swath, can_go_on, swath
 
 from .course import first
 from .detour import Detours
@@ -195,7 +195,7 @@ class Outlook:
     def wish(self) -> Motion | None:
         """The motion along the course as far as they look ahead, as if nobody were there."""
         if self._wish is None and self.wished is not None:
-            self._wish = walked(self.wished, self._state.position[2])
+            self._wish = self.wished.motion(self._state.position[2])
         return self._wish
 
     def is_wish(self, motion: Motion) -> bool:
@@ -247,7 +247,7 @@ class Outlook:
         """Return where a walk along `points` goes, slowed down where limits hold."""
         me = self.me
         points, top = me.zones.along(points, fastest)
-        return pace(
+        return Swath.along(
             points,
             self.t + delay,
             initial_speed=self.speed,
@@ -293,7 +293,7 @@ class Outlook:
 
     def made(self, draft: Swath) -> Motion:
         """Return the motion of a draft."""
-        motion = walked(draft, self._state.position[2])
+        motion = draft.motion(self._state.position[2])
         self._made = (motion, draft)
         return motion
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from floorplan import Human, Point
 from navigation import CollisionWorld, Motion
-from navigation.walking import Swath, pace, swath
+from navigation.walking import Swath, swath
 
 from ...core.body import Body
 from .manners import Manners
@@ -87,7 +87,7 @@ class Traveller:
         top: float | list[float] = self.top_speed
         if self.zones:
             course, top = self.zones.along(course, self.top_speed)
-        return pace(
+        return Swath.along(
             course,
             now + delay,
             top_speed=top,
