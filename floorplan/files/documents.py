@@ -199,6 +199,8 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     except yaml.MarkedYAMLError as why:
         mark = why.problem_mark or why.context_mark
         reason = " ".join(part for part in (why.problem, why.context) if part)
+        if "maximum nesting depth" in reason:  # LibYAML 0.2.6 has a limit of its own
+            reason = "it is nested too deeply"
         # LibYAML marks the end of a text as the line after the last.
         line = min(mark.line + 1, len(text.splitlines())) if mark else None
         raise error.of(file, f"is not YAML: {reason}", line=line) from None
