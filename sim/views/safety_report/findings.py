@@ -30,12 +30,6 @@ MOST_PANELS = 4
 LONG = 4000
 """Pieces of motion from which on the paths of a run would cover each other."""
 
-FRAME = 900
-"""Pixels. The width of a picture of an instant."""
-
-_MARKED = 1.0
-"""Seconds for which a violation is marked on it."""
-
 _MAPS: dict[Risk, tuple[str, str]] = {
     "margin": (
         "Least margin",
@@ -117,7 +111,7 @@ def run_pictures(run: Outcome, worst: Sequence[Incident], name: str = "") -> lis
     pairs = list(dict.fromkeys((one.person, one.machine) for one in worst))
     for person, machine in pairs[:MOST_PANELS]:
         parts += _distance(run, person, machine, name)
-    parts += _instants(run, worst[:INSTANTS])
+    parts += _instants(run, worst[:INSTANTS], name)
     return parts
 
 
@@ -132,17 +126,9 @@ def _distance(run: Outcome, person: str, machine: str, name: str) -> Iterator[Pa
     yield from _drawn(title, words, f"separation {person} {machine} {name}", draw)
 
 
-def _instants(run: Outcome, worst: Sequence[Incident]) -> Iterator[Part]:
+def _instants(run: Outcome, worst: Sequence[Incident], name: str) -> Iterator[Part]:
     """Yield the floor at the instants at which violations began."""
-    if not worst:
-        return
-    try:
-        from ..plots.film import Film
-        from ..plots.style import picture_element
-    except MissingExtraError:
-        return
-    film = Film(run, width=FRAME, mark=_MARKED)
-    for one in worst:
+    for k, one in enumerate(worst):
         title = f"{one.person} and {one.machine} at {clock(one.worst_at)}"
         # An instant before, since a person may be put elsewhere at once.
         before = max(0.0, one.worst_at - 1e-6)
@@ -159,7 +145,13 @@ def _instants(run: Outcome, worst: Sequence[Incident]) -> Iterator[Part]:
                 f" {one.worst_at:.2f} s: {apart:.2f} m apart, {-one.margin:.2f} m less than"
                 " required."
             )
-        yield Picture(title, words, picture_element(film.at(before), f"{title}. {words}"))
+
+        def draw(one: Incident = one, before: float = before) -> Figure:
+            from ..plots.paths import moment
+
+            return moment(run, before, one.person, one.machine)
+
+        yield from _drawn(title, words, f"moment {k} {name}", draw)
 
 
 def _drawn(title: str, words: str, name: str, draw: Callable[[], Figure]) -> Iterator[Part]:

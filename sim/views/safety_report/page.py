@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from floorplan import UserError
-
-from ...core.output import OutputError, replacing, writing
-from ..browser import QUIET, installed_chromium, unboxed
+from ...core.output import replacing, require_place, writing
+from ..browser import in_browser, open_page, require_browser
 from ..report_page import write_report_page
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 Cell = str
 """A text; `markupsafe.Markup` where it has subscripts and the like."""
@@ -122,45 +121,14 @@ def clock(seconds: float) -> str:
     return f"{whole // 3600}:{whole % 3600 // 60:02}:{whole % 60:02}"
 
 
-OPTIONS = ("--headless", "--no-pdf-header-footer", *QUIET)
-
-PATIENCE = 120.0
-"""Seconds of real time that a browser may take for a page."""
-
-
-def require_printer(path: Path) -> None:
-    """Raise `OutputError` if there is no browser that could print a page to `path`."""
-    if installed_chromium() is None:
-        raise OutputError(
-            f"can't write {path}: a PDF is printed by Chromium or Chrome, and there is none here;"
-            " write a .html instead and print that"
-        )
-
-
 def print_page(page: Path, path: Path) -> None:
-    """Print the HTML file `page` to `path`; `OutputError` if that fails."""
-    require_printer(path)
-    browser = installed_chromium()
-    assert browser is not None  # as required
-    with (
-        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile,
-        writing(path),
-        replacing(path) as unfinished,
-    ):
-        target = Path(profile) / "printed.pdf"
-        words = [
-            *(browser, *OPTIONS, *unboxed(), f"--user-data-dir={profile}"),
-            *(f"--print-to-pdf={target}", page.resolve().as_uri()),
-        ]
-        try:
-            done = subprocess.run(words, capture_output=True, timeout=PATIENCE, check=False)
-        except subprocess.TimeoutExpired:
-            raise OutputError(f"can't write {path}: {browser} did not print it in time") from None
-        if not target.is_file():
-            said = done.stderr.decode(errors="replace").strip().splitlines()
-            why = said[-1] if said else f"it ended with {done.returncode}"
-            raise OutputError(f"can't write {path}: {browser} did not print it: {why}")
-        shutil.copyfile(target, unfinished)
+    """Print the HTML file `page` to the PDF `path`."""
+
+    def printed(browser: Browser) -> None:
+        open_page(browser, page).pdf(path=target, prefer_css_page_size=True, print_background=True)
+
+    with writing(path), replacing(path) as target:
+        in_browser("a PDF", printed)
 
 
 ENDINGS = (".html", ".pdf")
@@ -170,15 +138,12 @@ ENDINGS = (".html", ".pdf")
 def require_writable(path: Path) -> None:
     """Raise, before any work is done for it, if a report can't be written to `path`.
 
-    `ValueError` if it ends in neither .html nor .pdf, `OutputError` if there is no such folder or,
-    for a PDF, no browser to print it.
+    `ValueError` if it ends in neither .html nor .pdf, `OutputError` if there is no such folder,
+    `MissingExtraError` if a PDF cannot be printed.
     """
-    if path.suffix.lower() not in ENDINGS:
-        raise UserError(f"{path}: the name of a report ends in {' or '.join(ENDINGS)}")
-    if not path.parent.is_dir():
-        raise OutputError(f"can't write {path}: there is no folder {path.parent}")
+    require_place(path, "report", ENDINGS)
     if path.suffix.lower() == ".pdf":
-        require_printer(path)
+        require_browser("a PDF")
 
 
 def write_safety_page(
