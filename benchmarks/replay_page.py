@@ -64,8 +64,7 @@ PARTS = {
     "preparing": "void (window.run = new Run(read))",
     "events": "void new Band(run, '')",
     "plot": "void run.watches[0]?.largest",
-    "all motions": "void [...run.bodies.values()].forEach(({ motion: { count }, motion }) => {"
-    " for (let i = 0; i < count; i++) motion.need(i); })",
+    "jumps": "void [...run.bodies.values()].forEach(({ motion }) => motion.jumps)",
 }
 """What opening consists of, done once more."""
 
