@@ -114,7 +114,7 @@ FORMAT = "floorwalker-replay/1"
 PARTS = Path(__file__).parents[1] / "data" / "replay"
 """Folder of the parts of the page."""
 
-PACKED_FROM = 1_500_000
+PACKED_FROM = 500_000
 """Characters of a recording from which it stands packed in its page."""
 
 PIECE = 100
