@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from small_floors import GANTRY, on_floor
 
-import navigation
 import sim
 from sim.record.incidents import incidents, risk, time_on_floor, time_too_close
-from sim.studies.report import sensitivities
+from sim.studies.comparison import sensitivities
 from sim.studies.safety import MARGIN, TOO_NEAR, VIOLATIONS, findings, with_findings
 from sim.views import browser as chromium
 
@@ -213,18 +212,20 @@ def test_sources_are_written_and_refused_for_what_has_none():
         sim.Trial.parse("{floorplan: ariac2023, sources: {speed: me}}")
 
 
-def test_laws_of_all_kinds_have_a_sheet():
-    from sim.views.safety_report.assumptions import law_sheet
-
-    laws = (
-        navigation.SeparationLaw(t1=0.25, t2=1.5),
-        navigation.IntegralLaw(t1=0.25, t2=1.5),
-        navigation.ApproachLaw(time=0.25),
-        navigation.Scaled(navigation.FixedDistance(0.25), 2.0, 5.0),
-    )
-    for law in laws:
-        sheet = law_sheet(law)
-        assert "0.25" in sheet.formula + "".join(value for _, value, _ in sheet.terms)
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        ("{t1: 0.25, t2: 1.5}", "T<sub>1</sub> = 0.25 s"),
+        ("{t1: 0.25, t2: 1.5, integral: true}", "clause 5.5.4.2.3, integral form"),
+        ("{approach: 1.6, time: 0.25}", "T = 0.25 s, from sensing"),
+        ("{fixed: 0.25}", "S = 0.25 m"),
+    ],
+)
+def test_laws_of_all_kinds_are_written_out(tmp_path, law, said):
+    text = TRIAL.replace("RULES", "observe").replace("{fixed: 3.0}", law)
+    run = sim.run(sim.Trial.parse(text.replace("duration: 30", "duration: 1")))
+    sim.safety_report(run, tmp_path / "report.html")
+    assert said in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.filterwarnings("error")

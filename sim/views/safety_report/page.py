@@ -2,90 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tempfile
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from ...core.output import replacing, require_place, writing
+from ...record.incidents import CELL, Incident
+from ...record.sampling import MOMENT
 from ..browser import in_browser, open_page, require_browser
-from ..report_page import write_report_page
+from ..report_page import figure, minus, signed, write_report_page
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
-
-Cell = str
-"""A text; `markupsafe.Markup` where it has subscripts and the like."""
-
-
-@dataclass(frozen=True)
-class ReportTable:
-    """A table under a title; `figures` are the numbers of the columns that hold figures."""
-
-    kind: ClassVar[str] = "table"
-    heads: Sequence[str]
-    rows: Sequence[Sequence[Cell]]
-    title: str = ""
-    words: str = ""
-    figures: frozenset[int] = frozenset()
-
-
-@dataclass(frozen=True)
-class Facts:
-    """Names with their values, one below the other."""
-
-    kind: ClassVar[str] = "facts"
-    rows: Sequence[tuple[str, Cell]]
-    title: str = ""
-    words: str = ""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture as an element of a page; its `words` are below it."""
-
-    kind: ClassVar[str] = "picture"
-    title: str
-    words: str
-    element: str
-
-
-@dataclass(frozen=True)
-class Chart:
-    """A chart in the page's own colours, below its `words`."""
-
-    kind: ClassVar[str] = "chart"
-    title: str
-    words: str
-    element: str
-
-
-@dataclass(frozen=True)
-class Points:
-    """Sentences, one below the other."""
-
-    kind: ClassVar[str] = "points"
-    sentences: Sequence[str]
-    title: str = ""
-
-
-Part = ReportTable | Facts | Picture | Chart | Points
-
-
-@dataclass(frozen=True)
-class Section:
-    """A section of a report."""
-
-    title: str
-    parts: Sequence[Part] = field(default_factory=list)
-    words: str = ""
-
-    @property
-    def anchor(self) -> str:
-        """Its name in links."""
-        return re.sub(r"\W+", "-", self.title.lower()).strip("-")
 
 
 def listed(names: Sequence[str]) -> str:
@@ -110,15 +41,34 @@ def place(x: float, y: float) -> str:
     return minus(f"({x:.2f},\u00a0{y:.2f})")
 
 
-def minus(figures: str) -> str:
-    """Return figures with a minus sign where they have a hyphen."""
-    return figures.replace("-", "−")
-
-
 def clock(seconds: float) -> str:
     """Return a length of time as h:mm:ss."""
     whole = round(seconds)
     return f"{whole // 3600}:{whole % 3600 // 60:02}:{whole % 60:02}"
+
+
+def counted(count: int, what: str) -> str:
+    """Return how many there are of something."""
+    if what == "person":
+        return "1 person" if count == 1 else f"{count:,} people"
+    plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2] not in "aeiou" else f"{what}s"
+    return f"{count:,} {what if count == 1 else plural}"
+
+
+def incident_rows(found: Sequence[Incident], numbers: Sequence[int] | None) -> list[list[str]]:
+    """Return a line for each violation, after the number of its run if there are several."""
+    rows = [
+        [
+            *(f"{one.begin:.3f}", f"{one.seconds:.3f}", one.person, one.machine, one.cause or "–"),
+            *(place(*one.at), ", ".join(one.zones) or "–", f"{one.distance:.3f}"),
+            *(f"{one.required:.3f}", metres(one.margin), f"{one.worst_at:.3f}"),
+            *(f"{one.severity:.2f}", "; ".join(one.led_to) or "nothing"),
+        ]
+        for one in found
+    ]
+    if numbers is None:
+        return rows
+    return [[str(number), *row] for number, row in zip(numbers, rows, strict=True)]
 
 
 def print_page(page: Path, path: Path) -> None:
@@ -146,23 +96,39 @@ def require_writable(path: Path) -> None:
         require_browser("a PDF")
 
 
-def write_safety_page(
-    path: Path, *, title: str, subtitle: str, sections: Sequence[Section]
-) -> None:
-    """Write a report to `path`, as HTML or, with a browser's help, as PDF."""
+def write_safety_page(path: Path, template: str, **values: Any) -> None:
+    """Write a report to `path`, as HTML or, with a browser's help, as PDF.
+
+    `template` is one of `data/report`, which gets the `values`.
+    """
     if path.suffix.lower() != ".pdf":
-        _write(path, title, subtitle, sections)
+        _write(path, template, values)
         return
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "report.html"
-        _write(page, title, subtitle, sections)
+        _write(page, template, values)
         print_page(page, path)
 
 
-def _write(path: Path, title: str, subtitle: str, sections: Sequence[Section]) -> None:
-    write_report_page(
-        path, "safety.html", {"css": _in_css}, title=title, subtitle=subtitle, sections=sections
-    )
+def _write(path: Path, template: str, values: Mapping[str, Any]) -> None:
+    filters: dict[str, Callable[..., Any]] = {
+        "anchor": _anchor,
+        "clock": clock,
+        "counted": counted,
+        "css": _in_css,
+        "figure": figure,
+        "incident_rows": incident_rows,
+        "kind": lambda law: type(law).__name__,
+        "metres": metres,
+        "signed": signed,
+    }
+    shared = {"titles": [], "infinity": math.inf, "moment": MOMENT, "cell": CELL}
+    write_report_page(path, template, filters, **shared, **values)
+
+
+def _anchor(title: str) -> str:
+    """Return the name of a section in links."""
+    return re.sub(r"\W+", "-", title.lower()).strip("-")
 
 
 def _in_css(text: str) -> str:
