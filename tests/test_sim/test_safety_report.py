@@ -215,9 +215,9 @@ def test_sources_are_written_and_refused_for_what_has_none():
 @pytest.mark.parametrize(
     ("law", "said"),
     [
-        ("{t1: 0.25, t2: 1.5}", "T<sub>1</sub> = 0.25 s"),
-        ("{t1: 0.25, t2: 1.5, integral: true}", "clause 5.5.4.2.3, integral form"),
-        ("{approach: 1.6, time: 0.25}", "T = 0.25 s, from sensing"),
+        ("{iso_ts_15066: {t1: 0.25, t2: 1.5}}", "T<sub>1</sub> = 0.25 s"),
+        ("{iso_ts_15066_integral: {t1: 0.25, t2: 1.5}}", "clause 5.5.4.2.3, integral form"),
+        ("{iso_13855: {time: 0.25}}", "T = 0.25 s, from sensing"),
         ("{fixed: 0.25}", "S = 0.25 m"),
     ],
 )

@@ -182,7 +182,7 @@ def moment(run: Outcome, t: float, person: str, machine: str) -> Figure:
     draw_floor(axes, run.floorplan, run.scene.machines)
     span = (max(0.0, t - TRAIL), max(t, INSTANT))
     present = [one for one in run.motions if while_present(run, one, span)]
-    paths = [_draw_path(axes, run, body, span) for body in present]
+    paths = [_draw_path(axes, run, body, span, edged=False) for body in present]
     here, there = (run.motions[name].state(t).at for name in (person, machine))
     axes.plot(*zip(here, there, strict=True), color=VERMILION, linewidth=0.8, linestyle=(0, (3, 3)))
     required = float(run.required(person, machine, [t])[0])
@@ -206,8 +206,11 @@ def _outline(run: Outcome, name: str, t: float) -> Polygon:
     return run.scene.machine(name).footprint(motion.state(t).at, float(motion.rotation(t)))
 
 
-def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
-    """Draw the path of a body; return its points (N, 2), NaN where it is broken."""
+def _draw_path(axes: Axes, run: Outcome, body: str, span: Span, *, edged: bool = True) -> Array:
+    """Draw the path of a body; return its points (N, 2), NaN where it is broken.
+
+    If `edged`, lines of people have different widths, so that one shows below another.
+    """
     motion = run.motions[body]
     there = while_present(run, body, span)
     if there is None:
@@ -218,7 +221,7 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
         index = people.index(body)
         later = len(people) - 1 - index
         few = are_few(len(people))
-        edges = min(_EDGES, (_WIDEST - _THIN) / len(people)) if few else 0.0
+        edges = min(_EDGES, (_WIDEST - _THIN) / len(people)) if few and edged else 0.0
         width = (_THIN if few else OF_MANY) + later * edges
         axes.plot(
             *path.T,
