@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..machines.kinds import KINDS
 from ..record.figures import FIGURES
 from .design import Study
-from .table import Cell, TableError
+from .folder import Cell, TableError
 
 CONFIDENCE = 0.95
 """The share of studies like this one whose interval would hold the true mean."""

@@ -32,7 +32,7 @@ from .comparison import (
     Trend,
     contrasts,
 )
-from .table import Cell
+from .folder import Cell
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
