@@ -10,8 +10,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from floorplan import UserError
-
 
 def folder_for(name: str, parent: str) -> Path:
     """Return the folder right in `parent` for a trial or a study named `name`, whatever it is."""
@@ -57,12 +55,3 @@ def write_whole(path: Path, text: str) -> None:
     """Write `text` (UTF-8, as it is) to `path`, or leave `path` as it was; `OSError` says why."""
     with replacing(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
-
-
-def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None:
-    """Raise if `path` has none of the `endings`, or lies in no folder; `what` it is in words."""
-    path = Path(path)
-    if path.suffix.lower() not in endings:
-        raise UserError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
-    if not path.parent.is_dir():
-        raise OutputError(f"can't write {path}: there is no folder {path.parent}")

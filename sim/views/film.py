@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from floorplan import UserError
 
-from ..core.output import replacing, require_place, writing
+from ..core.output import replacing, writing
 from ..record.outcome import Outcome, span_of
 from ..record.sampling import Span
 from .browser import in_browser, open_page, require_browser
 from .replay import render as render_page
 from .replay_data import replay_data
-from .report_page import MissingExtraError
+from .report_page import MissingExtraError, require_place
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from floorplan import UserError
 
-from ..core.output import write_whole
+from ..core.output import OutputError, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,6 +22,15 @@ if TYPE_CHECKING:
 
 class MissingExtraError(ImportError, UserError):
     """A package that Floorwalker can do without, but not here; the message says how to get it."""
+
+
+def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None:
+    """Raise if `path` has none of the `endings`, or lies in no folder; `what` it is in words."""
+    path = Path(path)
+    if path.suffix.lower() not in endings:
+        raise UserError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
+    if not path.parent.is_dir():
+        raise OutputError(f"can't write {path}: there is no folder {path.parent}")
 
 
 # M. Okabe and K. Ito, "Color universal design", 2008.

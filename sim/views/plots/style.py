@@ -28,11 +28,21 @@ from floorplan import Obstacle, Point, UserError
 from navigation import Motion
 
 from ...core.body import Category
-from ...core.output import replacing, require_place, writing
+from ...core.output import replacing, writing
 from ...machines.gantry.robot import GANTRY
 from ...record.outcome import Outcome
 from ...record.sampling import Span
-from ..report_page import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, as_element
+from ..report_page import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    as_element,
+    require_place,
+)
 
 Width = Literal["single", "double"]
 """The number of columns of a paper that a picture takes."""
