@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import sim
-from sim.studies.table import figures_of
+from sim.studies.running import figures_of
 from sim.trials.trial import lasting
 
 HALL = Path(__file__).resolve().parents[1] / "examples" / "picking_hall" / "shift.trial.yaml"

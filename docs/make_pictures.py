@@ -57,8 +57,6 @@ def gallery(out: Path) -> None:
     plots.save(run.plot.space_time(), out / "plot-spacetime.svg")
     plots.save(run.plot.separation(), out / "plot-separation.svg")
     plots.save(run.plot.heat_map(), out / "plot-heatmap.svg")
-    film = sim.run(sim.Trial.load("workcell"))
-    plots.render(film, out / "film.gif", speed=6.0, fps=10, width=480, within=(0.0, 60.0))
 
 
 SCENES = {

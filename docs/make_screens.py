@@ -1,28 +1,28 @@
-"""Makes the screenshots of the page in the documents: `python docs/make_screens.py [FOLDER]`.
+"""Makes the film and the screenshots in the documents: `python docs/make_screens.py [FOLDER]`.
 
-It needs playwright and Chromium. What is drawn depends on the browser and the fonts, so that these
-pictures, unlike those of `make_pictures.py`, aren't the same to the byte everywhere.
+It needs the extra `film` and Chromium. What is drawn depends on the browser and the fonts, so that
+these pictures, unlike those of `make_pictures.py`, are not the same to the byte everywhere.
 """
 
 from __future__ import annotations
 
 import io
-import shutil
 import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from PIL import Image
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser
 
 import sim
+from sim.views.browser import in_browser
+from sim.views.film import render as render_film
 from sim.views.replay import render
 from sim.views.replay_data import replay_data
 
 DOCS = Path(__file__).resolve().parent
-ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader"]
-"""WebGL in software, so that a machine without a graphics card makes the same pictures."""
+FILM = "film.gif"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,12 +132,17 @@ def shoot(browser: Browser, screen: Screen, file: Path) -> None:
 
 def main(folder: Path, names: list[str]) -> None:
     """Write the pictures of those names into `folder`, or all."""
-    chromium = shutil.which("chromium") or shutil.which("google-chrome")
-    with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=chromium, args=ARGUMENTS)
-        for name in names or SCREENS:
-            shoot(browser, SCREENS[name], folder / name)
-        browser.close()
+    names = names or [*SCREENS, FILM]
+
+    def shoot_all(browser: Browser) -> None:
+        for name in names:
+            if name != FILM:
+                shoot(browser, SCREENS[name], folder / name)
+
+    in_browser("a screenshot", shoot_all)
+    if FILM in names:
+        run = sim.run(sim.Trial.load("workcell"))
+        render_film(run, folder / FILM, speed=6.0, fps=6, width=440, within=(0.0, 60.0))
 
 
 if __name__ == "__main__":

@@ -10,8 +10,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 
-OF_THE_MACHINE = {"scaling.svg", "cost.svg"}
-"""Pictures of CPU times."""
+OF_THE_MACHINE = {"scaling.svg", "cost.svg", "film.gif"}
+"""Pictures of CPU times, and what a browser draws."""
 
 
 @pytest.fixture

@@ -224,26 +224,26 @@ def render(
         float | None, typer.Option("--to", help="Film up to this time, seconds.")
     ] = None,
     view: Annotated[
-        Literal["plot", "2d", "3d", "eyes"],
-        typer.Option(help="As it is plotted, or as its page shows it, which takes Chromium."),
-    ] = "plot",
+        Literal["2d", "3d", "eyes"],
+        typer.Option(help="From above, in three dimensions, or through somebody's eyes."),
+    ] = "2d",
     follow: Annotated[
         str,
-        typer.Option(metavar="NAME", help="Keep this body in the middle of the page's view."),
+        typer.Option(metavar="NAME", help="Keep this body in the middle, or say whose eyes."),
     ] = "",
-    dark: Annotated[bool, typer.Option("--dark", help="Film the page in dark colours.")] = False,
+    dark: Annotated[bool, typer.Option("--dark", help="Film it in dark colours.")] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Film a run: a GIF, or an MP4."""
-    from ..views import plots
+    """Film a run: a GIF, or an MP4. It takes Chromium and the extra `film`."""
+    from ..views import film
     from .sources import run_from
 
-    plots.require_renderable(out, view)
+    film.require_renderable(out)
     run = run_from(source, own_code=not no_own_code)
     within = (begin, float("inf") if end is None else end)
     with progress_bars() as progress:
         bar = progress.add_task("filming", total=1.0)
-        plots.render(
+        film.render(
             run,
             out,
             speed=speed,

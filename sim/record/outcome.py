@@ -13,14 +13,14 @@ from typing import Any, TextIO
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from floorplan import Floorplan
+from floorplan import Floorplan, UserError
 from navigation import Motion
 from navigation.separation import is_of_speeds
 
 from ..core.body import PERSON
 from ..core.recorder import Event, Scene, Thought
 from ..safety.laws import Curve, is_of_speeds_alone
-from .sampling import Array, blocks_of_instants, instants, presence, sample_all
+from .sampling import Array, Span, blocks_of_instants, instants, presence, sample_all
 from .social_metrics import metrics
 
 
@@ -257,3 +257,18 @@ def _texts(samples: NDArray[np.float64]) -> list[str]:
     fresh[1:] = (figures[1:] != figures[:-1]).any(axis=1)
     texts = [",".join(map(repr, row)) for row in figures[fresh].tolist()]
     return [texts[k] for k in (np.cumsum(fresh) - 1).tolist()]
+
+
+def span_of(run: Outcome, within: Span | None) -> Span:
+    """Return the part of a run to draw: `within`, clipped to the run, or all of it.
+
+    `ValueError` if nothing is left.
+    """
+    begin, end = within or (0.0, run.duration)
+    begin, end = max(begin, 0.0), min(end, run.duration)
+    if not begin < end:
+        raise UserError(
+            f"there is nothing between {begin:g} and {end:g} s: the run goes from 0 to"
+            f" {run.duration:g} s"
+        )
+    return begin, end

@@ -12,10 +12,12 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, TextIO, TypeVar
+from typing import Annotated, Any, TextIO
 
-from pydantic import BaseModel, Field, ValidationError, model_validator
+from pydantic import Field, TypeAdapter, ValidationError
+from typing_extensions import NotRequired, TypedDict
 
 from floorplan import InputError, Problem, UserError
 from floorplan.files.fields import LARGEST
@@ -55,6 +57,70 @@ FILES = (
 
 TRAJECTORY_RATE = 10.0
 """Hz. Rate of trajectory.csv."""
+
+
+class RecordingError(InputError):
+    """A folder that does not hold a run, or one that is damaged."""
+
+
+Violations = dict[tuple[str, str], tuple[tuple[float, float], ...]]
+
+Requirements = dict[tuple[str, str], Curve]
+
+_Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
+
+_Coefficient = Annotated[float, Field(ge=-LARGEST_OF_ALL, le=LARGEST_OF_ALL, allow_inf_nan=False)]
+
+_Cubic = tuple[_Number, _Coefficient, _Coefficient, _Coefficient]
+
+_Pieces = Annotated[list[tuple[_Number, _Number, _Cubic, _Cubic, _Cubic]], Field(min_length=1)]
+
+
+class EventLine(TypedDict):
+    """A line of events.jsonl, which has further fields of its kind."""
+
+    t: _Number
+    kind: str
+
+
+class MotionLine(TypedDict):
+    """A line of motions.jsonl: what a body has done, its pieces as coefficients of cubics."""
+
+    body: str
+    kind: NotRequired[str]
+    start: NotRequired[_Number]
+    end: NotRequired[_Number]
+    pieces: _Pieces
+
+
+class IntentionLine(TypedDict):
+    """An intention in a line of thoughts.jsonl."""
+
+    stack: list[str]
+    at: str
+
+
+class ThoughtLine(TypedDict):
+    """A line of thoughts.jsonl: what a thought has changed in a mind."""
+
+    t: _Number
+    person: str
+    steps: NotRequired[list[list[str]]]
+    believes: NotRequired[list[str]]
+    forgets: NotRequired[list[str]]
+    intends: NotRequired[list[IntentionLine]]
+
+
+ViolationLine = TypedDict(
+    "ViolationLine",
+    {
+        "person": str,
+        "with": str,
+        "intervals": tuple[tuple[_Number, _Number], ...],
+        "required": NotRequired[Curve],
+    },
+)
+"""A line of violations.jsonl."""
 
 
 class Recording(Listener):
@@ -111,12 +177,12 @@ class Recording(Listener):
 
     def motion(self, body: Body, motion: Motion) -> None:
         """Write what a body has done as one line: its pieces as coefficients of cubics."""
-        line = {
+        line: MotionLine = {
             "body": body.name,
             "kind": body.kind,
             "start": motion.start,
             "end": motion.end,
-            "pieces": [_piece(piece) for piece in motion.pieces],
+            "pieces": list(motion.pieces),
         }
         self._add("motions.jsonl", json.dumps(line))
 
@@ -134,7 +200,7 @@ class Recording(Listener):
         self.close()
         with self._whole("violations.jsonl") as file:
             for (person, machine), intervals in run.violations.items():
-                line = {"person": person, "with": machine, "intervals": intervals}
+                line: ViolationLine = {"person": person, "with": machine, "intervals": intervals}
                 if (person, machine) in run.requirements:
                     line["required"] = rounded(run.requirements[person, machine])
                 file.write(json.dumps(line, ensure_ascii=False) + "\n")
@@ -189,69 +255,6 @@ def _made(first: Path) -> Path:
             folder = first.with_name(f"{first.name}-{number}")
         else:
             return folder
-
-
-def _piece(piece: Piece) -> list[Any]:
-    return [piece.begin, piece.end, list(piece.x), list(piece.y), list(piece.rotation)]
-
-
-Violations = dict[tuple[str, str], tuple[tuple[float, float], ...]]
-
-Requirements = dict[tuple[str, str], Curve]
-
-_Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST, allow_inf_nan=False)]
-
-_Coefficient = Annotated[float, Field(ge=-LARGEST_OF_ALL, le=LARGEST_OF_ALL, allow_inf_nan=False)]
-
-_Cubic = tuple[_Number, _Coefficient, _Coefficient, _Coefficient]
-
-
-_Line = TypeVar("_Line", bound=BaseModel)
-
-
-class RecordingError(InputError):
-    """A folder that does not hold a run, or one that is damaged."""
-
-
-class _Event(BaseModel, extra="allow", defer_build=True):
-    t: _Number
-    kind: str
-
-    @model_validator(mode="after")
-    def _fields_of_its_kind(self) -> _Event:
-        forms: Mapping[str, Form] = getattr(EVENT_KINDS.get(self.kind), "forms", {})
-        for name, value in (self.model_extra or {}).items():
-            if name in forms and not has_form(value, forms[name]):
-                raise UserError(f"{name} of {self.kind} can't be {str(value)[:60]!r}")
-        return self
-
-
-class _Intention(BaseModel, defer_build=True):
-    stack: list[str]
-    at: str
-
-
-class _Thought(BaseModel, extra="allow", defer_build=True):
-    t: _Number
-    person: str
-    steps: list[list[str]] = []
-    believes: list[str] = []
-    forgets: list[str] = []
-    intends: list[_Intention] = []
-
-
-class _Motion(BaseModel, defer_build=True):
-    body: str
-    start: _Number = 0.0
-    end: _Number = 0.0
-    pieces: Annotated[list[tuple[_Number, _Number, _Cubic, _Cubic, _Cubic]], Field(min_length=1)]
-
-
-class _Violation(BaseModel, defer_build=True):
-    person: str
-    machine: str = Field(alias="with")
-    intervals: tuple[tuple[_Number, _Number], ...]
-    required: Curve | None = None
 
 
 @dataclass(frozen=True)
@@ -350,23 +353,22 @@ def _summary(path: Path, reading: _RecordingReader) -> dict[str, Any] | None:
 
 
 def _events(path: Path, reading: _RecordingReader) -> tuple[Event, ...]:
-    return tuple(event.model_dump() for _, event in _lines(path, _Event, reading))
+    return tuple(event for _, event in _lines(path, EventLine, reading))
 
 
 def _thoughts(path: Path, reading: _RecordingReader) -> tuple[Thought, ...]:
     if not path.exists():
         return ()
-    return tuple(
-        thought.model_dump(exclude_unset=True) for _, thought in _lines(path, _Thought, reading)
-    )
+    return tuple(thought for _, thought in _lines(path, ThoughtLine, reading))
 
 
 def _motions(path: Path, scene: Scene, reading: _RecordingReader) -> dict[str, Motion]:
     done: dict[str, list[Motion]] = {body: [] for body in scene.starts}
-    for line, motion in _lines(path, _Motion, reading):
+    for line, motion in _lines(path, MotionLine, reading):
         try:
-            _require("body", motion.body, done, path, line)
-            done[motion.body].append(_motion(motion, done[motion.body]))
+            _require("body", motion["body"], done, path, line)
+            before = done[motion["body"]]
+            before.append(_motion(motion, before))
         except RecordingError as why:
             reading.refuse(why)
             break
@@ -376,9 +378,9 @@ def _motions(path: Path, scene: Scene, reading: _RecordingReader) -> dict[str, M
     return {body: _joined(pieces, scene.starts[body]) for body, pieces in done.items()}
 
 
-def _motion(line: _Motion, before: Sequence[Motion]) -> Motion:
+def _motion(line: MotionLine, before: Sequence[Motion]) -> Motion:
     """Return the motion of a line after those `before` it; `ValueError` if it can't be."""
-    motion = Motion(tuple(Piece(*piece) for piece in line.pieces))
+    motion = Motion(tuple(Piece(*piece) for piece in line["pieces"]))
     if before and motion.start < before[-1].start:
         raise UserError(f"a motion from t = {motion.start} s on stands below a later one")
     if any(_reach(piece) > LARGEST for piece in motion.pieces):
@@ -413,15 +415,19 @@ def _violations(
     machines = [machine.name for machine in scene.machines]
     lines = []
     try:
-        for number, line in _lines(path, _Violation, reading):
-            _require("person", line.person, people, path, number)
-            _require("machine", line.machine, machines, path, number)
+        for number, line in _lines(path, ViolationLine, reading):
+            _require("person", line["person"], people, path, number)
+            _require("machine", line["with"], machines, path, number)
             lines.append(line)
     except RecordingError as why:
         reading.refuse(why)
     return (
-        {(line.person, line.machine): line.intervals for line in lines},
-        {(line.person, line.machine): line.required for line in lines if line.required},
+        {(line["person"], line["with"]): line["intervals"] for line in lines},
+        {
+            (line["person"], line["with"]): line["required"]
+            for line in lines
+            if line.get("required")
+        },
     )
 
 
@@ -448,7 +454,7 @@ def _worked_out(
     return found, requirements
 
 
-def _lines(path: Path, form: type[_Line], reading: _RecordingReader) -> Iterator[tuple[int, _Line]]:
+def _lines(path: Path, form: Any, reading: _RecordingReader) -> Iterator[tuple[int, Any]]:
     """Yield the lines of a file, numbered from 1, up to one that is damaged.
 
     Where a run was broken off, the last line may be half a line; it is left out.
@@ -460,21 +466,31 @@ def _lines(path: Path, form: type[_Line], reading: _RecordingReader) -> Iterator
         reading.refuse(why)
 
 
-def _whole_line(form: type[_Line], line: str, path: Path, number: int) -> _Line:
+def _whole_line(form: Any, line: str, path: Path, number: int) -> Any:
+    """Return a line as `form`; fields that an event or a thought has beside it stay."""
     try:
-        return _read_line(form, line)
+        if form not in (EventLine, ThoughtLine):
+            return _checks(form).validate_json(line)
+        given = parse_json(line)
+        found = {**given, **_checks(form).validate_python(given)}
     except ValidationError as misfits:
         first = misfits.errors()[0]
         field = ".".join(str(part) for part in first["loc"])
-        said = first["msg"].removeprefix("Value error, ")
-        problem = Problem(said[:1].lower() + said[1:], field, number)
+        problem = Problem(first["msg"][:1].lower() + first["msg"][1:], field, number)
         raise RecordingError(str(path), [problem]) from None
     except ValueError as why:
         raise RecordingError.of(path, f"is not JSON: {why}", number) from None
+    if form is EventLine:
+        kind = found["kind"]
+        forms: Mapping[str, Form] = getattr(EVENT_KINDS.get(kind), "forms", {})
+        for name, value in found.items():
+            if name in forms and not has_form(value, forms[name]):
+                said = f"{name} of {kind} can't be {str(value)[:60]!r}"
+                raise RecordingError(str(path), [Problem(said, "", number)])
+    return found
 
 
-def _read_line(form: type[_Line], line: str) -> _Line:
-    """Return a line as `form`; what the form does not know is JSON as well."""
-    if form.model_config.get("extra") == "allow":
-        return form.model_validate(parse_json(line))
-    return form.model_validate_json(line)
+@cache
+def _checks(form: Any) -> TypeAdapter[Any]:
+    """Return what checks lines of a form; it takes milliseconds to build."""
+    return TypeAdapter(form)

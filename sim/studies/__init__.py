@@ -1,9 +1,9 @@
 """Many trials: which, in which variations, run on all cores or a cluster, and what came of it."""
 
+from ..views.report_page import figure
 from .comparison import Comparison, Contrast, Effect, Measure, RowGroup, Spread, StudyResults
 from .design import Choice, Distribution, Normal, Row, Shuffled, Study, StudyError, Uniform
 from .folder import save_trial
-from .report import figure
 from .running import WorkerError, run_many, run_study
 from .safety import safety_report
 from .variables import KINDS, Variable, variable

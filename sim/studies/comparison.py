@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..machines.kinds import KINDS
 from ..record.figures import FIGURES
 from .design import Study
-from .table import Cell, TableError
+from .folder import Cell, TableError
 
 CONFIDENCE = 0.95
 """The share of studies like this one whose interval would hold the true mean."""
@@ -310,6 +310,45 @@ def cliffs_delta(one: Floats, other: Floats) -> Effect | None:
 
 
 @dataclass(frozen=True)
+class Trend:
+    """The means of a measure along one factor: of all rows with each of its values.
+
+    `swing` is how far they are from each other, at the most.
+    """
+
+    factor: str
+    values: tuple[str, ...]
+    spreads: tuple[Spread, ...]
+
+    @property
+    def swing(self) -> float:
+        """The largest mean less the least."""
+        means = [one.mean for one in self.spreads]
+        return max(means) - min(means)
+
+
+def sensitivities(compared: Comparison) -> Iterator[tuple[Measure, list[Trend]]]:
+    """Yield the `telling` measures, with the trends of all factors on them."""
+    for measure in compared.telling:
+        trends = [_trend(compared, measure, k) for k in range(len(compared.factors))]
+        found = [one for one in trends if one is not None]
+        if found:
+            yield measure, found
+
+
+def _trend(compared: Comparison, measure: Measure, factor: int) -> Trend | None:
+    """Return the means along a factor; None where a value has no figures."""
+    rows: dict[str, list[int]] = {}
+    for group in compared.groups:
+        rows.setdefault(group.values[factor], []).extend(group.rows.tolist())
+    spreads = [spread(compared.values[measure][lines]) for lines in rows.values()]
+    known = [one for one in spreads if one is not None]
+    if len(known) < len(spreads):
+        return None
+    return Trend(compared.factors[factor], tuple(rows), tuple(known))
+
+
+@dataclass(frozen=True)
 class StudyResults:
     """Results of a study: their folder, and their table column by column."""
 
@@ -330,6 +369,11 @@ class StudyResults:
     def contrasts(self) -> tuple[Contrast, ...]:
         """Effects of one factor alone: Cliff's delta with intervals."""
         return tuple(contrasts(self.comparison))
+
+    @property
+    def hours(self) -> float:
+        """Hours that were simulated in all rows together."""
+        return sum(float(t) for t in self.columns.get("duration", ()) if t is not None) / 3600
 
     @property
     def failed(self) -> dict[int, str]:

@@ -10,21 +10,29 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from markupsafe import Markup
 
-from ..views.report_page import COLOURS, INK, name_rows, page_chart, write_report_page
-from ..views.safety_report.page import Chart, Facts, Part, Points, ReportTable, minus
+from ..views.report_page import (
+    COLOURS,
+    INK,
+    digits_after,
+    draw_box,
+    draw_interval,
+    figure,
+    name_rows,
+    page_chart,
+    signed,
+    write_report_page,
+)
 from .comparison import (
     Comparison,
-    Effect,
     Measure,
     RowGroup,
     Spread,
     StudyResults,
+    Trend,
     contrasts,
-    spread,
 )
-from .table import Cell
+from .folder import Cell
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,9 +72,8 @@ def _draw_groups(axes: Axes, groups: Sequence[RowGroup], spreads: Sequence[Sprea
         if counted:
             _counts(axes, place, one, colour)
         else:
-            _box(axes, place, one, colour)
-        axes.plot([one.low, one.high], [place, place], color=INK, linewidth=2.2)
-        axes.plot(one.mean, place, "o", color=INK, markersize=4.5)
+            draw_box(axes, place, one.values, colour)
+        draw_interval(axes, (one.low, one.high), (place, place), (one.mean, place))
     if counted:
         axes.locator_params(axis="x", integer=True)
     name_rows(axes, [group.label for group in groups])
@@ -79,14 +86,6 @@ def _counts(axes: Axes, place: int, spread: Spread, colour: str) -> None:
     shares = [counts[number] / len(spread.values) for number in numbers]
     sizes = [260 * share for share in shares]
     axes.scatter(numbers, [place] * len(numbers), s=sizes, color=colour, alpha=0.45, linewidth=0)
-
-
-def _box(axes: Axes, place: int, spread: Spread, colour: str) -> None:
-    """The middle half of the rows as a box, nine tenths of them as a line."""
-    ends = np.quantile(spread.values, [0.05, 0.25, 0.75, 0.95])
-    axes.plot(ends[[0, 3]], [place, place], color=colour, alpha=0.6, linewidth=1.2)
-    box: dict[str, Any] = {"height": 0.55, "color": colour, "alpha": 0.45, "linewidth": 0}
-    axes.barh(place, ends[2] - ends[1], left=ends[1], **box)
 
 
 def _colours(groups: Sequence[RowGroup]) -> list[str]:
@@ -103,45 +102,6 @@ MOST_LINES = 24
 
 LONGEST_NAME = 14
 """Characters of a value that fit below an axis."""
-
-
-@dataclass(frozen=True)
-class Trend:
-    """The means of a measure along one factor: of all rows with each of its values.
-
-    `swing` is how far they are from each other, at the most.
-    """
-
-    factor: str
-    values: tuple[str, ...]
-    spreads: tuple[Spread, ...]
-
-    @property
-    def swing(self) -> float:
-        """The largest mean less the least."""
-        means = [one.mean for one in self.spreads]
-        return max(means) - min(means)
-
-
-def sensitivities(compared: Comparison) -> Iterator[tuple[Measure, list[Trend]]]:
-    """Yield the `telling` measures, with the trends of all factors on them."""
-    for measure in compared.telling:
-        trends = [_trend(compared, measure, k) for k in range(len(compared.factors))]
-        found = [one for one in trends if one is not None]
-        if found:
-            yield measure, found
-
-
-def _trend(compared: Comparison, measure: Measure, factor: int) -> Trend | None:
-    """Return the means along a factor; None where a value has no figures."""
-    rows: dict[str, list[int]] = {}
-    for group in compared.groups:
-        rows.setdefault(group.values[factor], []).extend(group.rows.tolist())
-    spreads = [spread(compared.values[measure][lines]) for lines in rows.values()]
-    known = [one for one in spreads if one is not None]
-    if len(known) < len(spreads):
-        return None
-    return Trend(compared.factors[factor], tuple(rows), tuple(known))
 
 
 def sensitivity_chart(
@@ -175,8 +135,7 @@ def _draw_trend(axes: Axes, compared: Comparison, measure: Measure, trend: Trend
     if not _is_named(trend.values):
         axes.plot(np.array(at)[order], means[order], color=INK, linewidth=1.2)
     for x, one in zip(at, trend.spreads, strict=True):
-        axes.plot([x, x], [one.low, one.high], color=INK, linewidth=2.2)
-        axes.plot(x, one.mean, "o", color=INK, markersize=4.5)
+        draw_interval(axes, (x, x), (one.low, one.high), (x, one.mean))
     axes.set_xticks(at, [_short(value) for value in trend.values])
     if _is_named(trend.values):
         axes.tick_params(axis="x", rotation=25)
@@ -237,50 +196,43 @@ class Remarkable:
 def write_report(results: StudyResults, path: Path) -> None:
     """Write the page about a study to `path`."""
     columns, compared = results.columns, results.comparison
-    charts = {
-        measure: chart(measure, compared.groups, spreads)
-        for measure, spreads in compared.spreads.items()
-        if compared.constant(measure) is None
-    }
+    shown = measures_shown(compared)
     write_report_page(
         path,
         "study.html",
         {"figure": figure, "signed": signed},
         study=results.study,
         count=len(results),
-        hours=sum(float(t) for t in columns.get("duration", ()) if t is not None) / 3600,
-        compared=compared,
-        charts=charts,
-        varying={measure: digits_of(compared.spreads[measure]) for measure in charts},
-        constant={
-            measure: value
-            for measure in compared.spreads
-            if (value := compared.constant(measure)) is not None
+        hours=results.hours,
+        charts={
+            measure: chart(measure, compared.groups, compared.spreads[measure])
+            for measure in shown["varying"]
         },
-        contrasts=[*itertools.islice(contrasts(compared), MOST_CONTRASTS)],
-        most_contrasts=MOST_CONTRASTS,
         remarkable=list(_remarkable(columns, compared)),
         errors=list(results.failed.items())[:MOST_ERRORS],
         error_count=len(results.failed),
+        **shown,
     )
 
 
-def signed(value: float) -> str:
-    """A difference with two digits after the point, and its sign unless it is 0."""
-    return "0.00" if round(value, 2) == 0 else minus(f"{value:+.2f}")
-
-
-def figure(value: float | None, digits: int | None = None) -> str:
-    """A number as people read it: three or four digits that count, or `digits` after the point."""
-    if value is None or value != value:
-        return "–"
-    if digits is None:
-        digits = 0 if value == round(value) else _after_the_point(abs(value))
-    return minus(f"{round(value, digits) + 0.0:,.{digits}f}")  # no negative zero
-
-
-def _after_the_point(size: float) -> int:
-    return 0 if size >= 1000 else 1 if size >= 100 else 2 if size >= 1 else 3
+def measures_shown(compared: Comparison) -> dict[str, Any]:
+    """Return what `measures.html` shows: what varies, with its digits, what not, and contrasts."""
+    constant = {measure: compared.constant(measure) for measure in compared.spreads}
+    return {
+        "compared": compared,
+        "varying": {
+            measure: digits_of(compared.spreads[measure])
+            for measure, value in constant.items()
+            if value is None
+        },
+        "constant": [
+            (measure.words, f"{figure(value)} {measure.unit if value == value else ''}".strip())
+            for measure, value in constant.items()
+            if value is not None
+        ],
+        "contrasts": [*itertools.islice(contrasts(compared), MOST_CONTRASTS)],
+        "most_contrasts": MOST_CONTRASTS,
+    }
 
 
 def digits_of(spreads: Sequence[Spread | None]) -> int:
@@ -288,7 +240,7 @@ def digits_of(spreads: Sequence[Spread | None]) -> int:
     shown = [end for s in spreads if s is not None for end in (s.mean, s.low, s.high)]
     if all(value == round(value) for value in shown):
         return 0
-    return _after_the_point(max(map(abs, shown)))
+    return digits_after(max(map(abs, shown)))
 
 
 def _remarkable(
@@ -307,106 +259,3 @@ def _remarkable(
             unit = f" {measure.unit}" if measure.unit else ""
             why = f"{measure.words}: {figure(float(values[k]))}{unit}"
             yield Remarkable(int(columns["row"][k] or 0), why, compared.label_of(k))
-
-
-ACROSS = 6
-"""Measures in one table: more do not fit on a page."""
-
-MOST_TABLE_CONTRASTS = 60
-"""Pairs of combinations that are set against each other."""
-
-
-def figures(compared: Comparison) -> list[Part]:
-    """Return the means of each combination, a few measures at a time, and what differs."""
-    varying = [m for m in compared.spreads if compared.constant(m) is None]
-    parts: list[Part] = []
-    for k in range(0, len(varying), ACROSS):
-        some = varying[k : k + ACROSS]
-        heads = (*compared.factors, "runs", *(measure.label for measure in some))
-        rows = [
-            (*group.values, f"{len(group.rows):,}", *_means(compared, some, place))
-            for place, group in enumerate(compared.groups)
-        ]
-        first = len(compared.factors)
-        parts.append(ReportTable(heads, rows, figures=frozenset(range(first, len(heads)))))
-    same = [
-        (measure.words, f"{figure(value)} {measure.unit}".strip())
-        for measure in compared.spreads
-        if (value := compared.constant(measure)) is not None
-    ]
-    if same:
-        parts.append(Facts(same, "The same in every run"))
-    return [*parts, *_differences(compared)]
-
-
-def _means(compared: Comparison, measures: Sequence[Measure], place: int) -> Iterator[str]:
-    for measure in measures:
-        one = compared.spreads[measure][place]
-        yield "–" if one is None else _mean(one, digits_of(compared.spreads[measure]))
-
-
-def _mean(one: Spread, digits: int | None = None) -> str:
-    """Return a mean, and below it its interval, where it has a width."""
-    low, high = figure(one.low, digits), figure(one.high, digits)
-    if low == high:
-        return figure(one.mean, digits)
-    return _above(figure(one.mean, digits), f"{low} … {high}")
-
-
-def _above(value: str, interval: str) -> str:
-    return Markup("{}<small>{}</small>").format(value, interval)
-
-
-def _differences(compared: Comparison) -> Iterator[ReportTable]:
-    found = list(itertools.islice(contrasts(compared), MOST_TABLE_CONTRASTS))
-    if not found:
-        return
-    measures = [*found[0].effects]
-    words = (
-        "Cliff's delta of combinations that differ in one thing: how often a run of the first has a"
-        " higher figure than one of the second, less how often a lower one; with its interval of"
-        " 95 % (bootstrap over repetitions)."
-    )
-    for k in range(0, len(measures), ACROSS):
-        some = measures[k : k + ACROSS]
-        heads = ("first", "second", *(measure.title for measure in some))
-        rows = [
-            (one.one.label, one.other.label, *(_delta(one.effects[m]) for m in some))
-            for one in found
-        ]
-        figures = frozenset(range(2, len(heads)))
-        yield ReportTable(heads, rows, "" if k else "Differences", "" if k else words, figures)
-
-
-def _delta(effect: Effect | None) -> str:
-    if effect is None:
-        return "–"
-    return _above(signed(effect.delta), f"{signed(effect.low)} … {signed(effect.high)}")
-
-
-def sensitivity(compared: Comparison) -> Iterator[Part]:
-    """Yield how far the telling measures change along each factor, as a table and as charts."""
-    if not compared.factors:
-        yield Points(("Nothing was varied on a grid.",))
-        return
-    found = list(sensitivities(compared))
-    rows = [
-        (measure.label, *(_swing(effects, factor) for factor in compared.factors))
-        for measure, effects in found
-    ]
-    words = "How far the means of all runs with one value are from those with another, at the most."
-    heads = ("figure", *compared.factors)
-    yield ReportTable(heads, rows, "Swings", words, frozenset(range(1, len(heads))))
-    for measure, effects in found:
-        element = sensitivity_chart(compared, measure, effects)
-        if element is not None:
-            yield Chart(
-                measure.title,
-                "Dots are means of all runs with that value, with their intervals of 95 %; faint"
-                " lines are single combinations of what else was varied.",
-                element,
-            )
-
-
-def _swing(trends: Sequence[Trend], factor: str) -> str:
-    return next((figure(one.swing) for one in trends if one.factor == factor), "–")

@@ -1,4 +1,4 @@
-"""Execution of many trials: backends, worker processes and progress."""
+"""Execution of many trials: backends, worker processes, progress, and the figures of rows."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import logging
 import os
 import signal
 import threading
+import traceback
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import partial
@@ -18,15 +19,17 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 from floorplan import UserError
 from floorplan.files.values import require
 
+from ..core.custom_code import DEFECT, is_ours
 from ..core.output import folder_for
+from ..record.figures import FIGURES
+from ..record.social_metrics import metrics
 from ..runs.run import Run
 from ..simulation import run
 from ..trials.trial import Trial
 from .comparison import StudyResults
 from .design import Row, Study
-from .folder import RESULTS, StudyFolder, writing_to
+from .folder import RESULTS, Record, StudyFolder, read_table, write_parquet, writing_to
 from .report import write_report
-from .table import error_in, figures_of, read_table, record_of, write_parquet
 
 if TYPE_CHECKING:
     from joblib import Parallel
@@ -345,3 +348,52 @@ def of_rows(
     except WorkerError as why:
         kept = "what is done is kept: run the same command to go on"
         raise WorkerError(f"{why}; {kept}") from None
+
+
+_LEFT_OUT = frozenset(path for path, figure in FIGURES.items() if not figure.column)
+
+
+def figures_of(finished: Run, *, with_metrics: bool = False) -> Record:
+    """Return the figures of a run: those of its summary, and its metrics if asked for.
+
+    Nothing here depends on where or when it ran.
+    """
+    summary = {key: value for key, value in finished.summary.items() if key not in _LEFT_OUT}
+    if with_metrics:
+        summary["metrics"] = metrics(finished)
+    return {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
+
+
+def error_in(why: Exception) -> Record:
+    """Return what stands in place of figures where a trial failed: what it raised, on one line.
+
+    An error that no input may cause is told apart, and has the place where it arose.
+    """
+    words = f"{type(why).__name__}: {why}"
+    if not is_ours(why) and not isinstance(why, OSError):
+        at = traceback.extract_tb(why.__traceback__)[-1]
+        words = f"{DEFECT}: {words} ({Path(at.filename).name}, line {at.lineno})"
+    return {"error": " ".join(words.split())}
+
+
+def record_of(row: Row, figures: Record) -> Record:
+    """Return the line of `row`: its number, its parameters, and its figures or error."""
+    record: Record = {"row": row.number}
+    record |= {name: _plain(value) for name, value in row.parameters.items()}
+    return record | figures
+
+
+def flat(figures: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Figures within figures by their names joined with dots; of a list, how long it is."""
+    for key, value in figures.items():
+        name = f"{above}{key}"
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{name}.")
+        elif isinstance(value, list | tuple):
+            yield name, len(value)
+        else:
+            yield name, value
+
+
+def _plain(value: Any) -> Any:
+    return " ".join(str(one) for one in value) if isinstance(value, tuple) else value

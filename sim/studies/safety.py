@@ -6,9 +6,10 @@ import hashlib
 import json
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,29 +33,16 @@ from ..record.incidents import (
 from ..record.sampling import CellArray
 from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
-from ..views.safety_report.assumptions import counted, law_table, laws_of, resolution, rules_facts
-from ..views.safety_report.findings import (
-    exposure_table,
-    incidents_table,
-    risk_pictures,
-    run_pictures,
-)
-from ..views.safety_report.page import (
-    Facts,
-    Part,
-    Points,
-    ReportTable,
-    Section,
-    clock,
-    metres,
-    require_writable,
-    write_safety_page,
-)
-from ..views.safety_report.sections import assumptions, inputs, limits, run_sections, software
-from .comparison import Comparison, Measure, StudyResults, spread
+from ..trials.trial import Trial
+from ..views.report_page import figure
+from ..views.safety_report.assumptions import about, laws_of
+from ..views.safety_report.findings import Picture, exposure, risk_pictures, run_pictures
+from ..views.safety_report.page import clock, counted, require_writable, write_safety_page
+from ..views.safety_report.run_report import run_report, software
+from .comparison import Comparison, Measure, StudyResults, Trend, sensitivities, spread
 from .design import Study
 from .folder import RESULTS, identity
-from .report import figures, sensitivity
+from .report import measures_shown, sensitivity_chart
 from .running import of_rows
 
 VIOLATIONS = Measure("Violations", "safety.violations", "", "with any machine", chief=True)
@@ -162,71 +150,52 @@ def with_findings(compared: Comparison, found: Findings) -> Comparison:
     return replace(compared, spreads=spreads | compared.spreads, values=figures | compared.values)
 
 
-def study_sections(results: StudyResults, found: Findings) -> list[Section]:
-    """Return the sections of the report on `results`, with what was `found` in their runs."""
+def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
+    """Return what `safety_study.html` shows of `results` and of what was `found` in their runs."""
     study, compared = results.study, with_findings(results.comparison, found)
     scenes = [Simulation(trial).scene for trial in study.trials]
-    rules = [combination.trial.rules for combination in study.combinations]
-    once = "Intervals say how much means differ between runs like these, by chance; they say"
-    once += " nothing about how far the model is from the plant."
-    return [
-        Section("In short", [_in_short(results, found)]),
-        Section("What was varied", [_varied(study)]),
-        *_assumptions(study, scenes),
-        Section("Rules", [*_rules(study), law_table(_laws(study, scenes))]),
-        Section("Figures", figures(compared), INTERVALS),
-        Section("Sensitivity", list(sensitivity(compared))),
-        Section("Runs with violations", [_shares(compared, found)]),
-        Section("Risk over the floor", list(_maps(scenes, found))),
-        Section("Exposure", list(_exposure(results, found))),
-        Section("Violations", [_violations(found)]),
-        Section("The run with the worst violation", list(_worst_run(study, found))),
-        Section(
-            "How it was computed",
-            [resolution(), _repeating(results), software(), inputs(identity(study))],
-        ),
-        Section("What this report does not say", [limits(rules, study.trials, [once])]),
-    ]
-
-
-INTERVALS = (
-    "Means over runs, with the interval that holds the true mean with 95 % confidence (percentile"
-    " bootstrap over runs, Efron 1979); with fewer than about ten runs it is too narrow."
-)
-
-
-def _in_short(results: StudyResults, found: Findings) -> Facts:
-    study = results.study
-    hours = sum(float(t) for t in results.columns.get("duration", ()) if t is not None) / 3600
-    there = math.fsum(one.on_floor for one in found.rows.values()) / 3600
-    near = math.fsum(one.near for one in found.rows.values())
-    count = sum(one.count for one in found.rows.values())
-    with_some = [float(one.count > 0) for one in found.rows.values()]
-    rows = [
-        ("trials", ", ".join(trial.name for trial in study.trials)),
-        (
-            "runs",
-            f"{counted(len(study.combinations), 'combination')} × {study.repeat},"
-            f" {len(results):,} in all" + _failed(results),
-        ),
-        ("simulated", f"{hours:,.2f} hours, {there:,.2f} hours of people's time"),
-        ("violations", f"{count:,}" if count else "none"),
-        ("runs with a violation", _interval(with_some)),
-    ]
-    if found.worst:
-        rows += [
-            ("nearer than required", f"{near:,.2f} s in all"),
-            ("least margin", f"{metres(found.worst[0][1].margin)} m, in row {found.worst[0][0]}"),
-        ]
+    rows = found.rows.values()
+    count = sum(one.count for one in rows)
     unmet = [float(n) for n in results.columns.get("unmet", ()) if n is not None]
-    if any(trial.expect for trial in study.trials):
-        missed = sum(n > 0 for n in unmet)
-        rows.append(("expectations", f"met in {len(unmet) - missed:,} of {len(unmet):,} runs"))
-    return Facts(rows)
+    trends = [*sensitivities(compared)]
+    drawn = ((measure, sensitivity_chart(compared, measure, found)) for measure, found in trends)
+    return {
+        "study": study,
+        "run_count": len(results),
+        "failed": len(results.failed),
+        "hours": results.hours,
+        "on_floor": math.fsum(one.on_floor for one in rows),
+        "near": math.fsum(one.near for one in rows),
+        "count": count,
+        "share_with_violation": _interval([float(one.count > 0) for one in rows]),
+        "worst": found.worst,
+        "expects": any(trial.expect for trial in study.trials),
+        "met": sum(n == 0 for n in unmet),
+        "judged": len(unmet),
+        "varied": _varied(study),
+        "trials": [
+            about(scene, trial)
+            | {"maps": _maps(found, number, scene), "exposed": _exposure(results, found, trial)}
+            for number, (trial, scene) in enumerate(zip(study.trials, scenes, strict=True))
+        ],
+        "all_rules": [one.trial.rules for one in study.combinations],
+        "held": _laws(study, scenes),
+        **measures_shown(compared),
+        "swings": [
+            (measure.label, *(_swing(effects, factor) for factor in compared.factors))
+            for measure, effects in trends
+        ],
+        "charts": [(measure, chart) for measure, chart in drawn if chart is not None],
+        "shares": _shares(compared, found),
+        **_worst_run(study, found),
+        "software": software(),
+        "digests": [*identity(study).items()],
+        "results_digest": hashlib.sha256((results.folder / RESULTS).read_bytes()).hexdigest()[:16],
+    }
 
 
-def _failed(results: StudyResults) -> str:
-    return f"; {len(results.failed):,} failed and are in no figure" if results.failed else ""
+def _swing(trends: Sequence[Trend], factor: str) -> str:
+    return next((figure(one.swing) for one in trends if one.factor == factor), "–")
 
 
 def _interval(shares: Sequence[float]) -> str:
@@ -238,25 +207,10 @@ def _interval(shares: Sequence[float]) -> str:
     return f"{sum(shares):.0f} of {len(shares):,}: {100 * found.value:.1f} % ({low} … {high} %)"
 
 
-def _varied(study: Study) -> Facts:
+def _varied(study: Study) -> list[tuple[str, str]]:
     rows = [(what.name, ", ".join(map(str, values))) for what, values in study.grid.items()]
     rows += [(what.name, f"drawn: {drawn}") for what, drawn in study.random.items()]
-    rows.append(("each combination", f"{study.repeat:,} times, seed {study.seed}"))
-    words = "In the n-th repetition all combinations meet the same draws."
-    return Facts(rows, "", words)
-
-
-def _assumptions(study: Study, scenes: Sequence[Scene]) -> Iterator[Section]:
-    words = "As the trial has it, where it was not varied." if study.grid or study.random else ""
-    for trial, scene in zip(study.trials, scenes, strict=True):
-        title = "Assumptions" if len(scenes) == 1 else f"Assumptions of {trial.name}"
-        yield Section(title, assumptions(scene, trial), words)
-
-
-def _rules(study: Study) -> Iterator[Part]:
-    """Yield the rule sets, those of the same words once."""
-    facts = [rules_facts(combination.trial.rules) for combination in study.combinations]
-    yield from {repr(one.rows): one for one in facts}.values()
+    return [*rows, ("each combination", f"{study.repeat:,} times, seed {study.seed}")]
 
 
 def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw]]:
@@ -275,7 +229,7 @@ def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw]]:
     ]
 
 
-def _shares(compared: Comparison, found: Findings) -> ReportTable:
+def _shares(compared: Comparison, found: Findings) -> list[tuple[str, ...]]:
     """Return for each combination how many of its runs had a violation."""
     rows = []
     for group in compared.groups:
@@ -290,47 +244,29 @@ def _shares(compared: Comparison, found: Findings) -> ReportTable:
                 f"{count / there:,.2f}" if there else "–",
             )
         )
-    words = (
-        "The share of runs with at least one violation, with Wilson's interval of 95 %: where there"
-        " was none it says how many there may be all the same."
-    )
-    several = compared.factors or ("",)
-    heads = (*several, "runs with a violation", "violations", "per hour of people's time")
-    n = len(heads)
-    return ReportTable(heads, rows, "", words, frozenset({n - 2, n - 1}))
+    return rows
 
 
-def _maps(scenes: Sequence[Scene], found: Findings) -> Iterator[Part]:
-    count = sum(one.count for one in found.rows.values())
-    if not any(found.maps.values()):
-        yield Points(("There is no risk without both people and machines.",))
-    for number, scene in enumerate(scenes):
-        if maps := found.maps.get(number):
-            if len(scenes) > 1:
-                yield Points((f"All runs of {scene.trial} together:",))
-            yield from risk_pictures(scene.floorplan, scene.machines, maps, count, scene.trial)
+def _maps(found: Findings, number: int, scene: Scene) -> list[Picture]:
+    maps = found.maps.get(number, {})
+    return risk_pictures(scene.floorplan, scene.machines, maps, scene.trial)
 
 
-def _exposure(results: StudyResults, found: Findings) -> Iterator[ReportTable]:
-    """Yield the means of a run's exposure to each zone, for each trial."""
+def _exposure(results: StudyResults, found: Findings, trial: Trial) -> dict[str, Any]:
+    """Return the means of a run's exposure to each zone."""
     columns = results.columns
-    trials = columns.get("trial", [])
-    for trial in results.study.trials:
-        lines = [k for k, name in enumerate(trials) if name == trial.name]
-        mine = [found.rows[k] for k in lines if k in found.rows]
-        zones: dict[str, Mapping[str, float]] = {}
-        for zone in trial.floorplan.zones:
-            figures = {
-                key: _mean_of(columns.get(f"zones.{zone.name}.{key}", ()), lines)
-                for key in ("time_occupied", "entries", "time_too_close")
-            }
-            zones[zone.name] = figures
-        n = max(1, len(mine))
-        there, near = (sum(getattr(one, key) for one in mine) / n for key in ("on_floor", "near"))
-        table = exposure_table(trial.floorplan, zones, there, near)
-        several = len(results.study.trials) > 1
-        title = f"A run of {trial.name}, on average" if several else "A run, on average"
-        yield replace(table, title=title)
+    lines = [k for k, name in enumerate(columns.get("trial", [])) if name == trial.name]
+    mine = [found.rows[k] for k in lines if k in found.rows]
+    zones = {
+        zone.name: {
+            key: _mean_of(columns.get(f"zones.{zone.name}.{key}", ()), lines)
+            for key in ("time_occupied", "entries", "time_too_close")
+        }
+        for zone in trial.floorplan.zones
+    }
+    n = max(1, len(mine))
+    there, near = (sum(getattr(one, key) for one in mine) / n for key in ("on_floor", "near"))
+    return exposure(trial.floorplan, zones, there, near)
 
 
 def _mean_of(column: Sequence[object], lines: Sequence[int]) -> float:
@@ -339,45 +275,20 @@ def _mean_of(column: Sequence[object], lines: Sequence[int]) -> float:
     return math.fsum(known) / len(known) if known else 0.0
 
 
-def _violations(found: Findings) -> ReportTable:
-    rows = [number for number, _ in found.worst]
-    count = sum(one.count for one in found.rows.values())
-    return incidents_table([one for _, one in found.worst], count, rows)
-
-
-def _worst_run(study: Study, found: Findings) -> Iterator[Part]:
+def _worst_run(study: Study, found: Findings) -> dict[str, Any]:
+    """Return the pictures of the run with the worst violation, and its parameters in words."""
     if not found.worst:
-        yield Points(("There was no violation.",))
-        return
+        return {}
     number = found.worst[0][0]
     row = study.row(number)
-    values = ", ".join(f"{name} {_in_words(value)}" for name, value in row.parameters.items())
-    yield Facts(
-        [
-            ("row", str(number)),
-            ("with", values),
-            ("its trial", f"floorwalker study STUDY.yaml --row {number} writes it"),
-        ]
-    )
     mine = [one for n, one in found.worst if n == number]
-    yield from run_pictures(run(row.trial), mine, "worst")
+    values = [f"{name} {_in_words(value)}" for name, value in row.parameters.items()]
+    return {"shown": run_pictures(run(row.trial), mine, "worst"), "worst_values": ", ".join(values)}
 
 
 def _in_words(value: object) -> str:
     """Return a parameter of a row."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _repeating(results: StudyResults) -> Facts:
-    study, table = results.study, (results.folder / RESULTS).read_bytes()
-    return Facts(
-        [
-            ("rows", f"{len(results):,}, each with a seed that follows from the study's"),
-            ("the study's seed", str(study.seed)),
-            (f"digest of {RESULTS}", hashlib.sha256(table).hexdigest()[:16]),
-        ],
-        "The study",
-    )
 
 
 Progress = Callable[[int], None]
@@ -403,20 +314,20 @@ def safety_report(
         title, count = source.study.name, counted(len(source), "run")
         subtitle = f"A study of {count}, simulated by Floorwalker"
         found = findings(source.study, {*source.failed}, jobs=jobs, progress=progress)
-        sections = study_sections(source, found)
+        template, values = "safety_study.html", study_report(source, found)
     else:
         require(source, Recorded, "sim.load_run")
         title = source.scene.trial
         subtitle = f"A run of {clock(source.duration)} (h:mm:ss), simulated by Floorwalker"
-        sections = _of_run(source)
+        template, values = "safety_run.html", _of_run(source)
     with writing(path):
-        write_safety_page(path, title=title, subtitle=subtitle, sections=sections)
+        write_safety_page(path, template, title=title, subtitle=subtitle, **values)
 
 
-def _of_run(source: Recorded) -> list[Section]:
+def _of_run(source: Recorded) -> dict[str, Any]:
     digests = {"what happened": _digest(source)}
     if not isinstance(source, Run):
-        return run_sections(source, None, digests=digests)
+        return run_report(source, None, digests=digests)
     trial = source.trial
     try:
         known = identity(Study(trial.name, (trial,)))
@@ -424,7 +335,7 @@ def _of_run(source: Recorded) -> list[Section]:
         known = {}
     digests = {what: known[what] for what in known if what != "the study"} | digests
     verdicts = [(f"{one.expected}; {one.found}", one.met) for one in source.verdicts]
-    return run_sections(source, trial, digests=digests, verdicts=verdicts)
+    return run_report(source, trial, digests=digests, verdicts=verdicts)
 
 
 def _digest(source: Recorded) -> str:

@@ -30,7 +30,7 @@ from navigation.benchmark import (
     summary,
 )
 
-from .report_page import COLOURS, INK, draw_grid, name_rows, page_chart, write_report_page
+from .report_page import COLOURS, INK, draw_box, draw_grid, name_rows, page_chart, write_report_page
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -167,12 +167,9 @@ def _boxes(
         if not len(values):
             continue
         colour = styles[names[place]].colour
-        ends = np.quantile(values, [0.05, 0.25, 0.5, 0.75, 0.95])
-        axes.plot(ends[[0, 4]], [place, place], color=colour, linewidth=1.2)
-        width = ends[3] - ends[1]
-        axes.barh(place, width, left=ends[1], height=0.6, color=colour, alpha=0.45, linewidth=0)
-        axes.plot(ends[[2, 2]], [place - 0.3, place + 0.3], color=INK, linewidth=1.8)
-        beyond = values[(values < ends[0]) | (values > ends[4])]
+        least, middle, most = draw_box(axes, place, values, colour, 0.6)
+        axes.plot([middle, middle], [place - 0.3, place + 0.3], color=INK, linewidth=1.8)
+        beyond = values[(values < least) | (values > most)]
         axes.plot(beyond, [place] * len(beyond), ".", color=colour, markersize=2.5)
     if scale == "symlog":
         axes.set_xscale("symlog", linthresh=PERFECT, linscale=0.5)

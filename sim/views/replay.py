@@ -1,17 +1,11 @@
 """Replay page: a recording as one HTML file without external resources.
 
-A number of a recording is a multiple of 10⁻⁹ (`rounded`), so that it is an integer here, and comes
-back as it was. Most pieces begin where, when and as fast as the piece before them ends: of the
-begin, the place and the velocity only the difference from that is written. Integers are written in
-groups of seven bits, the lowest first, as Protocol Buffers do (zigzag, base 128).
-
-Pieces lie in blocks of `BLOCK` pieces of one body, which are read one by one: the page reads what
-it is about to show. All blocks stand in the order of time: what there is of a page that is cut off
-holds everybody up to some instant.
-
 The page draws from the motions themselves, so that a recording is small and exact at any speed.
-Its parts lie in `data/replay/`, one idea a file; here they are joined, and the recording is put
-into them.
+Its parts are in `data/replay/`, one idea a file. Here they are joined with the recording.
+
+A long recording is compressed. Its motions are then columns of numbers, in blocks of `BLOCK` pieces
+of one body. The blocks are in the order of time, so that a page that was cut off has everybody up
+to some time.
 """
 
 from __future__ import annotations
@@ -27,228 +21,91 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floorplan import UserError
 
 from ..record.scene_file import parse_json
 
 BLOCK = 512
-"""Pieces in a block, but for the last one of a body."""
+"""Pieces in a block, except in the last one of a body."""
 
-UNIT = 1e9
-"""Integers to a second, metre or radian."""
+NUMBERS = 14
+"""Numbers of a piece: begin, end, and four coefficients for x, y and rotation."""
 
-LARGEST = 2**51
-"""Integers up to here, and their differences, are exact as the floats that the page has."""
-
-JUMP = 1000
-"""Integers: a body that is so far (1 µm) from where the piece before ended has jumped."""
-
-_Integers = NDArray[np.int64]
-_Floats = NDArray[np.float64]
+FLOAT = np.dtype("<f8")
 
 
 def pack(motions: Mapping[str, Sequence[Any]]) -> tuple[dict[str, Any], bytes] | None:
-    """Return an index by body, and the bytes of all blocks; None where numbers have other forms.
+    """Return an index by body, and the bytes of all blocks; None if a piece has another form.
 
-    A body has the `count` of its pieces, the numbers of those with which it `jumps`, and for each
-    of its `blocks` the time at which it begins (s), how far the body has gone by then (m), and
-    which bytes it is: the first, and how many.
+    The index has the `count` of pieces of a body, and the byte at which each of its `blocks`
+    begins. A block has the begins, the ends and the coefficients of its pieces.
     """
     index: dict[str, dict[str, Any]] = {}
     blocks = []
     for name, pieces in motions.items():
-        packed = _packed(pieces)
-        if packed is None:
+        try:
+            rows = [_row(piece) for piece in pieces]
+            table = np.array(rows, dtype=FLOAT).reshape(-1, NUMBERS)
+        except (LookupError, TypeError, ValueError):
             return None
-        lengths, table = packed
-        gone = np.concatenate([[0.0], np.cumsum(_path_lengths(table))])
-        jumps = np.hypot(*_gaps(table)[1:, [2, 6]].T) > JUMP
-        index[name] = {
-            "count": len(table),
-            "jumps": (np.flatnonzero(jumps) + 1).tolist(),
-            "blocks": [],
-        }
+        if not np.isfinite(table).all():
+            return None
+        index[name] = {"count": len(table), "blocks": []}
         for first in range(0, len(table), BLOCK):
-            part = slice(first, first + BLOCK)
-            begin, block = pieces[first][0], _written(lengths[part], table[part])
-            blocks.append((begin, name, round(float(gone[first]), 3), block))
+            part = table[first : first + BLOCK]
+            content = part[:, 0].tobytes() + part[:, 1].tobytes() + part[:, 2:].tobytes()
+            blocks.append((float(part[0, 0]), name, content))
     blocks.sort(key=lambda block: block[0])
     at = 0
-    for begin, name, way, block in blocks:
-        index[name]["blocks"].append([begin, way, at, len(block)])
-        at += len(block)
-    return index, b"".join(block for *_, block in blocks)
+    for _, name, content in blocks:
+        index[name]["blocks"].append(at)
+        at += len(content)
+    return index, b"".join(content for *_, content in blocks)
 
 
 def unpack(index: Mapping[str, Any], blocks: bytes) -> dict[str, list[Any]]:
-    """Return the motions that `pack` was given; `ValueError` where index or blocks are damaged."""
+    """Return the motions that `pack` was given; `UserError` if index or blocks are damaged."""
     try:
-        return {name: _pieces_of(body, blocks) for name, body in index.items()}
+        return {name: _pieces_in(blocks, **body) for name, body in index.items()}
     except (LookupError, TypeError, AttributeError, ValueError) as why:
         raise UserError(f"its motions can't be read: {why}") from None
 
 
-def _packed(pieces: Sequence[Any]) -> tuple[_Integers, _Integers] | None:
-    """Return the numbers of coefficients of each piece, (N, 3), and all its figures, (N, 14)."""
-    try:
-        lengths = np.array([list(map(len, piece[2:])) for piece in pieces], dtype=np.int64)
-        flat = [n for b, e, *axes in pieces for n in (b, e, *axes[0], *axes[1], *axes[2])]
-        numbers = np.array(flat, dtype=np.float64)
-    except (LookupError, TypeError, ValueError):
-        return None
-    if lengths.ndim != 2 or lengths.shape[1] != 3 or not ((lengths > 0) & (lengths < 5)).all():
-        return None
-    if not np.abs(numbers * UNIT).max() < LARGEST:
-        return None
-    integers = np.rint(numbers * UNIT).astype(np.int64)
-    # Each number must come back to the last bit, or the page would not show what was recorded.
-    if not (integers / UNIT == numbers).all():
-        return None
-    table = np.zeros((len(pieces), 14), dtype=np.int64)
-    table[_written_ones(lengths)] = integers
-    steady = all(np.abs(values).max() < LARGEST for values in (_gaps(table), _ahead(table)))
-    return (lengths, table) if steady else None
+def without_zeros(cubic: Sequence[float]) -> list[float]:
+    """Return coefficients without the zeros at their end, but at least one."""
+    coefficients = list(cubic)
+    while len(coefficients) > 1 and coefficients[-1] == 0.0:
+        coefficients.pop()
+    return coefficients
 
 
-def _written_ones(lengths: _Integers) -> NDArray[np.bool_]:
-    """Return which figures of pieces are written: begin, end, and the coefficients there are."""
-    there = np.arange(4) < lengths[:, :, None]
-    return np.hstack([np.ones((len(lengths), 2), dtype=np.bool_), there.reshape(-1, 12)])
+def _row(piece: Sequence[Any]) -> list[float]:
+    """Return the numbers of a piece; `ValueError` if it is none."""
+    begin, end, *cubics = piece
+    row = [begin, end]
+    for cubic in cubics:
+        row += [*cubic, *[0.0] * (4 - len(cubic))]
+    if len(row) != NUMBERS or not all(map(len, cubics)):
+        raise ValueError("a piece has another form")
+    return row
 
 
-def _gaps(table: _Integers) -> _Integers:
-    """Return all numbers, less what follows from the piece before, or (the end) from the begin."""
-    gaps = table.copy()
-    gaps[:, 1] -= table[:, 0]
-    gaps[1:, 0] -= table[:-1, 1]
-    gaps[1:] -= _ahead(table)[:-1]
-    return gaps
-
-
-def _ahead(table: _Integers) -> _Integers:
-    """Return place and velocity at the end of each piece, in the columns of c₀ and c₁."""
-    ahead = np.zeros_like(table)
-    for k in (2, 6, 10):
-        place, velocity = _gains(table[:, 1] - table[:, 0], table[:, k : k + 4])
-        ahead[:, k] = table[:, k] + place
-        ahead[:, k + 1] = table[:, k + 1] + velocity
-    return ahead
-
-
-def _gains(duration: _Integers, cubic: _Integers) -> tuple[_Integers, _Integers]:
-    """Return what place and velocity gain in pieces of that duration.
-
-    The page does the same, operation by operation: the result is the same to the last bit.
-    """
-    u = duration / UNIT
-    _, c1, c2, c3 = (cubic / UNIT).T
-    gains = u * (c1 + u * (c2 + u * c3)), u * (2.0 * c2 + u * (3.0 * c3))
-    # What is cut here is beyond `LARGEST`, whatever it is added to.
-    place, velocity = (np.clip(np.floor(UNIT * g + 0.5), -4 * LARGEST, 4 * LARGEST) for g in gains)
-    return place.astype(np.int64), velocity.astype(np.int64)
-
-
-def _path_lengths(table: _Integers) -> _Floats:
-    """Return how far the body goes in each piece, by Gauss's rule with three points."""
-    numbers = table / UNIT
-    half = (numbers[:, 1] - numbers[:, 0]) / 2
-    # Its nodes are 0 and ± √(3 / 5), its weights 8 / 9 and 5 / 9.
-    aside = half * np.sqrt(0.6)
-
-    def speed(u: _Floats) -> _Floats:
-        vx, vy = (
-            numbers[:, k + 1] + u * (2 * numbers[:, k + 2] + 3 * u * numbers[:, k + 3])
-            for k in (2, 6)
-        )
-        return np.asarray(np.hypot(vx, vy))
-
-    return (half / 9) * (5 * speed(half - aside) + 8 * speed(half) + 5 * speed(half + aside))
-
-
-def _written(lengths: _Integers, table: _Integers) -> bytes:
-    """Return a block: a byte for the lengths of each piece, then its numbers."""
-    gaps = _gaps(table)[_written_ones(lengths)]
-    heads = ((lengths - 1) << np.array([0, 2, 4])).sum(axis=1).astype(np.uint8)
-    return bytes(heads.tobytes()) + _bytes_of(gaps)
-
-
-def _bytes_of(integers: _Integers) -> bytes:
-    # Zigzag: 0, -1, 1, -2 … become 0, 1, 2, 3 …, so that small ones of either sign are short.
-    coded = ((integers << 1) ^ (integers >> 63)).astype(np.uint64)
-    groups = np.ones(len(coded), dtype=np.int64)
-    for bits in range(7, 64, 7):
-        groups += coded >= np.uint64(1 << bits)
-    at = np.cumsum(groups) - groups
-    written = np.zeros(int(groups.sum()), dtype=np.uint8)
-    for k in range(int(groups.max(initial=0))):
-        some = groups > k
-        seven = (coded[some] >> np.uint64(7 * k)) & np.uint64(127)
-        written[at[some] + k] = seven | ((groups[some] > k + 1).astype(np.uint64) << np.uint64(7))
-    return written.tobytes()
-
-
-def _pieces_of(body: Mapping[str, Any], blocks: bytes) -> list[Any]:
+def _pieces_in(content: bytes, count: int, blocks: Sequence[int]) -> list[Any]:
     pieces: list[Any] = []
-    for _, _, at, size in body["blocks"]:
-        count = min(BLOCK, body["count"] - len(pieces))
-        pieces += _read(blocks[at : at + size], count)
-    if len(pieces) != body["count"]:
+    for at in blocks:
+        size = min(BLOCK, count - len(pieces))
+        numbers = np.frombuffer(content, FLOAT, NUMBERS * size, at)
+        begins, ends, cubics = numbers[:size], numbers[size : 2 * size], numbers[2 * size :]
+        pieces += [
+            [begin, end, *map(without_zeros, axes)]
+            for begin, end, axes in zip(
+                begins.tolist(), ends.tolist(), cubics.reshape(-1, 3, 4).tolist(), strict=True
+            )
+        ]
+    if len(pieces) != count:
         raise UserError("blocks are missing")
     return pieces
-
-
-def _read(block: bytes, count: int) -> list[Any]:
-    """Return the pieces of a block; `ValueError` if it has more or fewer numbers."""
-    heads = np.frombuffer(block[:count], dtype=np.uint8).astype(np.int64)
-    lengths = 1 + ((heads[:, None] >> np.array([0, 2, 4])) & 3)
-    there = _written_ones(lengths)
-    integers = _integers_in(np.frombuffer(block[count:], dtype=np.uint8))
-    if len(integers) != there.sum():
-        raise UserError("numbers are missing")
-    table = np.zeros((count, 14), dtype=np.int64)
-    table[there] = integers
-    # As they follow from each other: times alone, velocities from these and from c₂ and c₃, which
-    # stand as they are, and places from all of them.
-    table[:, 1] = np.cumsum(table[:, 0] + table[:, 1])
-    table[1:, 0] += table[:-1, 1]
-    duration = table[:, 1] - table[:, 0]
-    for k in (2, 6, 10):
-        cubic = table[:, k : k + 4]
-        cubic[1:, 1] += _gains(duration, cubic)[1][:-1]
-        cubic[:, 1] = _sums(cubic[:, 1], ~there[:, k + 1])
-        cubic[1:, 0] += _gains(duration, cubic)[0][:-1]
-        cubic[:, 0] = np.cumsum(cubic[:, 0])
-    numbers = (table / UNIT).tolist()
-    return [
-        [row[0], row[1], *(row[k : k + n] for k, n in zip((2, 6, 10), sizes, strict=True))]
-        for row, sizes in zip(numbers, lengths.tolist(), strict=True)
-    ]
-
-
-def _sums(steps: _Integers, starts: NDArray[np.bool_]) -> _Integers:
-    """Return the running sums of steps, which are 0 again at each of the `starts`."""
-    # The sum of all steps so far, less what that was at the last start.
-    steps = np.where(starts, 0, steps)
-    sums = np.cumsum(steps)
-    last = np.maximum.accumulate(np.where(starts, np.arange(len(steps)), -1))
-    return sums - np.where(last >= 0, sums[last], 0)
-
-
-def _integers_in(written: NDArray[np.uint8]) -> _Integers:
-    """Return the integers that `_bytes_of` has written."""
-    ends = np.flatnonzero(written < 128)
-    if not len(ends) or ends[-1] != len(written) - 1:
-        return np.zeros(0, dtype=np.int64)
-    begins = np.concatenate([[0], ends[:-1] + 1])
-    place = np.arange(len(written)) - np.repeat(begins, ends - begins + 1)
-    # Nine groups of seven bits are all of 63; more would be a damaged file.
-    if place.max() > 8:
-        return np.zeros(0, dtype=np.int64)
-    parts = (written & 127).astype(np.int64) << (7 * place)
-    coded = np.add.reduceat(parts, begins)
-    return np.asarray((coded >> 1) ^ -(coded & 1))
 
 
 FORMAT = "floorwalker-replay/1"
@@ -257,7 +114,7 @@ FORMAT = "floorwalker-replay/1"
 PARTS = Path(__file__).parents[1] / "data" / "replay"
 """Folder of the parts of the page."""
 
-PACKED_FROM = 1_500_000
+PACKED_FROM = 500_000
 """Characters of a recording from which it stands packed in its page."""
 
 PIECE = 100

@@ -17,7 +17,7 @@ from ..machines.kinds import rails_under
 from ..record.figures import COSTS
 from ..record.outcome import Outcome
 from ..safety.laws import is_of_speeds_alone
-from .replay import FORMAT
+from .replay import FORMAT, without_zeros
 
 
 def replay_data(run: Outcome) -> dict[str, Any]:
@@ -190,12 +190,5 @@ def piece_data(piece: Piece) -> list[Any]:
     return [
         piece.begin,
         piece.end,
-        *(_without_zeros(c) for c in (piece.x, piece.y, piece.rotation)),
+        *(without_zeros(c) for c in (piece.x, piece.y, piece.rotation)),
     ]
-
-
-def _without_zeros(cubic: tuple[float, ...]) -> list[float]:
-    coefficients = list(cubic)
-    while len(coefficients) > 1 and coefficients[-1] == 0.0:
-        coefficients.pop()
-    return coefficients

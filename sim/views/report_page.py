@@ -8,9 +8,12 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from floorplan import UserError
 
-from ..core.output import write_whole
+from ..core.output import OutputError, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,6 +22,15 @@ if TYPE_CHECKING:
 
 class MissingExtraError(ImportError, UserError):
     """A package that Floorwalker can do without, but not here; the message says how to get it."""
+
+
+def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None:
+    """Raise if `path` has none of the `endings`, or lies in no folder; `what` it is in words."""
+    path = Path(path)
+    if path.suffix.lower() not in endings:
+        raise UserError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
+    if not path.parent.is_dir():
+        raise OutputError(f"can't write {path}: there is no folder {path.parent}")
 
 
 # M. Okabe and K. Ito, "Color universal design", 2008.
@@ -74,6 +86,27 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
     draw_grid(axes, "x")
 
 
+def draw_box(
+    axes: Axes, place: float, values: NDArray[np.float64], colour: str, height: float = 0.55
+) -> tuple[float, float, float]:
+    """Draw the middle half of the values of a row as a box, nine tenths of them as a line.
+
+    Return the ends of the line and, between them, the median.
+    """
+    least, low, middle, high, most = np.quantile(values, [0.05, 0.25, 0.5, 0.75, 0.95]).tolist()
+    axes.plot([least, most], [place, place], color=colour, linewidth=1.2)
+    axes.barh(place, high - low, left=low, height=height, color=colour, alpha=0.45, linewidth=0)
+    return least, middle, most
+
+
+def draw_interval(
+    axes: Axes, x: tuple[float, float], y: tuple[float, float], mean: tuple[float, float]
+) -> None:
+    """Draw the interval of a mean as a line from one point to another, and the mean as a dot."""
+    axes.plot(x, y, color=INK, linewidth=2.2)
+    axes.plot(*mean, "o", color=INK, markersize=4.5)
+
+
 def draw_grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
     """Draw the grid of a chart, below what it shows."""
     axes.grid(axis=which, alpha=0.2, color=INK)
@@ -90,8 +123,31 @@ def as_element(drawn: str) -> str:
     return re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
 
 
+def minus(figures: str) -> str:
+    """Return figures with a minus sign where they have a hyphen."""
+    return figures.replace("-", "−")
+
+
+def signed(value: float) -> str:
+    """A difference with two digits after the point, and its sign unless it is 0."""
+    return "0.00" if round(value, 2) == 0 else minus(f"{value:+.2f}")
+
+
+def figure(value: float | None, digits: int | None = None) -> str:
+    """A number as people read it: three or four digits that count, or `digits` after the point."""
+    if value is None or value != value:
+        return "–"
+    if digits is None:
+        digits = 0 if value == round(value) else digits_after(abs(value))
+    return minus(f"{round(value, digits) + 0.0:,.{digits}f}")  # no negative zero
+
+
+def digits_after(size: float) -> int:
+    return 0 if size >= 1000 else 1 if size >= 100 else 2 if size >= 1 else 3
+
+
 def write_report_page(
-    path: Path, template: str, filters: Mapping[str, Callable[..., str]], **values: Any
+    path: Path, template: str, filters: Mapping[str, Callable[..., Any]], **values: Any
 ) -> None:
     """Write the page that a template of `data/report` makes of `values` to `path`.
 

@@ -23,9 +23,8 @@ from sim.commands.percept_script import read_percepts
 from sim.people.tracks.recorded_walks import read_bag_tracks
 from sim.people.tracks.tables import read_jupedsim_tracks, read_parquet_tracks
 from sim.studies.comparison import StudyResults
-from sim.studies.folder import StudyFolder
+from sim.studies.folder import StudyFolder, read_table
 from sim.studies.report import write_report
-from sim.studies.table import read_table
 from sim.views.replay import recordings_in, render
 from sim.views.replay_data import replay_data
 

@@ -77,6 +77,10 @@ def test_the_page_needs_no_network(recording):
 def test_a_long_recording_is_packed(recording, open_page, monkeypatch):
     thoughts = [{"t": k / 2, "believes": [f"seen({k})"], "steps": []} for k in range(300)]
     recording = rounded({**recording, "minds": {"operator": thoughts, "visitor": thoughts[:9]}})
+    recording["motions"] = {
+        name: [[begin, end, *map(replay.without_zeros, axes)] for begin, end, *axes in pieces]
+        for name, pieces in recording["motions"].items()
+    }
     monkeypatch.setattr(replay, "PACKED_FROM", 1000)
     html = replay.render(recording, recording)
     monkeypatch.undo()

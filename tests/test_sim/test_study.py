@@ -16,8 +16,7 @@ from waiting import HANG, until
 
 import sim
 from sim.studies import save_trial
-from sim.studies.folder import StudyFolder
-from sim.studies.table import ResultsTable, read_table
+from sim.studies.folder import ResultsTable, StudyFolder, read_table
 
 TRIAL = """\
 floorplan: ariac2023
@@ -408,7 +407,7 @@ def test_a_table_cut_anywhere_is_gone_on_with(cut, tmp_path_factory):
 
 
 def test_a_defect_in_a_row_is_told_apart_from_what_a_user_may_mend():
-    from sim.studies.table import error_in
+    from sim.studies.running import error_in
 
     def failing(cause):
         try:

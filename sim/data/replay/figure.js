@@ -12,31 +12,24 @@ const SLOW = 0.45;           // m/s from which steps are as long as they get
 class Gait {
   constructor(motion) {
     this.motion = motion;
-    this.gone = new Float64Array(motion.count + 1);       // metres up to the begin of each piece
-    this.isSummed = [];                                    // of each block of them
+    this.gone = null;        // metres up to the begin of each piece
   }
 
   /** {phase (radians), swing from 0 to 1} at t. */
   at(t) {
     const i = Math.max(0, this.motion.upTo(t));
-    this.#sum(Math.floor(i / BLOCK));
+    this.gone ??= this.#sums();
     const gone = this.gone[i] + this.#lengthOf(i, Math.min(Math.max(t, this.motion.begins[i]), this.motion.ends[i]));
     let pace = 0;
     for (let k = -2; k <= 2; k++) pace += this.motion.at(t + 0.1 * k).speed / 5;
     return { phase: (2 * Math.PI * gone) / STRIDE, swing: Math.min(1, pace / SLOW) };
   }
 
-  /** Adds up the pieces of a block; of a motion that is not packed, those before it too. */
-  #sum(block) {
-    if (this.isSummed[block]) return;
-    this.isSummed[block] = true;
-    const { packed, ends, count } = this.motion;
-    const first = packed ? BLOCK * block : 0;
-    const last = packed ? Math.min(count, first + BLOCK) : count;
-    if (packed) this.gone[first] = packed.gone[block];
-    else this.isSummed = Array(Math.ceil(count / BLOCK)).fill(true);
-    // The first of the next block has a sum of its own.
-    for (let i = first; i < last - (packed ? 1 : 0); i++) this.gone[i + 1] = this.gone[i] + this.#lengthOf(i, ends[i]);
+  #sums() {
+    const { ends, count } = this.motion;
+    const gone = new Float64Array(count + 1);
+    for (let i = 0; i < count; i++) gone[i + 1] = gone[i] + this.#lengthOf(i, ends[i]);
+    return gone;
   }
 
   /** The path of a piece up to `end`, metres, by Gauss's rule with three points. */

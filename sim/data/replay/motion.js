@@ -24,45 +24,28 @@ function firstWhere(times, isLate, low = 0, high = times.length) {
   return low;
 }
 
-/**
- * A function of time: cubic pieces, still between them, before the first and after the last. Those of a packed
- * motion stand in `begins`, `ends` and `coefficients` once they were asked for (`need`).
- */
+/** A function of time: cubic pieces, still between them, before the first and after the last. */
 class Motion {
   constructor(pieces) {
     const count = pieces.length;
     this.count = count;
-    this.packed = pieces instanceof PackedPieces ? pieces : null;
+    if (pieces instanceof PackedPieces) {
+      ({ begins: this.begins, ends: this.ends, coefficients: this.coefficients } = pieces);
+      return;
+    }
     this.begins = new Float64Array(count);
     this.ends = new Float64Array(count);
     this.coefficients = new Float64Array(12 * count);   // x0…x3, y0…y3, r0…r3 of each
-    for (let i = 0; i < (this.packed ? 0 : count); i++) {
-      const piece = pieces[i];
+    pieces.forEach((piece, i) => {
       this.begins[i] = piece[0];
       this.ends[i] = piece[1];
-      for (let axis = 0; axis < 3; axis++) {
-        const cubic = piece[2 + axis];
-        for (let k = 0; k < cubic.length; k++) this.coefficients[12 * i + 4 * axis + k] = cubic[k];
-      }
-    }
-  }
-
-  /** Has piece number i, and those in its block, read. */
-  need(i) {
-    const block = Math.floor(i / BLOCK);
-    if (this.packed && !this.packed.isRead[block]) this.packed.read(block, this);
+      for (let axis = 0; axis < 3; axis++) this.coefficients.set(piece[2 + axis], 12 * i + 4 * axis);
+    });
   }
 
   /** The number of the last piece that begins at t or before, or -1. */
   upTo(t) {
-    return this.#last(time => time > t);
-  }
-
-  #last(isLate) {
-    if (!this.packed) return firstWhere(this.begins, isLate) - 1;
-    const first = BLOCK * Math.max(0, firstWhere(this.packed.begins, isLate) - 1);
-    this.need(first);
-    return firstWhere(this.begins, isLate, first, Math.min(this.count, first + BLOCK)) - 1;
+    return lastUpTo(this.begins, t);
   }
 
   /** Pose and velocity at t; at a change, those after it. */
@@ -73,7 +56,7 @@ class Motion {
 
   /** Pose and velocity just before t: at a change, those that led up to it. */
   before(t) {
-    const i = Math.max(0, this.#last(time => time >= t));
+    const i = Math.max(0, lastBefore(this.begins, t));
     return this.#state(i, t, this.begins[i] < t && t <= this.ends[i]);
   }
 
@@ -108,8 +91,6 @@ class Motion {
   lastJump(t) {
     const i = this.jumps[lastUpTo(this.jumps, this.upTo(t))];
     if (i === undefined) return undefined;
-    this.need(i - 1);
-    this.need(i);
     const { begins, ends } = this;
     return { t: begins[i], from: this.#state(i - 1, ends[i - 1], false), to: this.#state(i, begins[i], false) };
   }
@@ -117,14 +98,11 @@ class Motion {
   /** The times of the jumps from one instant to another. */
   jumpsIn(from, to) {
     const [first, last] = [this.upTo(from), this.upTo(to)];
-    return this.jumps.filter(i => i >= first && i <= last).map(i => {
-      this.need(i);
-      return this.begins[i];
-    });
+    return this.jumps.filter(i => i >= first && i <= last).map(i => this.begins[i]);
   }
 
   get jumps() {
-    return this.cachedJumps ??= this.packed?.jumps ?? this.#findJumps();
+    return this.cachedJumps ??= this.#findJumps();
   }
 
   /** The numbers of the pieces that do not begin where the one before ended. */

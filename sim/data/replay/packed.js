@@ -1,83 +1,34 @@
-/* Motions and minds of a long recording, which are read when they are needed. */
+/* Motions of a long recording as columns of numbers, and minds that are read when they are needed. */
 
 const BLOCK = 512;             // pieces of a motion in a block
-const UNIT = 1e9;              // integers to a second, metre or radian
-const AXES = [2, 6, 10];       // the first column of each axis in a row: begin, end, x0…x3, y0…y3, r0…r3
+const NUMBERS = 14;            // of a piece: begin, end, and four coefficients for x, y and rotation
 const NOTHING = new Uint8Array();
 
 /**
- * The pieces of one body in `bytes`, as far as they go, by `index`: {count, jumps, blocks: [[begin, gone, at, size], …]}.
- * How a block is written stands in `sim/views/replay.py`.
+ * The pieces of one body in `bytes`, as far as they go: it has `count` of them, and the byte at which each of
+ * its `blocks` begins. A block has the begins, the ends and the coefficients (x0…x3, y0…y3, r0…r3 of each piece).
  */
 class PackedPieces {
-  constructor({ count, jumps, blocks }, bytes) {
-    this.blocks = blocks.filter(([, , at, size]) => at + size <= bytes.length);
-    this.length = Math.min(count, BLOCK * this.blocks.length);
-    this.jumps = jumps.filter(i => i < this.length);
-    this.begins = Float64Array.from(this.blocks, ([begin]) => begin);
-    this.gone = Float64Array.from(this.blocks, ([, gone]) => gone);
-    this.isRead = new Uint8Array(this.blocks.length);
-    this.bytes = bytes;
-  }
-
-  /** Reads a block into the arrays of a motion. */
-  read(block, { begins, ends, coefficients }) {
-    this.isRead[block] = 1;
-    const first = block * BLOCK;
-    const last = Math.min(this.length, first + BLOCK);
-    const { bytes } = this;
-    let head = this.blocks[block][2];
-    let place = head + last - first;
-    const next = () => {
-      let coded = 0;
-      let unit = 1;
-      for (;;) {
-        const byte = bytes[place++];
-        coded += (byte & 127) * unit;
-        if (!(byte > 127)) return coded % 2 ? -(coded + 1) / 2 : coded / 2;
-        unit *= 128;
-      }
-    };
-    const row = new Float64Array(14);
-    for (let i = first; i < last; i++) {
-      const lengths = bytes[head++];
-      row[0] = row[1] + next();
-      const duration = next();
-      row[1] = row[0] + duration;
-      const u = duration / UNIT;
-      begins[i] = row[0] / UNIT;
-      ends[i] = row[1] / UNIT;
-      for (let axis = 0; axis < 3; axis++) {
-        const k = AXES[axis];
-        const length = 1 + ((lengths >> (2 * axis)) & 3);
-        // At first row has, of place and velocity, those in which the piece before ended.
-        row[k] += next();
-        row[k + 1] = length > 1 ? row[k + 1] + next() : 0;
-        row[k + 2] = length > 2 ? next() : 0;
-        row[k + 3] = length > 3 ? next() : 0;
-        const [c1, c2, c3] = [row[k + 1] / UNIT, row[k + 2] / UNIT, row[k + 3] / UNIT];
-        const at = 12 * i + k - 2;
-        coefficients[at] = row[k] / UNIT;
-        coefficients[at + 1] = c1;
-        coefficients[at + 2] = c2;
-        coefficients[at + 3] = c3;
-        row[k] += Math.floor(UNIT * (u * (c1 + u * (c2 + u * c3))) + 0.5);
-        row[k + 1] += Math.floor(UNIT * (u * (2 * c2 + u * (3 * c3))) + 0.5);
-      }
+  constructor({ count, blocks }, bytes) {
+    const sizes = blocks.map((_, k) => Math.min(BLOCK, count - BLOCK * k));
+    const there = blocks.filter((at, k) => at + 8 * NUMBERS * sizes[k] <= bytes.length).length;
+    this.length = Math.min(count, BLOCK * there);
+    this.begins = new Float64Array(this.length);
+    this.ends = new Float64Array(this.length);
+    this.coefficients = new Float64Array(12 * this.length);
+    for (let k = 0; k < there; k++) {
+      const numbers = new Float64Array(bytes.buffer, blocks[k], NUMBERS * sizes[k]);
+      this.begins.set(numbers.subarray(0, sizes[k]), BLOCK * k);
+      this.ends.set(numbers.subarray(sizes[k], 2 * sizes[k]), BLOCK * k);
+      this.coefficients.set(numbers.subarray(2 * sizes[k]), 12 * BLOCK * k);
     }
   }
 
-  /** All pieces as they stand in a recording that is not packed. */
-  unpacked() {
-    const arrays = {
-      begins: new Float64Array(this.length), ends: new Float64Array(this.length), coefficients: new Float64Array(12 * this.length),
-    };
-    this.blocks.forEach((_, block) => this.read(block, arrays));
-    const { begins, ends, coefficients } = arrays;
-    return Array.from(begins, (begin, i) => [begin, ends[i], ...AXES.map((k, axis) => {
-      const at = 12 * i + k - 2;
-      const head = this.bytes[this.blocks[Math.floor(i / BLOCK)][2] + (i % BLOCK)];
-      return [...coefficients.subarray(at, at + 1 + ((head >> (2 * axis)) & 3))];
+  /** All pieces as a recording in JSON has them: without zeros at the ends of cubics. */
+  listed() {
+    return Array.from(this.begins, (begin, i) => [begin, this.ends[i], ...[0, 4, 8].map(axis => {
+      const cubic = this.coefficients.subarray(12 * i + axis, 12 * i + axis + 4);
+      return [...cubic.subarray(0, Math.max(1, cubic.findLastIndex(c => c !== 0) + 1))];
     })]);
   }
 }
@@ -95,7 +46,7 @@ function addParts(recording, motions, rest) {
     if (!isPackedIndex(index)) continue;
     const pieces = new PackedPieces(index, motions);
     sources.set(name, pieces);
-    onDemand(recording.motions, name, () => pieces.unpacked());
+    onDemand(recording.motions, name, () => pieces.listed());
   }
   Object.defineProperty(recording, "sources", { value: sources });
   for (const [name, number] of Object.entries(recording.minds ?? {})) {
@@ -134,7 +85,6 @@ function onDemand(object, name, make) {
 }
 
 function isPackedIndex(index) {
-  const isBlock = block => isNumbers(block) && block.length === 4;
-  return isObject(index) && Number.isInteger(index.count) && isNumbers(index.jumps)
-    && Array.isArray(index.blocks) && index.blocks.every(isBlock) && index.count <= BLOCK * index.blocks.length;
+  return isObject(index) && Number.isInteger(index.count) && isNumbers(index.blocks)
+    && index.blocks.length === Math.ceil(index.count / BLOCK);
 }

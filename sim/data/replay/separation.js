@@ -154,7 +154,6 @@ class Watch {
     const times = Array.from({ length: SAMPLES + 1 }, (_, i) => from + ((to - from) * i) / SAMPLES);
     for (const motion of [this.person.motion, this.other.motion]) {
       for (let i = motion.upTo(from) + 1; i < motion.count; i++) {
-        motion.need(i);
         if (motion.begins[i] >= to) break;
         times.push(motion.begins[i]);
       }

@@ -25,7 +25,6 @@ class Track {
     const legs = [];
     let leg = -1;
     for (let i = first; i < motion.count; i++) {
-      motion.need(i);
       const begin = motion.begins[i];
       const end = motion.ends[i];
       const still = [1, 2, 3, 5, 6, 7].every(k => motion.coefficients[12 * i + k] === 0);

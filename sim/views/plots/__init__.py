@@ -13,7 +13,7 @@ except ImportError:
         "pictures need matplotlib, which is missing: pip install 'floorwalker[plot]'"
     ) from None
 
-from .film import ENDINGS, render, require_renderable
+from ..film import ENDINGS, render, require_renderable
 from .floor import floorplan
 from .maps import density_map, heat_map, risk_map
 from .paths import path, trails

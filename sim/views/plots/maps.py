@@ -17,11 +17,11 @@ from navigation import Motion
 
 from ...core.body import MachineShape
 from ...record.incidents import CELL, Risk, risk, risk_of_all
-from ...record.outcome import Outcome
-from ...record.sampling import cells_of, moments, spread
+from ...record.outcome import Outcome, span_of
+from ...record.sampling import Span, cells_of, moments, spread
 from ..report_page import GREY
 from .floor import draw_floor, floor_figure, settle
-from .style import Array, Span, Width, span_of, styled
+from .style import Array, Width, styled
 
 _TICKS = MaxNLocator(4)
 

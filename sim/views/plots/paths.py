@@ -10,18 +10,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
-from shapely.geometry import Polygon
+from shapely.geometry import Point as Spot, Polygon
 
 from navigation import CollisionWorld, Path
 
-from ...record.outcome import Outcome
+from ...record.outcome import Outcome, span_of
+from ...record.sampling import Span
 from ..report_page import BLUE, GREY, PALE, PALE_ORANGE, VERMILION
 from .floor import draw_floor, draw_names, fill_area, floor_axes, floor_figure, floor_height
 from .style import (
     MACHINES,
     OF_MANY,
     Array,
-    Span,
     Width,
     are_few,
     breaches,
@@ -31,7 +31,6 @@ from .style import (
     new_figure,
     person_colour,
     person_label,
-    span_of,
     styled,
     while_present,
 )
@@ -131,6 +130,12 @@ def _draw_profile(
     axes.set_ylabel("clearance (m)")
 
 
+TRAIL = 8.0
+"""Seconds of a path that are drawn behind a body."""
+
+INSTANT = 1e-6
+"""Seconds. A shorter time is no stretch of a path."""
+
 _THIN = 1.0
 """Points. The line of the person who is drawn last."""
 
@@ -167,14 +172,45 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
     return figure
 
 
+@styled()
+def moment(run: Outcome, t: float, person: str, machine: str) -> Figure:
+    """Draw everybody at `t` (seconds), and the required distance of a person to a machine.
+
+    Behind each body is its path of the last seconds.
+    """
+    figure, axes = floor_figure(run.floorplan, "double")
+    draw_floor(axes, run.floorplan, run.scene.machines)
+    span = (max(0.0, t - TRAIL), max(t, INSTANT))
+    present = [one for one in run.motions if while_present(run, one, span)]
+    paths = [_draw_path(axes, run, body, span, edged=False) for body in present]
+    here, there = (run.motions[name].state(t).at for name in (person, machine))
+    axes.plot(*zip(here, there, strict=True), color=VERMILION, linewidth=0.8, linestyle=(0, (3, 3)))
+    required = float(run.required(person, machine, [t])[0])
+    circle = Spot(here).buffer(required, 64)
+    look: dict[str, Any] = {"edgecolor": VERMILION, "linewidth": 0.8, "zorder": 2}
+    fill_area(axes, circle, facecolor=(VERMILION, 0.12), label="required distance", **look)
+    for index, one in enumerate(run.scene.people):
+        if one.name in present:
+            disc = Spot(run.motions[one.name].state(t).at).buffer(one.radius)
+            colour = person_colour(index)
+            fill_area(axes, disc, facecolor=colour, edgecolor="white", linewidth=0.4, zorder=5)
+    explain(figure, [axes], "double")
+    outlines = {one.name: _outline(run, one.name, t) for one in run.scene.machines}
+    draw_names(axes, run.floorplan, paths=paths, marked=[here], machines=outlines)
+    return figure
+
+
 def _outline(run: Outcome, name: str, t: float) -> Polygon:
     """The outline of a machine at `t` (seconds)."""
     motion = run.motions[name]
     return run.scene.machine(name).footprint(motion.state(t).at, float(motion.rotation(t)))
 
 
-def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
-    """Draw the path of a body; return its points (N, 2), NaN where it is broken."""
+def _draw_path(axes: Axes, run: Outcome, body: str, span: Span, *, edged: bool = True) -> Array:
+    """Draw the path of a body; return its points (N, 2), NaN where it is broken.
+
+    If `edged`, lines of people have different widths, so that one shows below another.
+    """
     motion = run.motions[body]
     there = while_present(run, body, span)
     if there is None:
@@ -185,7 +221,7 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span) -> Array:
         index = people.index(body)
         later = len(people) - 1 - index
         few = are_few(len(people))
-        edges = min(_EDGES, (_WIDEST - _THIN) / len(people)) if few else 0.0
+        edges = min(_EDGES, (_WIDEST - _THIN) / len(people)) if few and edged else 0.0
         width = (_THIN if few else OF_MANY) + later * edges
         axes.plot(
             *path.T,

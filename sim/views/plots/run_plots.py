@@ -8,9 +8,10 @@ from matplotlib.figure import Figure
 
 from ...record.incidents import Risk
 from ...record.outcome import Outcome
+from ...record.sampling import Span
 from .maps import Of, density_map, heat_map, risk_map
 from .paths import trails
-from .style import Span, Width
+from .style import Width
 from .time_series import separation, space_time
 
 

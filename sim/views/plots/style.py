@@ -6,7 +6,6 @@ change both sides of it are there, and at a jump the line is broken.
 
 from __future__ import annotations
 
-import base64
 import html
 import io
 import itertools
@@ -29,10 +28,21 @@ from floorplan import Obstacle, Point, UserError
 from navigation import Motion
 
 from ...core.body import Category
-from ...core.output import OutputError, replacing, writing
+from ...core.output import replacing, writing
 from ...machines.gantry.robot import GANTRY
 from ...record.outcome import Outcome
-from ..report_page import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, as_element
+from ...record.sampling import Span
+from ..report_page import (
+    BLACK,
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    as_element,
+    require_place,
+)
 
 Width = Literal["single", "double"]
 """The number of columns of a paper that a picture takes."""
@@ -160,15 +170,6 @@ def require_savable(path: str | Path) -> None:
     require_place(path, "picture", FORMATS)
 
 
-def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None:
-    """Raise if `path` has none of the `endings`, or lies in no folder; `what` it is in words."""
-    path = Path(path)
-    if path.suffix.lower() not in endings:
-        raise UserError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
-    if not path.parent.is_dir():
-        raise OutputError(f"can't write {path}: there is no folder {path.parent}")
-
-
 def inches(width: Width) -> float:
     """Return the width of a picture; `ValueError` if it is not that of one column or two."""
     if width not in WIDTHS:
@@ -225,26 +226,8 @@ def obstacle_shade(obstacle: Obstacle) -> float:
 
 Array = NDArray[np.float64]
 
-Span = tuple[float, float]
-"""Begin and end, seconds."""
-
 STEP = 0.1
 """Seconds. The longest step between two instants of a curve."""
-
-
-def span_of(run: Outcome, within: Span | None) -> Span:
-    """Return the part of a run to draw: `within`, clipped to the run, or all of it.
-
-    `ValueError` if nothing is left.
-    """
-    begin, end = within or (0.0, run.duration)
-    begin, end = max(begin, 0.0), min(end, run.duration)
-    if not begin < end:
-        raise UserError(
-            f"there is nothing between {begin:g} and {end:g} s: the run goes from 0 to"
-            f" {run.duration:g} s"
-        )
-    return begin, end
 
 
 def while_present(run: Outcome, body: str, span: Span) -> Span | None:
@@ -334,15 +317,3 @@ def figure_element(figure: Figure, name: str, words: str) -> str:
     """Return a figure as an SVG element; `name` is that of no other on the page."""
     drawn = as_element(as_svg(figure, name))
     return drawn.replace("<svg", f'<svg role="img" aria-label="{html.escape(words)}"', 1)
-
-
-def picture_element(pixels: NDArray[np.uint8], words: str) -> str:
-    """Return a picture, (height, width, 3) in red, green and blue, as an image in the page."""
-    from PIL import Image
-
-    file = io.BytesIO()
-    Image.fromarray(pixels).save(file, "png", optimize=True)
-    data = base64.b64encode(file.getvalue()).decode()
-    height, width, _ = pixels.shape
-    size = f'width="{width}" height="{height}"'
-    return f'<img src="data:image/png;base64,{data}" alt="{html.escape(words)}" {size}>'

@@ -15,13 +15,13 @@ from navigation import Motion
 from navigation.monitor import STANDING_SPEED
 
 from ...core.body import MachineShape
-from ...record.outcome import Outcome
+from ...record.outcome import Outcome, span_of
+from ...record.sampling import Span
 from ..report_page import BLACK, BLUE, GREY, VERMILION
 from .style import (
     MACHINES,
     OF_MANY,
     Array,
-    Span,
     Width,
     are_few,
     breaches,
@@ -33,7 +33,6 @@ from .style import (
     new_figure,
     person_colour,
     person_label,
-    span_of,
     speeds,
     styled,
     while_present,

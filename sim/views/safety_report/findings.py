@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from floorplan import Floorplan
 
@@ -12,14 +12,16 @@ from ...record.outcome import Outcome
 from ...record.sampling import CellArray
 from ...record.words import told_apart
 from ..report_page import MissingExtraError
-from .assumptions import counted
-from .page import Facts, Part, Picture, Points, ReportTable, clock, metres, place
+from .page import clock, counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ...core.body import MachineShape
 
+
+Picture = dict[str, str]
+"""A picture of a report: its `title`, the `words` below it, and the SVG `element`."""
 
 INSTANTS = 3
 """So many of the worst violations are shown at the instant of their least margin."""
@@ -29,12 +31,6 @@ MOST_PANELS = 4
 
 LONG = 4000
 """Pieces of motion from which on the paths of a run would cover each other."""
-
-FRAME = 900
-"""Pixels. The width of a picture of an instant."""
-
-_MARKED = 1.0
-"""Seconds for which a violation is marked on it."""
 
 _MAPS: dict[Risk, tuple[str, str]] = {
     "margin": (
@@ -53,7 +49,7 @@ _MAPS: dict[Risk, tuple[str, str]] = {
 }
 
 
-def floor_picture(plan: Floorplan) -> list[Part]:
+def floor_picture(plan: Floorplan) -> list[Picture]:
     """Return the floor with everything that has a name."""
 
     def draw() -> Figure:
@@ -69,14 +65,10 @@ def risk_pictures(
     plan: Floorplan,
     machines: Sequence[MachineShape],
     maps: Mapping[Risk, CellArray],
-    count: int,
     name: str = "",
-) -> list[Part]:
-    """Return the maps of risk, with `count` violations in all.
-
-    Those of time and severity only where somebody was too near for some time.
-    """
-    parts: list[Part] = []
+) -> list[Picture]:
+    """Return the maps of risk; of time and severity only if somebody was too near for a time."""
+    parts: list[Picture] = []
     for of, found in maps.items():
         if of != "margin" and not found.any():
             continue
@@ -87,19 +79,12 @@ def risk_pictures(
             return drawn_risk(plan, machines, found, of=of)
 
         parts += _drawn(*_MAPS[of], f"risk {of} {name}", draw)
-    if len(parts) == 1 and isinstance(parts[0], Picture):
-        why = (
-            "Each violation was over at once, since the person was put elsewhere"
-            if count
-            else "Nobody was nearer to a machine than required"
-        )
-        parts.append(Points((f"{why}: there are no maps of time and severity.",)))
     return parts
 
 
-def run_pictures(run: Outcome, worst: Sequence[Incident], name: str = "") -> list[Part]:
+def run_pictures(run: Outcome, worst: Sequence[Incident], name: str = "") -> list[Picture]:
     """Return where everybody went in a run, the distances of the worst pairs, and instants."""
-    parts: list[Part] = []
+    parts: list[Picture] = []
     dense = sum(len(motion.pieces) for motion in run.motions.values()) > LONG
 
     def paths() -> Figure:
@@ -117,11 +102,11 @@ def run_pictures(run: Outcome, worst: Sequence[Incident], name: str = "") -> lis
     pairs = list(dict.fromkeys((one.person, one.machine) for one in worst))
     for person, machine in pairs[:MOST_PANELS]:
         parts += _distance(run, person, machine, name)
-    parts += _instants(run, worst[:INSTANTS])
+    parts += _instants(run, worst[:INSTANTS], name)
     return parts
 
 
-def _distance(run: Outcome, person: str, machine: str, name: str) -> Iterator[Part]:
+def _distance(run: Outcome, person: str, machine: str, name: str) -> Iterator[Picture]:
     def draw() -> Figure:
         from ..plots import separation
 
@@ -132,17 +117,9 @@ def _distance(run: Outcome, person: str, machine: str, name: str) -> Iterator[Pa
     yield from _drawn(title, words, f"separation {person} {machine} {name}", draw)
 
 
-def _instants(run: Outcome, worst: Sequence[Incident]) -> Iterator[Part]:
+def _instants(run: Outcome, worst: Sequence[Incident], name: str) -> Iterator[Picture]:
     """Yield the floor at the instants at which violations began."""
-    if not worst:
-        return
-    try:
-        from ..plots.film import Film
-        from ..plots.style import picture_element
-    except MissingExtraError:
-        return
-    film = Film(run, width=FRAME, mark=_MARKED)
-    for one in worst:
+    for k, one in enumerate(worst):
         title = f"{one.person} and {one.machine} at {clock(one.worst_at)}"
         # An instant before, since a person may be put elsewhere at once.
         before = max(0.0, one.worst_at - 1e-6)
@@ -159,15 +136,22 @@ def _instants(run: Outcome, worst: Sequence[Incident]) -> Iterator[Part]:
                 f" {one.worst_at:.2f} s: {apart:.2f} m apart, {-one.margin:.2f} m less than"
                 " required."
             )
-        yield Picture(title, words, picture_element(film.at(before), f"{title}. {words}"))
+
+        def draw(one: Incident = one, before: float = before) -> Figure:
+            from ..plots.paths import moment
+
+            return moment(run, before, one.person, one.machine)
+
+        yield from _drawn(title, words, f"moment {k} {name}", draw)
 
 
-def _drawn(title: str, words: str, name: str, draw: Callable[[], Figure]) -> Iterator[Part]:
+def _drawn(title: str, words: str, name: str, draw: Callable[[], Figure]) -> Iterator[Picture]:
     """Yield a picture, or nothing where there is no matplotlib."""
     try:
         from ..plots.style import figure_element
 
-        yield Picture(title, words, figure_element(draw(), name, f"{title}. {words}"))
+        element = figure_element(draw(), name, f"{title}. {words}")
+        yield {"title": title, "words": words, "element": element}
     except MissingExtraError:
         return
 
@@ -176,54 +160,19 @@ MOST_INCIDENTS = 40
 """Violations that are listed one by one."""
 
 
-def incidents_table(
-    found: Sequence[Incident], count: int, rows: Sequence[int] | None = None
-) -> ReportTable:
-    """Return the worst of `count` violations; `rows` are the numbers of their runs in a study."""
-    numbered = rows is not None
-    heads = (
-        *(("row",) if numbered else ()),
-        *("from, s", "for, s", "who", "machine", "moved", "at, m", "zone"),
-        *("distance at first, m", "required at first, m", "least margin, m", "least at, s"),
-        *("relative speed, m/s", "led to"),
-    )
-    lines = [
-        (
-            *((str(rows[k]),) if rows is not None else ()),
-            *(f"{one.begin:.3f}", f"{one.seconds:.3f}", one.person, one.machine, one.cause or "–"),
-            *(place(*one.at), ", ".join(one.zones) or "–"),
-            *(
-                f"{one.distance:.3f}",
-                f"{one.required:.3f}",
-                metres(one.margin),
-                f"{one.worst_at:.3f}",
-            ),
-            *(f"{one.severity:.2f}", "; ".join(one.led_to) or "nothing"),
-        )
-        for k, one in enumerate(found)
-    ]
-    first = 1 if numbered else 0
-    figures = frozenset({*range(first), *(first + k for k in (0, 1, 7, 8, 9, 10, 11))})
-    words = "By how much the distance fell short, the most first."
-    if count > len(found):
-        words += f" These are {len(found)} of {count:,}."
-    return ReportTable(heads, lines, "", words if found else "There were none.", figures)
-
-
-def together(found: Iterable[Incident]) -> Facts:
+def together(found: Iterable[Incident]) -> list[tuple[str, str]]:
     """Return what followed from violations, and how often."""
     counts: dict[str, int] = {}
     for one in found:
         for consequence in one.led_to or ("nothing",):
             kind = consequence.partition(" for ")[0].partition(" of ")[0]
             counts[kind] = counts.get(kind, 0) + 1
-    rows = [(kind, counted(n, "time")) for kind, n in counts.items()]
-    return Facts(rows, "What they led to")
+    return [(kind, counted(n, "time")) for kind, n in counts.items()]
 
 
-def exposure_table(
+def exposure(
     plan: Floorplan, zones: Mapping[str, Mapping[str, float]], on_floor: float, near: float
-) -> ReportTable:
+) -> dict[str, Any]:
     """Return how long people were in each zone, and how long nearer to a machine than required.
 
     `zones` has the figures of each by its name; `on_floor` and `near` (seconds) are those of all
@@ -241,11 +190,7 @@ def exposure_table(
         for name, one in zones.items()
     ]
     rows.append(("whole floor", clock(on_floor), "", "", f"{near:,.2f}", _share(near, on_floor)))
-    words = "People's time is that of all of them together, of their centres."
-    if not plan.zones:
-        words += " The floor has no zones: with zones in its file there is a line for each."
-    heads = ("zone", "people's time", "share", "entries", "too near, s", "share of the time there")
-    return ReportTable(heads, rows, "", words, frozenset(range(1, 6)))
+    return {"rows": rows, "has_zones": bool(plan.zones)}
 
 
 def _share(part: float, whole: float) -> str:

@@ -2,91 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import re
-import shutil
-import subprocess
 import tempfile
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any
 
-from floorplan import UserError
+from ...core.output import replacing, writing
+from ...record.incidents import CELL, Incident
+from ...record.sampling import MOMENT
+from ..browser import in_browser, open_page, require_browser
+from ..report_page import figure, minus, require_place, signed, write_report_page
 
-from ...core.output import OutputError, replacing, writing
-from ..browser import QUIET, installed_chromium, unboxed
-from ..report_page import write_report_page
-
-Cell = str
-"""A text; `markupsafe.Markup` where it has subscripts and the like."""
-
-
-@dataclass(frozen=True)
-class ReportTable:
-    """A table under a title; `figures` are the numbers of the columns that hold figures."""
-
-    kind: ClassVar[str] = "table"
-    heads: Sequence[str]
-    rows: Sequence[Sequence[Cell]]
-    title: str = ""
-    words: str = ""
-    figures: frozenset[int] = frozenset()
-
-
-@dataclass(frozen=True)
-class Facts:
-    """Names with their values, one below the other."""
-
-    kind: ClassVar[str] = "facts"
-    rows: Sequence[tuple[str, Cell]]
-    title: str = ""
-    words: str = ""
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture as an element of a page; its `words` are below it."""
-
-    kind: ClassVar[str] = "picture"
-    title: str
-    words: str
-    element: str
-
-
-@dataclass(frozen=True)
-class Chart:
-    """A chart in the page's own colours, below its `words`."""
-
-    kind: ClassVar[str] = "chart"
-    title: str
-    words: str
-    element: str
-
-
-@dataclass(frozen=True)
-class Points:
-    """Sentences, one below the other."""
-
-    kind: ClassVar[str] = "points"
-    sentences: Sequence[str]
-    title: str = ""
-
-
-Part = ReportTable | Facts | Picture | Chart | Points
-
-
-@dataclass(frozen=True)
-class Section:
-    """A section of a report."""
-
-    title: str
-    parts: Sequence[Part] = field(default_factory=list)
-    words: str = ""
-
-    @property
-    def anchor(self) -> str:
-        """Its name in links."""
-        return re.sub(r"\W+", "-", self.title.lower()).strip("-")
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 
 def listed(names: Sequence[str]) -> str:
@@ -111,56 +41,44 @@ def place(x: float, y: float) -> str:
     return minus(f"({x:.2f},\u00a0{y:.2f})")
 
 
-def minus(figures: str) -> str:
-    """Return figures with a minus sign where they have a hyphen."""
-    return figures.replace("-", "−")
-
-
 def clock(seconds: float) -> str:
     """Return a length of time as h:mm:ss."""
     whole = round(seconds)
     return f"{whole // 3600}:{whole % 3600 // 60:02}:{whole % 60:02}"
 
 
-OPTIONS = ("--headless", "--no-pdf-header-footer", *QUIET)
+def counted(count: int, what: str) -> str:
+    """Return how many there are of something."""
+    if what == "person":
+        return "1 person" if count == 1 else f"{count:,} people"
+    plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2] not in "aeiou" else f"{what}s"
+    return f"{count:,} {what if count == 1 else plural}"
 
-PATIENCE = 120.0
-"""Seconds of real time that a browser may take for a page."""
 
-
-def require_printer(path: Path) -> None:
-    """Raise `OutputError` if there is no browser that could print a page to `path`."""
-    if installed_chromium() is None:
-        raise OutputError(
-            f"can't write {path}: a PDF is printed by Chromium or Chrome, and there is none here;"
-            " write a .html instead and print that"
-        )
+def incident_rows(found: Sequence[Incident], numbers: Sequence[int] | None) -> list[list[str]]:
+    """Return a line for each violation, after the number of its run if there are several."""
+    rows = [
+        [
+            *(f"{one.begin:.3f}", f"{one.seconds:.3f}", one.person, one.machine, one.cause or "–"),
+            *(place(*one.at), ", ".join(one.zones) or "–", f"{one.distance:.3f}"),
+            *(f"{one.required:.3f}", metres(one.margin), f"{one.worst_at:.3f}"),
+            *(f"{one.severity:.2f}", "; ".join(one.led_to) or "nothing"),
+        ]
+        for one in found
+    ]
+    if numbers is None:
+        return rows
+    return [[str(number), *row] for number, row in zip(numbers, rows, strict=True)]
 
 
 def print_page(page: Path, path: Path) -> None:
-    """Print the HTML file `page` to `path`; `OutputError` if that fails."""
-    require_printer(path)
-    browser = installed_chromium()
-    assert browser is not None  # as required
-    with (
-        tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile,
-        writing(path),
-        replacing(path) as unfinished,
-    ):
-        target = Path(profile) / "printed.pdf"
-        words = [
-            *(browser, *OPTIONS, *unboxed(), f"--user-data-dir={profile}"),
-            *(f"--print-to-pdf={target}", page.resolve().as_uri()),
-        ]
-        try:
-            done = subprocess.run(words, capture_output=True, timeout=PATIENCE, check=False)
-        except subprocess.TimeoutExpired:
-            raise OutputError(f"can't write {path}: {browser} did not print it in time") from None
-        if not target.is_file():
-            said = done.stderr.decode(errors="replace").strip().splitlines()
-            why = said[-1] if said else f"it ended with {done.returncode}"
-            raise OutputError(f"can't write {path}: {browser} did not print it: {why}")
-        shutil.copyfile(target, unfinished)
+    """Print the HTML file `page` to the PDF `path`."""
+
+    def printed(browser: Browser) -> None:
+        open_page(browser, page).pdf(path=target, prefer_css_page_size=True, print_background=True)
+
+    with writing(path), replacing(path) as target:
+        in_browser("a PDF", printed)
 
 
 ENDINGS = (".html", ".pdf")
@@ -170,34 +88,47 @@ ENDINGS = (".html", ".pdf")
 def require_writable(path: Path) -> None:
     """Raise, before any work is done for it, if a report can't be written to `path`.
 
-    `ValueError` if it ends in neither .html nor .pdf, `OutputError` if there is no such folder or,
-    for a PDF, no browser to print it.
+    `ValueError` if it ends in neither .html nor .pdf, `OutputError` if there is no such folder,
+    `MissingExtraError` if a PDF cannot be printed.
     """
-    if path.suffix.lower() not in ENDINGS:
-        raise UserError(f"{path}: the name of a report ends in {' or '.join(ENDINGS)}")
-    if not path.parent.is_dir():
-        raise OutputError(f"can't write {path}: there is no folder {path.parent}")
+    require_place(path, "report", ENDINGS)
     if path.suffix.lower() == ".pdf":
-        require_printer(path)
+        require_browser("a PDF")
 
 
-def write_safety_page(
-    path: Path, *, title: str, subtitle: str, sections: Sequence[Section]
-) -> None:
-    """Write a report to `path`, as HTML or, with a browser's help, as PDF."""
+def write_safety_page(path: Path, template: str, **values: Any) -> None:
+    """Write a report to `path`, as HTML or, with a browser's help, as PDF.
+
+    `template` is one of `data/report`, which gets the `values`.
+    """
     if path.suffix.lower() != ".pdf":
-        _write(path, title, subtitle, sections)
+        _write(path, template, values)
         return
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "report.html"
-        _write(page, title, subtitle, sections)
+        _write(page, template, values)
         print_page(page, path)
 
 
-def _write(path: Path, title: str, subtitle: str, sections: Sequence[Section]) -> None:
-    write_report_page(
-        path, "safety.html", {"css": _in_css}, title=title, subtitle=subtitle, sections=sections
-    )
+def _write(path: Path, template: str, values: Mapping[str, Any]) -> None:
+    filters: dict[str, Callable[..., Any]] = {
+        "anchor": _anchor,
+        "clock": clock,
+        "counted": counted,
+        "css": _in_css,
+        "figure": figure,
+        "incident_rows": incident_rows,
+        "kind": lambda law: type(law).__name__,
+        "metres": metres,
+        "signed": signed,
+    }
+    shared = {"titles": [], "infinity": math.inf, "moment": MOMENT, "cell": CELL}
+    write_report_page(path, template, filters, **shared, **values)
+
+
+def _anchor(title: str) -> str:
+    """Return the name of a section in links."""
+    return re.sub(r"\W+", "-", title.lower()).strip("-")
 
 
 def _in_css(text: str) -> str:

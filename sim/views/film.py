@@ -1,0 +1,217 @@
+"""Films of a run, as its replay page shows it, in GIF or MP4."""
+
+from __future__ import annotations
+
+import io
+import math
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floorplan import UserError
+
+from ..core.output import replacing, writing
+from ..record.outcome import Outcome, span_of
+from ..record.sampling import Span
+from .browser import in_browser, open_page, require_browser
+from .replay import render as render_page
+from .replay_data import replay_data
+from .report_page import MissingExtraError, require_place
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+ENDINGS = (".gif", ".mp4")
+
+View = Literal["2d", "3d", "eyes"]
+"""From above, in three dimensions, or through the eyes of a person."""
+
+MOST_PICTURES = 20_000
+"""A film of more pictures is rejected because its speed is a mistake."""
+
+WIDE = 9 / 16
+"""Height by width of a film in three dimensions."""
+
+MARGIN = 24
+"""Pixels above and below the floor."""
+
+SAMPLES = 12
+"""Pictures, spread over a film, from which the colours of a GIF are chosen."""
+
+Picture = NDArray[np.uint8]
+"""(height, width, 3): red, green and blue of every pixel, from the upper left corner on."""
+
+Progress = Callable[[float], None]
+"""Called with the finished share, from 0 to 1."""
+
+_DRAWN = "new Promise(done => requestAnimationFrame(() => setTimeout(done)))"
+
+
+def render(
+    run: Outcome,
+    path: str | Path,
+    *,
+    speed: float = 8.0,
+    fps: int = 20,
+    width: int = 720,
+    within: Span | None = None,
+    view: View = "2d",
+    follow: str = "",
+    dark: bool = False,
+    progress: Progress = lambda _: None,
+) -> None:
+    """Film a run into the GIF or MP4 that the ending of `path` names.
+
+    Parameters
+    ----------
+    run : Run
+        A finished run or one that was read back.
+    path : str or Path
+        The file.
+    speed : float, optional
+        Ratio of time in the run to time in the film.
+    fps : int, optional
+        Pictures per second, 1 to 50.
+    width : int, optional
+        Width in pixels, 200 to 4000.
+    within : tuple of float, optional
+        Begin and end of the filmed part of the run, s. Default: the whole run.
+    view : {"2d", "3d", "eyes"}, optional
+        View of the replay page: from above, in three dimensions, or through the eyes of a person.
+    follow : str, optional
+        Body that stays in the middle, or the person of the "eyes".
+    dark : bool, optional
+        Whether the page has dark colours.
+    progress : callable, optional
+        Called with the finished share after every picture.
+
+    Raises
+    ------
+    ValueError
+        If a value makes no film, or the ending is neither .gif nor .mp4.
+    MissingExtraError
+        If the browser or a package of the extra `film` is missing.
+    OutputError
+        If the file cannot be written.
+    """
+    path = Path(path)
+    require_renderable(path)
+    if follow and follow not in run.scene.starts:
+        known = ", ".join(run.scene.starts)
+        raise UserError(f"nobody is called {follow!r}, to be followed (there are: {known})")
+    if not 200 <= width <= 4000:
+        raise UserError(f"a film is 200 to 4000 pixels wide, not {width}")
+    times = _times(run, speed, fps, within)
+    size = _size(run, width, view)
+    look = {"view": view, "speed": speed, "follow": follow}
+    write = _write_gif if path.suffix.lower() == ".gif" else _write_mp4
+
+    def film(browser: Browser) -> None:
+        with tempfile.TemporaryDirectory(prefix="floorwalker") as folder:
+            file = Path(folder) / "replay.html"
+            file.write_text(render_page(replay_data(run)), encoding="utf-8")
+            page = open_page(browser, file, size=size, dark=dark)
+        page.evaluate("look => floorwalker.film(look)", look)
+        write(page, times, unfinished, fps, progress)
+
+    with writing(path), replacing(path) as unfinished:
+        in_browser("a film", film)
+
+
+def require_renderable(path: str | Path) -> None:
+    """Raise, before any work is done for it, if a run cannot be filmed into `path`.
+
+    `ValueError` if it ends in neither .gif nor .mp4, `OutputError` if there is no such folder, and
+    `MissingExtraError` if the browser or a package of the extra `film` is missing.
+    """
+    require_place(path, "film", ENDINGS)
+    require_browser("a film")
+    package = "PIL" if Path(path).suffix.lower() == ".gif" else "av"
+    try:
+        __import__("PIL.Image")
+        __import__(package)
+    except ImportError as why:
+        raise MissingExtraError(
+            f"a film needs the package {why.name}, which is missing:"
+            " pip install 'floorwalker[film]'"
+        ) from None
+
+
+def _times(run: Outcome, speed: float, fps: int, within: Span | None) -> list[float]:
+    """Return the times (s) of the pictures; `UserError` if they make no film."""
+    if not (math.isfinite(speed) and speed > 0):
+        raise UserError(f"a film's speed is more than 0, not {speed:g}")
+    if not 1 <= fps <= 50:
+        raise UserError(f"a film has 1 to 50 pictures a second, not {fps}")
+    begin, end = span_of(run, within)
+    count = int((end - begin) * fps / speed + 1e-9) + 1
+    if count > MOST_PICTURES:
+        raise UserError(
+            f"that would be {count:,} pictures, more than {MOST_PICTURES:,};"
+            " choose a higher speed or a shorter stretch of time"
+        )
+    times: list[float] = np.minimum(begin + np.arange(count) * (speed / fps), end).tolist()
+    return times
+
+
+def _size(run: Outcome, width: int, view: View) -> tuple[int, int]:
+    """Return width and height in pixels, both even, as video requires."""
+    west, south, east, north = run.floorplan.boundary.bounds
+    height = width * WIDE
+    if view == "2d":
+        height = width * (north - south) / (east - west) + 2 * MARGIN
+    return 2 * (width // 2), 2 * round(min(height, 2 * width) / 2)
+
+
+def _pictures(page: Page, times: Sequence[float]) -> Iterator[Picture]:
+    from PIL import Image
+
+    for t in times:
+        page.evaluate(f"(floorwalker.seek({t!r}), {_DRAWN})")
+        with Image.open(io.BytesIO(page.screenshot())) as picture:
+            yield np.asarray(picture.convert("RGB"))
+
+
+def _counted(pictures: Iterator[Picture], count: int, progress: Progress) -> Iterator[Picture]:
+    """Yield the pictures, and report after each what share of `count` is done."""
+    for k, picture in enumerate(pictures, 1):
+        yield picture
+        progress(k / count)
+
+
+def _write_gif(
+    page: Page, times: Sequence[float], path: Path, fps: int, progress: Progress
+) -> None:
+    from PIL import Image
+
+    # One palette for the whole film, so that no colour flickers.
+    chosen = np.vstack([*_pictures(page, times[:: max(1, len(times) // SAMPLES)])])
+    palette = Image.fromarray(chosen).quantize(method=Image.Quantize.FASTOCTREE)
+    images = (
+        Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
+        for picture in _counted(_pictures(page, times), len(times), progress)
+    )
+    first = next(images)
+    first.save(path, save_all=True, append_images=images, duration=1000 / fps, loop=0)
+
+
+def _write_mp4(
+    page: Page, times: Sequence[float], path: Path, fps: int, progress: Progress
+) -> None:
+    import av
+
+    with av.open(path, "w") as file:
+        # x264's code for single CPUs reads uninitialized memory (its macroblock tree).
+        options = {"threads": "1", "x264-params": "cpu-independent=1"}
+        stream = file.add_stream("libx264", rate=fps, options=options)
+        size = page.viewport_size
+        assert size is not None  # as `open_page` sets it
+        stream.width, stream.height = size["width"], size["height"]
+        stream.pix_fmt = "yuv420p"
+        for picture in _counted(_pictures(page, times), len(times), progress):
+            file.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        file.mux(stream.encode())
