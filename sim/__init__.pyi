@@ -1,131 +1,67 @@
 """The public names of `sim`, each loaded with its module when it is first used."""
 
-from .core.body import Body, Machine, MachineShape
-from .core.clock import Alarm, StandstillError, Turn
+from .core.body import Body as Body, Machine as Machine, MachineShape as MachineShape
+from .core.clock import Alarm as Alarm, StandstillError as StandstillError, Turn as Turn
 from .core.entries import (
-    Blackout,
-    Command,
-    Duration,
-    NoticingEntry,
-    RecordedTrack,
-    Start,
-    WorkList,
-    WorkTask,
+    Blackout as Blackout,
+    Command as Command,
+    Duration as Duration,
+    NoticingEntry as NoticingEntry,
+    RecordedTrack as RecordedTrack,
+    Start as Start,
+    WorkList as WorkList,
+    WorkTask as WorkTask,
 )
-from .core.events import EventKind
-from .core.output import OutputError
-from .core.recorder import Listener
+from .core.events import EventKind as EventKind
+from .core.output import OutputError as OutputError
+from .core.recorder import Listener as Listener
 from .core.rules import (
-    ARIAC2023,
-    PAPER,
-    RULE_SETS,
-    RuleSet,
-    rule_set,
+    ARIAC2023 as ARIAC2023,
+    PAPER as PAPER,
+    RULE_SETS as RULE_SETS,
+    RuleSet as RuleSet,
+    rule_set as rule_set,
 )
 from .core.scenario import (
-    AgvMove,
-    GantryEntry,
-    Job,
-    PersonalityChange,
-    PersonEntry,
-    TrialError,
+    AgvMove as AgvMove,
+    GantryEntry as GantryEntry,
+    Job as Job,
+    PersonalityChange as PersonalityChange,
+    PersonEntry as PersonEntry,
+    TrialError as TrialError,
 )
-from .core.stage import MachineEntry, MachineModel, Stage
-from .exports import export
-from .live.live_run import LiveRun
+from .core.stage import MachineEntry as MachineEntry, MachineModel as MachineModel, Stage as Stage
+from .exports import export as export
+from .live.live_run import LiveRun as LiveRun
 from .machines.gantry.controllers import (
-    Caution,
-    Controller,
-    ControllerError,
+    Caution as Caution,
+    Controller as Controller,
+    ControllerError as ControllerError,
 )
-from .machines.gantry.robot import GantryRobot
-from .machines.gantry.tasks import Task
-from .machines.kinds import KINDS
-from .people.minds import Mind
-from .people.perception import Percepts
-from .record.social_metrics import metrics
+from .machines.gantry.robot import GantryRobot as GantryRobot
+from .machines.gantry.tasks import Task as Task
+from .machines.kinds import KINDS as KINDS
+from .people.minds import Mind as Mind
+from .people.perception import Percepts as Percepts
+from .record.social_metrics import metrics as metrics
 from .runs.recording import (
-    Recording,
-    RecordingError,
-    load_run,
+    Recording as Recording,
+    RecordingError as RecordingError,
+    load_run as load_run,
 )
-from .runs.run import Run
-from .safety.laws import OwnLaw
-from .simulation import Simulation, run
+from .runs.run import Run as Run
+from .safety.laws import OwnLaw as OwnLaw
+from .simulation import Simulation as Simulation, run as run
 from .studies import (
-    Row,
-    Study,
-    StudyError,
-    StudyResults,
-    run_many,
-    run_study,
-    safety_report,
+    Row as Row,
+    Study as Study,
+    StudyError as StudyError,
+    StudyResults as StudyResults,
+    run_many as run_many,
+    run_study as run_study,
+    safety_report as safety_report,
 )
-from .trials.rules_file import load_rules
-from .trials.timeline import Verdict
-from .trials.trial import Trial, builtin_trials
-from .views import plots
-
-__all__ = [
-    "ARIAC2023",
-    "KINDS",
-    "PAPER",
-    "RULE_SETS",
-    "AgvMove",
-    "Alarm",
-    "Blackout",
-    "Body",
-    "Caution",
-    "Command",
-    "Controller",
-    "ControllerError",
-    "Duration",
-    "EventKind",
-    "GantryEntry",
-    "GantryRobot",
-    "Job",
-    "Listener",
-    "LiveRun",
-    "Machine",
-    "MachineEntry",
-    "MachineModel",
-    "MachineShape",
-    "Mind",
-    "NoticingEntry",
-    "OutputError",
-    "OwnLaw",
-    "Percepts",
-    "PersonEntry",
-    "PersonalityChange",
-    "RecordedTrack",
-    "Recording",
-    "RecordingError",
-    "Row",
-    "RuleSet",
-    "Run",
-    "Simulation",
-    "Stage",
-    "StandstillError",
-    "Start",
-    "Study",
-    "StudyError",
-    "StudyResults",
-    "Task",
-    "Trial",
-    "TrialError",
-    "Turn",
-    "Verdict",
-    "WorkList",
-    "WorkTask",
-    "builtin_trials",
-    "export",
-    "load_rules",
-    "load_run",
-    "metrics",
-    "plots",
-    "rule_set",
-    "run",
-    "run_many",
-    "run_study",
-    "safety_report",
-]
+from .trials.loading import Trial as Trial, builtin_trials as builtin_trials
+from .trials.rules_file import load_rules as load_rules
+from .trials.timeline import Verdict as Verdict
+from .views import plots as plots

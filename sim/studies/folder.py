@@ -28,7 +28,7 @@ from ..people.programs import load_program, modules_of, planner_of, planner_sour
 from ..people.steering.own_steering import steering_source
 from ..people.tracks.recorded_walks import files_of
 from ..record.scene_file import parse_json
-from ..trials.trial import Trial
+from ..trials.loading import Trial
 from .design import Study
 from .table import ResultsTable
 

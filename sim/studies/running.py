@@ -21,7 +21,7 @@ from floorplan.files.values import require
 from ..core.output import folder_for
 from ..runs.run import Run
 from ..simulation import run
-from ..trials.trial import Trial
+from ..trials.loading import Trial
 from .comparison import StudyResults
 from .design import Row, Study
 from .folder import RESULTS, StudyFolder, writing_to
