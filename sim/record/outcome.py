@@ -232,19 +232,26 @@ def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
 def _jumps(run: Outcome, body: str) -> Array:
     """Return the instants around those at which a body on the floor is put elsewhere on it."""
     begin, end = run.presence[body]
-    jumps = np.array([t for t in run.motions[body].jumps if begin < t < end])
-    return np.union1d(jumps - NANOSECOND, jumps)
+    jumps = [t for t in run.motions[body].jumps if begin < t < end]
+    return np.array(sorted({*(t - NANOSECOND for t in jumps), *jumps}), dtype=float)
 
 
 def _with_jumps(run: Outcome, times: Array, jumps: Mapping[str, Array]) -> Block:
     """Return the rows at `times`, and those at the `jumps` of bodies between them."""
-    both = np.union1d(times, np.concatenate([*jumps.values()]))
-    regular = np.isin(both, times)
+    # `np.union1d` and `np.isin` would import numpy.ma, which takes longer than writing the rows.
+    both = np.sort(np.concatenate([times, *jumps.values()]))
+    both = both[np.append(True, both[1:] != both[:-1])]
+    regular = _are_among(both, times)
     there = {
-        name: run.is_present(name, both) & (regular | np.isin(both, jumps[name]))
+        name: run.is_present(name, both) & (regular | _are_among(both, jumps[name]))
         for name in run.motions
     }
     return Block(both, regular, sample_all(run.motions, both), there)
+
+
+def _are_among(times: Array, rising: Array) -> NDArray[np.bool_]:
+    """Return which of some `times` (N,) are among others, which rise."""
+    return np.searchsorted(rising, times, "left") < np.searchsorted(rising, times, "right")
 
 
 def _texts(samples: NDArray[np.float64]) -> list[str]:

@@ -24,7 +24,6 @@ from ..machines.agv.model import MOST_MOVES, number_of
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
-from ..orders import reading
 from ..people.programs import load_program, modules_of
 from .checks import faults
 from .feasibility import people_fault
@@ -155,7 +154,9 @@ def _places(trial: Scenario, data: dict[str, Any]) -> Iterator[Fault]:
 
 def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -> _Made:
     """Return the trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
-    if reading.is_ariac(document):
+    if is_ariac(document):
+        from ..orders import reading
+
         return replace(reading.build(form, document, folder), own_code=own_code)
     if other := _something_else(document):
         raise TrialError(document.file, [Problem(f"is {other}")])
@@ -217,6 +218,16 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
     return replace(trial, notices=(*trial.notices, *likely_slips(trial, document)))
 
 
+ARIAC_KEYS = {"time_limit", "kitting_trays", "parts", "orders"}
+"""Keys that only a trial file of the ARIAC competition has."""
+
+
+def is_ariac(document: Document) -> bool:
+    """Return True if a document is a trial file as the ARIAC competition writes them."""
+    data = document.data
+    return isinstance(data, dict) and "floorplan" not in data and not ARIAC_KEYS.isdisjoint(data)
+
+
 def _refuse_crowds(schema: TrialKeys, document: Document) -> None:
     """Raise `TrialError` where there are more people than the budget has, before they are made."""
     if found := people_fault(person.many or 1 for person in schema.people):
@@ -240,6 +251,8 @@ def _something_else(document: Document) -> str:
 
 def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document) -> _Made:
     """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
+    from ..orders import reading
+
     orders = read_yaml(_named_file(trial.folder, name, document, "ariac"), TrialError)
     workload, notices = reading.read_workload(orders, trial.floorplan)
     given = schema.model_fields_set
