@@ -51,7 +51,7 @@ class MotionLaw(Protocol):
         ...
 
 
-AnyLaw: TypeAlias = "Law | MotionLaw"
+AnyLaw: TypeAlias = Law | MotionLaw
 """A law of either kind."""
 
 

@@ -1,7 +1,7 @@
 """The public names of `sim`, each loaded with its module when it is first used."""
 
 from .core.body import Body as Body, Machine as Machine, MachineShape as MachineShape
-from .core.clock import Alarm as Alarm, StandstillError as StandstillError, Turn as Turn
+from .core.clock import Alarm as Alarm, Turn as Turn
 from .core.entries import (
     Blackout as Blackout,
     Command as Command,
@@ -16,11 +16,9 @@ from .core.events import EventKind as EventKind
 from .core.output import OutputError as OutputError
 from .core.recorder import Listener as Listener
 from .core.rules import (
-    ARIAC2023 as ARIAC2023,
     PAPER as PAPER,
     RULE_SETS as RULE_SETS,
     RuleSet as RuleSet,
-    rule_set as rule_set,
 )
 from .core.scenario import (
     AgvMove as AgvMove,
@@ -28,6 +26,7 @@ from .core.scenario import (
     Job as Job,
     PersonalityChange as PersonalityChange,
     PersonEntry as PersonEntry,
+    Source as Source,
     TrialError as TrialError,
 )
 from .core.stage import MachineEntry as MachineEntry, MachineModel as MachineModel, Stage as Stage
@@ -39,10 +38,7 @@ from .machines.gantry.controllers import (
     ControllerError as ControllerError,
 )
 from .machines.gantry.robot import GantryRobot as GantryRobot
-from .machines.gantry.tasks import Task as Task
 from .machines.kinds import KINDS as KINDS
-from .people.minds import Mind as Mind
-from .people.perception import Percepts as Percepts
 from .record.social_metrics import metrics as metrics
 from .runs.recording import (
     Recording as Recording,
@@ -50,10 +46,8 @@ from .runs.recording import (
     load_run as load_run,
 )
 from .runs.run import Run as Run
-from .safety.laws import OwnLaw as OwnLaw
 from .simulation import Simulation as Simulation, run as run
 from .studies import (
-    Row as Row,
     Study as Study,
     StudyError as StudyError,
     StudyResults as StudyResults,
@@ -63,5 +57,4 @@ from .studies import (
 )
 from .trials.loading import Trial as Trial, builtin_trials as builtin_trials
 from .trials.rules_file import load_rules as load_rules
-from .trials.timeline import Verdict as Verdict
 from .views import plots as plots

@@ -1,11 +1,9 @@
 """Outcome of a run, and its trajectories as a CSV table."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TextIO
@@ -37,12 +35,13 @@ class Outcome:
 
     scene: Scene
     duration: float
+    _: KW_ONLY
     summary: dict[str, Any]
     events: tuple[Event, ...]
     motions: dict[str, Motion]
     violations: dict[tuple[str, str], tuple[tuple[float, float], ...]]
     thoughts: tuple[Thought, ...] = ()
-    requirements: dict[tuple[str, str], Curve] = field(default_factory=dict, kw_only=True)
+    requirements: dict[tuple[str, str], Curve] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         about = f"{self.duration:g} s, {len(self.motions)} bodies, {len(self.events)} events"

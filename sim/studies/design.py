@@ -8,7 +8,7 @@ import json
 import math
 import random
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from statistics import NormalDist
@@ -186,6 +186,7 @@ class Design:
 
     name: str
     trials: tuple[Trial, ...]
+    _: KW_ONLY
     grid: Mapping[Variable, tuple[Value, ...]] = field(default_factory=dict)
     random: Mapping[Variable, Distribution] = field(default_factory=dict)
     repeat: int = 1
