@@ -1,29 +1,41 @@
 """The public names of `bdi`, each loaded with its module when it is first used."""
 
-from .actions import InternalActions as InternalActions
-from .agent import Agent as Agent
-from .errors import (
-    EndlessProgramError as EndlessProgramError,
-    ProgramError as ProgramError,
-    ProgramProblem as ProgramProblem,
-)
-from .language.loading import (
-    load as load,
-    parse as parse,
-    parse_file as parse_file,
-    parse_literal as parse_literal,
-    programs as programs,
-)
-from .language.program import (
-    Belief as Belief,
-    Goal as Goal,
-    Plan as Plan,
-    Program as Program,
-    Rule as Rule,
-)
-from .language.terms import Literal as Literal, Term as Term, Var as Var
-from .lint import doubts as doubts
-from .reasoning.circumstance import PENDING as PENDING, Refused as Refused
-from .reasoning.execution import Call as Call
-from .reasoning.state import Entry as Entry
-from .society import Message as Message, Society as Society
+from .actions import InternalActions
+from .agent import Agent
+from .errors import EndlessProgramError, ProgramError, ProgramProblem
+from .language.loading import load, parse, parse_file, parse_literal, programs
+from .language.program import Belief, Goal, Plan, Program, Rule
+from .language.terms import Literal, Term, Var
+from .lint import doubts
+from .reasoning.circumstance import PENDING, Refused
+from .reasoning.execution import Call
+from .reasoning.state import Entry
+from .society import Message, Society
+
+__all__ = [
+    "Agent",
+    "Belief",
+    "Call",
+    "EndlessProgramError",
+    "Entry",
+    "Goal",
+    "InternalActions",
+    "Literal",
+    "Message",
+    "PENDING",
+    "Plan",
+    "Program",
+    "ProgramError",
+    "ProgramProblem",
+    "Refused",
+    "Rule",
+    "Society",
+    "Term",
+    "Var",
+    "doubts",
+    "load",
+    "parse",
+    "parse_file",
+    "parse_literal",
+    "programs",
+]

@@ -1,26 +1,51 @@
 """The public names of `floorplan`, each loaded with its module when it is first used."""
 
-from .checks import check as check
+from .checks import check
 from .files.problems import (
-    FloorplanError as FloorplanError,
-    InputError as InputError,
-    Problem as Problem,
-    UserError as UserError,
+    FloorplanError,
+    InputError,
+    Problem,
+    UserError,
 )
-from .formats.movingai import load_movingai as load_movingai
-from .loading import builtin as builtin, load as load, parse as parse
+from .formats.movingai import load_movingai
+from .loading import builtin, load, parse
 from .model import (
-    Axis as Axis,
-    Door as Door,
-    Gantry as Gantry,
-    Gate as Gate,
-    Human as Human,
-    Lane as Lane,
-    Obstacle as Obstacle,
-    Point as Point,
-    SafeZone as SafeZone,
-    Station as Station,
-    Zone as Zone,
-    rectangle as rectangle,
+    Axis,
+    Door,
+    Gantry,
+    Gate,
+    Human,
+    Lane,
+    Obstacle,
+    Point,
+    SafeZone,
+    Station,
+    Zone,
+    rectangle,
 )
-from .plan import Floorplan as Floorplan
+from .plan import Floorplan
+
+__all__ = [
+    "Axis",
+    "Door",
+    "Floorplan",
+    "FloorplanError",
+    "Gantry",
+    "Gate",
+    "Human",
+    "InputError",
+    "Lane",
+    "Obstacle",
+    "Point",
+    "Problem",
+    "SafeZone",
+    "Station",
+    "UserError",
+    "Zone",
+    "builtin",
+    "check",
+    "load",
+    "load_movingai",
+    "parse",
+    "rectangle",
+]

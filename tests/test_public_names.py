@@ -1,11 +1,13 @@
 """Every public name is explained where it is defined, and behaves as Python does."""
 
+import ast
 import copy
 import importlib
 import inspect
 import pickle
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import get_origin, get_type_hints
 
 import pytest
@@ -86,6 +88,15 @@ def completions(text):
     completer = IPCompleter(namespace={"sim": sim}, use_jedi=False)
     with provisionalcompleter():
         return {one.text for one in completer.completions(text, len(text))}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_names_of_the_reference_are_those_that_are_loaded(package):
+    """Type checkers and the reference go by `__all__` in the stub, Python by its imports."""
+    module = importlib.import_module(package)
+    stub = ast.parse(Path(module.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
+    (listed,) = [node.value for node in stub.body if isinstance(node, ast.Assign)]
+    assert ast.literal_eval(listed) == sorted(module.__all__)
 
 
 def test_completion_offers_every_public_name_of_sim():
