@@ -13,6 +13,7 @@ from .reasoning.state import Entry
 from .society import Message, Society
 
 __all__ = [
+    "PENDING",
     "Agent",
     "Belief",
     "Call",
@@ -22,7 +23,6 @@ __all__ = [
     "InternalActions",
     "Literal",
     "Message",
-    "PENDING",
     "Plan",
     "Program",
     "ProgramError",
