@@ -15,7 +15,7 @@ from pathlib import Path
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
 
 GARBAGE = 200_000
-"""Number of new objects at which those among them that nobody has any more are looked for."""
+"""Number of new objects at which Python looks for unused ones among them."""
 
 
 def _hidden() -> str:
@@ -46,11 +46,11 @@ def main() -> None:
 
 
 def _leave(code: object) -> None:
-    """End the process as Python does, but for taking apart all that was loaded.
+    """End the process as Python does, but without taking apart everything that was loaded.
 
-    That takes an eighth of the time of a short run. Return where there is more to end: in a
-    program of others, beside threads, with a message for Python to print, and where somebody looks
-    at what is going on.
+    That takes 0.11 s of CPU time of 0.64 s of `floorwalker run`. Return where there is more to do
+    at the end: in another program, beside threads, with a message for Python to print, and under a
+    debugger or profiler.
     """
     program = Path(getattr(sys.modules["__main__"], "__file__", None) or "")
     looked_at = sys.flags.dev_mode or sys.gettrace() or sys.getprofile()

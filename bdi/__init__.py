@@ -6,44 +6,10 @@ agent = bdi.Agent(program, beliefs=["helpful"], act=my_action)
 agent.add_percept("human_start")
 agent.advance(12.5)
 ```
+
+Names are imported when they are first used, from the modules in `__init__.pyi`.
 """
 
-from .actions import InternalActions
-from .agent import Agent
-from .errors import EndlessProgramError, ProgramError, ProgramProblem
-from .language.loading import load, parse, parse_file, parse_literal, programs
-from .language.program import Belief, Goal, Plan, Program, Rule
-from .language.terms import Literal, Term, Var
-from .lint import doubts
-from .reasoning.circumstance import PENDING, Refused
-from .reasoning.execution import Call
-from .reasoning.state import Entry
-from .society import Message, Society
+import lazy_loader
 
-__all__ = [
-    "PENDING",
-    "Agent",
-    "Belief",
-    "Call",
-    "EndlessProgramError",
-    "Entry",
-    "Goal",
-    "InternalActions",
-    "Literal",
-    "Message",
-    "Plan",
-    "Program",
-    "ProgramError",
-    "ProgramProblem",
-    "Refused",
-    "Rule",
-    "Society",
-    "Term",
-    "Var",
-    "doubts",
-    "load",
-    "parse",
-    "parse_file",
-    "parse_literal",
-    "programs",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,46 +1,8 @@
-"""Floorplans: the floor, and what stands on it."""
+"""Floorplans: the floor, and what stands on it.
 
-from .checks import check
-from .files.problems import FloorplanError, InputError, Problem, UserError
-from .formats.movingai import load_movingai
-from .loading import builtin, load, parse
-from .model import (
-    Axis,
-    Door,
-    Gantry,
-    Gate,
-    Human,
-    Lane,
-    Obstacle,
-    Point,
-    SafeZone,
-    Station,
-    Zone,
-    rectangle,
-)
-from .plan import Floorplan
+Names are imported when they are first used, from the modules in `__init__.pyi`.
+"""
 
-__all__ = [
-    "Axis",
-    "Door",
-    "Floorplan",
-    "FloorplanError",
-    "Gantry",
-    "Gate",
-    "Human",
-    "InputError",
-    "Lane",
-    "Obstacle",
-    "Point",
-    "Problem",
-    "SafeZone",
-    "Station",
-    "UserError",
-    "Zone",
-    "builtin",
-    "check",
-    "load",
-    "load_movingai",
-    "parse",
-    "rectangle",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

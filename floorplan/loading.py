@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import shapely
@@ -19,14 +19,11 @@ from .checks import check, faults, keep_sound
 from .files.documents import Document, parse_yaml, read_yaml
 from .files.problems import Fault, FloorplanError, Place, Problem, UserError, suggestion
 from .files.reading import is_there
-from .formats.drawings import AS_IT_IS, Drawn, LayerGroup
-from .formats.dxf import load_dxf
-from .formats.geojson import load_geojson
-from .formats.movingai import load_drawn_map
-from .formats.ros_map import build_ros_map, is_ros_map
-from .formats.wkt import load_wkt
 from .model import Axis, Door, Gantry, Gate, Lane, Obstacle, Point, Station, Zone
 from .plan import Floorplan
+
+if TYPE_CHECKING:
+    from .formats.drawings import Drawn
 
 _Floats = NDArray[np.float64]
 
@@ -241,10 +238,10 @@ FAR_OUT = 5.0
 """Sizes of a floor. What is farther away from it was probably meant in another unit."""
 
 YAML_SUFFIXES = (".yaml", ".yml")
-LAYERED = {".dxf": load_dxf, ".geojson": load_geojson, ".json": load_geojson}
-"""Formats of drawings with layers, by suffix."""
-DRAWINGS = {**LAYERED, ".wkt": load_wkt, ".map": load_drawn_map}
-"""Formats whose unit may be left open, by suffix."""
+LAYERED = (".dxf", ".geojson", ".json")
+"""Suffixes of drawings with layers."""
+DRAWINGS = (*LAYERED, ".wkt", ".map")
+"""Suffixes of formats whose unit may be left open."""
 IMAGES = (".pgm", ".png", ".bmp")
 """Suffixes that the image of a ROS map usually has."""
 
@@ -263,7 +260,7 @@ def load(source: str | Path) -> Floorplan:
     if text in builtin():
         return parse((BUILT_IN / f"{text}.yaml").read_text(encoding="utf-8"), file=text)
     path = Path(source)
-    plan = _read(path, AS_IT_IS, ())
+    plan = _read(path, None, ())
     if path.suffix.lower() not in YAML_SUFFIXES:  # those are checked, with the lines of faults
         check(plan, file=text)
     return plan
@@ -283,16 +280,18 @@ def build(document: Document, folder: Path | None = None, name: str = "") -> Flo
     return _build(document, Path(document.file).parent if folder is None else folder, (), name)
 
 
-def _read(path: Path, drawn: Drawn, above: tuple[Path, ...]) -> Floorplan:
+def _read(path: Path, drawn: Drawn | None, above: tuple[Path, ...]) -> Floorplan:
     """Return the floor in the file at `path`, below the files `above`; it need not be sound."""
     suffix = path.suffix.lower()
     if suffix in YAML_SUFFIXES:
         document = read_yaml(path, FloorplanError)
-        if is_ros_map(document):
+        if _is_ros_map(document):
+            from .formats.ros_map import build_ros_map
+
             return build_ros_map(document)
         return _build(document, path.parent, (*above, path.resolve()))
     if suffix in DRAWINGS:
-        return DRAWINGS[suffix](path, drawn)
+        return _read_drawing(path, drawn)
     if is_there(path):
         known = ", ".join((*YAML_SUFFIXES, *DRAWINGS))
         message = f"the name of a floorplan's file ends in one of {known}"
@@ -302,6 +301,38 @@ def _read(path: Path, drawn: Drawn, above: tuple[Path, ...]) -> Floorplan:
         raise FloorplanError.of(path, message)
     hint = suggestion(str(path), builtin())
     raise FloorplanError.of(path, f"no such file, nor a built-in floorplan; {hint}")
+
+
+def _is_ros_map(document: Document) -> bool:
+    """Return whether a YAML document is one of map_server's, by its keys."""
+    return isinstance(document.data, dict) and not {"image", "resolution"}.isdisjoint(document.data)
+
+
+def _read_drawing(path: Path, drawn: Drawn | None) -> Floorplan:
+    """Return the floor of a drawing, None to read it as it is.
+
+    The formats are imported here because most floors need none of them.
+    """
+    from .formats.drawings import AS_IT_IS
+
+    drawn = drawn or AS_IT_IS
+    match path.suffix.lower():
+        case ".dxf":
+            from .formats.dxf import load_dxf
+
+            return load_dxf(path, drawn)
+        case ".wkt":
+            from .formats.wkt import load_wkt
+
+            return load_wkt(path, drawn)
+        case ".map":
+            from .formats.movingai import load_drawn_map
+
+            return load_drawn_map(path, drawn)
+        case _:
+            from .formats.geojson import load_geojson
+
+            return load_geojson(path, drawn)
 
 
 def _build(document: Document, folder: Path, above: tuple[Path, ...], name: str = "") -> Floorplan:
@@ -368,6 +399,15 @@ def _base(
     if path.resolve() in above:
         message = f"{name!r} lies below itself"
         raise FloorplanError(document.file, [document.problem(message, "base")])
+    if path.suffix.lower() not in DRAWINGS:
+        return _read(path, None, above)
+    return _read(path, _drawn(schema, boundary), above)
+
+
+def _drawn(schema: FloorplanSchema, boundary: Polygon | None) -> Drawn:
+    """Return how the drawing below is read, by the keys of the floor above it."""
+    from .formats.drawings import Drawn, LayerGroup
+
     groups = None
     if schema.layers is not None:
         groups = {
@@ -387,7 +427,7 @@ def _base(
     )
     if schema.snap is not None:
         drawn = replace(drawn, snap=schema.snap)
-    return _read(path, drawn, above)
+    return drawn
 
 
 def _problem(document: Document, message: str, place: Place) -> Problem:

@@ -1,7 +1,7 @@
 """The public names of `sim`, each loaded with its module when it is first used."""
 
 from .core.body import Body, Machine, MachineShape
-from .core.clock import Alarm, StandstillError, Turn
+from .core.clock import Alarm, Turn
 from .core.entries import (
     Blackout,
     Command,
@@ -16,11 +16,9 @@ from .core.events import EventKind
 from .core.output import OutputError
 from .core.recorder import Listener
 from .core.rules import (
-    ARIAC2023,
     PAPER,
     RULE_SETS,
     RuleSet,
-    rule_set,
 )
 from .core.scenario import (
     AgvMove,
@@ -28,6 +26,7 @@ from .core.scenario import (
     Job,
     PersonalityChange,
     PersonEntry,
+    Source,
     TrialError,
 )
 from .core.stage import MachineEntry, MachineModel, Stage
@@ -39,10 +38,7 @@ from .machines.gantry.controllers import (
     ControllerError,
 )
 from .machines.gantry.robot import GantryRobot
-from .machines.gantry.tasks import Task
 from .machines.kinds import KINDS
-from .people.minds import Mind
-from .people.perception import Percepts
 from .record.social_metrics import metrics
 from .runs.recording import (
     Recording,
@@ -50,10 +46,8 @@ from .runs.recording import (
     load_run,
 )
 from .runs.run import Run
-from .safety.laws import OwnLaw
 from .simulation import Simulation, run
 from .studies import (
-    Row,
     Study,
     StudyError,
     StudyResults,
@@ -61,13 +55,11 @@ from .studies import (
     run_study,
     safety_report,
 )
+from .trials.loading import Trial, builtin_trials
 from .trials.rules_file import load_rules
-from .trials.timeline import Verdict
-from .trials.trial import Trial, builtin_trials
 from .views import plots
 
 __all__ = [
-    "ARIAC2023",
     "KINDS",
     "PAPER",
     "RULE_SETS",
@@ -90,31 +82,25 @@ __all__ = [
     "MachineEntry",
     "MachineModel",
     "MachineShape",
-    "Mind",
     "NoticingEntry",
     "OutputError",
-    "OwnLaw",
-    "Percepts",
     "PersonEntry",
     "PersonalityChange",
     "RecordedTrack",
     "Recording",
     "RecordingError",
-    "Row",
     "RuleSet",
     "Run",
     "Simulation",
+    "Source",
     "Stage",
-    "StandstillError",
     "Start",
     "Study",
     "StudyError",
     "StudyResults",
-    "Task",
     "Trial",
     "TrialError",
     "Turn",
-    "Verdict",
     "WorkList",
     "WorkTask",
     "builtin_trials",
@@ -123,7 +109,6 @@ __all__ = [
     "load_run",
     "metrics",
     "plots",
-    "rule_set",
     "run",
     "run_many",
     "run_study",

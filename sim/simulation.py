@@ -19,7 +19,7 @@ from floorplan.files.values import require
 from navigation import CollisionWorld
 
 from .core.body import Body
-from .core.clock import MOMENT, Clock, Turn
+from .core.clock import MOMENT, Clock, InProgress, Turn
 from .core.custom_code import supervised
 from .core.entries import Blackout, Command, Start
 from .core.events import (
@@ -48,7 +48,7 @@ from .safety.proximity import Collisions
 from .safety.referee import Referee
 from .trials.checks import check, check_own_events
 from .trials.feasibility import command_faults
-from .trials.trial import Trial
+from .trials.loading import Trial
 
 BY_COMMAND = "command"
 """The reason for which a machine is held by command."""
@@ -139,7 +139,7 @@ MOST_NAMED = 5
 """Number of kinds of events that are named where simulated time stands still."""
 
 
-class Simulation:
+class Simulation(InProgress):
     """One trial, run step by step.
 
     `listeners` are notified of events and motions as they happen. `advance` as far as you like,

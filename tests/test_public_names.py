@@ -1,17 +1,22 @@
-"""Public names: explained where they are defined, with known types, by keyword, and copied."""
+"""Public names: explained, with known types, made by keyword, listed, and copied."""
 
+import ast
 import copy
 import dataclasses
 import importlib
 import inspect
 import pickle
 import re
+from dataclasses import replace
+from pathlib import Path
 from typing import get_origin, get_type_hints
 
 import pytest
+from IPython.core.completer import IPCompleter, provisionalcompleter
 
 import floorplan
 import navigation
+import sim
 
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
 NAMES = [
@@ -68,8 +73,7 @@ def test_functions_say_what_each_parameter_is():
     assert unnamed == []
 
 
-BEHAVING = ("floorplan", "navigation")
-"""Packages whose names are held to the rules below."""
+GEOMETRY = ("floorplan", "navigation")
 
 MOST_POSITIONAL = 3
 """Values with more fields are made by keyword."""
@@ -96,7 +100,7 @@ def callables_of(package):
             yield name, of
 
 
-@pytest.mark.parametrize("package", BEHAVING)
+@pytest.mark.parametrize("package", PACKAGES)
 def test_types_of_everything_that_can_be_called_are_known(package):
     unknown = []
     for name, of in callables_of(package):
@@ -107,7 +111,7 @@ def test_types_of_everything_that_can_be_called_are_known(package):
     assert unknown == []
 
 
-@pytest.mark.parametrize("package", BEHAVING)
+@pytest.mark.parametrize("package", PACKAGES)
 def test_values_of_many_fields_are_made_by_keyword(package):
     positional = {
         of.__name__: names
@@ -159,7 +163,7 @@ COPIES = {
 
 
 @pytest.mark.parametrize("way", COPIES)
-@pytest.mark.parametrize("package", BEHAVING)
+@pytest.mark.parametrize("package", GEOMETRY)
 def test_copies_are_equal(package, way):
     navigation.first_time(navigation.TooClose(LAW), PERSON, MOVE, 0.0, 10.0)
     different = [
@@ -201,3 +205,80 @@ def test_worlds_say_why_they_are_not_copied(way):
     for original in (WORLD, navigation.PathPlanner(WORLD), navigation.GantryPlanner(PLAN)):
         with pytest.raises(TypeError, match="holds FCL's geometry, which can't be copied"):
             COPIES[way](original)
+
+
+def completions(text):
+    """What IPython offers after `text`."""
+    completer = IPCompleter(namespace={"sim": sim}, use_jedi=False)
+    with provisionalcompleter():
+        return {one.text for one in completer.completions(text, len(text))}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_names_of_the_reference_are_those_that_are_loaded(package):
+    """Type checkers and the reference go by `__all__` in the stub, Python by its imports."""
+    module = importlib.import_module(package)
+    stub = ast.parse(Path(module.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
+    (listed,) = [node.value for node in stub.body if isinstance(node, ast.Assign)]
+    assert sorted(ast.literal_eval(listed)) == sorted(module.__all__)
+
+
+def test_completion_offers_every_public_name_of_sim():
+    assert set(sim.__all__) <= set(dir(sim))
+    assert {f".{name}" for name in sim.__all__} <= completions("sim.")
+    assert {f".{name}" for name in sim.plots.__all__} <= completions("sim.plots.")
+
+
+TRIAL = sim.Trial.load("ariac2023")
+VALUES = (
+    TRIAL,
+    TRIAL.people[0],
+    TRIAL.gantry,
+    sim.Job("move", target=(-3.0, 1.0, 0.0)),
+    sim.Start(3.0),
+    sim.WorkTask("dock", sim.Duration("fixed", (5.0,))),
+    sim.PAPER,
+    sim.Study("one", (TRIAL,), repeat=2),
+    sim.OutputError("there is a file"),
+)
+
+
+@pytest.mark.parametrize("value", VALUES, ids=lambda value: type(value).__name__)
+def test_values_can_be_copied_and_pickled(value):
+    for twin in (copy.deepcopy(value), pickle.loads(pickle.dumps(value))):
+        assert type(twin) is type(value)
+        assert str(twin) == str(value) if isinstance(value, Exception) else twin == value
+
+
+def test_runs_can_be_copied_and_pickled():
+    run = sim.run(replace(TRIAL, duration=3.0))
+    for twin in (copy.deepcopy(run), pickle.loads(pickle.dumps(run))):
+        assert (twin.trial, twin.summary, twin.events) == (run.trial, run.summary, run.events)
+
+
+@pytest.fixture(params=["Simulation", "GantryRobot", "Body", "Recording", "LiveRun"])
+def part_of_a_run(request, tmp_path):
+    """Something that goes on while a run does."""
+    simulation = sim.Simulation(TRIAL)
+    match request.param:
+        case "Simulation":
+            yield simulation
+        case "GantryRobot":
+            yield simulation.gantry
+        case "Body":
+            yield simulation.bodies[0]
+        case "Recording":
+            recording = sim.Recording(tmp_path / "run")
+            yield recording
+            recording.close()
+        case "LiveRun":
+            live = sim.LiveRun(TRIAL.duration)
+            with live.server:
+                yield live
+
+
+def test_parts_of_a_run_say_why_they_cannot_be_copied(part_of_a_run):
+    message = f"a {type(part_of_a_run).__name__} cannot be copied .* run in progress"
+    for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match=message):
+            copied(part_of_a_run)

@@ -54,11 +54,6 @@ class RosMapSchema(BaseModel):
         return self
 
 
-def is_ros_map(document: Document) -> bool:
-    """Return whether a YAML document is one of map_server's, by its keys."""
-    return isinstance(document.data, dict) and not {"image", "resolution"}.isdisjoint(document.data)
-
-
 def build_ros_map(document: Document) -> Floorplan:
     """Return the floorplan of a map; `FloorplanError` with what is wrong with it or its image."""
     schema = document.checked(RosMapSchema, FloorplanError)

@@ -1,9 +1,12 @@
-"""`floorwalker agent`: one agent alone, against a script of percepts."""
+"""`floorwalker agent`: one agent alone, against a script of percepts, each with its time."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
@@ -11,11 +14,7 @@ from . import completion
 from .terminal import say
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     import bdi
-
-    from .percept_script import Change
 
 
 def agent(
@@ -46,11 +45,7 @@ def agent(
     ] = False,
 ) -> None:
     """Run an AgentSpeak program alone; print its actions and words."""
-    import json
-
     import bdi
-
-    from .percept_script import literal, read_percepts
 
     def show(**entry: object) -> None:
         say(json.dumps({"t": round(person.now, 9), **entry}, ensure_ascii=False))
@@ -87,8 +82,8 @@ def agent(
     _run_out(person)
 
 
-#: Without --until a program that wakes up again and again is stopped after this many wake-ups.
 _MOST_WAKEUPS = 1_000_000
+"""Wake-ups after which a program that goes on for ever is stopped without --until."""
 
 
 def _run_out(person: bdi.Agent) -> None:
@@ -106,7 +101,63 @@ def _run_out(person: bdi.Agent) -> None:
 
 def _instants(script: list[Change]) -> Iterator[tuple[float, list[Change]]]:
     """Return the changes at each time of a script, in order."""
-    from itertools import groupby
-
     for time, changes in groupby(script, key=lambda change: change.time):
         yield time, list(changes)
+
+
+class Change(NamedTuple):
+    """From `time` (seconds) on, `percept` is perceived (`added`) or no longer."""
+
+    time: float
+    added: bool
+    percept: bdi.Literal
+
+
+def read_percepts(path: Path) -> list[Change]:
+    """Read the script at `path`, one `{"t": …, "add": …}` or `{"t": …, "remove": …}` a line.
+
+    `ValueError` names the line that is none.
+    """
+    from floorplan import InputError
+    from floorplan.files.reading import read_lines
+
+    script: list[Change] = []
+    for number, line in enumerate(read_lines(path, InputError), 1):
+        if line.strip():
+            earliest = script[-1].time if script else 0.0
+            script.append(_change(line, f"{path}:{number}", earliest))
+    return script
+
+
+def _change(line: str, place: str, earliest: float) -> Change:
+    from floorplan import UserError
+    from floorplan.files.fields import is_figure
+
+    try:
+        entry = json.loads(line)
+    except (ValueError, RecursionError):
+        raise UserError(f"{place}: not a line of JSON: {line[:60]}") from None
+    changes = [key for key in ("add", "remove") if isinstance(entry, dict) and key in entry]
+    if len(changes) != 1 or set(entry) != {"t", changes[0]}:
+        raise UserError(f'{place}: a line has "t" and either "add" or "remove"')
+    time, what = entry["t"], entry[changes[0]]
+    if not is_figure(time):
+        raise UserError(f'{place}: "t" is a number of seconds, not {json.dumps(time)[:60]}')
+    if time < 0:
+        raise UserError(f'{place}: "t" is {time:g}, and the run begins at 0')
+    if time < earliest:
+        raise UserError(f"{place}: {time:g} s comes after {earliest:g} s")
+    if not isinstance(what, str):
+        raise UserError(f'{place}: "{changes[0]}" is a literal in quotes')
+    return Change(float(time), changes[0] == "add", literal(what, place))
+
+
+def literal(text: str, place: str) -> bdi.Literal:
+    """Return the literal in `text`, which stands at `place`; `ValueError` if it is none."""
+    import bdi
+    from floorplan import UserError
+
+    try:
+        return bdi.parse_literal(text)
+    except bdi.ProgramError as error:
+        raise UserError(f"{place}: {text[:100]}: {error.problems[0].message[:300]}") from None

@@ -64,8 +64,8 @@ def _read(file: str, own_code: bool) -> str:
     import bdi
     import floorplan
 
+    from ..trials.loading import Trial
     from ..trials.rules_file import RuleKeys, load_rules
-    from ..trials.trial import Trial
     from .sources import outermost_keys
 
     path = Path(file)
@@ -90,7 +90,7 @@ def _built_in(name: str) -> Iterator[str]:
     import floorplan
 
     from ..core.rules import RULE_SETS
-    from ..trials.trial import Trial, builtin_trials
+    from ..trials.loading import Trial, builtin_trials
 
     if name in builtin_trials():
         yield _trial(Trial.load(name), name)
@@ -227,7 +227,7 @@ def list_all() -> None:
 
     from ..core.rules import RULE_SETS
     from ..machines.gantry.controllers import CONTROLLERS
-    from ..trials.trial import BUILT_IN, builtin_trials
+    from ..trials.loading import BUILT_IN, builtin_trials
 
     sections = {
         "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},

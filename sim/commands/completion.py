@@ -89,7 +89,7 @@ def _floors() -> list[str]:
 
 
 def _personalities() -> list[str]:
-    return [name for name in _data("bdi", "programs/*.asl") if name not in ("patrol", "group")]
+    return [name for name in _data("bdi", "personalities/*.asl") if name not in ("patrol", "group")]
 
 
 def _data(package: str, pattern: str) -> list[str]:

@@ -90,7 +90,7 @@ def run(
 
     The recording has its summary, events, motions, trajectory, and a page that replays it.
     """
-    from ..trials.trial import Trial
+    from ..trials.loading import Trial
 
     if speed is not None and not watch:
         raise typer.BadParameter("needs --watch", param_hint="--speed")

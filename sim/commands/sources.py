@@ -13,7 +13,8 @@ from ..runs.recording import load_run
 from ..runs.run import Recorded
 from ..simulation import run
 from ..trials.checks import check
-from ..trials.trial import Trial, builtin_trials, lasting
+from ..trials.loading import Trial, builtin_trials
+from ..trials.trial import lasting
 
 
 def run_from(

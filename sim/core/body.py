@@ -17,7 +17,7 @@ from navigation import Box, CollisionWorld, Motion, Moving, first_time
 from navigation.motion import State, Track
 from navigation.walking import leg_to
 
-from .clock import Clock
+from .clock import Clock, InProgress
 
 
 class Plans:
@@ -52,7 +52,7 @@ PERSON = "person"
 """The kind of a body that is a person's; that of a machine's is the machine's."""
 
 
-class Body:
+class Body(InProgress):
     """Something that moves, with its present motion and the track of those before."""
 
     def __init__(self, clock: Clock, name: str, kind: str, motion: Motion) -> None:
@@ -191,7 +191,7 @@ class MachineShape:
         return rectangle(at, direction, self.length, self.width)
 
 
-class Machine(ABC):
+class Machine(InProgress, ABC):
     """A machine while a trial runs; a kind of machine is a subclass.
 
     `shape` is what others know of it, `body` where it is and how it moves.
@@ -206,7 +206,7 @@ class Machine(ABC):
         """The name by which the trial, events and figures call it."""
         return self.shape.name
 
-    def begin(self) -> None:  # noqa: B027
+    def begin(self) -> None:
         """Begin to act: the trial starts."""
 
     @abstractmethod
@@ -220,16 +220,16 @@ class Machine(ABC):
         if bool(before) != bool(self._stands_for):
             self.hold(stands)
 
-    def disable(self, seconds: float) -> None:  # noqa: B027
+    def disable(self, seconds: float) -> None:
         """Brake and stand for so long: a penalty, which only robots get."""
 
-    def floor_changed(self) -> None:  # noqa: B027
+    def floor_changed(self) -> None:
         """Take note that a machine has come to rest, or that a place has opened or closed."""
 
-    def sight_changed(self) -> None:  # noqa: B027
+    def sight_changed(self) -> None:
         """Take note that it sees people no longer, or again."""
 
-    def look_out_for(self, person: Body, top_speed: float) -> None:  # noqa: B027
+    def look_out_for(self, person: Body, top_speed: float) -> None:
         """Take note of a person, who walks at `top_speed` (m/s) at most."""
 
     def foreseen(self, until: float) -> Motion:
@@ -259,7 +259,7 @@ class Machine(ABC):
         """
         return math.hypot(self.shape.length, self.shape.width) / 2
 
-    def close(self) -> None:  # noqa: B027
+    def close(self) -> None:
         """Settle what is still open: the trial is over."""
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:

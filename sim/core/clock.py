@@ -7,7 +7,7 @@ from collections.abc import Callable
 from enum import IntEnum
 from heapq import heappush
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol, SupportsIndex
 
 import simpy
 from simpy.core import StopSimulation
@@ -47,7 +47,18 @@ class StandstillError(UserError):
     """Simulated time does not go on: things happen again and again at an instant, or nearly so."""
 
 
-class Clock(simpy.Environment):
+class InProgress:
+    """Part of a run in progress. It cannot be copied or pickled: `TypeError` says so."""
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
+        """Refuse to be copied: waiting processes, open files and callbacks cannot be."""
+        raise TypeError(
+            f"a {type(self).__name__} cannot be copied or pickled, because it is part of a run in"
+            " progress; copy the trial and run it again"
+        )
+
+
+class Clock(InProgress, simpy.Environment):
     """SimPy environment that can also wait for an instant, not only for a delay.
 
     SimPy adds a delay to the present time, which rounds; an instant at which two motions meet
@@ -157,7 +168,7 @@ def then(event: Event, action: Callable[[Event], None]) -> None:
     event.callbacks.append(action)
 
 
-class Alarm:
+class Alarm(InProgress):
     """Calls `action` at an instant that may be changed or taken back until then."""
 
     def __init__(self, clock: Clock, action: Callable[[], None], turn: Turn) -> None:

@@ -18,7 +18,7 @@ from navigation import CollisionWorld, Motion
 from navigation.machines import Stop
 
 from .body import Body, Category, Machine, MachineShape
-from .clock import Clock
+from .clock import Clock, InProgress
 from .entries import Start
 from .events import DoorClosed, DoorOpened, EventKind, ObstacleCame, ObstacleWent
 from .recorder import Event, Record
@@ -199,7 +199,7 @@ class Bystander(Protocol):
 
 
 @dataclass(eq=False, kw_only=True)
-class Stage:
+class Stage(InProgress):
     """State that everybody in a simulation shares.
 
     `people` and `machines` are there from the beginning, each complete before anybody acts;

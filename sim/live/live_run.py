@@ -26,7 +26,7 @@ from floorplan import UserError
 from navigation import Motion, standing
 
 from ..core.body import Body
-from ..core.clock import Tempo, checked_speed
+from ..core.clock import InProgress, Tempo, checked_speed
 from ..core.entries import COMMANDS
 from ..core.recorder import Event, Listener, Scene, Thought, rounded
 from ..core.scenario import TrialError
@@ -130,7 +130,7 @@ MILLISECONDS = 1000.0
 """Commands take effect at a whole millisecond, the next one, so that files have short numbers."""
 
 
-class LiveRun(Listener):
+class LiveRun(InProgress, Listener):
     """Serves a page that shows a run of `duration` (seconds) while it is advanced.
 
     It is a listener of the `Simulation`; there is a page once that has started. Browsers may come

@@ -1,11 +1,9 @@
 """Outcome of a run, and its trajectories as a CSV table."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TextIO
@@ -37,12 +35,13 @@ class Outcome:
 
     scene: Scene
     duration: float
+    _: KW_ONLY
     summary: dict[str, Any]
     events: tuple[Event, ...]
     motions: dict[str, Motion]
     violations: dict[tuple[str, str], tuple[tuple[float, float], ...]]
     thoughts: tuple[Thought, ...] = ()
-    requirements: dict[tuple[str, str], Curve] = field(default_factory=dict, kw_only=True)
+    requirements: dict[tuple[str, str], Curve] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         about = f"{self.duration:g} s, {len(self.motions)} bodies, {len(self.events)} events"
@@ -232,19 +231,26 @@ def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
 def _jumps(run: Outcome, body: str) -> Array:
     """Return the instants around those at which a body on the floor is put elsewhere on it."""
     begin, end = run.presence[body]
-    jumps = np.array([t for t in run.motions[body].jumps if begin < t < end])
-    return np.union1d(jumps - NANOSECOND, jumps)
+    jumps = [t for t in run.motions[body].jumps if begin < t < end]
+    return np.array(sorted({*(t - NANOSECOND for t in jumps), *jumps}), dtype=float)
 
 
 def _with_jumps(run: Outcome, times: Array, jumps: Mapping[str, Array]) -> Block:
     """Return the rows at `times`, and those at the `jumps` of bodies between them."""
-    both = np.union1d(times, np.concatenate([*jumps.values()]))
-    regular = np.isin(both, times)
+    # `np.union1d` and `np.isin` would import numpy.ma, which takes longer than writing the rows.
+    both = np.sort(np.concatenate([times, *jumps.values()]))
+    both = both[np.append(True, both[1:] != both[:-1])]
+    regular = _are_among(both, times)
     there = {
-        name: run.is_present(name, both) & (regular | np.isin(both, jumps[name]))
+        name: run.is_present(name, both) & (regular | _are_among(both, jumps[name]))
         for name in run.motions
     }
     return Block(both, regular, sample_all(run.motions, both), there)
+
+
+def _are_among(times: Array, rising: Array) -> NDArray[np.bool_]:
+    """Return which of some `times` (N,) are among others, which rise."""
+    return np.searchsorted(rising, times, "left") < np.searchsorted(rising, times, "right")
 
 
 def _texts(samples: NDArray[np.float64]) -> list[str]:

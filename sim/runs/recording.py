@@ -25,6 +25,7 @@ from floorplan.files.reading import LARGEST_RECORDED, read_lines, read_text
 from navigation import Motion, Piece, join, standing, when
 
 from ..core.body import Body, Plans
+from ..core.clock import InProgress
 from ..core.entries import written_command
 from ..core.events import EVENT_KINDS, Commanded, Form, has_form
 from ..core.output import OutputError, replacing
@@ -123,7 +124,7 @@ ViolationLine = TypedDict(
 """A line of violations.jsonl."""
 
 
-class Recording(Listener):
+class Recording(InProgress, Listener):
     """Writes a run into a folder, which is made as the run begins if it isn't there.
 
     A `numbered` one goes into a `folder` of its own: as the run begins it takes the first name that

@@ -5,18 +5,20 @@ from __future__ import annotations
 import html
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..record.outcome import Outcome
 from ..record.summary import figures_in_words
 from ..trials.expectations import verdicts
+from ..trials.loading import Trial
 from ..trials.timeline import Verdict
-from ..trials.trial import Trial
 from ..views.replay import render
 from ..views.replay_data import replay_data
 
 if TYPE_CHECKING:
     from ..views.plots import RunPlots
+else:
+    RunPlots = Any  # matplotlib is imported when a run is drawn
 
 
 REPLAY_HEIGHT = 720
@@ -50,7 +52,6 @@ def _replay(run: Outcome) -> str:
     )
 
 
-@dataclass(frozen=True, repr=False)
 class Recorded(Outcome):
     """A run that happened, with its pictures."""
 

@@ -8,7 +8,7 @@ import json
 import math
 import random
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from statistics import NormalDist
@@ -24,7 +24,7 @@ from floorplan.files.reading import is_there
 
 from ..core.entries import is_number
 from ..trials.checks import LARGEST_SEED, faults, name_fault
-from ..trials.trial import Trial
+from ..trials.loading import Trial
 from .variables import Value, Variable, reordered, variable
 
 SIGMAS = 3.0
@@ -186,6 +186,7 @@ class Design:
 
     name: str
     trials: tuple[Trial, ...]
+    _: KW_ONLY
     grid: Mapping[Variable, tuple[Value, ...]] = field(default_factory=dict)
     random: Mapping[Variable, Distribution] = field(default_factory=dict)
     repeat: int = 1

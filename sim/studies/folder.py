@@ -33,7 +33,7 @@ from ..people.steering.own_steering import steering_source
 from ..people.tracks.recorded_walks import files_of
 from ..record.outcome import csv_line
 from ..record.scene_file import LARGEST_OF_ALL, parse_json
-from ..trials.trial import Trial
+from ..trials.loading import Trial
 from .design import Study
 
 

@@ -25,7 +25,7 @@ from ..record.figures import FIGURES
 from ..record.social_metrics import metrics
 from ..runs.run import Run
 from ..simulation import run
-from ..trials.trial import Trial
+from ..trials.loading import Trial
 from .comparison import StudyResults
 from .design import Row, Study
 from .folder import RESULTS, Record, StudyFolder, read_table, write_parquet, writing_to

@@ -33,7 +33,7 @@ from ..record.incidents import (
 from ..record.sampling import CellArray
 from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
-from ..trials.trial import Trial
+from ..trials.loading import Trial
 from ..views.report_page import figure
 from ..views.safety_report.assumptions import about, laws_of
 from ..views.safety_report.findings import Picture, exposure, risk_pictures, run_pictures

@@ -19,9 +19,10 @@ from ..record.summary import trial_figures_in_words
 from ..record.words import told_apart
 from ..runs.run import Run
 from ..simulation import Simulation
+from ..trials.loading import Trial
 from ..trials.names import in_words
 from ..trials.timeline import Verdict
-from ..trials.trial import Trial, build
+from ..trials.trial import build
 from ..views.replay import render
 from ..views.replay_data import replay_data
 

@@ -1,38 +1,36 @@
-"""Trials: load, shorten and save scenarios, and warn about likely mistakes."""
+"""Trials as their files have them: build, shorten, and warn about likely mistakes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 import bdi
 import floorplan
 from floorplan import Floorplan, Problem
-from floorplan.files.documents import Document, parse_yaml, read_yaml
+from floorplan.files.documents import Document, read_yaml
 from floorplan.files.problems import Fault, Place, suggestion
 from floorplan.files.reading import is_there
 from floorplan.loading import build as build_floor
 
 from ..core.custom_code import OwnCodeError
 from ..core.entries import WorkList
-from ..core.output import write_whole
 from ..core.scenario import PersonEntry, Scenario, TrialError, spot
 from ..core.stage import DoorTimes, Interval, MachineEntry
 from ..machines.agv.model import MOST_MOVES, number_of
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
-from ..orders import reading
 from ..people.programs import load_program, modules_of
 from .checks import faults
 from .feasibility import people_fault
 from .keys import TrialKeys, commanded, commands_of
 from .rules_file import build_rules
 from .schedule_keys import at_instants, shift_at_instants
-from .writing import out_of_reach, to_yaml
+from .writing import out_of_reach
 
 _Made = TypeVar("_Made", bound=Scenario)
 
@@ -154,98 +152,11 @@ def _places(trial: Scenario, data: dict[str, Any]) -> Iterator[Fault]:
                     yield message, ("floorplan", key, place.name, "concerns", k)
 
 
-BUILT_IN = Path(__file__).parents[1] / "data" / "trials"
-"""Folder of the trials that come with Floorwalker."""
-
-MOST_NAMED = 5
-"""Most people whom a trial names as it is shown."""
-
-
-def builtin_trials() -> tuple[str, ...]:
-    """Return the names of the trials that come with Floorwalker, sorted."""
-    return tuple(sorted(path.stem for path in BUILT_IN.glob("*.yaml")))
-
-
-@dataclass(frozen=True, repr=False)
-class Trial(Scenario):
-    """Everything that decides a run, as a `Scenario` has it; it can be loaded and saved."""
-
-    def __repr__(self) -> str:
-        people = ", ".join(person.name for person in self.people[:MOST_NAMED]) or "nobody"
-        more = len(self.people) - MOST_NAMED
-        people += f" and {more} more" if more > 0 else ""
-        about = f"{self.duration:g} s on {self.floorplan.name!r} with {people}, seed {self.seed}"
-        return f"<{type(self).__name__} {self.name!r}: {about}>"
-
-    @classmethod
-    def load(cls, source: str | Path, *, own_code: bool = True) -> Trial:
-        """The built-in trial called `source`, or the one in the YAML file at `source`.
-
-        Python of the user's own that it names (a controller, a law) has to stand beside it. It is
-        read, but not imported before the trial is run; without `own_code` it is refused.
-        Raises `TrialError` (or `FloorplanError`, `bdi.ProgramError` for what it names) with
-        everything that is wrong, each with its place.
-        """
-        name = str(source)
-        if name in builtin_trials():
-            text = (BUILT_IN / f"{name}.yaml").read_text(encoding="utf-8")
-            return cls.parse(text, file=name, own_code=own_code)
-        path = Path(source)
-        if not path.suffix and not is_there(path):
-            message = f"no such file, nor a built-in trial; {suggestion(name, builtin_trials())}"
-            raise TrialError(name, [Problem(message)])
-        if path.suffix == ".asl":
-            message = "is a program, not a trial; a trial names it as a `personality`"
-            raise TrialError(name, [Problem(message)])
-        return build(cls, read_yaml(path, TrialError), path.parent, own_code)
-
-    @classmethod
-    def parse(
-        cls,
-        text: str,
-        *,
-        file: str = "<text>",
-        folder: str | Path = ".",
-        own_code: bool = True,
-    ) -> Trial:
-        """The trial in `text`, as if it stood in `folder`; errors call it `file`.
-
-        `own_code` is as of `load`.
-        """
-        return build(cls, parse_yaml(text, file, TrialError), Path(folder), own_code)
-
-    def to_yaml(self, folder: str | Path = ".") -> str:
-        """The text of a trial file that stands in `folder`, to be read as the same trial.
-
-        A floor that came from no file is written into it. `ValueError` if its orders, a law or a
-        program came from no file, if the floor is not sound, or if it names code of the user's own
-        that stands neither in `folder` nor above it.
-        """
-        return to_yaml(self, Path(folder))
-
-    def save(self, path: str | Path) -> None:
-        """Write the trial into the file at `path`, from where its files are found as well."""
-        path = Path(path)
-        write_whole(path, self.to_yaml(path.parent))
-
-    def with_personality(self, personality: str | bdi.Program) -> Trial:
-        """Return the same trial in which everybody has this personality all along.
-
-        It is as in `PersonEntry`. `TrialError` if there is none of that name, `bdi.ProgramError`
-        if there is something wrong in it.
-        """
-        for actions in dict.fromkeys(person.actions for person in self.people):
-            modules = modules_of(actions, self.actions)
-            load_program(personality, self.folder, modules, own_code=self.own_code)
-        people = tuple(
-            replace(person, personality=personality, changes=()) for person in self.people
-        )
-        return replace(self, people=people)
-
-
-def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -> Trial:
+def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -> _Made:
     """Return the trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
-    if reading.is_ariac(document):
+    if is_ariac(document):
+        from ..orders import reading
+
         return replace(reading.build(form, document, folder), own_code=own_code)
     if other := _something_else(document):
         raise TrialError(document.file, [Problem(f"is {other}")])
@@ -307,6 +218,16 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
     return replace(trial, notices=(*trial.notices, *likely_slips(trial, document)))
 
 
+ARIAC_KEYS = {"time_limit", "kitting_trays", "parts", "orders"}
+"""Keys that only a trial file of the ARIAC competition has."""
+
+
+def is_ariac(document: Document) -> bool:
+    """Return True if a document is a trial file as the ARIAC competition writes them."""
+    data = document.data
+    return isinstance(data, dict) and "floorplan" not in data and not ARIAC_KEYS.isdisjoint(data)
+
+
 def _refuse_crowds(schema: TrialKeys, document: Document) -> None:
     """Raise `TrialError` where there are more people than the budget has, before they are made."""
     if found := people_fault(person.many or 1 for person in schema.people):
@@ -328,8 +249,10 @@ def _something_else(document: Document) -> str:
     return ""
 
 
-def _with_orders(trial: Trial, schema: TrialKeys, name: str, document: Document) -> Trial:
+def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document) -> _Made:
     """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
+    from ..orders import reading
+
     orders = read_yaml(_named_file(trial.folder, name, document, "ariac"), TrialError)
     workload, notices = reading.read_workload(orders, trial.floorplan)
     given = schema.model_fields_set

@@ -19,7 +19,8 @@ from sim.bridge import Exchange, RosbridgeConnection, Workcell
 from sim.bridge.client import Client
 from sim.bridge.protocol import Account, Ledger
 from sim.bridge.remote_agent import RemotePerson
-from sim.commands.percept_script import read_percepts
+from sim.commands.agent import read_percepts
+from sim.core.clock import StandstillError
 from sim.people.tracks.recorded_walks import read_bag_tracks
 from sim.people.tracks.tables import read_jupedsim_tracks, read_parquet_tracks
 from sim.studies.comparison import StudyResults
@@ -66,7 +67,7 @@ def run(path):
     try:
         simulation = sim.Simulation(trial)
         simulation.advance(min(trial.duration, 3.0))
-    except sim.StandstillError:
+    except StandstillError:
         return  # that shows only as it runs
     except Exception as why:
         raise AssertionError(f"what was checked is refused as it begins: {why}") from why

@@ -8,7 +8,7 @@ import pytest
 import bdi
 import floorplan
 import sim
-from sim.commands.percept_script import read_percepts
+from sim.commands.agent import read_percepts
 from sim.studies.folder import StudyFolder
 from sim.trials.rules_file import RulesError
 

@@ -188,7 +188,7 @@ def test_a_trace_of_the_inside_goes_to_stderr(tmp_path):
     ],
 )
 def test_a_wrong_line_of_a_script_is_named(tmp_path, line, message):
-    from sim.commands.percept_script import read_percepts
+    from sim.commands.agent import read_percepts
 
     script = tmp_path / "script.jsonl"
     script.write_text('{"t": 0.5, "add": "fine"}\n\n' + line + "\n", encoding="utf-8")

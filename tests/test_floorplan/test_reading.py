@@ -12,7 +12,7 @@ import floorplan
 import sim
 from floorplan import InputError
 from floorplan.files.reading import read_bytes, read_lines, read_text
-from sim.commands.percept_script import read_percepts
+from sim.commands.agent import read_percepts
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
 

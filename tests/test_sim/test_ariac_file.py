@@ -27,7 +27,10 @@ def notices(text):
 def test_everything_that_a_file_says():
     trial = sim.Trial.parse(TEXT, file="lunch.yaml")
     assert (trial.name, trial.duration, trial.until_submitted) == ("lunch", 400.0, True)
-    assert (trial.floorplan, trial.rules) == (floorplan.load("ariac2023"), sim.ARIAC2023)
+    assert (trial.floorplan, trial.rules) == (
+        floorplan.load("ariac2023"),
+        sim.RULE_SETS["ariac2023"],
+    )
     assert (trial.gantry.controller, trial.notices) == ("pausing", ())
     work = trial.workload
     regulator = ariac.PartType("orange", "regulator")

@@ -100,7 +100,7 @@ def test_real_human_trials(shared_data):
         "antagonistic",
         {"part": "blue battery", "agv": "agv4"},
     )
-    assert (trial.rules, trial.gantry.controller) == (sim.ARIAC2023, "pausing")
+    assert (trial.rules, trial.gantry.controller) == (sim.RULE_SETS["ariac2023"], "pausing")
     run = sim.run(trial)
     placed = next(e for e in events(run, "job_done") if e["job"] == "pick_place")
     assert run.summary["people"]["operator"]["started"] == placed["t"]

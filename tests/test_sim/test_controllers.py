@@ -13,7 +13,7 @@ import navigation
 import sim
 from navigation.separation import required_at_speeds
 from sim.core.clock import Clock
-from sim.machines.gantry.tasks import Step, Tasks
+from sim.machines.gantry.tasks import Step, Task, Tasks
 
 STAY = "!stay. +!stay <- .wait(100000); !stay.\n"
 WALK = "!go. +!go <- move({x}, {y}, 0.0).\n"
@@ -408,7 +408,7 @@ def go(gantry):
 class TestTasks:
     @staticmethod
     def task(name, stage=0, **more):
-        return sim.Task("wait", [Step("wait")], stage=stage, fields={"name": name}, **more)
+        return Task("wait", [Step("wait")], stage=stage, fields={"name": name}, **more)
 
     @staticmethod
     def names(tasks):
@@ -466,7 +466,7 @@ class TestTasks:
 
     def test_a_task_has_steps(self):
         with pytest.raises(ValueError, match="at least one step"):
-            sim.Task("wait", [])
+            Task("wait", [])
 
     def test_nothing_is_handled_from_afar_or_twice(self, controller, tmp_path):
         name = controller(

@@ -24,7 +24,7 @@ PLAN = floorplan.load("ariac2023")
 
 def audited(**laws):
     """The machines in the summary's audit, with their figures, under these laws."""
-    trial = sim.Trial(PLAN, duration=1.0, rules=replace(sim.ARIAC2023, **laws))
+    trial = sim.Trial(PLAN, duration=1.0, rules=replace(sim.RULE_SETS["ariac2023"], **laws))
     audit = sim.run(trial).summary["law_audit"]
     return {found["machine"]: found for found in audit}
 

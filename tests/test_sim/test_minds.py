@@ -5,6 +5,7 @@ from run_events import events
 import bdi
 import sim
 from sim.people.minds import Outside
+from sim.people.perception import Percepts
 
 OUTSIDE = """
 floorplan: ariac2023
@@ -53,7 +54,7 @@ def test_what_is_perceived_waits_outside_in_its_order():
 
 def test_only_the_latest_percept_of_a_kind_is_kept():
     agent = bdi.Agent(bdi.parse(""))
-    percepts = sim.Percepts(agent)
+    percepts = Percepts(agent)
     for _ in range(3):
         percepts.count("work_completed")
         agent.advance(agent.now + 1.0)

@@ -154,7 +154,9 @@ def require_same_goals(across, within):
 
 @pytest.mark.parametrize("duration", [40.0, pytest.param(275.0, marks=pytest.mark.slow)])
 def test_the_original_agent_goes_on_to_the_end(duration):
-    across, within, _ = driven(replace(trial("indifferent", duration), rules=sim.ARIAC2023))
+    across, within, _ = driven(
+        replace(trial("indifferent", duration), rules=sim.RULE_SETS["ariac2023"])
+    )
     require_same_goals(across, within)
     violations = times(across, "violation")
     assert violations
@@ -165,7 +167,9 @@ def test_the_original_agent_goes_on_to_the_end(duration):
 def test_an_antagonistic_original_meets_the_gantry_to_the_end():
     # Where a teleport leaves it may be a goal that it already had, by the wall's clock, so what is
     # compared is how often it meets the gantry.
-    across, within, _ = driven(replace(trial("antagonistic", 275.0), rules=sim.ARIAC2023))
+    across, within, _ = driven(
+        replace(trial("antagonistic", 275.0), rules=sim.RULE_SETS["ariac2023"])
+    )
     violations, expected = times(across, "violation"), times(within, "violation")
     assert set(violations) <= set(times(across, "teleport"))
     assert len(violations) > 0.6 * len(expected)
@@ -176,7 +180,7 @@ def test_an_antagonistic_original_meets_the_gantry_to_the_end():
 def test_a_helpful_original_makes_room_to_the_end():
     # The gantry that comes back at the same pace meets it where a tenth of a second decides which
     # station it has just left, so its goals are counted, and not compared one by one.
-    a_trial = replace(trial("helpful", 120.0), rules=sim.ARIAC2023)
+    a_trial = replace(trial("helpful", 120.0), rules=sim.RULE_SETS["ariac2023"])
     across, within, _ = driven(a_trial, speed=5.0)
     assert not times(across, "violation")
     assert times(sim.run(replace(a_trial, people=trial("indifferent").people)), "violation")
@@ -186,13 +190,13 @@ def test_a_helpful_original_makes_room_to_the_end():
 
 def test_what_the_original_drops_after_its_start_it_hears_later():
     at_once = sim.GantryEntry(at=(-10.8, -1.0, 0.0))
-    a_trial = replace(trial("indifferent", 30.0), rules=sim.ARIAC2023, gantry=at_once)
+    a_trial = replace(trial("indifferent", 30.0), rules=sim.RULE_SETS["ariac2023"], gantry=at_once)
     across, within, original = driven(a_trial)
     assert original.dropped > 0
     require_same_goals(across, within)
     assert (
         times(across, "goal")[1]
-        > times(across, "violation")[0] + sim.ARIAC2023.pause_after_violation
+        > times(across, "violation")[0] + sim.RULE_SETS["ariac2023"].pause_after_violation
     )
 
 

@@ -278,7 +278,7 @@ def test_the_rules_of_the_competition():
     trial = sim.Trial.load("scene_indifferent")
     import dataclasses
 
-    finished = sim.run(dataclasses.replace(trial, rules=sim.ARIAC2023))
+    finished = sim.run(dataclasses.replace(trial, rules=sim.RULE_SETS["ariac2023"]))
     noticed = events(finished, "gantry_detected")
     assert noticed[0]["noticing_distance"] == 6.475
     gaps = np.diff([event["t"] for event in noticed])

@@ -63,6 +63,11 @@ def broken_at(t):
     return [(t[gap - 1], t[gap + 1]) for gap in gaps]
 
 
+def recorded(scene, duration, events, motions):
+    """A run in which only these events and motions happened."""
+    return Recorded(scene, duration, summary={}, events=events, motions=motions, violations={})
+
+
 def is_violation(event, person, machine):
     pair = (event.get("person"), event.get("with"))
     return event["kind"] == "violation" and pair == (person, machine)
@@ -288,7 +293,7 @@ def test_trails_on_the_same_way_can_all_be_seen():
         names = [f"p{k}" for k in range(count)]
         people = tuple(Figure(name, "", 0.4, 1.7) for name in names)
         scene = Scene("row", 0, plan, sim.PAPER, people, dict.fromkeys(names, (1, 2, 0)))
-        run = Recorded(scene, motion.end, {}, (), dict.fromkeys(names, motion), {})
+        run = recorded(scene, motion.end, (), dict.fromkeys(names, motion))
         (axes,) = run.plot.trails().axes
         lines = [line for line in axes.lines if line.get_label() in names]
         widths = [line.get_linewidth() for line in lines]
@@ -321,12 +326,12 @@ def test_a_heat_map_shows_how_long_somebody_walked_over_a_spot():
         "walk", 0, plan, sim.PAPER, (Figure("ada", "", 0.4, 1.7),), {"ada": (1.0, 2.0, 0.0)}
     )
     event = {"t": 0.0, "kind": "human_started", "person": "ada"}
-    run = Recorded(scene, motion.end, {}, (event,), {"ada": motion}, {})
+    run = recorded(scene, motion.end, (event,), {"ada": motion})
     seconds = time_covered(run)
     row, column = int(2.0 / HEAT_CELL), int(5.0 / HEAT_CELL)
     assert seconds[row, column] == pytest.approx(2 * 0.4 / 0.5, abs=2 * HEAT_CELL / 0.5)
     assert seconds[int(1.5 / HEAT_CELL), column] == 0.0
-    later = Recorded(scene, motion.end, {}, (), {"ada": motion}, {})
+    later = recorded(scene, motion.end, (), {"ada": motion})
     assert time_covered(later).sum() == 0.0
     two = plots.heat_map([run, run]).axes[0].images[0].get_array()
     np.testing.assert_allclose(two.filled(0.0), 2 * seconds)
@@ -616,7 +621,7 @@ def test_standing_people_are_drawn():
         "standing", 0, plan, sim.PAPER, (Figure("ada", "", 0.4, 1.7),), {"ada": (1, 2, 0)}
     )
     started = ({"t": 1.0, "kind": "human_started", "person": "ada"},)
-    run = Recorded(scene, 5.0, {}, started, {"ada": standing((1.0, 2.0))}, {})
+    run = recorded(scene, 5.0, started, {"ada": standing((1.0, 2.0))})
     for figure in (run.plot.trails(), run.plot.space_time(), run.plot.heat_map()):
         figure.savefig(io.BytesIO(), format="svg")
     [line] = [one for one in run.plot.trails().axes[0].lines if one.get_label() == "ada"]

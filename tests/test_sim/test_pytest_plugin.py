@@ -270,13 +270,13 @@ import pack
 CELL = sim.Trial.parse("name: mine\\nfloorplan: ariac2023\\nduration: 5.0\\n")
 
 @pytest.mark.trials(CELL)
-@pytest.mark.rule_sets(sim.ARIAC2023)
+@pytest.mark.rule_sets(sim.RULE_SETS["ariac2023"])
 @pytest.mark.controllers.with_args(pack.c)
 def test_it(trial, run_trial):
-    assert (trial.name, trial.rules) == ("mine", sim.ARIAC2023)
+    assert (trial.name, trial.rules) == ("mine", sim.RULE_SETS["ariac2023"])
     assert trial.gantry.controller is pack.c
     assert run_trial("near.trial.yaml").trial.name == "near"
-    assert run_trial("scene_helpful").trial.rules == sim.ARIAC2023
+    assert run_trial("scene_helpful").trial.rules == sim.RULE_SETS["ariac2023"]
     assert run_trial(CELL).trial is CELL
 
 @pytest.mark.controllers("pack:c", "parked")

@@ -60,7 +60,7 @@ def test_somebody_who_waits_stands():
 
 
 def test_reactions_are_written_and_read_again():
-    rules = replace(sim.ARIAC2023, name="slow", reactions={"helpful": 3.0})
+    rules = replace(sim.RULE_SETS["ariac2023"], name="slow", reactions={"helpful": 3.0})
     trial = replace(sim.Trial.load("scene_helpful"), rules=rules)
     assert sim.Trial.parse(trial.to_yaml()).rules == rules
 

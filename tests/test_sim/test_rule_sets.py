@@ -44,7 +44,7 @@ def walker(tmp_path, name, program):
     [((1.0, 0.0), 1.75 * 3.7), ((1.0, 1.0), 1.75 * 4.7), ((1.5, 1.0), 8.75), ((0.0, 0.0), 2.1)],
 )
 def test_the_noticing_distance_of_the_competition_is_capped_before_it_is_scaled(speeds, metres):
-    assert sim.ARIAC2023.notice.law.distance(*speeds) == pytest.approx(metres)
+    assert sim.RULE_SETS["ariac2023"].notice.law.distance(*speeds) == pytest.approx(metres)
 
 
 def test_in_the_grace_the_person_is_sent_home_all_the_same(tmp_path):

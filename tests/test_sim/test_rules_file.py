@@ -11,7 +11,7 @@ import sim
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 from navigation.separation import required_at_speeds
 from sim.core.rules import Notice
-from sim.safety.laws import LawError
+from sim.safety.laws import LawError, OwnLaw
 from sim.trials.rules_file import RulesError, find_rules
 
 TRIAL = """\
@@ -99,15 +99,15 @@ pause_after_agv: 0
     law = SeparationLaw(t1=0.5, t2=1.0, intrusion=0.8)
     assert (rules.name, rules.gantry_law, rules.agv_law) == ("ours", law, FixedDistance(1.5))
     assert rules.notice == Notice(law=Scaled(law, 3.0), parting=1.0, every=None, silent=20.0)
-    assert (rules.gantry_disabled, rules.grace) == (4.0, sim.ARIAC2023.grace)
+    assert (rules.gantry_disabled, rules.grace) == (4.0, sim.RULE_SETS["ariac2023"].grace)
     assert (rules.pause_after_violation, rules.pause_after_agv) == (10.0, 0.0)
 
 
 def test_what_is_left_out_is_that_of_the_rule_set_below():
     assert trial("{name: paper}").rules == sim.PAPER
-    assert trial("{based_on: ariac2023, name: ariac2023}").rules == sim.ARIAC2023
+    assert trial("{based_on: ariac2023, name: ariac2023}").rules == sim.RULE_SETS["ariac2023"]
     noticed = trial("{based_on: ariac2023, notice: {factor: 2.0}}").rules.notice
-    assert noticed.law == Scaled(sim.ARIAC2023.notice.law.law, 2.0, cap=5.0)
+    assert noticed.law == Scaled(sim.RULE_SETS["ariac2023"].notice.law.law, 2.0, cap=5.0)
     assert (noticed.every, noticed.parting) == (20.0, math.inf)
 
 
@@ -229,10 +229,10 @@ def test_a_law_of_ones_own_decides(folder):
 
 @pytest.mark.parametrize("name", ["braking:BrakingLaw", "braking:WayAhead"])
 def test_a_law_of_ones_own_travels_between_processes(folder, name):
-    law = sim.OwnLaw(name, {"deceleration": 2.0} if "Braking" in name else {}, folder)
+    law = OwnLaw(name, {"deceleration": 2.0} if "Braking" in name else {}, folder)
     back = pickle.loads(pickle.dumps(law))
     assert back == law
-    assert back != sim.OwnLaw("braking:BrakingLaw", {"deceleration": 3.0}, folder)
+    assert back != OwnLaw("braking:BrakingLaw", {"deceleration": 3.0}, folder)
     assert required_at_speeds(back, 1.0, 0.0) == required_at_speeds(law, 1.0, 0.0)
 
 

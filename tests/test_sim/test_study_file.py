@@ -154,7 +154,7 @@ def times(trial):
         ("job_order", (5, 4, 3, 2, 1, 0), picks, "65-321"),
         ("agv_delay", -5.5, times, [0.0, 0.5, 3.5]),
         ("agvs.agv2.delay", 1.0, times, [5.0, 7.0, 10.0]),
-        ("rules", "ariac2023", lambda trial: trial.rules, sim.ARIAC2023),
+        ("rules", "ariac2023", lambda trial: trial.rules, sim.RULE_SETS["ariac2023"]),
         ("duration", 5, lambda trial: trial.duration, 5.0),
     ],
 )
@@ -191,7 +191,7 @@ def test_a_value_of_ones_own_beats_that_for_everybody(
 
 def test_the_delay_of_one_agv_is_not_added_to_that_of_all():
     study = sim.Study(
-        "s", (BUSY,), {variable("agvs.agv2.delay"): (1.0,), variable("agv_delay"): (5.0,)}
+        "s", (BUSY,), grid={variable("agvs.agv2.delay"): (1.0,), variable("agv_delay"): (5.0,)}
     )
     assert times(study.row(0).trial) == [10.0, 7.0, 10.0]
 

@@ -91,7 +91,7 @@ trials = st.builds(
     name=words,
     duration=sizes,
     seed=st.integers(0, 2**63 - 1),
-    rules=st.sampled_from([sim.PAPER, sim.ARIAC2023]),
+    rules=st.sampled_from([sim.PAPER, sim.RULE_SETS["ariac2023"]]),
     people=people,
     gantry=st.builds(
         sim.GantryEntry,

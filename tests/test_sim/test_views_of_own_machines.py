@@ -46,7 +46,7 @@ def run():
         {"t": 1.0, "kind": "gantry_disabled", "machine": "press", "seconds": 4.0},
         {"t": 5.0, "kind": "gantry_enabled", "machine": "press"},
     )
-    return Recorded(scene, 9.0, {}, events, motions, violations)
+    return Recorded(scene, 9.0, summary={}, events=events, motions=motions, violations=violations)
 
 
 def test_pictures_and_films_show_them(run):

@@ -1,0 +1,87 @@
+"""The public names of `navigation`, each loaded with its module when it is first used."""
+
+from .bodies import Disc
+from .catalog import Path, PlannerError, PlanningError, planners
+from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes
+from .machines import agv_run, agv_stop, gantry_move, gantry_stop
+from .monitor import (
+    Apart,
+    Approaching,
+    Condition,
+    Moving,
+    Overlapping,
+    TooClose,
+    first_time,
+    first_violation,
+    minimum_margin,
+    minimum_separation,
+    violations,
+    when,
+)
+from .motion import Motion, Piece, join, standing
+from .moving_obstacles import Mover, plan_among
+from .planner import GantryPath, GantryPlanner, PathPlanner
+from .separation import (
+    ApproachLaw,
+    FixedDistance,
+    IntegralLaw,
+    Law,
+    MotionLaw,
+    Scaled,
+    SeparationLaw,
+    required_at,
+    required_at_speeds,
+)
+from .walking import remaining_path, stop_walking, walk
+from .world import CollisionWorld
+
+__all__ = [
+    "Apart",
+    "ApproachLaw",
+    "Approaching",
+    "Box",
+    "CollisionWorld",
+    "Condition",
+    "Cylinder",
+    "Disc",
+    "Enclosure",
+    "Encounter",
+    "FixedDistance",
+    "GantryPath",
+    "GantryPlanner",
+    "IntegralLaw",
+    "Law",
+    "Motion",
+    "MotionLaw",
+    "Mover",
+    "Moving",
+    "Overlapping",
+    "Path",
+    "PathPlanner",
+    "Piece",
+    "PlannerError",
+    "PlanningError",
+    "Scaled",
+    "SeparationLaw",
+    "Shapes",
+    "TooClose",
+    "agv_run",
+    "agv_stop",
+    "first_time",
+    "first_violation",
+    "gantry_move",
+    "gantry_stop",
+    "join",
+    "minimum_margin",
+    "minimum_separation",
+    "plan_among",
+    "planners",
+    "remaining_path",
+    "required_at",
+    "required_at_speeds",
+    "standing",
+    "stop_walking",
+    "violations",
+    "walk",
+    "when",
+]
