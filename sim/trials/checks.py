@@ -6,6 +6,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
+from dataclasses import replace
 from typing import get_args
 
 import shapely
@@ -34,7 +35,7 @@ from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
 from ..people.programs import EXTERNAL, find_program, modules_of, planner_source, sources_of
-from ..people.steering.own_steering import steering_source
+from ..people.steering.own_steering import SteeringError, steering_source
 from ..people.tracks.recorded_walks import track_faults
 from .expectations import expectation_problems
 from .feasibility import (
@@ -52,7 +53,7 @@ from .names import (
     event_kinds,
     machines,
     orders,
-    own_event_kinds,
+    own_names,
     parts,
     people,
     stations,
@@ -84,10 +85,23 @@ def check(trial: Scenario) -> None:
 
 
 def check_own_events(trial: Scenario) -> None:
-    """`TrialError` if `trial` expects of events of its own code, imported now, what can't be."""
-    if own_event_kinds(trial):
-        problems = _below(expectation_problems(trial), "expect")
+    """`TrialError` if `trial` names events that not even its custom code, imported now, defines."""
+    if any(own_names(trial)):
+        imported = replace(trial, own_code=False)
+        problems = [*_below(expectation_problems(imported), "expect")]
+        for place, start in _starts(trial):
+            problems += _start_faults(start, imported, *place)
         refuse(f"trial {trial.name!r}", problems, TrialError)
+
+
+def _starts(trial: Scenario) -> Iterator[tuple[Place, Start]]:
+    """Yield all conditions that something in a trial waits for, each with its place."""
+    for k, person in enumerate(trial.people):
+        yield ("people", k, "start"), person.start
+        for n, change in enumerate(person.changes):
+            yield ("people", k, "changes", n, "when"), change.when
+    for k, blackout in enumerate(trial.blackouts):
+        yield ("blackouts", k, "start"), blackout.start
 
 
 def faults(trial: Scenario) -> Iterator[Fault]:
@@ -117,8 +131,8 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     if trial.steering is not None:
         try:
             steering_source(trial.steering, trial.folder, own_code=trial.own_code)
-        except OwnCodeError as why:
-            yield f"the steering {why}", ("steering",)
+        except SteeringError as why:
+            yield str(why), ("steering",)
     try:
         sources_of(EXTERNAL, modules_of(None, trial.actions), trial.folder, own_code=trial.own_code)
     except OwnCodeError as why:
@@ -126,11 +140,12 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     yield from _overlaps(trial)
     yield from _crowding(trial)
     yield from _group_faults(trial)
+    for place, start in _starts(trial):
+        yield from _start_faults(start, trial, *place)
     yield from _below(list_faults(trial), "work")
     for k, blackout in enumerate(trial.blackouts):
         known = machines(trial)
         yield from _name_faults(blackout.machine, "machine", known, "blackouts", k, "machine")
-        yield from _start_faults(blackout.start, trial, "blackouts", k, "start")
         yield from _size(blackout.seconds, "blackouts", k, "seconds")
     yield from _below(door_faults(trial), "doors")
     yield from _below(obstacle_faults(trial), "obstacles")
@@ -214,9 +229,6 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         message = f"must begin with a letter, and have letters, digits, _ and -: {person.name!r}"
         yield message, ("name",)
     yield from _personality_faults(person, trial)
-    yield from _start_faults(person.start, trial, "start")
-    for k, change in enumerate(person.changes):
-        yield from _start_faults(change.when, trial, "changes", k, "when")
     for name in ("radius", "max_acceleration"):
         yield from _size(getattr(person, name), name)
     yield from _drawn_faults(person.max_speed, "max_speed")

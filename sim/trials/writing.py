@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,28 +23,11 @@ from ..core.entries import Command, Duration, RecordedTrack, Start
 from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
 from ..core.stage import DoorTimes, Interval, MachineEntry, TimedObstacle
 from ..machines.gantry.controllers import CONTROLLERS
-from ..machines.kinds import KINDS, is_own
+from ..machines.kinds import KINDS
 from ..orders import Workload
 from ..people.programs import written_personality
-from ..safety.laws import own_laws
+from .names import own_names
 from .rules_file import written_rules
-
-
-def own_names(trial: Scenario) -> Iterator[str]:
-    """Yield the names of all own code that stands in the trial's folder."""
-    controller = trial.gantry.controller
-    if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
-        yield trial.gantry.controller_name
-    planners = (trial.planner, *(person.planner for person in trial.people))
-    yield from dict.fromkeys(one.name for one in planners if one is not None and one.is_own)
-    if trial.steering is not None:
-        yield trial.steering
-    modules = (trial.actions, *(person.actions for person in trial.people))
-    yield from dict.fromkeys(name for name in modules if name is not None)
-    yield from (str(entry.kind) for entry in trial.machines.values() if is_own(entry))
-    for law in dict.fromkeys(own_laws(trial.rules)):
-        if law.folder == trial.folder.resolve():
-            yield law.name
 
 
 def out_of_reach(trial: Scenario, folder: Path) -> str:
