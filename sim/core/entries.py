@@ -6,7 +6,7 @@ import math
 import sys
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from random import Random
 from typing import Any, ClassVar, Literal
 
@@ -69,6 +69,7 @@ class Start:
     """
 
     time: float | None = 0.0
+    _: KW_ONLY
     part_placed: dict[str, str] | None = None
     order_submitted: str | None = None
     event: str | None = None
@@ -140,6 +141,7 @@ class WorkTask:
 
     at: str
     duration: Duration
+    _: KW_ONLY
     name: str = ""
     time: float = 0.0
     priority: int = 0
@@ -249,6 +251,7 @@ class RecordedTrack:
     """
 
     file: str
+    _: KW_ONLY
     body: str | None = None
     since: float = 0.0
     longest_gap: float = 1.0
@@ -279,6 +282,7 @@ class Command:
     """
 
     time: float
+    _: KW_ONLY
     send: str | None = None
     to: Point | str | None = None
     block: Obstacle | None = None

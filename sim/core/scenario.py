@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import lru_cache
 from itertools import accumulate, count, islice
 from pathlib import Path
@@ -72,7 +72,7 @@ class Load:
     items: Mapping[int, Item] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class KittingTask:
     """Put a part into each quadrant of `products` on a tray, and send the AGV to `destination`."""
 
@@ -105,6 +105,7 @@ class Order:
 
     id: str
     task: KittingTask | AssemblyTask | CombinedTask
+    _: KW_ONLY
     announcement: Start = field(default_factory=Start)
     priority: bool = False
 
@@ -174,6 +175,7 @@ class Workload:
     """
 
     orders: tuple[Order, ...]
+    _: KW_ONLY
     bins: Mapping[str, Mapping[int, Item]] = field(default_factory=dict)
     trays: Mapping[int, int] = field(default_factory=dict)
     loads: Mapping[str, Load] = field(default_factory=dict)
@@ -248,6 +250,7 @@ class Source:
 
     at: Point | str
     rate: float
+    _: KW_ONLY
     start: float = 0.0
     stream: str = ""
     number: int = 1
@@ -293,6 +296,7 @@ class PersonEntry:
     """
 
     name: str
+    _: KW_ONLY
     personality: str | bdi.Program = "indifferent"
     start: Start = AT_ONCE
     at: Point | str | None = None
@@ -371,6 +375,7 @@ class Job:
     """
 
     kind: Literal["move", "wait", "pick_place", "submit"]
+    _: KW_ONLY
     target: tuple[float, float, float] = (0.0, 0.0, 0.0)
     seconds: float = 0.0
     pick: str = ""
@@ -389,6 +394,7 @@ class GantryEntry:
     """
 
     controller: str | Callable[[Any], Any] = "parked"
+    _: KW_ONLY
     at: tuple[float, float, float] | None = None
     jobs: tuple[Job, ...] = ()
     repeat: bool = False
@@ -434,6 +440,7 @@ class Scenario:
     """
 
     floorplan: Floorplan
+    _: KW_ONLY
     name: str = "trial"
     duration: float = 275.0
     seed: int = 0

@@ -224,7 +224,7 @@ _ROUNDING = 1e-9
 """Seconds or metres. A law that is short by less is not short."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ShortLaw:
     """A law that states a shorter stop than its machine may take, in seconds and metres.
 
@@ -253,7 +253,16 @@ def short_laws(trial: Scenario) -> tuple[ShortLaw, ...]:
             time, distance = stop
             stated = math.inf if law.stopping is None else law.stopping
             if time > law.t2 + _ROUNDING or distance > stated + _ROUNDING:
-                found.append(ShortLaw(name, key, law.t2, time, law.stopping, distance))
+                found.append(
+                    ShortLaw(
+                        machine=name,
+                        law=key,
+                        t2=law.t2,
+                        needed_t2=time,
+                        stopping=law.stopping,
+                        needed_stopping=distance,
+                    )
+                )
     return tuple(found)
 
 

@@ -352,7 +352,7 @@ def test_a_program_of_no_file_is_refused(tmp_path, of_change):
             change = sim.PersonalityChange(sim.Start(3.0), program)
             entry = sim.PersonEntry("ada", changes=(change,))
         else:
-            entry = sim.PersonEntry("ada", program)
+            entry = sim.PersonEntry("ada", personality=program)
         return sim.Trial(FLOOR, people=(entry,), folder=tmp_path).to_yaml(tmp_path)
 
     (tmp_path / "own.asl").write_text(OWN)
