@@ -5,12 +5,9 @@ from .core.clock import Alarm, StandstillError, Turn
 from .core.entries import (
     Blackout,
     Command,
-    Duration,
     NoticingEntry,
     RecordedTrack,
     Start,
-    WorkList,
-    WorkTask,
 )
 from .core.events import EventKind
 from .core.output import OutputError
@@ -30,6 +27,7 @@ from .core.scenario import (
     PersonEntry,
     TrialError,
 )
+from .core.schedule import Duration, WorkList, WorkTask
 from .core.stage import MachineEntry, MachineModel, Stage
 from .exports import export
 from .live.live_run import LiveRun

@@ -2,7 +2,7 @@
 
 import math
 from math import radians, tau
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -136,6 +136,15 @@ Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_r
 
 KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True)
 """How a dataclass is read that is a part of a file: unknown keys are refused."""
+
+
+class Keyed:
+    """Base of dataclasses whose fields are the keys of a part of a file; unknown keys are refused.
+
+    Made in Python they are plain dataclasses. Their annotations say how a file is read.
+    """
+
+    __pydantic_config__: ClassVar[ConfigDict] = KEYS
 
 
 class Strictly(BaseModel):

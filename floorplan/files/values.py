@@ -9,6 +9,7 @@ from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from typing import (
+    Annotated,
     Any,
     Generic,
     Literal,
@@ -182,6 +183,9 @@ def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
 
 def _faults(value: object, hint: Any) -> Iterator[Fault]:
     origin = get_origin(hint)
+    if origin is Annotated:
+        yield from _faults(value, get_args(hint)[0])
+        return
     if origin in (Union, types.UnionType):
         options = [option for option in get_args(hint) if option is not type(None)]
         if value is None and len(options) < len(get_args(hint)):

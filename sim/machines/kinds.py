@@ -6,13 +6,13 @@ import inspect
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, is_dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from floorplan import Floorplan, Gantry, UserError
-from floorplan.files.problems import Fault, Place, field_name, misfits, shown
+from floorplan.files.problems import Fault, Place, field_name, form_keys, misfits, shown
 from navigation import IntegralLaw, SeparationLaw
 from navigation.separation import required_at_speeds
 
@@ -127,9 +127,7 @@ def keys_of(entry: MachineEntry, scenario: Scenario) -> list[str] | None:
         own_kind(entry, scenario.folder, own_code=scenario.own_code)
         return None
     kind = entry.kind if isinstance(entry.kind, type) else KINDS[entry.kind]
-    if kind.key_schema is None:
-        return [field.name for field in fields(kind)]  # type: ignore[arg-type]
-    return [field.alias or name for name, field in kind.key_schema.model_fields.items()]
+    return [name for name, _ in form_keys(kind.key_schema or kind)]
 
 
 def may_be(category: Category, entry: MachineEntry) -> bool:

@@ -13,7 +13,6 @@ from floorplan import Human, Point
 
 from ..core.body import Body
 from ..core.clock import Alarm, Clock, Turn
-from ..core.entries import WorkList, WorkTask
 from ..core.events import (
     ShiftBegan,
     ShiftEnded,
@@ -24,6 +23,7 @@ from ..core.events import (
     TaskTaken,
 )
 from ..core.scenario import PersonEntry, Scenario
+from ..core.schedule import WorkList, WorkTask
 from ..core.stage import Stage
 from .minds import as_term
 from .perception import Senses

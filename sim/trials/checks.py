@@ -21,16 +21,18 @@ from navigation import PlannerError
 from navigation.catalog import PlannerChoice
 
 from ..core.custom_code import OwnCodeError
-from ..core.entries import AT_ONCE, Drawn, Duration, MannersEntry, Side, Spread, Start
+from ..core.entries import AT_ONCE, CONDITIONS, MannersEntry, Side, Spread, Start
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from ..core.scenario import (
     ANYWHERE,
+    NAME,
     PersonalityChange,
     PersonEntry,
     Scenario,
     TrialError,
     spot,
 )
+from ..core.schedule import Drawn, Duration
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
@@ -59,9 +61,6 @@ from .names import (
     stations,
 )
 
-NAME = r"[A-Za-z][A-Za-z0-9_-]*"
-"""Names that people may have."""
-
 LARGEST_SEED = 2**63 - 1
 """Seeds of 63 bits are what studies draw, and what every table and recording can hold."""
 
@@ -73,9 +72,6 @@ GROUPS = range(2, 6)
 
 DENSEST = 0.9
 """Share of a floor that discs can cover, side by side."""
-
-CONDITIONS = ("time", "part_placed", "order_submitted", "event")
-"""Conditions of a start or a change of personality, one of them."""
 
 
 def check(trial: Scenario) -> None:

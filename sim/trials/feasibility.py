@@ -16,9 +16,10 @@ from floorplan.checks import height_fault, polygon_fault
 from floorplan.files.fields import LARGEST, time_fault
 from floorplan.files.problems import Fault, Place, suggestion
 
-from ..core.entries import COMMANDS, ClockTime, Command, WorkTask, as_given, times_until
+from ..core.entries import COMMANDS, Command
 from ..core.scenario import PersonEntry, Scenario, spot
-from ..core.stage import Closures, Interval
+from ..core.schedule import ClockTime, Interval, WorkTask, as_given, times_until
+from ..core.stage import Closures
 from ..machines.agv.agv import last_before, part_behind, part_within
 from ..machines.agv.model import MOST_MOVES, number_of
 from ..machines.kinds import moves_of

@@ -19,9 +19,10 @@ from floorplan.plan import floor_keys, obstacle_keys
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
-from ..core.entries import Command, Duration, RecordedTrack, Start
+from ..core.entries import Command, RecordedTrack, Start
 from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
-from ..core.stage import DoorTimes, Interval, MachineEntry, TimedObstacle
+from ..core.schedule import DoorTimes, Duration, Interval, TimedObstacle
+from ..core.stage import MachineEntry
 from ..machines.gantry.controllers import CONTROLLERS
 from ..machines.kinds import KINDS
 from ..orders import Workload

@@ -12,7 +12,6 @@ from floorplan import Floorplan, Lane, UserError
 from floorplan.files.fields import (
     Angle,
     Flag,
-    NotNegative,
     Number,
     Pair,
     Positive,
@@ -25,8 +24,8 @@ from floorplan.files.problems import Fault
 from navigation.machines import Stop, longest_stop
 
 from ...core.body import MachineShape
-from ...core.entries import Keys, times_until
 from ...core.scenario import AgvMove
+from ...core.schedule import times_until
 from ...core.stage import MachineModel, Stage
 from .agv import Agv, agv_shape
 
@@ -51,17 +50,10 @@ def repeated(moves: tuple[AgvMove, ...], end: float) -> tuple[AgvMove, ...]:
     return tuple(sorted(found, key=lambda move: move.time))
 
 
-class _Move(Keys):
-    stands_for = AgvMove
-    time: NotNegative
-    to: str | Number
-    every: Positive | None = None
-
-
 class AgvKeys(Strictly):
     """One AGV of the floor; where it does not yield, a list of its moves will do."""
 
-    moves: list[_Move] = []
+    moves: tuple[AgvMove, ...] = ()
     yields: Flag = Field(default=False, alias="yield")
 
     @model_validator(mode="before")
@@ -69,24 +61,19 @@ class AgvKeys(Strictly):
     def _only_moves(cls, value: object) -> object:
         return {"moves": value} if isinstance(value, list) else value
 
-    def values(self) -> tuple[AgvMove, ...]:
-        """Return its moves as they are given."""
-        return tuple(move.value() for move in self.moves)
-
     def moves_until(self, end: float, lane: Lane | None) -> tuple[AgvMove, ...]:
         """Return all its moves on a lane until `end` (seconds).
 
         If there is something wrong with one, they are as given, so that it is found at its place.
         """
-        given = self.values()
         if lane is None:
-            return given
+            return self.moves
         try:
-            for move in given:
+            for move in self.moves:
                 lane.lane_position(move.to)
         except UserError:
-            return given
-        return repeated(given, end)
+            return self.moves
+        return repeated(self.moves, end)
 
 
 class CartKeys(AgvKeys):
@@ -135,7 +122,7 @@ class AgvModel(MachineModel):
     def read(cls, name: str, keys: Mapping[str, Any]) -> AgvModel:
         """Return the model with these keys of a trial file."""
         given = CartKeys.model_validate(keys)
-        return cls(given.lane(name), given.values(), given.yields)
+        return cls(given.lane(name), given.moves, given.yields)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
         """Return its shape, as others see it."""
