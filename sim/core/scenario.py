@@ -23,7 +23,6 @@ from floorplan.files.fields import (
     NotNegative,
     Number,
     Positive,
-    Strictly,
     whole,
 )
 from floorplan.files.problems import Written
@@ -411,8 +410,19 @@ class Job:
     part: str = ""
     order: str = ""
 
+    def written(self) -> dict[str, Any]:
+        """Return the keys of the job in a file, as of `JobKeys`."""
+        if self.kind == "move":
+            return {"move": self.target}
+        if self.kind == "wait":
+            return {"wait": self.seconds}
+        if self.kind == "submit":
+            return {"submit": self.order}
+        return {"pick": self.pick, "place": self.place, "part": self.part}
 
-class JobKeys(Strictly):
+
+@dataclass(frozen=True, kw_only=True)
+class JobKeys(Keyed):
     """A job in a file."""
 
     move: Pose | None = None
@@ -424,7 +434,7 @@ class JobKeys(Strictly):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        given = self.model_fields_set - {"part"}
+        given = {name for name, value in vars(self).items() if value is not None} - {"part"}
         if given not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
             raise UserError("a job is one of move, wait, pick with place, or submit")
         return self

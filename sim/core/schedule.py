@@ -30,7 +30,6 @@ from floorplan.files.fields import (
     Number,
     Positive,
     Range,
-    Strictly,
     whole,
 )
 from floorplan.files.problems import Written
@@ -134,6 +133,12 @@ class Duration:
         usual = sum(values) / len(values) if self.kind in ("uniform", "triangular") else values[0]
         return max(usual, SHORTEST)
 
+    def written(self) -> Any:
+        """Return what a file has for it: seconds, or a distribution as of `DrawnKeys`."""
+        if self.kind == "fixed":
+            return self.values[0]
+        return {self.kind: self.values[0] if len(self.values) == 1 else self.values}
+
     def draw(self, random: Random) -> float:
         """Return a length (seconds), drawn from `random` unless it is fixed."""
         values = self.values
@@ -152,7 +157,8 @@ class Duration:
         return max(drawn, SHORTEST)
 
 
-class DrawnKeys(Strictly):
+@dataclass(frozen=True, kw_only=True)
+class DrawnKeys(Keyed):
     """A distribution in a file: its kind, with its figures."""
 
     uniform: tuple[NotNegative, NotNegative] | None = None
@@ -163,18 +169,20 @@ class DrawnKeys(Strictly):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        if len(self.model_fields_set) != 1:
-            raise UserError(f"give one of {', '.join(type(self).model_fields)}")
-        for name in ("uniform", "triangular"):
-            given = getattr(self, name)
-            if given is not None and list(given) != sorted(given):
-                raise UserError(f"{name} must rise, found {list(given)}")
+        if len(self._given) != 1:
+            raise UserError(f"give one of {', '.join(vars(self))}")
+        ((name, given),) = self._given.items()
+        if name in ("uniform", "triangular") and list(given) != sorted(given):
+            raise UserError(f"{name} must rise, found {list(given)}")
         return self
+
+    @property
+    def _given(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if value is not None}
 
     def value(self) -> Duration:
         """Return the distribution."""
-        (kind,) = self.model_fields_set
-        given = getattr(self, kind)
+        ((kind, given),) = self._given.items()
         values = given if isinstance(given, tuple) else (given,)
         return Duration(kind, tuple(map(float, values)))  # type: ignore[arg-type]
 

@@ -62,15 +62,8 @@ Twice the longest time limit that the competition has.
 CONTROLLER = "pausing"
 """The gantry controller that works on the orders, unless the user names another."""
 
-_OWN_KEYS = {"time_limit", "kitting_trays", "parts", "orders"}
 _Model = TypeVar("_Model", bound=BaseModel)
 _Made = TypeVar("_Made", bound=Scenario)
-
-
-def is_ariac(document: Document) -> bool:
-    """Return True if a document is a trial file as the ARIAC competition writes them."""
-    data = document.data
-    return isinstance(data, dict) and "floorplan" not in data and not _OWN_KEYS.isdisjoint(data)
 
 
 def build(form: type[_Made], document: Document, folder: Path) -> _Made:

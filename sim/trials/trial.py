@@ -25,7 +25,6 @@ from ..machines.agv.model import MOST_MOVES, number_of
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
-from ..orders import reading
 from ..people.programs import load_program, modules_of
 from .checks import faults
 from .feasibility import people_fault
@@ -244,7 +243,9 @@ class Trial(Scenario):
 
 def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -> Trial:
     """Return the trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
-    if reading.is_ariac(document):
+    if is_ariac(document):
+        from ..orders import reading  # only files of the competition need it
+
         return replace(reading.build(form, document, folder), own_code=own_code)
     if other := _something_else(document):
         raise TrialError(document.file, [Problem(f"is {other}")])
@@ -299,6 +300,15 @@ def build(form: type[Trial], document: Document, folder: Path, own_code: bool) -
     return replace(trial, notices=(*trial.notices, *likely_slips(trial, document)))
 
 
+_KEYS_OF_ARIAC = {"time_limit", "kitting_trays", "parts", "orders"}
+
+
+def is_ariac(document: Document) -> bool:
+    """Return True if a document is a trial file as the ARIAC competition writes them."""
+    keys = {*document.data} if isinstance(document.data, dict) else set()
+    return "floorplan" not in keys and bool(keys & _KEYS_OF_ARIAC)
+
+
 def _refuse_crowds(schema: TrialKeys, document: Document) -> None:
     """Raise `TrialError` where there are more people than the budget has, before they are made."""
     if found := people_fault(person.many or 1 for person in schema.people):
@@ -322,6 +332,8 @@ def _something_else(document: Document) -> str:
 
 def _with_orders(trial: Trial, schema: TrialKeys, name: str, document: Document) -> Trial:
     """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
+    from ..orders import reading  # only files of the competition need it
+
     orders = read_yaml(_named_file(trial.folder, name, document, "ariac"), TrialError)
     workload, notices = reading.read_workload(orders, trial.floorplan)
     given = schema.model_fields_set
