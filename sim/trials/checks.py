@@ -16,7 +16,7 @@ from floorplan import Point, UserError
 from floorplan.checks import starting_fault
 from floorplan.files.fields import LARGEST, SMALLEST, size_fault, time_fault
 from floorplan.files.problems import Fault, Place, refuse, suggestion
-from floorplan.files.values import require_fields
+from floorplan.files.values import range_faults, require_fields
 from navigation import PlannerError
 from navigation.catalog import PlannerChoice
 
@@ -142,7 +142,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     for k, blackout in enumerate(trial.blackouts):
         known = machines(trial)
         yield from _name_faults(blackout.machine, "machine", known, "blackouts", k, "machine")
-        yield from _size(blackout.seconds, "blackouts", k, "seconds")
+        yield from _below(range_faults(blackout), "blackouts", k)
     yield from _below(door_faults(trial), "doors")
     yield from _below(obstacle_faults(trial), "obstacles")
     yield from _below(command_faults(trial), "commands")
@@ -225,8 +225,7 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         message = f"must begin with a letter, and have letters, digits, _ and -: {person.name!r}"
         yield message, ("name",)
     yield from _personality_faults(person, trial)
-    for name in ("radius", "max_acceleration"):
-        yield from _size(getattr(person, name), name)
+    yield from range_faults(person)
     yield from _drawn_faults(person.max_speed, "max_speed")
     for name in ("field_of_view", "reaction_time"):
         yield from _drawn_faults(getattr(person.noticing, name), "noticing", name)
@@ -282,10 +281,6 @@ def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     """Yield what is wrong with where somebody comes in, and where they leave."""
     source = person.source
     if source is not None:
-        yield from _size(source.rate, "source", "rate")
-        yield from _time(source.start, "source", "start")
-        if source.number < 1:
-            yield f"must be 1 or more, not {source.number!r}", ("source", "number")
         if person.at is not None:
             yield "who has a source is not there at the beginning; leave at out", ("at",)
         if person.start != AT_ONCE:
@@ -381,10 +376,6 @@ def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]
 def _start_faults(start: Start, trial: Scenario, *place: str | int) -> Iterator[Fault]:
     if sum(getattr(start, name) is not None for name in CONDITIONS) != 1:
         yield f"must be one of {', '.join(CONDITIONS)}", place
-    if start.time is not None:
-        yield from _time(start.time, *place, "time")
-    if start.count < 1:
-        yield f"must be 1 or more, not {start.count!r}", (*place, "count")
     if start.event is not None:
         known_events = event_kinds(trial, start.event)
         yield from _name_faults(start.event, "kind of event", known_events, *place, "event")

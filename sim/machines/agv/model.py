@@ -17,10 +17,9 @@ from floorplan.files.fields import (
     Positive,
     Range,
     Strictly,
-    size_fault,
-    time_fault,
 )
 from floorplan.files.problems import Fault
+from floorplan.files.values import range_faults
 from navigation.machines import Stop, longest_stop
 
 from ...core.body import MachineShape
@@ -142,10 +141,8 @@ class AgvModel(MachineModel):
                 self.lane.lane_position(move.to)
             except UserError as why:
                 yield str(why), (k, "to")
-            if fault := time_fault(move.time):
-                yield fault, (k, "time")
-            if move.every is not None and (fault := size_fault(move.every)):
-                yield fault, (k, "every")
+            for fault, place in range_faults(move):
+                yield fault, (k, *place)
             if are_in_order and k and move.time < self.moves[k - 1].time:
                 message = f"{move.time:g} s is before the move above it; put moves in order"
                 yield message, (k, "time")

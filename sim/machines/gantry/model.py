@@ -10,8 +10,9 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from floorplan import Floorplan, Gantry, Point
-from floorplan.files.fields import Range, size_fault, time_fault
+from floorplan.files.fields import Range, size_fault
 from floorplan.files.problems import Fault, suggestion
+from floorplan.files.values import range_faults
 from navigation.machines import Stop, longest_stop
 
 from ...core.body import MachineShape
@@ -84,10 +85,8 @@ class GantryModel(MachineModel):
             if carried and drop.part not in carried:
                 hint = suggestion(drop.part, carried)
                 yield f"no job carries a part called {drop.part!r}; {hint}", ("drops", k, "part")
-            if drop.after < 0:
-                yield f"must be 0 or more, not {drop.after}", ("drops", k, "after")
-            if fault := time_fault(drop.delay):
-                yield fault, ("drops", k, "delay")
+            for fault, place in range_faults(drop):
+                yield fault, ("drops", k, *place)
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest and farthest stop of its axes."""
