@@ -5,12 +5,9 @@ from .core.clock import Alarm, Turn
 from .core.entries import (
     Blackout,
     Command,
-    Duration,
     NoticingEntry,
     RecordedTrack,
     Start,
-    WorkList,
-    WorkTask,
 )
 from .core.events import EventKind
 from .core.output import OutputError
@@ -29,6 +26,7 @@ from .core.scenario import (
     Source,
     TrialError,
 )
+from .core.schedule import Duration, WorkList, WorkTask
 from .core.stage import MachineEntry, MachineModel, Stage
 from .exports import export
 from .live.live_run import LiveRun

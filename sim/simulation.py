@@ -380,7 +380,12 @@ class Simulation(InProgress):
             floorplan=trial.floorplan,
             rules=trial.rules,
             people=tuple(
-                Figure(p.name, p.personality_name, p.radius or human.radius, human.height)
+                Figure(
+                    p.name,
+                    personality=p.personality_name,
+                    radius=p.radius or human.radius,
+                    height=human.height,
+                )
                 for p in trial.people
             ),
             starts={body.name: body.state.position for body in self.bodies},

@@ -1,23 +1,20 @@
 """The documents are true: their examples run, their links lead somewhere."""
 
-import dataclasses
 import importlib
 import pkgutil
 import re
 import sys
-import typing
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import yaml
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
 
 import bdi
 import floorplan
 import sim
 from floorplan.building import FloorplanSchema
+from floorplan.files.problems import form_keys, forms
 from sim.studies.design import _StudyKeys as StudyKeys
 from sim.trials.keys import TrialKeys
 from sim.trials.rules_file import RuleKeys
@@ -137,27 +134,12 @@ gantry: {{jobs: [{{move: [-2.3, 3.0, 0.0]}}, {{pick: bin6, place: agv4}}]}}
 
 
 def keys(model, above=()):
-    """Every key of a file's part and of the parts in it, with those above it."""
-    for name, info in fields_of(model):
-        yield (*above, name), info
-        for part in parts(info.annotation):
-            if part.__name__ not in above:
-                yield from keys(part, (*above, part.__name__))
-
-
-def fields_of(part):
-    if issubclass(part, BaseModel):
-        return part.model_fields.items()
-    return [(one.name, FieldInfo.from_annotation(one.type)) for one in dataclasses.fields(part)]
-
-
-def parts(annotation):
-    if isinstance(annotation, type) and (
-        issubclass(annotation, BaseModel) or dataclasses.is_dataclass(annotation)
-    ):
-        yield annotation
-    for inner in typing.get_args(annotation):
-        yield from parts(inner)
+    """The keys of a file's part, and of the parts in it that are not `above`."""
+    for name, annotation in form_keys(model):
+        yield name
+        for part in forms(annotation):
+            if part not in above:
+                yield from keys(part, (*above, part))
 
 
 REFERENCE = {
@@ -181,9 +163,7 @@ WRITTEN_ONLY = {RuleKeys: {"source"}, StudyKeys: {"word"}, TrialKeys: {"stream",
 @pytest.mark.parametrize("model", REFERENCE, ids=lambda model: model.__name__)
 def test_the_reference_has_every_key(model):
     text = "".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in REFERENCE[model])
-    names = {info.alias or place[-1] for place, info in keys(model)} - WRITTEN_ONLY.get(
-        model, set()
-    )
+    names = {*keys(model)} - WRITTEN_ONLY.get(model, set())
     told = r"`([\w.]+\.)?{0}[`:]|\b{0}:|(?m:^#+ .*\b{0}\b)"
     missing = {name for name in names if not re.search(told.format(name), text)}
     assert missing == set()
@@ -193,7 +173,7 @@ def test_the_reference_marks_the_required_keys_of_machines():
     text = (ROOT / "docs" / "floorplan-formats.md").read_text(encoding="utf-8")
     rows = [row for row in text.splitlines() if "| required" in row]
     for key in ("agvs", "gantry"):
-        (part,) = parts(FloorplanSchema.model_fields[key].annotation)
+        (part,) = forms(FloorplanSchema.model_fields[key].annotation)
         needed = {f"{key}.{name}" for name, info in part.model_fields.items() if info.is_required()}
         told = {name for row in rows for name in re.findall(rf"`({key}\.\w+)[`.]", row)}
         assert told == needed

@@ -150,14 +150,19 @@ class Document:
             known = known[:-1]
         return Problem(message, field_name((*self.at, *place)), self.lines.get(known))
 
-    def checked(self, schema: type[_Schema], error: type[InputError]) -> _Schema:
-        """Return the values as `schema`; every misfit at once in one `error`."""
+    def checked(
+        self, schema: type[_Schema], error: type[InputError], context: Any = None
+    ) -> _Schema:
+        """Return the values as `schema`; every misfit at once in one `error`.
+
+        Pydantic's validators get the `context`.
+        """
         if not isinstance(self.data, dict):
             found = "nothing" if self.data is None else "a " + _kind(self.data)
             message = f"expected keys with values, found {found}"
             raise error(self.file, [self.problem(message)])
         try:
-            return schema.model_validate(self.data)
+            return schema.model_validate(self.data, context=context)
         except ValidationError as why:
             problems = [
                 self.problem(message, *place) for message, place in misfits(why, schema, self.data)

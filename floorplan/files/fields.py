@@ -1,8 +1,9 @@
 """Field types of files: numbers in range, angles, flags, and models that reject unknown keys."""
 
 import math
+from collections.abc import Callable
 from math import radians, tau
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -84,11 +85,13 @@ def _checked_angle(value: float) -> float:
 class Reads:
     """Annotation that says in pydantic's own terms how a value is read.
 
-    What many fields have in common is so worked out once, not for each of them.
+    What many fields have in common is so worked out once, not for each of them. `fault` returns
+    the reason why a number that was given in Python is out of range, or an empty text.
     """
 
-    def __init__(self, schema: CoreSchema) -> None:
+    def __init__(self, schema: CoreSchema, fault: Callable[[Any], str] = lambda value: "") -> None:
         self._schema = schema
+        self.fault = fault
 
     def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return dict(self._schema)
@@ -102,13 +105,15 @@ _PAIR = tuple_schema([_NUMBER, _NUMBER])
 Number = Annotated[float, Reads(_NUMBER)]
 """A field of a file: a number from -`LARGEST` to `LARGEST`."""
 
-Positive = Annotated[float, Reads(no_info_after_validator_function(_checked_size, _POSITIVE))]
+Positive = Annotated[
+    float, Reads(no_info_after_validator_function(_checked_size, _POSITIVE), size_fault)
+]
 """A field of a file: a number from 1e-6 to `LARGEST`."""
 
 Angle = Annotated[float, Reads(no_info_after_validator_function(_checked_angle, _NUMBER))]
 """A field of a file: an angle in radians, of two turns at most."""
 
-NotNegative = Annotated[float, Reads(_NOT_NEGATIVE)]
+NotNegative = Annotated[float, Reads(_NOT_NEGATIVE, time_fault)]
 """A field of a file: a number from 0 to `LARGEST`."""
 
 Flag = Annotated[bool, Reads(bool_schema(strict=True))]
@@ -117,7 +122,12 @@ Flag = Annotated[bool, Reads(bool_schema(strict=True))]
 
 def whole(least: int | None = None, most: int | None = None) -> Reads:
     """Return the annotation of a field of a file: a whole number from `least` to `most`."""
-    return Reads(int_schema(strict=True, ge=least, le=most))
+
+    def fault(value: int) -> str:
+        short = least is not None and value < least
+        return f"must be {least} or more, not {value!r}" if short else ""
+
+    return Reads(int_schema(strict=True, ge=least, le=most), fault)
 
 
 Pair = Annotated[tuple[float, float], Reads(_PAIR)]
@@ -136,6 +146,15 @@ Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_r
 
 KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True)
 """How a dataclass is read that is a part of a file: unknown keys are refused."""
+
+
+class Keyed:
+    """Base of dataclasses whose fields are the keys of a part of a file; unknown keys are refused.
+
+    Made in Python they are plain dataclasses. Their annotations say how a file is read.
+    """
+
+    __pydantic_config__: ClassVar[ConfigDict] = KEYS
 
 
 class Strictly(BaseModel):

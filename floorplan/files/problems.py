@@ -7,9 +7,10 @@ import difflib
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar, get_args
+from typing import Annotated, Any, TypeAlias, TypeVar, get_args, get_type_hints
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, GetCoreSchemaHandler, ValidationError
+from pydantic_core import CoreSchema
 
 _Error = TypeVar("_Error", bound="InputError")
 
@@ -149,6 +150,16 @@ FORMS = (
 """Misfits of a value that has not the form at all; where it may have several, others may fit."""
 
 
+class Written:
+    """Annotation that says in which `form` a file has a value, as a type that pydantic reads."""
+
+    def __init__(self, form: Any) -> None:
+        self.form = form
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return handler.generate_schema(self.form)
+
+
 def misfits(error: ValidationError, form: type, data: object) -> list[Fault]:
     """Return what is wrong with `data`, which is no `form` by `error`, each with its place.
 
@@ -233,26 +244,30 @@ def _wrong_form(misfit: dict[str, Any], forms: Iterable[str]) -> str:
 
 def _keys(form: type, above: Iterable[str | int]) -> list[str]:
     """Return the keys that may stand below the keys `above` in a `form`, sorted."""
-    forms = [form]
+    found = [form]
     for part in above:
-        inner = [one for outer in forms for one in _forms(dict(_fields(outer)).get(str(part)))]
-        forms = inner or forms
-    return sorted({key for one in forms for key, _ in _fields(one)})
+        inner = [one for outer in found for one in forms(dict(form_keys(outer)).get(str(part)))]
+        found = inner or found
+    return sorted({key for one in found for key, _ in form_keys(one)})
 
 
-def _fields(form: type) -> Iterator[tuple[str, Any]]:
+def form_keys(form: type) -> Iterator[tuple[str, Any]]:
     """Yield the keys of a form, each with the type of its value."""
     if issubclass(form, BaseModel):
         for name, info in form.model_fields.items():
-            yield info.alias or name, info.annotation
+            kind: Any = info.annotation
+            yield info.alias or name, Annotated[(kind, *info.metadata)] if info.metadata else kind
     elif dataclasses.is_dataclass(form):
+        hints = get_type_hints(form, include_extras=True)
         for field in dataclasses.fields(form):
-            yield field.name, field.type
+            yield field.name, hints[field.name]
 
 
-def _forms(kind: object) -> Iterator[type]:
+def forms(kind: object) -> Iterator[type]:
     """Yield the models and dataclasses in a type: those of a union, of a list's elements."""
     if isinstance(kind, type) and (issubclass(kind, BaseModel) or dataclasses.is_dataclass(kind)):
         yield kind
-    for inner in get_args(kind):
-        yield from _forms(inner)
+    inner = get_args(kind)
+    written = [one.form for one in inner if isinstance(one, Written)]
+    for one in written or inner:
+        yield from forms(one)

@@ -9,6 +9,7 @@ from functools import cache
 from numbers import Integral, Real
 from pathlib import Path
 from typing import (
+    Annotated,
     Any,
     Generic,
     Literal,
@@ -26,6 +27,7 @@ import numpy as np
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from .fields import Keyed, Reads
 from .problems import Fault, field_name, shown, suggestion
 
 
@@ -182,6 +184,9 @@ def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
 
 def _faults(value: object, hint: Any) -> Iterator[Fault]:
     origin = get_origin(hint)
+    if origin is Annotated:
+        yield from _faults(value, get_args(hint)[0])
+        return
     if origin in (Union, types.UnionType):
         options = [option for option in get_args(hint) if option is not type(None)]
         if value is None and len(options) < len(get_args(hint)):
@@ -220,6 +225,51 @@ def _faults(value: object, hint: Any) -> Iterator[Fault]:
             yield _misfit(value, hint)
         elif dataclasses.is_dataclass(hint):
             yield from _field_faults(value)
+
+
+def range_faults(value: Keyed) -> Iterator[Fault]:
+    """Yield the numbers in a value, and in those within it, that its annotations exclude.
+
+    Fields of the types in `floorplan.files.fields` have ranges.
+    """
+    kind: type = type(value)
+    for name, hint in _ranged_fields(kind):
+        for message, rest in _out_of_range(getattr(value, name), hint):
+            yield message, (name, *rest)
+
+
+@cache
+def _ranged_fields(kind: type) -> tuple[tuple[str, Any], ...]:
+    hints = get_type_hints(kind, include_extras=True)
+    fields = dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ()
+    found = ((field.name, hints[field.name]) for field in fields)
+    return tuple((name, hint) for name, hint in found if _has_range(hint))
+
+
+def _has_range(hint: Any) -> bool:
+    if isinstance(hint, Reads) or (isinstance(hint, type) and issubclass(hint, Keyed)):
+        return True
+    return any(map(_has_range, get_args(hint)))
+
+
+def _out_of_range(value: Any, hint: Any) -> Iterator[Fault]:
+    if value is None:
+        return
+    inner = get_args(hint)
+    if get_origin(hint) is Annotated:
+        number = isinstance(value, Real)
+        ranges = [one for one in inner[1:] if number and isinstance(one, Reads)]
+        yield from ((fault, ()) for one in ranges if (fault := one.fault(value)))
+        yield from _out_of_range(value, inner[0])
+    elif get_origin(hint) in (Union, types.UnionType):
+        for option in inner:
+            yield from _out_of_range(value, option)
+    elif get_origin(hint) is tuple and inner[-1] is Ellipsis:
+        for k, one in enumerate(value):
+            for message, rest in _out_of_range(one, inner[0]):
+                yield message, (k, *rest)
+    elif isinstance(value, Keyed) and type(value) is hint:
+        yield from range_faults(value)
 
 
 def _tuple_faults(value: object, hint: Any) -> Iterator[Fault]:

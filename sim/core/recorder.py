@@ -6,7 +6,7 @@ Both are handed on at once, so that a run that is broken off leaves a whole reco
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from floorplan import Floorplan, Obstacle
@@ -28,12 +28,13 @@ class Figure:
     """
 
     name: str
+    _: KW_ONLY
     personality: str
     radius: float
     height: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Scene:
     """All that stays the same during a run, but is needed to draw or to judge it.
 

@@ -4,16 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from functools import lru_cache
 from itertools import accumulate, count, islice
 from pathlib import Path
 from random import Random
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from typing_extensions import Self
 
 import bdi
-from floorplan import Floorplan, InputError, Point, Problem, SafeZone
+from floorplan import Floorplan, InputError, Point, Problem, SafeZone, UserError
 from floorplan.checks import starting_fault
+from floorplan.files.fields import (
+    Flag,
+    Keyed,
+    NotNegative,
+    Number,
+    Positive,
+    whole,
+)
+from floorplan.files.problems import Written
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
@@ -23,19 +35,18 @@ from .entries import (
     AT_ONCE,
     Blackout,
     Command,
-    Drawn,
     MannersEntry,
     NoticingEntry,
+    Place,
+    Pose,
     RecordedTrack,
-    Shift,
     Spread,
     Start,
-    WorkList,
-    WorkTask,
     seed_of,
 )
 from .rules import PAPER, RuleSet
-from .stage import DoorTimes, MachineEntry, TimedObstacle
+from .schedule import Break, DoorTimes, Drawn, Shift, TimedObstacle, WorkList, WorkTask
+from .stage import MachineEntry
 
 TYPES = ("battery", "pump", "regulator", "sensor")
 """Types of parts."""
@@ -72,7 +83,7 @@ class Load:
     items: Mapping[int, Item] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class KittingTask:
     """Put a part into each quadrant of `products` on a tray, and send the AGV to `destination`."""
 
@@ -105,6 +116,7 @@ class Order:
 
     id: str
     task: KittingTask | AssemblyTask | CombinedTask
+    _: KW_ONLY
     announcement: Start = field(default_factory=Start)
     priority: bool = False
 
@@ -123,15 +135,15 @@ class Malfunction:
 
 
 @dataclass(frozen=True)
-class Drop:
+class Drop(Keyed):
     """The gripper loses a `part` once, `delay` seconds after it was picked, if it still holds it.
 
     That is the next one of its name once `after` of them were picked.
     """
 
-    part: str
-    after: int = 0
-    delay: float = 0.0
+    part: str = "part"
+    after: Annotated[int, whole(0)] = 0
+    delay: NotNegative = 0.0
 
 
 @dataclass(frozen=True)
@@ -174,6 +186,7 @@ class Workload:
     """
 
     orders: tuple[Order, ...]
+    _: KW_ONLY
     bins: Mapping[str, Mapping[int, Item]] = field(default_factory=dict)
     trays: Mapping[int, int] = field(default_factory=dict)
     loads: Mapping[str, Load] = field(default_factory=dict)
@@ -224,12 +237,24 @@ class TrialError(InputError):
     """A trial that can't be run."""
 
 
+NAME = r"[A-Za-z][A-Za-z0-9_-]*"
+"""Names that people, machines and lists of tasks may have."""
+
+Name = Annotated[str, Field(pattern=f"^{NAME}$")]
+
+Personality = Annotated[str | bdi.Program, Written(str)]
+"""A built-in name, an .asl file, "external", or a program itself."""
+
+Planner = Annotated[PlannerChoice, Written(Any), AfterValidator(PlannerChoice.of)]
+"""A planner; in a file its name, or `{name: RRTConnect, range: 1.0}`."""
+
+
 @dataclass(frozen=True)
-class PersonalityChange:
+class PersonalityChange(Keyed):
     """From `when` on, a person has another personality, as in `PersonEntry`."""
 
     when: Start
-    personality: str | bdi.Program
+    personality: Personality
 
     @property
     def personality_name(self) -> str:
@@ -238,7 +263,7 @@ class PersonalityChange:
 
 
 @dataclass(frozen=True)
-class Source:
+class Source(Keyed):
     """Somebody who is not on the floor at the beginning comes in `at` a place.
 
     That is the name of a station or a door, or x, y in metres. They are the one of that `number`
@@ -246,11 +271,12 @@ class Source:
     on; the times between them are exponentially distributed, and drawn from the trial's seed.
     """
 
-    at: Point | str
-    rate: float
-    start: float = 0.0
+    at: Place
+    rate: Positive
+    _: KW_ONLY
+    start: NotNegative = 0.0
     stream: str = ""
-    number: int = 1
+    number: Annotated[int, whole(1)] = 1
 
     def time(self, seed: int) -> float:
         """Return the instant at which they want to come in, of a trial with this seed."""
@@ -266,8 +292,12 @@ def _stream(seed: int, name: str, rate: float) -> tuple[list[float], Iterator[fl
     return [], accumulate(random.expovariate(rate) for _ in count())
 
 
+def _as_list(value: Any) -> Any:
+    return [value] if isinstance(value, str) else value
+
+
 @dataclass(frozen=True)
-class PersonEntry:
+class PersonEntry(Keyed):
     """One person of a trial. Figures that are None are the floorplan's, the planner the trial's.
 
     `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
@@ -292,27 +322,28 @@ class PersonEntry:
     least and the most, between which it is drawn evenly each time.
     """
 
-    name: str
-    personality: str | bdi.Program = "indifferent"
+    name: Name
+    _: KW_ONLY
+    personality: Personality = "indifferent"
     start: Start = AT_ONCE
-    at: Point | str | None = None
+    at: Place | None = None
     beliefs: tuple[str, ...] = ()
-    radius: float | None = None
+    radius: Positive | None = None
     max_speed: Drawn | None = None
-    max_acceleration: float | None = None
+    max_acceleration: Positive | None = None
     changes: tuple[PersonalityChange, ...] = ()
-    home: Point | str | None = None
+    home: Place | None = None
     manners: MannersEntry = AS_USUAL
-    planner: PlannerChoice | None = None
+    planner: Planner | None = None
     actions: str | None = None
-    work: tuple[str, ...] = ()
+    work: Annotated[tuple[str, ...], BeforeValidator(_as_list)] = ()
     schedule: tuple[WorkTask, ...] = ()
-    breaks: tuple[WorkTask, ...] = ()
+    breaks: tuple[Break, ...] = ()
     shifts: tuple[Shift, ...] = ()
-    recorded: RecordedTrack | Motion | None = None
+    recorded: Annotated[RecordedTrack | Motion | None, Written(RecordedTrack | None)] = None
     source: Source | None = None
-    sink: Point | str | None = None
-    group: str | None = None
+    sink: Place | None = None
+    group: Name | None = None
     noticing: NoticingEntry = ALL_ROUND
     agent_lag: Spread | None = None
 
@@ -371,6 +402,7 @@ class Job:
     """
 
     kind: Literal["move", "wait", "pick_place", "submit"]
+    _: KW_ONLY
     target: tuple[float, float, float] = (0.0, 0.0, 0.0)
     seconds: float = 0.0
     pick: str = ""
@@ -378,9 +410,51 @@ class Job:
     part: str = ""
     order: str = ""
 
+    def written(self) -> dict[str, Any]:
+        """Return the keys of the job in a file, as of `JobKeys`."""
+        if self.kind == "move":
+            return {"move": self.target}
+        if self.kind == "wait":
+            return {"wait": self.seconds}
+        if self.kind == "submit":
+            return {"submit": self.order}
+        return {"pick": self.pick, "place": self.place, "part": self.part}
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobKeys(Keyed):
+    """A job in a file."""
+
+    move: Pose | None = None
+    wait: Positive | None = None
+    pick: str | None = None
+    place: str | None = None
+    part: str = "part"
+    submit: str | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        given = {name for name, value in vars(self).items() if value is not None} - {"part"}
+        if given not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
+            raise UserError("a job is one of move, wait, pick with place, or submit")
+        return self
+
+    def value(self) -> Job:
+        """Return the job."""
+        if self.move is not None:
+            return Job("move", target=self.move)
+        if self.wait is not None:
+            return Job("wait", seconds=self.wait)
+        if self.submit is not None:
+            return Job("submit", order=self.submit)
+        return Job("pick_place", pick=self.pick or "", place=self.place or "", part=self.part)
+
+
+_WrittenJob = Annotated[JobKeys, AfterValidator(JobKeys.value)]
+
 
 @dataclass(frozen=True)
-class GantryEntry:
+class GantryEntry(Keyed):
     """The gantry of a trial: its controller, where it starts, and its jobs.
 
     `controller` is a built-in name, `package.module:name`, or the controller itself: a function or
@@ -388,10 +462,11 @@ class GantryEntry:
     loses.
     """
 
-    controller: str | Callable[[Any], Any] = "parked"
-    at: tuple[float, float, float] | None = None
-    jobs: tuple[Job, ...] = ()
-    repeat: bool = False
+    controller: Annotated[str | Callable[[Any], Any], Written(str)] = "parked"
+    _: KW_ONLY
+    at: Pose | None = None
+    jobs: tuple[Annotated[Job, Written(_WrittenJob)], ...] = ()
+    repeat: Flag = False
     drops: tuple[Drop, ...] = ()
 
     @property
@@ -403,15 +478,15 @@ class GantryEntry:
 
 
 @dataclass(frozen=True)
-class AgvMove:
+class AgvMove(Keyed):
     """At `time`, and again `every` so often, go to a location's name or a lane position.
 
     Seconds and metres.
     """
 
-    time: float
-    to: str | float
-    every: float | None = None
+    time: NotNegative
+    to: str | Number
+    every: Positive | None = None
 
 
 @dataclass(frozen=True)
@@ -434,6 +509,7 @@ class Scenario:
     """
 
     floorplan: Floorplan
+    _: KW_ONLY
     name: str = "trial"
     duration: float = 275.0
     seed: int = 0

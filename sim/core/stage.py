@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
-from pydantic import BaseModel, ConfigDict, TypeAdapter
+from pydantic import ConfigDict, TypeAdapter
 from typing_extensions import Self
 
 from floorplan import Door, Floorplan, Obstacle, Point
@@ -23,34 +23,7 @@ from .entries import Start
 from .events import DoorClosed, DoorOpened, EventKind, ObstacleCame, ObstacleWent
 from .recorder import Event, Record
 from .rules import RuleSet
-
-Interval = tuple[float, float]
-"""From when to when, seconds; the end may be infinite."""
-
-
-@dataclass(frozen=True)
-class DoorTimes:
-    """When a door is closed, or when it is open; it is the other one in between."""
-
-    closed: tuple[Interval, ...] | None = None
-    open: tuple[Interval, ...] | None = None
-
-    @property
-    def intervals(self) -> tuple[Interval, ...]:
-        """The times that are given, whichever they are."""
-        return (self.closed or ()) + (self.open or ())
-
-    def is_open(self, t: float) -> bool:
-        """Return whether the door is open at `t` (seconds)."""
-        return (self.open is None) != _within(self.intervals, t)
-
-
-@dataclass(frozen=True)
-class TimedObstacle:
-    """An obstacle that stands on the floor within the intervals of `there`."""
-
-    obstacle: Obstacle
-    there: tuple[Interval, ...]
+from .schedule import DoorTimes, Interval, TimedObstacle, within
 
 
 @dataclass(frozen=True)
@@ -64,7 +37,7 @@ class Closures:
     def at(self, t: float) -> dict[str, Obstacle]:
         """Return the obstacles that are there at `t` (seconds), by name."""
         shut = (door.closed for door in self.plan.doors if not self._is_open(door, t))
-        there = (one.obstacle for one in self.timed if _within(one.there, t))
+        there = (one.obstacle for one in self.timed if within(one.there, t))
         return {one.name: one for one in (*shut, *there)}
 
     def changes(self, end: float) -> list[float]:
@@ -76,10 +49,6 @@ class Closures:
     def _is_open(self, door: Door, t: float) -> bool:
         times = self.doors.get(door.name)
         return door.is_open if times is None else times.is_open(t)
-
-
-def _within(intervals: Iterable[Interval], t: float) -> bool:
-    return any(begin <= t < end for begin, end in intervals)
 
 
 def _edges(given: Iterable[tuple[Interval, ...]]) -> Iterator[float]:
@@ -364,7 +333,7 @@ class MachineModel(ABC):
     category: ClassVar[Category | None] = None
     """Category of every machine of the kind; None if that is known once it has its shape."""
 
-    key_schema: ClassVar[type[BaseModel] | None] = None
+    key_schema: ClassVar[type | None] = None
     """Model of its keys in a trial file, if these are not its fields."""
 
     @classmethod

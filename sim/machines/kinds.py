@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-import ast
 import inspect
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, is_dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from floorplan import Floorplan, Gantry, UserError
-from floorplan.files.problems import Fault, Place, field_name, misfits, shown, suggestion
+from floorplan.files.problems import Fault, Place, field_name, form_keys, misfits, shown
 from navigation import IntegralLaw, SeparationLaw
 from navigation.separation import required_at_speeds
 
 from ..core.body import Category, Machine, MachineShape
-from ..core.custom_code import (
-    REFUSED,
-    CodeLocation,
-    Kind,
-    OwnCodeError,
-    find_source,
-    import_own,
-    is_derived,
-)
+from ..core.custom_code import CustomCode, Kind, find_code
 from ..core.scenario import AgvMove, GantryEntry, Scenario
 from ..core.stage import MachineEntry, MachineModel, Stage
 from ..safety.laws import OwnLaw
@@ -49,9 +40,11 @@ def _is_model(found: object) -> bool:
 
 
 MODEL = Kind(
+    noun="kind of machine",
     words="machine: a machine is a dataclass derived from sim.MachineModel",
-    written=is_derived,
-    made=_is_model,
+    accepts=_is_model,
+    error=MachineError,
+    builtin=KINDS,
 )
 """The kind of class that a trial names as the kind of a machine."""
 
@@ -128,19 +121,13 @@ def is_own(entry: MachineEntry) -> bool:
 def keys_of(entry: MachineEntry, scenario: Scenario) -> list[str] | None:
     """Return the keys that a machine of this kind may have; None where only a run can tell.
 
-    The source of a kind of the user's own is read, not run. `MachineError` if there is none.
+    `MachineError` if there is no such kind.
     """
     if is_own(entry):
-        definition = own_kind(entry, scenario.folder, own_code=scenario.own_code).definition
-        assert isinstance(definition, ast.ClassDef)
-        if [ast.unparse(base).rpartition(".")[2] for base in definition.bases] != ["MachineModel"]:
-            return None
-        written = [node.target for node in definition.body if isinstance(node, ast.AnnAssign)]
-        return [target.id for target in written if isinstance(target, ast.Name)]
+        own_kind(entry, scenario.folder, own_code=scenario.own_code)
+        return None
     kind = entry.kind if isinstance(entry.kind, type) else KINDS[entry.kind]
-    if kind.key_schema is None:
-        return [field.name for field in fields(kind)]  # type: ignore[arg-type]
-    return [field.alias or name for name, field in kind.key_schema.model_fields.items()]
+    return [name for name, _ in form_keys(kind.key_schema or kind)]
 
 
 def may_be(category: Category, entry: MachineEntry) -> bool:
@@ -194,20 +181,9 @@ def moves_of(scenario: Scenario) -> Iterator[tuple[Place, Sequence[AgvMove]]]:
                     yield ("machines", name), model.moves
 
 
-def own_kind(entry: MachineEntry, folder: Path, *, own_code: bool = True) -> CodeLocation:
+def own_kind(entry: MachineEntry, folder: Path, *, own_code: bool = True) -> CustomCode:
     """Return the source of a machine's own kind, which is not imported; `MachineError` if none."""
-    kind = str(entry.kind)
-    if ":" not in kind:
-        raise MachineError(
-            f"no kind of machine is called {kind!r}; {suggestion(kind, KINDS)};"
-            " your own is package.module:Class"
-        )
-    if not own_code:
-        raise MachineError(f"{kind!r}: {REFUSED}")
-    try:
-        return find_source(kind, folder, MODEL)
-    except OwnCodeError as why:
-        raise MachineError(str(why)) from why
+    return find_code(str(entry.kind), folder, MODEL, own_code=own_code)
 
 
 def _vehicles(scenario: Scenario) -> set[str]:
@@ -221,8 +197,8 @@ def _kind(name: str, entry: MachineEntry, scenario: Scenario) -> type[MachineMod
         return KINDS[entry.kind]
     try:
         source = own_kind(entry, scenario.folder, own_code=scenario.own_code)
-        found: type[MachineModel] = import_own(source)
-    except (MachineError, OwnCodeError) as why:
+        found: type[MachineModel] = source.load()
+    except MachineError as why:
         raise MachineError(f"the machine {name!r}: {why}") from why
     return found
 
@@ -246,7 +222,7 @@ _ROUNDING = 1e-9
 """Seconds or metres. A law that is short by less is not short."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ShortLaw:
     """A law that states a shorter stop than its machine may take, in seconds and metres.
 
@@ -275,7 +251,16 @@ def short_laws(trial: Scenario) -> tuple[ShortLaw, ...]:
             time, distance = stop
             stated = math.inf if law.stopping is None else law.stopping
             if time > law.t2 + _ROUNDING or distance > stated + _ROUNDING:
-                found.append(ShortLaw(name, key, law.t2, time, law.stopping, distance))
+                found.append(
+                    ShortLaw(
+                        machine=name,
+                        law=key,
+                        t2=law.t2,
+                        needed_t2=time,
+                        stopping=law.stopping,
+                        needed_stopping=distance,
+                    )
+                )
     return tuple(found)
 
 

@@ -71,7 +71,12 @@ class Dispatcher:
         self._belt = Belt(stage, workload.conveyor, seed, gantry.missed)
         inventory = Inventory(workload, plan, self._belt)
         self._cell = Cell(
-            plan, inventory, self._fleet, gantry.handling, stage.record, workload.faulty
+            plan=plan,
+            inventory=inventory,
+            fleet=self._fleet,
+            handling=gantry.handling,
+            record=stage.record,
+            faulty=workload.faulty,
         )
         gantry.gripper.will_lose(workload.drops)
         self._orders = {order.id: _OrderProgress(order) for order in workload.orders}

@@ -64,7 +64,7 @@ class Belt:
 
     def step(self, number: int, seconds: float) -> Step:
         """Return the step of picking a part from the belt."""
-        return Step("pick", seconds, place=BELT, passing=self._parts[number].passing)
+        return Step("pick", seconds=seconds, place=BELT, passing=self._parts[number].passing)
 
     def has_come(self, passing: Passing) -> bool:
         """Return whether a part is on the belt, or has been."""

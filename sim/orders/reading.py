@@ -111,7 +111,9 @@ def duration_of(workload: Workload) -> float:
 def people_of(workload: Workload) -> tuple[PersonEntry, ...]:
     """Return the people of the human challenge: the operator, and any others by number."""
     return tuple(
-        PersonEntry(f"operator{k + 1}" if k else "operator", human.behavior, human.start)
+        PersonEntry(
+            f"operator{k + 1}" if k else "operator", personality=human.behavior, start=human.start
+        )
         for k, human in enumerate(workload.humans)
     )
 
@@ -239,7 +241,12 @@ def _order(entry: OrderEntry) -> Order:
     if entry.kitting_task is not None:
         kit = entry.kitting_task
         products = {product.quadrant: _part(product) for product in kit.products}
-        task = KittingTask(agv_name(kit.agv_number), kit.tray_id, kit.destination, products)
+        task = KittingTask(
+            agv=agv_name(kit.agv_number),
+            tray=kit.tray_id,
+            destination=kit.destination,
+            products=products,
+        )
     elif entry.assembly_task is not None:
         assembly = entry.assembly_task
         agvs = tuple(dict.fromkeys(agv_name(number) for number in assembly.agv_number))
@@ -248,7 +255,7 @@ def _order(entry: OrderEntry) -> Order:
         assert entry.combined_task is not None  # the schema wants one of the three
         combined = entry.combined_task
         task = CombinedTask(combined.station, tuple(map(_part, combined.products)))
-    return Order(entry.id, task, _start(entry.announcement), entry.priority)
+    return Order(entry.id, task, announcement=_start(entry.announcement), priority=entry.priority)
 
 
 def _start(condition: StartCondition) -> Start:

@@ -66,7 +66,7 @@ class Carried:
 Action = Callable[[], None]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Cell:
     """Workcell as orders use it: the floor, its inventory, the AGVs, and times of handling.
 
@@ -166,15 +166,17 @@ class Work(ABC):
         seconds = self._picking(item)
         if bin == layout.BELT:
             return self._cell.inventory.belt.step(slot, seconds)
-        return Step("pick", seconds, place=bin, offset=layout.bin_slot(slot))
+        return Step("pick", seconds=seconds, place=bin, offset=layout.bin_slot(slot))
 
     def _from_agv(self, agv: str, quadrant: int, item: Item) -> Step:
-        return Step("pick", self._picking(item), place=agv, offset=self._quadrant(agv, quadrant))
+        return Step(
+            "pick", seconds=self._picking(item), place=agv, offset=self._quadrant(agv, quadrant)
+        )
 
     def _onto_agv(self, agv: str, quadrant: int) -> Step:
         return Step(
             "place",
-            self._cell.handling.place,
+            seconds=self._cell.handling.place,
             place=agv,
             offset=self._quadrant(agv, quadrant),
         )
@@ -193,8 +195,8 @@ class Work(ABC):
         nearest = self._cell.nearest(layout.TABLES, self._cell.home(agv))
         steps = (
             _change_tool(table, "trays", handling),
-            Step("pick_tray", handling.pick_tray, place=table, offset=at),
-            Step("place_tray", handling.place_tray, place=agv, offset=layout.tray_on(lane)),
+            Step("pick_tray", seconds=handling.pick_tray, place=table, offset=at),
+            Step("place_tray", seconds=handling.place_tray, place=agv, offset=layout.tray_on(lane)),
             _change_tool(nearest, "parts", handling),
         )
         done = partial(self._cell.inventory.lay_tray, agv, tray)
@@ -204,7 +206,7 @@ class Work(ABC):
 def _change_tool(table: str, tool: str, handling: Handling) -> Step:
     return Step(
         "change_tool",
-        handling.change_tool,
+        seconds=handling.change_tool,
         place=table,
         offset=layout.tool_stand(table, tool),
     )
@@ -341,8 +343,10 @@ class KittingWork(Work):
         agv, cell = self._kit.agv, self._cell
         bin = cell.nearest(DISPOSAL_BINS, cell.home(agv))
         return (
-            Step(action, cell.handling.pick, place=agv, offset=self._quadrant(agv, quadrant)),
-            Step("place", cell.handling.place, place=bin),
+            Step(
+                action, seconds=cell.handling.pick, place=agv, offset=self._quadrant(agv, quadrant)
+            ),
+            Step("place", seconds=cell.handling.place, place=bin),
         )
 
 
@@ -415,7 +419,7 @@ class _AtStation(Work):
 
     def _inserting(self) -> Step:
         table = assembly_table(self._assembly.station)
-        return Step("insert", self._cell.handling.insert, place=table)
+        return Step("insert", seconds=self._cell.handling.insert, place=table)
 
 
 class AssemblyWork(_AtStation):

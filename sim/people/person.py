@@ -22,9 +22,10 @@ from navigation import PathPlanner
 
 from ..core.body import Body, Machine
 from ..core.clock import Alarm, Clock, Turn
-from ..core.entries import ALL_ROUND, Duration, drawn_figure, seed_of
+from ..core.entries import ALL_ROUND, drawn_figure, seed_of
 from ..core.events import Awaited, Entered, HumanStarted, Left, PersonalityChanged
 from ..core.scenario import PersonEntry, Scenario
+from ..core.schedule import Duration
 from ..core.stage import Stage
 from ..safety.referee import Referee
 from .actions import Actions, MindError

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import ompl.base as ob
 
@@ -22,16 +22,12 @@ from navigation import PlannerError
 from navigation.catalog import PlannerChoice
 
 from ..core.custom_code import (
-    REFUSED,
-    CodeLocation,
+    CustomCode,
     Definition,
     Kind,
     OwnCodeError,
-    definitions_in,
-    find_source,
-    import_own,
-    is_derived,
-    parameters,
+    find_code,
+    find_module,
 )
 from ..core.scenario import PersonEntry, Scenario, TrialError
 
@@ -54,11 +50,11 @@ def _registered(definition: Definition) -> list[str]:
 
 
 ACTIONS = Kind(
+    noun="actions of",
     words='function with @actions.add("name") or @actions.function("name"), as own actions are',
-    written=lambda definition: bool(_registered(definition)),
-    made=callable,
+    accepts=callable,
 )
-"""The kind of function that a program of a person may use."""
+"""The kind of module that a program of a person may use."""
 
 
 def modules_of(of_person: str | None, of_trial: str | None) -> tuple[str, ...]:
@@ -68,37 +64,44 @@ def modules_of(of_person: str | None, of_trial: str | None) -> tuple[str, ...]:
 
 def sources_of(
     personality: str | bdi.Program | Path, modules: Sequence[str], folder: Path, *, own_code: bool
-) -> list[CodeLocation]:
+) -> list[CustomCode]:
     """Return the modules with the actions that a person's program may use; none is imported.
 
     They are `modules`, right in `folder`, and those beside a program `NAME/NAME.asl`. Of two
     actions of one name the later counts.
     `OwnCodeError` says what is missing, or that own code is refused.
     """
-    found = [_first(module, folder) for module in modules]
+
+    def found_in(place: Path, module: str) -> CustomCode:
+        return find_module(module, place, ACTIONS, own_code=own_code)
+
+    found = [found_in(folder, module) for module in modules]
+    for source in found:
+        if not _names_in(source):
+            raise OwnCodeError(f"{source.name!r} has no {ACTIONS.words}")
     program = _file_of(personality, folder)
     if program is not None and program.parent.name == program.stem:
-        beside = sorted(program.parent.glob("*.py"))
-        found += [_first(file.stem, program.parent) for file in beside if _names_in(file)]
-    if found and not own_code:
-        raise OwnCodeError(f"the actions of {found[0].module!r}: {REFUSED}")
+        place = program.parent
+        for file in sorted(place.glob("*.py")):
+            source = CustomCode(folder=place, module=file.stem, file=file, kind=ACTIONS)
+            if _names_in(source):
+                found.append(found_in(place, file.stem))
     return found
 
 
-def names_of(sources: Sequence[CodeLocation]) -> frozenset[str]:
+def names_of(sources: Sequence[CustomCode]) -> frozenset[str]:
     """Return the names of the actions and functions in some modules."""
-    return frozenset(name for source in sources for name in _names_in(source.file))
+    return frozenset(name for source in sources for name in _names_in(source))
 
 
-def import_actions(sources: Sequence[CodeLocation]) -> bdi.InternalActions:
+def import_actions(sources: Sequence[CustomCode]) -> bdi.InternalActions:
     """Return the actions and functions in some modules, which are imported.
 
     `OwnCodeError` if that fails.
     """
     found = bdi.InternalActions()
     for source in sources:
-        function: Any = import_own(source)
-        for value in function.__globals__.values():
+        for value in vars(source.load()).values():
             if isinstance(value, bdi.InternalActions):
                 found.update(value)
                 found.functions.update(value.functions)
@@ -115,21 +118,8 @@ def _file_of(personality: str | bdi.Program | Path, folder: Path) -> Path | None
     return inside if is_file(inside) else None
 
 
-def _names_in(file: Path) -> list[str]:
-    definitions = definitions_in(file.stem, file)
-    return [name for one in definitions.values() for name in _registered(one)]
-
-
-def _first(module: str, folder: Path) -> CodeLocation:
-    """Return the first function in a module that is registered as an action."""
-    path = folder.joinpath(*module.split("."))
-    file = path.with_name(f"{path.name}.py")
-    there = is_file(file)
-    names = definitions_in(module, file) if there else {}
-    first = next((name for name, one in names.items() if _registered(one)), None)
-    if there and first is None:
-        raise OwnCodeError(f"{module!r} has no {ACTIONS.words}")
-    return find_source(f"{module}:{first or 'actions'}", folder, ACTIONS)
+def _names_in(source: CustomCode) -> list[str]:
+    return [name for one in source.definitions().values() for name in _registered(one)]
 
 
 EXTERNAL = "external"
@@ -256,11 +246,12 @@ _Made = TypeVar("_Made", bound=Scenario)
 
 
 PLANNER = Kind(
+    noun="planner",
     words="planner: a planner is a subclass of ompl.base.Planner",
-    written=is_derived,
-    made=lambda found: inspect.isclass(found) and issubclass(found, ob.Planner),
+    accepts=lambda found: inspect.isclass(found) and issubclass(found, ob.Planner),
+    error=PlannerError,
 )
-"""The kind of class that a trial names as its planner."""
+"""The kind of class that a trial names as a planner."""
 
 
 def planner_of(entry: PersonEntry, scenario: Scenario) -> PlannerChoice:
@@ -282,42 +273,25 @@ def find_planner(choice: PlannerChoice, folder: Path, *, own_code: bool = True) 
     Without `own_code` that is refused. `PlannerError` says what is missing.
     """
     source = planner_source(choice, folder, own_code=own_code)
-    try:
-        found = choice if source is None else replace(choice, kind=import_own(source))
-        found.check()
-    except OwnCodeError as why:
-        raise PlannerError(f"the planner {why}") from why
-    except UserError as why:
-        raise PlannerError(str(why)) from why
-    return found
+    return choice if source is None else _checked(replace(choice, kind=source.load()))
 
 
 def planner_source(
     choice: PlannerChoice, folder: Path, *, own_code: bool = True
-) -> CodeLocation | None:
+) -> CustomCode | None:
     """Return the source of a planner of the user's own, which is not imported; None for others.
 
-    `PlannerError` is as of `find_planner`, as far as the source shows what is missing.
+    `PlannerError` if it is not there, or if its parameters are none that every planner has.
     """
+    _checked(choice)
+    if not choice.is_own or choice.kind is not None:
+        return None
+    return find_code(choice.name, folder, PLANNER, own_code=own_code)
+
+
+def _checked(choice: PlannerChoice) -> PlannerChoice:
     try:
         choice.check()
     except UserError as why:
         raise PlannerError(str(why)) from why
-    if not choice.is_own or choice.kind is not None:
-        return None
-    if not own_code:
-        raise PlannerError(f"the planner {choice.name!r}: {REFUSED}")
-    try:
-        source = find_source(choice.name, folder, PLANNER)
-    except OwnCodeError as why:
-        raise PlannerError(f"the planner {why}") from why
-    assert isinstance(source.definition, ast.ClassDef)
-    taken = parameters(source.definition)
-    if taken is not None and not taken.any_name:
-        # The first is OMPL's space information.
-        known = taken.names[1:]
-        for name in choice.own_parameters:
-            if name not in known:
-                hint = f"; {suggestion(name, known)}" if known else ""
-                raise PlannerError(f"the planner {choice.name} has no parameter {name!r}{hint}")
-    return source
+    return choice

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from random import Random
 from typing import Any
 
@@ -13,7 +13,6 @@ from floorplan import Human, Point
 
 from ..core.body import Body
 from ..core.clock import Alarm, Clock, Turn
-from ..core.entries import WorkList, WorkTask
 from ..core.events import (
     ShiftBegan,
     ShiftEnded,
@@ -24,6 +23,7 @@ from ..core.events import (
     TaskTaken,
 )
 from ..core.scenario import PersonEntry, Scenario
+from ..core.schedule import WorkList, WorkTask
 from ..core.stage import Stage
 from .minds import as_term
 from .perception import Senses
@@ -41,6 +41,7 @@ class Ticket:
 
     id: int
     task: WorkTask
+    _: KW_ONLY
     list: str
     number: int
     at: Point
@@ -111,7 +112,16 @@ class WorkBoard:
         random = Random(f"{self._scenario.seed} {name} {number} {drawn}")
         left = task.duration.draw(random)
         at, now = self._stations[task.at], self._clock.now
-        ticket = Ticket(self._tickets, task, name, number, at, left, now, is_break)
+        ticket = Ticket(
+            self._tickets,
+            task,
+            list=name,
+            number=number,
+            at=at,
+            left=left,
+            since=now,
+            is_break=is_break,
+        )
         self._open.setdefault(name, []).append(ticket)
         self._notify([ticket])
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import inspect
 import itertools
 import math
@@ -26,17 +25,7 @@ from navigation import (
 from navigation.separation import AnyLaw, is_of_motions, required_along
 
 from ..core.body import Plans
-from ..core.custom_code import (
-    Definition,
-    Kind,
-    OwnCodeError,
-    find_source,
-    import_own,
-    in_words,
-    is_plain,
-    line_in,
-    methods as written_methods,
-)
+from ..core.custom_code import Kind, argument_fault, find_code, in_words, line_in
 from ..core.rules import RuleSet
 
 _Answer = TypeVar("_Answer")
@@ -45,22 +34,17 @@ METHODS = ("distance", "required")
 """A law has one of these, or both (see `navigation.Law` and `navigation.MotionLaw`)."""
 
 
-def _may_be_law(definition: Definition) -> bool:
-    if not isinstance(definition, ast.ClassDef):
-        return False
-    return not is_plain(definition) or not written_methods(definition).isdisjoint(METHODS)
+class LawError(UserError):
+    """A law that makes no sense, or that failed when it was asked."""
 
 
 LAW = Kind(
+    noun="law",
     words=f"law: a law is a class with a method {' or '.join(METHODS)}",
-    written=_may_be_law,
-    made=lambda law: inspect.isclass(law) and any(hasattr(law, method) for method in METHODS),
+    accepts=lambda law: inspect.isclass(law) and any(hasattr(law, method) for method in METHODS),
+    error=LawError,
 )
 """The kind of class that a rule set names."""
-
-
-class LawError(UserError):
-    """A law that makes no sense, or that failed when it was asked."""
 
 
 class OwnLaw:
@@ -119,11 +103,10 @@ class OwnLaw:
         return self.name, self.terms, self.folder
 
     def _make(self) -> None:
-        try:
-            source = find_source(self.name, self.folder, LAW)
-            form = import_own(source)
-        except OwnCodeError as why:
-            raise LawError(f"the law {why}") from why
+        source = find_code(self.name, self.folder, LAW)
+        form = source.load()
+        if fault := argument_fault(form, self.terms):
+            raise LawError(f"the law {self}: {fault}")
         self._file = source.file
         self._law = self._asked(form, **self.terms)
         for method, asked in zip(METHODS, (self._distance, self._required), strict=True):

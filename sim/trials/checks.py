@@ -6,6 +6,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
+from dataclasses import replace
 from typing import get_args
 
 import shapely
@@ -15,26 +16,28 @@ from floorplan import Point, UserError
 from floorplan.checks import starting_fault
 from floorplan.files.fields import LARGEST, SMALLEST, size_fault, time_fault
 from floorplan.files.problems import Fault, Place, refuse, suggestion
-from floorplan.files.values import require_fields
+from floorplan.files.values import range_faults, require_fields
 from navigation import PlannerError
 from navigation.catalog import PlannerChoice
 
 from ..core.custom_code import OwnCodeError
-from ..core.entries import AT_ONCE, Drawn, Duration, MannersEntry, Side, Spread, Start
+from ..core.entries import AT_ONCE, CONDITIONS, MannersEntry, Side, Spread, Start
 from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
 from ..core.scenario import (
     ANYWHERE,
+    NAME,
     PersonalityChange,
     PersonEntry,
     Scenario,
     TrialError,
     spot,
 )
+from ..core.schedule import Drawn, Duration
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
 from ..people.programs import EXTERNAL, find_program, modules_of, planner_source, sources_of
-from ..people.steering.own_steering import steering_source
+from ..people.steering.own_steering import SteeringError, steering_source
 from ..people.tracks.recorded_walks import track_faults
 from .expectations import expectation_problems
 from .feasibility import (
@@ -52,14 +55,11 @@ from .names import (
     event_kinds,
     machines,
     orders,
-    own_event_kinds,
+    own_names,
     parts,
     people,
     stations,
 )
-
-NAME = r"[A-Za-z][A-Za-z0-9_-]*"
-"""Names that people may have."""
 
 LARGEST_SEED = 2**63 - 1
 """Seeds of 63 bits are what studies draw, and what every table and recording can hold."""
@@ -73,9 +73,6 @@ GROUPS = range(2, 6)
 DENSEST = 0.9
 """Share of a floor that discs can cover, side by side."""
 
-CONDITIONS = ("time", "part_placed", "order_submitted", "event")
-"""Conditions of a start or a change of personality, one of them."""
-
 
 def check(trial: Scenario) -> None:
     """`TrialError` with everything about `trial` that can't be; `TypeError` for a wrong type."""
@@ -84,10 +81,23 @@ def check(trial: Scenario) -> None:
 
 
 def check_own_events(trial: Scenario) -> None:
-    """`TrialError` if `trial` expects of events of its own code, imported now, what can't be."""
-    if own_event_kinds(trial):
-        problems = _below(expectation_problems(trial), "expect")
+    """`TrialError` if `trial` names events that not even its custom code, imported now, defines."""
+    if any(own_names(trial)):
+        imported = replace(trial, own_code=False)
+        problems = [*_below(expectation_problems(imported), "expect")]
+        for place, start in _starts(trial):
+            problems += _start_faults(start, imported, *place)
         refuse(f"trial {trial.name!r}", problems, TrialError)
+
+
+def _starts(trial: Scenario) -> Iterator[tuple[Place, Start]]:
+    """Yield all conditions that something in a trial waits for, each with its place."""
+    for k, person in enumerate(trial.people):
+        yield ("people", k, "start"), person.start
+        for n, change in enumerate(person.changes):
+            yield ("people", k, "changes", n, "when"), change.when
+    for k, blackout in enumerate(trial.blackouts):
+        yield ("blackouts", k, "start"), blackout.start
 
 
 def faults(trial: Scenario) -> Iterator[Fault]:
@@ -117,8 +127,8 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     if trial.steering is not None:
         try:
             steering_source(trial.steering, trial.folder, own_code=trial.own_code)
-        except OwnCodeError as why:
-            yield f"the steering {why}", ("steering",)
+        except SteeringError as why:
+            yield str(why), ("steering",)
     try:
         sources_of(EXTERNAL, modules_of(None, trial.actions), trial.folder, own_code=trial.own_code)
     except OwnCodeError as why:
@@ -126,12 +136,13 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     yield from _overlaps(trial)
     yield from _crowding(trial)
     yield from _group_faults(trial)
+    for place, start in _starts(trial):
+        yield from _start_faults(start, trial, *place)
     yield from _below(list_faults(trial), "work")
     for k, blackout in enumerate(trial.blackouts):
         known = machines(trial)
         yield from _name_faults(blackout.machine, "machine", known, "blackouts", k, "machine")
-        yield from _start_faults(blackout.start, trial, "blackouts", k, "start")
-        yield from _size(blackout.seconds, "blackouts", k, "seconds")
+        yield from _below(range_faults(blackout), "blackouts", k)
     yield from _below(door_faults(trial), "doors")
     yield from _below(obstacle_faults(trial), "obstacles")
     yield from _below(command_faults(trial), "commands")
@@ -214,11 +225,7 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         message = f"must begin with a letter, and have letters, digits, _ and -: {person.name!r}"
         yield message, ("name",)
     yield from _personality_faults(person, trial)
-    yield from _start_faults(person.start, trial, "start")
-    for k, change in enumerate(person.changes):
-        yield from _start_faults(change.when, trial, "changes", k, "when")
-    for name in ("radius", "max_acceleration"):
-        yield from _size(getattr(person, name), name)
+    yield from range_faults(person)
     yield from _drawn_faults(person.max_speed, "max_speed")
     for name in ("field_of_view", "reaction_time"):
         yield from _drawn_faults(getattr(person.noticing, name), "noticing", name)
@@ -274,10 +281,6 @@ def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     """Yield what is wrong with where somebody comes in, and where they leave."""
     source = person.source
     if source is not None:
-        yield from _size(source.rate, "source", "rate")
-        yield from _time(source.start, "source", "start")
-        if source.number < 1:
-            yield f"must be 1 or more, not {source.number!r}", ("source", "number")
         if person.at is not None:
             yield "who has a source is not there at the beginning; leave at out", ("at",)
         if person.start != AT_ONCE:
@@ -373,10 +376,6 @@ def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]
 def _start_faults(start: Start, trial: Scenario, *place: str | int) -> Iterator[Fault]:
     if sum(getattr(start, name) is not None for name in CONDITIONS) != 1:
         yield f"must be one of {', '.join(CONDITIONS)}", place
-    if start.time is not None:
-        yield from _time(start.time, *place, "time")
-    if start.count < 1:
-        yield f"must be 1 or more, not {start.count!r}", (*place, "count")
     if start.event is not None:
         known_events = event_kinds(trial, start.event)
         yield from _name_faults(start.event, "kind of event", known_events, *place, "event")

@@ -211,14 +211,14 @@ class _FigureCheck:
         if found is None:
             meaning = self.field.figure.meaning
             nothing = f"there is none ({meaning})" if meaning else self._unknown(run)
-            return Verdict(f"{self.key} {self.wanted}", nothing, False)
+            return Verdict(f"{self.key} {self.wanted}", found=nothing, met=False)
         instants = self.field.instants(run)
         when = f" (t = {_listed(instants)})" if instants else ""
         return Verdict(
             f"{self.key} {self.wanted}",
-            f"it is {in_words(found)}{when}",
-            self.passes(found),
-            instants[-1] if instants else None,
+            found=f"it is {in_words(found)}{when}",
+            met=self.passes(found),
+            time=instants[-1] if instants else None,
         )
 
     def _unknown(self, run: Outcome) -> str:
@@ -267,7 +267,7 @@ class _VisitsCheck:
         )
         expected = f"{self.key} {_VISITS[self.how]} {', '.join(self.stations)}"
         shown = ", ".join(found) or "none"
-        return Verdict(expected, f"they were {shown}{when}", wrong is None, time)
+        return Verdict(expected, found=f"they were {shown}{when}", met=wrong is None, time=time)
 
     def _first_wrong(self, found: list[str]) -> int | None:
         """Return the number of the first visit that is wrong, or of the first that is missing."""

@@ -13,12 +13,14 @@ from shapely.geometry import Point
 
 from floorplan import UserError
 from floorplan.checks import height_fault, polygon_fault
-from floorplan.files.fields import LARGEST, time_fault
+from floorplan.files.fields import LARGEST
 from floorplan.files.problems import Fault, Place, suggestion
+from floorplan.files.values import range_faults
 
-from ..core.entries import COMMANDS, ClockTime, Command, WorkTask, as_given, times_until
+from ..core.entries import COMMANDS, Command
 from ..core.scenario import PersonEntry, Scenario, spot
-from ..core.stage import Closures, Interval
+from ..core.schedule import ClockTime, Interval, WorkTask, as_given, times_until
+from ..core.stage import Closures
 from ..machines.agv.agv import last_before, part_behind, part_within
 from ..machines.agv.model import MOST_MOVES, number_of
 from ..machines.kinds import moves_of
@@ -220,9 +222,9 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
     placed: set[str] = set()
     before = 0.0
     for k, command in enumerate(trial.commands):
-        if fault := time_fault(command.time):
-            yield fault, (k, "time")
-        elif command.time < before:
+        for fault, at in range_faults(command):
+            yield fault, (k, *at)
+        if command.time < before:
             yield f"comes before the command in front of it, at {before:g} s", (k, "time")
         before = max(before, command.time)
         if sum(getattr(command, name) is not None for name in COMMANDS) != 1:
@@ -283,6 +285,8 @@ def list_faults(trial: Scenario) -> Iterator[Fault]:
         for k, task in enumerate(held.tasks):
             for message, key in _task_faults(task, trial):
                 yield message, (name, "tasks", k, key)
+        for message, at in range_faults(held):
+            yield message, (name, *at)
         if not held.tasks:
             yield "has no tasks", (name,)
         if name not in taken:
@@ -330,15 +334,11 @@ def _task_faults(task: WorkTask, trial: Scenario) -> Iterator[tuple[str, str]]:
     if task.at not in stations:
         hint = suggestion(task.at, stations) if stations else "the floor has none"
         yield f"no station is called {task.at!r}; {hint}", "at"
-    if fault := time_fault(task.time):
-        yield fault, "time"
-    elif task.time >= trial.duration:
+    if task.time >= trial.duration:
         yield _too_late(task.time, trial), "time"
     values = task.duration.values
     if not values or not all(0 <= value <= LARGEST for value in values) or max(values) <= 0:
         yield f"must be seconds from 0 to {LARGEST:g}, not {values!r}", "duration"
-    if task.every is not None and not 0 < task.every <= LARGEST:
-        yield f"must be more than 0 s, not {task.every!r}", "every"
 
 
 def _too_late(time: float, trial: Scenario) -> str:

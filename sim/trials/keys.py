@@ -1,93 +1,63 @@
-"""Keys of a trial file and of commands, and the values that they stand for."""
+"""Keys of a trial file and of commands that stand for more than one value of a trial."""
 
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
+from typing_extensions import Self
 
 from floorplan import Obstacle, UserError
 from floorplan.building import ObstacleSchema, footprint
 from floorplan.files.documents import read_yaml
-from floorplan.files.fields import Flag, NotNegative, Number, Pair, Positive, Range, Strictly, whole
-from floorplan.files.problems import suggestion
-from navigation.catalog import PlannerChoice
+from floorplan.files.fields import Flag, NotNegative, Number, Range, Strictly, whole
+from floorplan.files.problems import Written, suggestion
 
-from ..core.entries import (
-    COMMANDS,
-    Blackout,
-    Command,
-    Keys,
-    MannersEntry,
-    NoticingEntry,
-    RecordedTrack,
-    Side,
-    Start,
-)
+from ..core.entries import COMMANDS, Blackout, Command
 from ..core.rules import PAPER
 from ..core.scenario import (
     ASSUMED,
     USUAL_PLANNER,
-    PersonalityChange,
+    GantryEntry,
+    Name,
     PersonEntry,
+    Planner,
     Scenario,
     Source,
     TrialError,
 )
+from ..core.schedule import DoorTimes, Intervals, Length, TimedObstacle, WorkList, time_of_day
 from ..machines.agv.model import AgvKeys
-from ..machines.gantry.model import GantryKeys
-from .checks import CONDITIONS, LARGEST_SEED, NAME
+from .checks import LARGEST_SEED
 from .feasibility import command_faults
 from .rules_file import RuleKeys
-from .schedule_keys import (
-    DoorKeys,
-    DrawnKeys,
-    Length,
-    TimedKeys,
-    TimeOfDay,
-    WorkerKeys,
-    WorkListEntry,
-    time_of_day,
-)
 
 _Made = TypeVar("_Made", bound=Scenario)
 
 
-class _Keys(Keys):
-    stands_for = Command
-    time: NotNegative
+class BlockKeys(ObstacleSchema):
+    """A command that puts down an obstacle."""
 
-
-class _Send(_Keys):
-    send: str
-    to: Pair | str
-
-
-class _Block(ObstacleSchema):
     time: NotNegative
     block: Annotated[str, Field(min_length=1)]
     z: Range = (0.0, 1.0)
 
     def value(self) -> Command:
+        """Return the command."""
         return Command(
             self.time,
             block=Obstacle(
                 name=self.block, footprint=footprint(self), bottom=self.z[0], top=self.z[1]
             ),
         )
-
-
-class _Clear(_Keys):
-    clear: str
-
-
-class _Hold(_Keys):
-    hold: str
-
-
-class _Release(_Keys):
-    release: str
 
 
 def _one_command(value: Any) -> Any:
@@ -98,31 +68,30 @@ def _one_command(value: Any) -> Any:
 
 def _command_tag(value: Any) -> str:
     """Return which command it is, by a word that is none of its keys."""
-    named = (name for name in COMMANDS if isinstance(value, dict) and name in value)
-    return f"to {next(named, COMMANDS[0])}"
+    return "to block" if isinstance(value, dict) and "block" in value else "another"
 
 
 _Command = Annotated[
-    Annotated[
-        Annotated[_Send, Tag("to send")]
-        | Annotated[_Block, Tag("to block")]
-        | Annotated[_Clear, Tag("to clear")]
-        | Annotated[_Hold, Tag("to hold")]
-        | Annotated[_Release, Tag("to release")],
-        Discriminator(_command_tag),
-    ],
+    Command,
+    Written(
+        Annotated[
+            Annotated[BlockKeys, AfterValidator(BlockKeys.value), Tag("to block")]
+            | Annotated[Command, Tag("another")],
+            Discriminator(_command_tag),
+        ]
+    ),
     BeforeValidator(_one_command),
 ]
 
 CommandEntries = Annotated[
-    Annotated[str, Tag("file")] | Annotated[list[_Command], Tag("list")],
+    Annotated[str, Tag("file")] | Annotated[tuple[_Command, ...], Tag("list")],
     Discriminator(lambda value: "file" if isinstance(value, str) else "list"),
 ]
 """Commands in order of time, or the file that has them."""
 
 
 class _CommandFile(Strictly):
-    commands: list[_Command]
+    commands: tuple[_Command, ...]
 
 
 class _OneCommand(Strictly):
@@ -135,199 +104,72 @@ def commanded(trial: _Made, path: Path) -> _Made:
     `TrialError` names the file, and the lines in it that can't be or can't be in this trial.
     """
     document = read_yaml(path, TrialError)
-    commands = commands_of(document.checked(_CommandFile, TrialError).commands)
-    made = replace(trial, commands=commands)
+    made = replace(trial, commands=document.checked(_CommandFile, TrialError).commands)
     problems = [document.problem(said, "commands", *at) for said, at in command_faults(made)]
     if problems:
         raise TrialError(document.file, problems)
     return made
 
 
-def commands_of(entries: list[Any]) -> tuple[Command, ...]:
-    """Return the commands that the keys stand for."""
-    return tuple(entry.value() for entry in entries)
-
-
 def read_command(keys: Any) -> Command:
     """Return the command with these keys; pydantic's `ValidationError` says what is wrong."""
-    command: Command = _OneCommand.model_validate({"command": keys}).command.value()
-    return command
+    return _OneCommand.model_validate({"command": keys}).command
 
 
-_Planner = Annotated[Any, AfterValidator(PlannerChoice.of)]
-"""A planner: its name, or `{name: RRTConnect, range: 1.0}`."""
+@dataclass(frozen=True, kw_only=True)
+class SourceKeys(Source):
+    """A source of one person, or of so many."""
 
-
-class _PartPlaced(Keys):
-    part: str | None = None
-    agv: str | None = None
-
-    def value(self) -> dict[str, str]:
-        return self.model_dump(exclude_none=True)
-
-
-class _Start(Keys):
-    stands_for = Start
-    time: NotNegative | None = None
-    part_placed: _PartPlaced | None = None
-    order_submitted: str | None = None
-    event: str | None = None
-    count: Annotated[int, whole(1)] = 1
-    person: str | None = None
+    count: Annotated[int, whole(1)] | None = None
 
     @model_validator(mode="after")
-    def _one_condition(self) -> "_Start":
-        given = self.model_fields_set
-        if len(given & {*CONDITIONS}) != 1:
-            raise UserError(f"give one of {', '.join(CONDITIONS)}")
-        if self.event is None and given & {"count", "person"}:
-            raise UserError("count and person belong to an event")
+    def _one_or_many(self) -> Self:
+        if (self.count is None) == (not self.stream):
+            raise UserError("give count, the number of people who come")
         return self
-
-
-class _Change(Keys):
-    stands_for = PersonalityChange
-    when: _Start
-    personality: str
-
-
-def _as_name(value: Any) -> Any:
-    number = isinstance(value, int) and not isinstance(value, bool)
-    return str(value) if number else value
-
-
-class MannersKeys(Keys):
-    """Manners of people towards others: a figure, or [least, most] to draw each person's from."""
-
-    stands_for = MannersEntry
-    comfort: NotNegative | Range | None = None
-    time_gap: NotNegative | Range | None = None
-    foresight: Positive | Range | None = None
-    reaction_time: NotNegative | Range | None = None
-    patience: Positive | Range | None = None
-    passing_side: Side | None = None
-    steps_aside: Flag | None = None
-
-
-def _form(value: Any) -> str:
-    """Return which form a figure that may be drawn has."""
-    if isinstance(value, dict | DrawnKeys):
-        return "distribution"
-    return "range" if isinstance(value, list | tuple) else "figure"
-
-
-Drawn = Annotated[
-    Annotated[Positive, Tag("figure")]
-    | Annotated[Range, Tag("range")]
-    | Annotated[DrawnKeys, Tag("distribution")],
-    Discriminator(_form),
-]
-"""A figure, [least, most], or a distribution."""
-
-
-class _NoticingKeys(Keys):
-    stands_for = NoticingEntry
-    field_of_view: Drawn | None = None
-    occlusion: Flag = False
-    reaction_time: Drawn | None = None
-
-
-class _RecordedKeys(Keys):
-    stands_for = RecordedTrack
-    file: Annotated[str, Field(min_length=1)]
-    body: Annotated[str, BeforeValidator(_as_name)] | None = None
-    since: Number = 0.0
-    longest_gap: Positive = 1.0
-    top_speed: Positive = 4.0
-    frame_rate: Positive | None = None
-
-
-def _as_track(value: Any) -> Any:
-    return {"file": value} if isinstance(value, str) else value
 
 
 OF_RECORDED = frozenset({"name", "start", "radius", "recorded"})
 """Keys of somebody who walks as they were measured."""
 
 
-class _Source(Keys):
-    at: Pair | str
-    rate: Positive
+@dataclass(frozen=True, kw_only=True)
+class PersonKeys(PersonEntry):
+    """One person, or so many alike."""
+
     count: Annotated[int, whole(1)] | None = None
-    start: NotNegative = 0.0
-    stream: str = ""
-    number: Annotated[int, whole(1)] = 1
+    source: SourceKeys | None = None
 
-    @model_validator(mode="after")
-    def _one_or_many(self) -> "_Source":
-        if (self.count is None) == (not self.stream):
-            raise UserError("give count, the number of people who come")
-        return self
-
-    def value(self) -> Source:
-        fields = self.fields()
-        del fields["count"]
-        return Source(**fields)
-
-
-class PersonKeys(WorkerKeys):
-    """One person."""
-
-    name: Annotated[str, Field(pattern=f"^{NAME}$")]
-    personality: str = "indifferent"
-    start: _Start = _Start(time=0.0)
-    count: Annotated[int, whole(1)] | None = None
-    at: Pair | str | None = None
-    home: Pair | str | None = None
-    beliefs: list[str] = []
-    radius: Positive | None = None
-    max_speed: Drawn | None = None
-    max_acceleration: Positive | None = None
-    changes: list[_Change] = []
-    planner: _Planner | None = None
-    manners: MannersKeys = MannersKeys()
-    actions: str | None = None
-    recorded: Annotated[_RecordedKeys, BeforeValidator(_as_track)] | None = None
-    source: _Source | None = None
-    sink: Pair | str | None = None
-    group: Annotated[str, Field(pattern=f"^{NAME}$")] | None = None
-    noticing: _NoticingKeys = _NoticingKeys()
-    agent_lag: NotNegative | Range | None = None
-
-    @model_validator(mode="after")
-    def _recorded_or_not(self) -> "PersonKeys":
-        needless = sorted(self.model_fields_set - OF_RECORDED)
-        if self.recorded is not None and needless:
+    @model_validator(mode="wrap")
+    @classmethod
+    def _fit_together(cls, keys: Any, read: Any) -> Any:
+        made = read(keys)
+        if not isinstance(keys, dict):
+            return made
+        needless = sorted(keys.keys() - OF_RECORDED)
+        if made.recorded is not None and needless:
             raise UserError(
                 f"somebody who is recorded walks as measured: leave out {', '.join(needless)}"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _comes_or_is_there(self) -> "PersonKeys":
-        if self.source is not None:
-            for key in ("at", "count", "start"):
-                if key in self.model_fields_set:
-                    raise UserError(f"{key} and source don't go together; leave it out")
-        return self
+        for key in ("at", "count", "start"):
+            if made.source is not None and key in keys:
+                raise UserError(f"{key} and source don't go together; leave it out")
+        return made
 
     @property
     def many(self) -> int | None:
         """The number of people that this stands for, None for one who is called as it says."""
         return self.count if self.source is None else self.source.count
 
-    def value(self) -> PersonEntry:
-        """Return the person."""
-        fields = self.fields()
-        del fields["count"]
-        return PersonEntry(**fields)
-
     def values(self) -> list[PersonEntry]:
         """Return the people: the one, or so many of them, who are numbered from 1."""
-        one, many = self.value(), self.many
-        if many is None:
+        one = PersonEntry(**{key.name: getattr(self, key.name) for key in fields(PersonEntry)})
+        if self.source is not None:
+            source = Source(**{key.name: getattr(self.source, key.name) for key in fields(Source)})
+            one = replace(one, source=source)
+        if self.many is None:
             return [one]
-        people = [replace(one, name=f"{one.name}{k + 1}") for k in range(many)]
+        people = [replace(one, name=f"{one.name}{k + 1}") for k in range(self.many)]
         if one.source is None:
             return people
         return [
@@ -336,23 +178,30 @@ class PersonKeys(WorkerKeys):
         ]
 
 
+class TimedKeys(ObstacleSchema):
+    """An obstacle, and when it is there."""
+
+    there: Intervals
+
+    def value(self, name: str) -> TimedObstacle:
+        """Return the obstacle called `name`."""
+        bottom, top = self.z
+        obstacle = Obstacle(name=name, footprint=footprint(self), bottom=bottom, top=top)
+        return TimedObstacle(obstacle, self.there)
+
+
 def _name_or_keys(value: Any) -> Any:
     if not isinstance(value, str | dict):
         raise PydanticCustomError("floor", "expected a name, a file or the keys of a floor")
     return value
 
 
-def _begin(value: Any) -> TimeOfDay:
-    if not isinstance(value, str):
-        raise UserError(f"expected a time of day in quotes, as '09:00', found {value!r}")
-    return time_of_day(value)
-
-
-class _BlackoutKeys(Keys):
-    stands_for = Blackout
-    machine: str
-    start: _Start = _Start(time=0.0)
-    seconds: Positive
+def begins_in(data: Any) -> float:
+    """Return the time of day (s) at which the trial in a file begins; 0 if none can be told."""
+    try:
+        return time_of_day(data["begins"])
+    except (LookupError, TypeError, UserError):
+        return 0.0
 
 
 def _as_assumed(name: str) -> str:
@@ -370,20 +219,20 @@ class TrialKeys(Strictly):
     duration: Length = 275.0
     seed: Annotated[int, whole(0, LARGEST_SEED)] = 0
     rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
-    planner: _Planner = USUAL_PLANNER
+    planner: Planner = USUAL_PLANNER
     people: list[PersonKeys] = []
     steering: str | None = None
     actions: str | None = None
-    gantry: GantryKeys = GantryKeys()
+    gantry: GantryEntry = GantryEntry()
     agvs: dict[str, AgvKeys] = {}
-    machines: dict[Annotated[str, Field(pattern=f"^{NAME}$")], dict[str, Any]] = {}
+    machines: dict[Name, dict[str, Any]] = {}
     ariac: str | None = None
     until_submitted: Flag | None = None
-    begins: Annotated[Number, BeforeValidator(_begin)] = 0.0
-    work: dict[Annotated[str, Field(pattern=f"^{NAME}$")], WorkListEntry] = {}
-    doors: dict[str, DoorKeys] = {}
+    begins: Annotated[Number, BeforeValidator(time_of_day)] = 0.0
+    work: dict[Name, WorkList] = {}
+    doors: dict[str, DoorTimes] = {}
     obstacles: dict[str, TimedKeys] = {}
-    blackouts: list[_BlackoutKeys] = []
-    commands: CommandEntries = []
+    blackouts: tuple[Blackout, ...] = ()
+    commands: CommandEntries = ()
     sources: dict[Annotated[str, AfterValidator(_as_assumed)], str] = {}
     expect: dict[str, Any] = {}

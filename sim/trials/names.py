@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
 from typing import Any
@@ -12,12 +11,12 @@ from floorplan import UserError
 from floorplan.files.problems import suggestion
 
 from ..core.body import PERSON
-from ..core.custom_code import CodeLocation, OwnCodeError, definitions_in
-from ..core.events import EVENT_KINDS, EventKind, Form, kind_of
+from ..core.events import EVENT_KINDS, Form
 from ..core.scenario import Scenario
-from ..machines.gantry.controllers import ControllerError, controller_source
+from ..machines.gantry.controllers import CONTROLLERS
 from ..machines.gantry.worksites import fixed_places
-from ..machines.kinds import KINDS, MachineError, is_own, kind_name, on_floor, own_kind
+from ..machines.kinds import KINDS, is_own, kind_name, on_floor
+from ..safety.laws import own_laws
 
 MOST_NAMED = 12
 """People whose names a line of text has."""
@@ -129,44 +128,25 @@ def checked_name(wanted: Any, form: str, known: Collection[str]) -> str:
 def event_kinds(trial: Scenario, wanted: str) -> Collection[str]:
     """Return the names of all kinds of events that `wanted` may be one of.
 
-    The source of own code is looked at only where it is none that is defined already: what it
-    defines is a kind once it has been imported, for the run.
+    Any name may be one where custom code, which is not imported yet, may define it.
     """
-    return EVENT_KINDS if wanted in EVENT_KINDS else [*EVENT_KINDS, *own_event_kinds(trial)]
+    if trial.own_code and any(own_names(trial)):
+        return [*EVENT_KINDS, wanted]
+    return EVENT_KINDS
 
 
-def own_event_kinds(trial: Scenario) -> list[str]:
-    """Return the kinds of events that are defined in the files of own controllers and machines."""
-    found = []
-    for source in _sources(trial):
-        try:
-            definitions = definitions_in(source.name, source.file).values()
-        except OwnCodeError:
-            continue
-        found += [kind_of(one.name) for one in definitions if _is_event(one)]
-    return list(dict.fromkeys(found))
-
-
-def _sources(trial: Scenario) -> Iterator[CodeLocation]:
-    """Yield the files; what can't be found is a fault that is reported elsewhere."""
-    added = trial.machines.values()
-    controllers = [trial.gantry.controller, *(one.keys.get("controller", "") for one in added)]
-    for controller in controllers:
-        if isinstance(controller, str) and ":" in controller:
-            try:
-                source = controller_source(controller, trial.folder, own_code=trial.own_code)
-            except ControllerError:
-                continue
-            if source is not None:
-                yield source
-    for entry in filter(is_own, added):
-        try:
-            yield own_kind(entry, trial.folder, own_code=trial.own_code)
-        except MachineError:
-            continue
-
-
-def _is_event(definition: ast.AST) -> bool:
-    """Return True for a class derived from `EventKind`, or `sim.EventKind`, itself."""
-    bases = definition.bases if isinstance(definition, ast.ClassDef) else []
-    return any(ast.unparse(base).rpartition(".")[2] == EventKind.__name__ for base in bases)
+def own_names(trial: Scenario) -> Iterator[str]:
+    """Yield the names of all own code that stands in the trial's folder."""
+    controller = trial.gantry.controller
+    if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
+        yield trial.gantry.controller_name
+    planners = (trial.planner, *(person.planner for person in trial.people))
+    yield from dict.fromkeys(one.name for one in planners if one is not None and one.is_own)
+    if trial.steering is not None:
+        yield trial.steering
+    modules = (trial.actions, *(person.actions for person in trial.people))
+    yield from dict.fromkeys(name for name in modules if name is not None)
+    yield from (str(entry.kind) for entry in trial.machines.values() if is_own(entry))
+    for law in dict.fromkeys(own_laws(trial.rules)):
+        if law.folder == trial.folder.resolve():
+            yield law.name

@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import ast
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, fields, replace
@@ -23,7 +22,7 @@ from floorplan.files.reading import is_file
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 from navigation.separation import AnyLaw
 
-from ..core.custom_code import REFUSED, OwnCodeError, find_source, parameters
+from ..core.custom_code import find_code
 from ..core.rules import (
     NO_TIME,
     PAPER,
@@ -34,7 +33,7 @@ from ..core.rules import (
     RuleSet,
     rule_set,
 )
-from ..safety.laws import LAW, OwnLaw
+from ..safety.laws import LAW, LawError, OwnLaw
 
 LAWS: dict[str, Any] = {
     "iso_ts_15066": SeparationLaw,
@@ -100,19 +99,10 @@ def read_law(
 def _own_law(
     name: str, given: Mapping[str, Any], folder: Path, own_code: bool, place: str
 ) -> AnyLaw:
-    if not own_code:
-        raise WrittenLawError(REFUSED, name)
     try:
-        source = find_source(name, folder, LAW)
-    except OwnCodeError as why:
-        raise WrittenLawError(f"the law {why}", name) from why
-    assert isinstance(source.definition, ast.ClassDef)  # as it is a law
-    takes = parameters(source.definition)
-    if takes is not None:
-        for term in given:
-            if term not in takes.names and not takes.any_name:
-                raise _no_term(name, term, takes.names)
-        _require_terms(name, takes.needed, given)
+        find_code(name, folder, LAW, own_code=own_code)
+    except LawError as why:
+        raise WrittenLawError(str(why), name) from why
     return OwnLaw(name, given, folder, place)
 
 

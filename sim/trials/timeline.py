@@ -11,7 +11,7 @@ import math
 import operator
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from decimal import Decimal
 from typing import Any, Literal, Protocol
 
@@ -87,6 +87,7 @@ class Verdict:
     """
 
     expected: str
+    _: KW_ONLY
     found: str
     met: bool
     time: float | None = None
@@ -327,6 +328,7 @@ class Statement:
 
     form: Literal["never", "always", "eventually", "whenever"]
     what: Occurrence
+    _: KW_ONLY
     window: Window
     times: NumberCondition | None = None
     trigger: EventPattern | None = None
@@ -337,19 +339,19 @@ class Statement:
         try:
             window = self.window.of(run)
         except UserError as why:
-            return Verdict(str(self), str(why), False)
+            return Verdict(str(self), found=str(why), met=False)
         if self.form == "whenever":
             return self._answered(run, *window)
         if self.form == "always":
             gap = self._gap(run, *window)
             found = "so all the time" if gap is None else f"not so at t = {gap:.3f} s"
-            return Verdict(str(self), found, gap is None, gap)
+            return Verdict(str(self), found=found, met=gap is None, time=gap)
         times = self._times(run, *window)
         first = times[0] if times else None
         if self.form == "never":
-            return Verdict(str(self), _listed(times), not times, first)
+            return Verdict(str(self), found=_listed(times), met=not times, time=first)
         met = self.times.passes(len(times)) if self.times else bool(times)
-        return Verdict(str(self), _listed(times), met, first)
+        return Verdict(str(self), found=_listed(times), met=met, time=first)
 
     def _times(self, run: Outcome, begin: Moment, end: Moment) -> list[float]:
         """Return when it happens, or begins to hold, between two moments."""
@@ -380,9 +382,9 @@ class Statement:
                 if until > run.duration:
                     continue  # there is no telling what would have followed
                 found = f"none followed {self.trigger.kind} at t = {event['t']:.3f} s"
-                return Verdict(str(self), found, False, event["t"])
+                return Verdict(str(self), found=found, met=False, time=event["t"])
             answered += 1
-        return Verdict(str(self), f"followed each of {answered}", True)
+        return Verdict(str(self), found=f"followed each of {answered}", met=True)
 
     def __str__(self) -> str:
         if self.trigger is not None:
@@ -413,17 +415,17 @@ def read_statement(written: Any, trial: Scenario) -> Statement:
         what = read_occurrence(written["then"], trial)
         trigger = read_event(written["whenever"], trial)
         window = Window(after, before)
-        return Statement("whenever", what, window, trigger=trigger, delay=within)
+        return Statement("whenever", what, window=window, trigger=trigger, delay=within)
     window = Window(after, before, within)
     what = (read_state if form == "always" else read_occurrence)(written[form], trial)
     if within <= INSTANT and not isinstance(what, EventPattern):
         raise UserError(f"within: a state lasts; expected more than {INSTANT:g} s")
     if form == "always":
-        return Statement("always", what, window)
+        return Statement("always", what, window=window)
     if form == "never":
-        return Statement("never", what, window)
+        return Statement("never", what, window=window)
     times = NumberCondition.parse(written["times"]) if "times" in written else None
-    return Statement("eventually", what, window, times)
+    return Statement("eventually", what, window=window, times=times)
 
 
 def _scope(key: str, written: Any, trial: Scenario) -> float | EventPattern:

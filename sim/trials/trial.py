@@ -17,9 +17,9 @@ from floorplan.files.reading import is_there
 from floorplan.loading import build as build_floor
 
 from ..core.custom_code import OwnCodeError
-from ..core.entries import WorkList
 from ..core.scenario import PersonEntry, Scenario, TrialError, spot
-from ..core.stage import DoorTimes, Interval, MachineEntry
+from ..core.schedule import DoorTimes, Interval
+from ..core.stage import MachineEntry
 from ..machines.agv.model import MOST_MOVES, number_of
 from ..machines.gantry.controllers import ControllerError, controller_source
 from ..machines.gantry.robot import GANTRY
@@ -27,9 +27,8 @@ from ..machines.kinds import KINDS, far_laws, is_own
 from ..people.programs import load_program, modules_of
 from .checks import faults
 from .feasibility import people_fault
-from .keys import TrialKeys, commanded, commands_of
+from .keys import TrialKeys, begins_in, commanded
 from .rules_file import build_rules
-from .schedule_keys import at_instants, shift_at_instants
 from .writing import out_of_reach
 
 _Made = TypeVar("_Made", bound=Scenario)
@@ -160,13 +159,13 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         return replace(reading.build(form, document, folder), own_code=own_code)
     if other := _something_else(document):
         raise TrialError(document.file, [Problem(f"is {other}")])
-    schema = document.checked(TrialKeys, TrialError)
+    schema = document.checked(TrialKeys, TrialError, {"begins": begins_in(document.data)})
     _refuse_crowds(schema, document)
     home, folder = folder, folder / schema.folder
     name = Path(document.file).name.split(".")[0] if schema.name is None else schema.name
     plan = _floorplan(schema.floorplan, folder, document, name)
     lanes = {lane.name: lane for lane in plan.lanes}
-    moves = sum(number_of(agv.values(), schema.duration) for agv in schema.agvs.values())
+    moves = sum(number_of(agv.moves, schema.duration) for agv in schema.agvs.values())
     if moves > MOST_MOVES:
         lanes = {}  # so that they stay as given, to be refused
     rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
@@ -177,10 +176,10 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         seed=schema.seed,
         rules=rules,
         planner=schema.planner,
-        people=tuple(_timed(one, schema.begins) for one in people_of(schema, folder)),
+        people=people_of(schema, folder),
         steering=schema.steering,
         actions=schema.actions,
-        gantry=schema.gantry.value(),
+        gantry=schema.gantry,
         agvs={
             name: agv.moves_until(schema.duration, lanes.get(name))
             for name, agv in schema.agvs.items()
@@ -192,18 +191,11 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         floorplan_source=schema.floorplan if isinstance(schema.floorplan, str) else "",
         until_submitted=bool(schema.until_submitted),
         own_code=own_code,
-        work={
-            name: WorkList(
-                tuple(at_instants(task, schema.begins) for task in keys.value().tasks), keys.repeat
-            )
-            for name, keys in schema.work.items()
-        },
-        doors={name: keys.value_at(schema.begins) for name, keys in schema.doors.items()},
-        obstacles=tuple(
-            keys.value_at(name, schema.begins) for name, keys in schema.obstacles.items()
-        ),
-        blackouts=tuple(keys.value() for keys in schema.blackouts),
-        commands=() if isinstance(schema.commands, str) else commands_of(schema.commands),
+        work=schema.work,
+        doors=schema.doors,
+        obstacles=tuple(keys.value(name) for name, keys in schema.obstacles.items()),
+        blackouts=schema.blackouts,
+        commands=() if isinstance(schema.commands, str) else schema.commands,
         sources=schema.sources,
     )
     if schema.ariac is not None:
@@ -283,18 +275,6 @@ def people_of(schema: TrialKeys, folder: Path) -> tuple[PersonEntry, ...]:
         with suppress(TrialError, OwnCodeError):
             load_program(personality, folder, modules_of(actions, schema.actions))
     return people
-
-
-def _timed(person: PersonEntry, begins: float) -> PersonEntry:
-    """Return the person with times of day as instants of a trial that `begins` then."""
-    return replace(
-        person,
-        schedule=tuple(at_instants(task, begins) for task in person.schedule),
-        breaks=tuple(
-            replace(at_instants(task, begins), name=task.name or "break") for task in person.breaks
-        ),
-        shifts=tuple(shift_at_instants(shift, begins) for shift in person.shifts),
-    )
 
 
 def _machine(keys: dict[str, Any]) -> MachineEntry:

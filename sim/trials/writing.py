@@ -5,46 +5,36 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, fields, is_dataclass, replace
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import floorplan
-from floorplan import UserError
+from floorplan import Obstacle, UserError
 from floorplan.files.documents import yaml_text
 from floorplan.plan import floor_keys, obstacle_keys
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
-from ..core.entries import Command, Duration, RecordedTrack, Start
-from ..core.scenario import USUAL_PLANNER, AgvMove, Job, PersonalityChange, PersonEntry, Scenario
-from ..core.stage import DoorTimes, Interval, MachineEntry, TimedObstacle
+from ..core.entries import Command, Start
+from ..core.scenario import (
+    USUAL_PLANNER,
+    Job,
+    PersonalityChange,
+    PersonEntry,
+    Scenario,
+    Workload,
+)
+from ..core.schedule import Duration, TimedObstacle
+from ..core.stage import MachineEntry
 from ..machines.gantry.controllers import CONTROLLERS
-from ..machines.kinds import KINDS, is_own
-from ..orders import Workload
+from ..machines.kinds import KINDS
 from ..people.programs import written_personality
-from ..safety.laws import own_laws
+from .names import own_names
 from .rules_file import written_rules
-
-
-def own_names(trial: Scenario) -> Iterator[str]:
-    """Yield the names of all own code that stands in the trial's folder."""
-    controller = trial.gantry.controller
-    if controller not in (*CONTROLLERS, *CONTROLLERS.values()):
-        yield trial.gantry.controller_name
-    planners = (trial.planner, *(person.planner for person in trial.people))
-    yield from dict.fromkeys(one.name for one in planners if one is not None and one.is_own)
-    if trial.steering is not None:
-        yield trial.steering
-    modules = (trial.actions, *(person.actions for person in trial.people))
-    yield from dict.fromkeys(name for name in modules if name is not None)
-    yield from (str(entry.kind) for entry in trial.machines.values() if is_own(entry))
-    for law in dict.fromkeys(own_laws(trial.rules)):
-        if law.folder == trial.folder.resolve():
-            yield law.name
 
 
 def out_of_reach(trial: Scenario, folder: Path) -> str:
@@ -87,16 +77,16 @@ def _trial(trial: Scenario) -> Data:
         "actions": trial.actions,
         "gantry": _value(replace(trial.gantry, controller=_controller(trial)), trial),
         "agvs": {
-            name: _agv(trial.agvs.get(name, ()), name in trial.yielding)
+            name: _agv(trial, name)
             for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs}))
         },
         "machines": {name: _machine(name, entry) for name, entry in trial.machines.items()},
         "until_submitted": trial.until_submitted or None,
         "work": {name: _value(held, trial) for name, held in trial.work.items()},
-        "doors": {name: _door(times) for name, times in trial.doors.items()},
-        "obstacles": {one.obstacle.name: _timed(one) for one in trial.obstacles},
+        "doors": {name: _value(times, trial) for name, times in trial.doors.items()},
+        "obstacles": {one.obstacle.name: _value(one, trial) for one in trial.obstacles},
         "blackouts": _value(trial.blackouts, trial),
-        "commands": [_command(one, trial) for one in trial.commands],
+        "commands": _value(trial.commands, trial),
         "sources": trial.sources,
         "expect": trial.expect,
     }
@@ -141,21 +131,8 @@ def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
 def _value(value: Any, trial: Scenario) -> Any:
     """Return a field's value as its key has it."""
     match value:
-        case Job(kind="move"):
-            return {"move": value.target}
-        case Job(kind="wait"):
-            return {"wait": value.seconds}
-        case Job(kind="submit"):
-            return {"submit": value.order}
-        case Job():
-            return {"pick": value.pick, "place": value.place, "part": value.part}
-        case Duration(kind="fixed"):
-            return value.values[0]
-        case Duration():
-            one = len(value.values) == 1
-            return {value.kind: value.values[0] if one else [*value.values]}
-        case RecordedTrack():
-            return _fields(value, trial)
+        case Job() | Duration():
+            return value.written()
         case Motion():
             raise UserError(
                 f"the trial {trial.name!r} can't be written: a recorded motion came from no file"
@@ -166,6 +143,12 @@ def _value(value: Any, trial: Scenario) -> Any:
             return _fields(replace(value, personality=_personality(value, trial)), trial)
         case PlannerChoice():
             return _planner(value, trial)
+        case (begin, math.inf):
+            return [begin]
+        case Command(block=Obstacle() as block):
+            return {"time": value.time, "block": block.name, **obstacle_keys(block)}
+        case TimedObstacle():
+            return {**obstacle_keys(value.obstacle), "there": _value(value.there, trial)}
         case tuple():
             return [_value(one, trial) for one in value]
         case _ if is_dataclass(value):
@@ -183,29 +166,9 @@ def _fields(value: Any, trial: Scenario) -> Data:
     return given
 
 
-def _door(times: DoorTimes) -> Data:
-    key = "open" if times.closed is None else "closed"
-    return {key: [*map(_span, times.intervals)]}
-
-
-def _timed(one: TimedObstacle) -> Data:
-    return {**obstacle_keys(one.obstacle), "there": [*map(_span, one.there)]}
-
-
-def _command(one: Command, trial: Scenario) -> Data:
-    if one.block is None:
-        return _fields(one, trial)
-    return {"time": one.time, "block": one.block.name, **obstacle_keys(one.block)}
-
-
-def _span(span: Interval) -> list[float]:
-    begin, end = span
-    return [begin] if end == math.inf else [begin, end]
-
-
-def _agv(moves: tuple[AgvMove, ...], yields: bool) -> Any:
-    written = [_without(asdict(move), None) for move in moves]
-    return {"yield": True, "moves": written} if yields else written
+def _agv(trial: Scenario, name: str) -> Any:
+    moves = _value(trial.agvs.get(name, ()), trial)
+    return {"yield": True, "moves": moves} if name in trial.yielding else moves
 
 
 def _machine(name: str, entry: MachineEntry) -> Data:

@@ -14,7 +14,7 @@ import bdi
 import navigation
 import sim
 from floorplan.checks import starting_fault
-from sim.core.stage import DoorTimes
+from sim.core.schedule import DoorTimes
 
 from .floors import divided_floor, random_floor, standing_place
 

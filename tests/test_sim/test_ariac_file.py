@@ -39,10 +39,10 @@ def test_everything_that_a_file_says():
     assert work.malfunctions == (ariac.Malfunction(sim.Start(None, order_submitted="KIT-A"), 10.0),)
     kit, _, assembly = work.orders
     assert kit.task == ariac.KittingTask(
-        "agv4",
-        2,
-        "warehouse",
-        {1: ariac.PartType("red", "battery"), 4: ariac.PartType("blue", "sensor")},
+        agv="agv4",
+        tray=2,
+        destination="warehouse",
+        products={1: ariac.PartType("red", "battery"), 4: ariac.PartType("blue", "sensor")},
     )
     assert (assembly.id, assembly.kind, assembly.priority) == ("ASSEMBLY", "assembly", True)
     assert assembly.announcement == sim.Start(None, order_submitted="KIT-B")

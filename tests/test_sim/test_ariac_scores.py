@@ -42,7 +42,7 @@ def test_kits(kit, lying, tray, tray_there, arrived, faulty):
     if len(lying) > len(kit):
         points -= len(lying) - len(kit)
     wanted = max(points, 0) * (1 if arrived else 0)
-    task = ariac.KittingTask("agv1", tray, "warehouse", kit)
+    task = ariac.KittingTask(agv="agv1", tray=tray, destination="warehouse", products=kit)
     load = ariac.Load(tray_there, lying)
     assert ariac.kitting_score(task, load, arrived=arrived, faulty=faulty) == wanted
 
@@ -67,7 +67,7 @@ def test_inserts(asked, inserted, data):
 
 @given(kits, products)
 def test_the_best_score_is_that_of_a_faultless_order(kit, asked):
-    kitting = ariac.KittingTask("agv1", 4, "as1", kit)
+    kitting = ariac.KittingTask(agv="agv1", tray=4, destination="as1", products=kit)
     load = ariac.Load(4, {quadrant: ariac.Item(part) for quadrant, part in kit.items()})
     assert ariac.best_score(kitting) == ariac.kitting_score(kitting, load, arrived=True)
     there = {part.type: ariac.Inserted(part) for part in asked}

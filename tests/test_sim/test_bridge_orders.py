@@ -14,7 +14,11 @@ PUMP, BATTERY = PartType("purple", "pump"), PartType("red", "battery")
     ("order", "expected"),
     [
         (
-            Order("K1", KittingTask("agv4", 3, "warehouse", {3: PUMP}), priority=True),
+            Order(
+                "K1",
+                KittingTask(agv="agv4", tray=3, destination="warehouse", products={3: PUMP}),
+                priority=True,
+            ),
             {
                 "type": 0,
                 "priority": True,

@@ -263,9 +263,14 @@ def test_a_door_that_parts_a_group_holds_it_up_until_it_opens():
 
 def test_who_comes_when_depends_on_their_number_alone():
     """However many come, and in whatever order they are asked; each waits for those before."""
-    arrivals = [Source("station1", 0.5, 3.0, "visitor", k).time(7) for k in range(400, 0, -1)]
+    arrivals = [
+        Source("station1", 0.5, start=3.0, stream="visitor", number=k).time(7)
+        for k in range(400, 0, -1)
+    ]
     assert arrivals == sorted(arrivals, reverse=True) and arrivals[-1] > 3.0
-    assert [Source("station1", 0.5, 3.0, "visitor", k).time(7) for k in (1, 400)] == [
+    assert [
+        Source("station1", 0.5, start=3.0, stream="visitor", number=k).time(7) for k in (1, 400)
+    ] == [
         arrivals[-1],
         arrivals[0],
     ]

@@ -133,8 +133,13 @@ def test_fields_of_events_that_a_controller_defines_are_checked_as_the_run_begin
 def test_other_classes_beside_a_controller_are_no_kinds_of_events(tmp_path):
     path = lifting(tmp_path, "PalletStacked", "{never: pallet_lifted}")
     EVENT_KINDS.pop("pallet_lifted", None)
-    with pytest.raises(sim.TrialError, match="pallet_stacked"):
-        sim.Trial.load(path)
+    trial = sim.Trial.load(path)
+    with pytest.raises(sim.TrialError, match="pallet_stacked") as told:
+        sim.run(trial)
+    assert [one.field for one in told.value.problems] == [
+        "expect.timeline[0]",
+        "people[0].start.event",
+    ]
 
 
 @pytest.mark.parametrize("litres", ["many", math.nan, [1.0]])

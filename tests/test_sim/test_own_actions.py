@@ -100,7 +100,7 @@ def name(call, result):
     ("change", "message"),
     [
         (("own.module", "own.nothing"), "there is no own/nothing.py"),
-        (("own.module", "a" * 300), "line 6, people[0].actions: 'aaaa"),
+        (("own.module", "a" * 300), "line 6, people[0].actions: the actions of 'aaaa"),
         (("own.module", "polite.words"), "has no function with @actions.add"),
         (("floor.twice", "floor.thrice"), "there is no internal action floor.twice"),
     ],

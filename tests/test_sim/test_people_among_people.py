@@ -608,8 +608,9 @@ def test_what_is_wrong_with_a_steering_is_said(tmp_path):
         sim.run(own(tmp_path, "Broken"))
     with pytest.raises(sim.TrialError, match=r"line 5, steering: the steering .*Missing"):
         own(tmp_path, "Missing")
-    with pytest.raises(sim.TrialError, match=r"line 5, steering: the steering .* is no steering"):
-        own(tmp_path, "Empty")
+    empty = own(tmp_path, "Empty")
+    with pytest.raises(sim.TrialError, match=r"\(mine.py, line \d+\) is no steering: a steering"):
+        sim.run(empty)
 
 
 @pytest.mark.parametrize(

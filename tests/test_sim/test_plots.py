@@ -291,8 +291,15 @@ def test_trails_on_the_same_way_can_all_be_seen():
     motion = walk([(1.0, 2.0), (9.0, 2.0)], max_speed=1.0, max_acceleration=2.5)
     for count in (1, 2, 4, 12):
         names = [f"p{k}" for k in range(count)]
-        people = tuple(Figure(name, "", 0.4, 1.7) for name in names)
-        scene = Scene("row", 0, plan, sim.PAPER, people, dict.fromkeys(names, (1, 2, 0)))
+        people = tuple(Figure(name, personality="", radius=0.4, height=1.7) for name in names)
+        scene = Scene(
+            trial="row",
+            seed=0,
+            floorplan=plan,
+            rules=sim.PAPER,
+            people=people,
+            starts=dict.fromkeys(names, (1, 2, 0)),
+        )
         run = recorded(scene, motion.end, (), dict.fromkeys(names, motion))
         (axes,) = run.plot.trails().axes
         lines = [line for line in axes.lines if line.get_label() in names]
@@ -323,7 +330,12 @@ def test_a_heat_map_shows_how_long_somebody_walked_over_a_spot():
     plan = floorplan.parse("{boundary: [[0, 0], [10, 0], [10, 4], [0, 4]]}")
     motion = walk([(1.0, 2.0), (9.0, 2.0)], max_speed=0.5, max_acceleration=2.5)
     scene = Scene(
-        "walk", 0, plan, sim.PAPER, (Figure("ada", "", 0.4, 1.7),), {"ada": (1.0, 2.0, 0.0)}
+        trial="walk",
+        seed=0,
+        floorplan=plan,
+        rules=sim.PAPER,
+        people=(Figure("ada", personality="", radius=0.4, height=1.7),),
+        starts={"ada": (1.0, 2.0, 0.0)},
     )
     event = {"t": 0.0, "kind": "human_started", "person": "ada"}
     run = recorded(scene, motion.end, (event,), {"ada": motion})
@@ -618,7 +630,12 @@ except ImportError:
 def test_standing_people_are_drawn():
     plan = floorplan.parse("{boundary: [[0, 0], [10, 0], [10, 4], [0, 4]]}")
     scene = Scene(
-        "standing", 0, plan, sim.PAPER, (Figure("ada", "", 0.4, 1.7),), {"ada": (1, 2, 0)}
+        trial="standing",
+        seed=0,
+        floorplan=plan,
+        rules=sim.PAPER,
+        people=(Figure("ada", personality="", radius=0.4, height=1.7),),
+        starts={"ada": (1, 2, 0)},
     )
     started = ({"t": 1.0, "kind": "human_started", "person": "ada"},)
     run = recorded(scene, 5.0, started, {"ada": standing((1.0, 2.0))})

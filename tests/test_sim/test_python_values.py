@@ -60,7 +60,7 @@ TRIAL = sim.Trial(
     people=(
         sim.PersonEntry(
             "ada",
-            "helpful",
+            personality="helpful",
             start=sim.Start(1.0),
             at=(1.0, 5.0),
             max_speed=1.0,

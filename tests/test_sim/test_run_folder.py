@@ -50,7 +50,7 @@ def folder(recorded, tmp_path):
 
 def test_a_run_that_can_not_begin_takes_no_folder(tmp_path):
     (tmp_path / "odd.asl").write_text("!go.\n+!go <- .nosuch(1).\n")
-    person = sim.PersonEntry("ada", str(tmp_path / "odd.asl"))
+    person = sim.PersonEntry("ada", personality=str(tmp_path / "odd.asl"))
     trial = replace(sim.Trial.parse("floorplan: ariac2023\n"), people=(person,))
     with pytest.raises(bdi.ProgramError, match=r"no internal action \.nosuch"):
         sim.Simulation(trial, sim.Recording(tmp_path / "run"))
@@ -292,10 +292,12 @@ scaled = st.builds(Scaled, laws, terms, st.just(math.inf) | terms)
 def test_every_scene_comes_back(floor, law, noticed, parting):
     notice = Notice(law=noticed, parting=parting, every=None)
     rules = replace(sim.PAPER, gantry_law=law, notice=notice)
-    people = (Figure("ada", "inf", 0.3, 1.7),)
+    people = (Figure("ada", personality="inf", radius=0.3, height=1.7),)
     starts = {"ada": (0.0, 0.5, 0.0)}
     for plan in (floorplan.load(floor), replace(floorplan.load(floor), patrol=None)):
-        scene = Scene("inf", 3, plan, rules, people, starts)
+        scene = Scene(
+            trial="inf", seed=3, floorplan=plan, rules=rules, people=people, starts=starts
+        )
         assert read_scene(write_scene(scene)) == scene
 
 

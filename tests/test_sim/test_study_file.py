@@ -322,6 +322,10 @@ import sim
 class Tug(sim.MachineModel):
     length: float = 1.0
     careful: bool = True
+
+    def shape(self, name, plan): ...
+
+    def make(self, name, stage): ...
 """
 
 
@@ -338,7 +342,9 @@ def test_keys_of_machines_that_a_trial_leaves_out_are_varied(tmp_path):
     assert trial.machines["tug"].keys == {"careful": False, "length": 2}
     assert trial.machines["cart"].keys["max_speed"] == 1
     assert [person.max_speed for person in trial.people] == [0.5, 0.5]
-    for wrong, hint in (("tug.carefull", "careful"), ("cart.maxspeed", "max_speed")):
-        grid = f"grid: {{machines.{wrong}: [1]}}"
-        with pytest.raises(sim.StudyError, match=f"did you mean '{hint}'"):
-            sim.Study.parse(f"trials: [yard.trial.yaml]\n{grid}", folder=tmp_path)
+    grid = "trials: [yard.trial.yaml]\ngrid: {{machines.{}: [1]}}".format
+    with pytest.raises(sim.StudyError, match="did you mean 'max_speed'"):
+        sim.Study.parse(grid("cart.maxspeed"), folder=tmp_path)
+    study = sim.Study.parse(grid("tug.carefull"), folder=tmp_path)
+    with pytest.raises(ValueError, match="carefull: unknown key; did you mean 'careful'"):
+        sim.run(study.row(0).trial)

@@ -3,7 +3,7 @@
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import get_args, get_origin
+from typing import get_origin
 
 import numpy as np
 import pytest
@@ -13,7 +13,11 @@ from hypothesis import given, strategies as st
 import bdi
 import floorplan
 import sim
-from sim.trials.keys import AgvKeys, Keys, PersonKeys, TrialKeys
+from floorplan.building import ObstacleSchema
+from floorplan.files.problems import form_keys, forms
+from sim.core.schedule import DoorTimes
+from sim.trials.keys import PersonKeys, TrialKeys
+from sim.trials.rules_file import RuleKeys
 from sim.trials.writing import own_names
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -211,39 +215,29 @@ def keys_in(form, written):
     found = set()
     if not isinstance(written, dict):
         return found
-    for name, field in form.model_fields.items():
-        key = field.alias or name
+    for key, annotation in form_keys(form):
         if key in written:
             found.add((form, key))
             value = written[key]
-            named = get_origin(field.annotation) is dict and isinstance(value, dict)
-            for inner in forms_in(field.annotation):
+            named = get_origin(annotation) is dict and isinstance(value, dict)
+            for inner in forms(annotation):
                 found |= keys_in(inner, [*value.values()] if named else value)
     return found
 
 
-def forms_in(annotation):
-    if isinstance(annotation, type) and issubclass(annotation, Keys | AgvKeys):
-        return {annotation}
-    return {form for part in get_args(annotation) for form in forms_in(part)}
-
-
 def forms_below(form):
     """The form, and all those in its keys."""
-    inner = {one for field in form.model_fields.values() for one in forms_in(field.annotation)}
-    return {form}.union(*map(forms_below, inner))
+    inner = {one for _, annotation in form_keys(form) for one in forms(annotation)}
+    return {form}.union(*map(forms_below, inner - {RuleKeys}))  # see test_rules_file.py
 
 
 def test_every_key_is_read_and_written(tmp_path):
     (tmp_path / "tracks.csv").write_text("id,frame,x,y\n7,20,-14,-8\n7,40,-14,-8\n")
     data = yaml.safe_load(EVERY_KEY)
-    known = {
-        (f, field.alias or key)
-        for f in forms_below(TrialKeys)
-        for key, field in f.model_fields.items()
-    }
+    known = {(form, key) for form in forms_below(TrialKeys) for key, _ in form_keys(form)}
+    known = {(form, key) for form, key in known if key not in ObstacleSchema.model_fields}
     elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering", "actions")}
-    elsewhere.add((TrialKeys, "doors"))
+    elsewhere |= {(TrialKeys, "doors"), (DoorTimes, "closed"), (DoorTimes, "open")}
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
     elsewhere |= {(form, "count") for form, key in known if key == "stream"}
     # Moves that come again are written one by one.
@@ -352,7 +346,7 @@ def test_a_program_of_no_file_is_refused(tmp_path, of_change):
             change = sim.PersonalityChange(sim.Start(3.0), program)
             entry = sim.PersonEntry("ada", changes=(change,))
         else:
-            entry = sim.PersonEntry("ada", program)
+            entry = sim.PersonEntry("ada", personality=program)
         return sim.Trial(FLOOR, people=(entry,), folder=tmp_path).to_yaml(tmp_path)
 
     (tmp_path / "own.asl").write_text(OWN)

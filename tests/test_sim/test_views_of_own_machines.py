@@ -33,8 +33,16 @@ CART = MachineShape(
 def run():
     plan = floorplan.parse("{boundary: [[0, 0], [10, 0], [10, 4], [0, 4]]}")
     starts = {"ada": (1.0, 2.0, 0.0), "press": (5.0, 2.5, 0.0), "cart": (2.0, 1.0, 0.0)}
-    ada = Figure("ada", "calm", 0.3, 1.7)
-    scene = Scene("own", 0, plan, sim.PAPER, (ada,), starts, (PRESS, CART))
+    ada = Figure("ada", personality="calm", radius=0.3, height=1.7)
+    scene = Scene(
+        trial="own",
+        seed=0,
+        floorplan=plan,
+        rules=sim.PAPER,
+        people=(ada,),
+        starts=starts,
+        machines=(PRESS, CART),
+    )
     motions = {
         "ada": walk([(1.0, 2.0), (4.0, 2.0)], 0.0, max_speed=1.0, max_acceleration=2.5),
         "press": standing((5.0, 2.5)),

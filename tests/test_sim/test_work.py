@@ -279,7 +279,7 @@ def test_work_made_in_python_is_written_and_read_again():
         people=(
             sim.PersonEntry(
                 "ann",
-                "worker",
+                personality="worker",
                 work=("line",),
                 breaks=(WorkTask(place, Duration("fixed", (60.0,)), time=100.0),),
                 shifts=((0.0, 200.0),),
@@ -288,7 +288,9 @@ def test_work_made_in_python_is_written_and_read_again():
         work={
             "line": WorkList(
                 (
-                    WorkTask(place, Duration("exponential", (5.0,)), "pick", every=9.0, count=3),
+                    WorkTask(
+                        place, Duration("exponential", (5.0,)), name="pick", every=9.0, count=3
+                    ),
                     WorkTask(place, Duration("triangular", (1.0, 2.0, 4.0)), priority=-1),
                 )
             )

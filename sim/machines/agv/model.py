@@ -12,21 +12,19 @@ from floorplan import Floorplan, Lane, UserError
 from floorplan.files.fields import (
     Angle,
     Flag,
-    NotNegative,
     Number,
     Pair,
     Positive,
     Range,
     Strictly,
-    size_fault,
-    time_fault,
 )
 from floorplan.files.problems import Fault
+from floorplan.files.values import range_faults
 from navigation.machines import Stop, longest_stop
 
 from ...core.body import MachineShape
-from ...core.entries import Keys, times_until
 from ...core.scenario import AgvMove
+from ...core.schedule import times_until
 from ...core.stage import MachineModel, Stage
 from .agv import Agv, agv_shape
 
@@ -51,17 +49,10 @@ def repeated(moves: tuple[AgvMove, ...], end: float) -> tuple[AgvMove, ...]:
     return tuple(sorted(found, key=lambda move: move.time))
 
 
-class _Move(Keys):
-    stands_for = AgvMove
-    time: NotNegative
-    to: str | Number
-    every: Positive | None = None
-
-
 class AgvKeys(Strictly):
     """One AGV of the floor; where it does not yield, a list of its moves will do."""
 
-    moves: list[_Move] = []
+    moves: tuple[AgvMove, ...] = ()
     yields: Flag = Field(default=False, alias="yield")
 
     @model_validator(mode="before")
@@ -69,24 +60,19 @@ class AgvKeys(Strictly):
     def _only_moves(cls, value: object) -> object:
         return {"moves": value} if isinstance(value, list) else value
 
-    def values(self) -> tuple[AgvMove, ...]:
-        """Return its moves as they are given."""
-        return tuple(move.value() for move in self.moves)
-
     def moves_until(self, end: float, lane: Lane | None) -> tuple[AgvMove, ...]:
         """Return all its moves on a lane until `end` (seconds).
 
         If there is something wrong with one, they are as given, so that it is found at its place.
         """
-        given = self.values()
         if lane is None:
-            return given
+            return self.moves
         try:
-            for move in given:
+            for move in self.moves:
                 lane.lane_position(move.to)
         except UserError:
-            return given
-        return repeated(given, end)
+            return self.moves
+        return repeated(self.moves, end)
 
 
 class CartKeys(AgvKeys):
@@ -135,7 +121,7 @@ class AgvModel(MachineModel):
     def read(cls, name: str, keys: Mapping[str, Any]) -> AgvModel:
         """Return the model with these keys of a trial file."""
         given = CartKeys.model_validate(keys)
-        return cls(given.lane(name), given.values(), given.yields)
+        return cls(given.lane(name), given.moves, given.yields)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
         """Return its shape, as others see it."""
@@ -155,10 +141,8 @@ class AgvModel(MachineModel):
                 self.lane.lane_position(move.to)
             except UserError as why:
                 yield str(why), (k, "to")
-            if fault := time_fault(move.time):
-                yield fault, (k, "time")
-            if move.every is not None and (fault := size_fault(move.every)):
-                yield fault, (k, "every")
+            for fault, place in range_faults(move):
+                yield fault, (k, *place)
             if are_in_order and k and move.time < self.moves[k - 1].time:
                 message = f"{move.time:g} s is before the move above it; put moves in order"
                 yield message, (k, "time")

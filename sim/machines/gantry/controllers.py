@@ -7,9 +7,7 @@ things to wait for. Copy one of these files to write your own, and name it in a 
 
 from __future__ import annotations
 
-import ast
 import inspect
-import traceback
 from collections.abc import Callable, Generator
 from functools import partial
 from pathlib import Path
@@ -19,20 +17,8 @@ from simpy.events import Event
 from simpy.exceptions import Interrupt
 
 from floorplan import UserError
-from floorplan.files.problems import suggestion
 
-from ...core.custom_code import (
-    REFUSED,
-    CodeLocation,
-    Definition,
-    Kind,
-    OwnCodeError,
-    find_source,
-    import_own,
-    in_words,
-    is_plain,
-    methods,
-)
+from ...core.custom_code import CustomCode, Kind, find_code, in_words, line_in
 from .avoidance import Caution, avoiding
 from .drive import Steps
 from .robot import GantryRobot
@@ -78,24 +64,8 @@ CONTROLLERS: dict[str, Controller] = {
 """The controllers that come with Floorwalker."""
 
 
-def _may_be_controller(definition: Definition) -> bool:
-    if isinstance(definition, ast.ClassDef):
-        return not is_plain(definition) or "__iter__" in methods(definition)
-    return isinstance(definition, ast.FunctionDef) and (
-        bool(definition.decorator_list) or _yields(definition)
-    )
-
-
-def _yields(function: ast.FunctionDef) -> bool:
-    """Return True if `yield` stands in the function itself, and not only in one inside it."""
-    left: list[ast.AST] = [*function.body]
-    while left:
-        node = left.pop()
-        if isinstance(node, ast.Yield | ast.YieldFrom):
-            return True
-        if not isinstance(node, _SCOPES):
-            left += ast.iter_child_nodes(node)
-    return False
+class ControllerError(UserError):
+    """A gantry controller that can't be found, or that failed while it ran."""
 
 
 def _is_controller(found: object) -> bool:
@@ -104,18 +74,14 @@ def _is_controller(found: object) -> bool:
     return inspect.isfunction(found) and inspect.isgeneratorfunction(inspect.unwrap(found))
 
 
-_SCOPES = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)
-
 CONTROLLER = Kind(
+    noun="gantry controller",
     words="generator function, nor a class with a method __iter__, as a controller is",
-    written=_may_be_controller,
-    made=_is_controller,
+    accepts=_is_controller,
+    error=ControllerError,
+    builtin=CONTROLLERS,
 )
 """The kind of function or class that a trial names as its controller."""
-
-
-class ControllerError(UserError):
-    """A gantry controller that can't be found, or that failed while it ran."""
 
 
 def find_controller(name: str | Controller, folder: Path, *, own_code: bool = True) -> Controller:
@@ -125,42 +91,28 @@ def find_controller(name: str | Controller, folder: Path, *, own_code: bool = Tr
     itself is returned as it is. `ControllerError` says what is missing.
     """
     source = controller_source(name, folder, own_code=own_code)
-    if source is None:
-        return CONTROLLERS[name] if isinstance(name, str) else name
-    try:
-        found: Controller = import_own(source)
-    except OwnCodeError as why:
-        raise ControllerError(f"the gantry controller {why}") from why
-    return found
+    if source is not None:
+        found: Controller = source.load()
+        return found
+    return CONTROLLERS[name] if isinstance(name, str) else name
 
 
 def controller_source(
     name: str | Controller, folder: Path, *, own_code: bool = True
-) -> CodeLocation | None:
+) -> CustomCode | None:
     """Return the source of the controller at `package.module:name`, which is not imported.
 
-    None for a built-in one, and for a controller itself. `ControllerError` is as of
-    `find_controller`, as far as the source shows what is missing.
+    None for a built-in one, and for a controller itself. `ControllerError` if it is not there.
     """
-    if not isinstance(name, str):
-        if callable(name):
+    if isinstance(name, str):
+        if name in CONTROLLERS:
             return None
-        raise ControllerError(
-            f"{name!r} is no gantry controller; give a name, or a function of one argument"
-        )
-    if name in CONTROLLERS:
+        return find_code(name, folder, CONTROLLER, own_code=own_code)
+    if callable(name):
         return None
-    if ":" not in name:
-        raise ControllerError(
-            f"no gantry controller is called {name!r}; {suggestion(name, CONTROLLERS)};"
-            " your own is package.module:name"
-        )
-    if not own_code:
-        raise ControllerError(f"the gantry controller {name!r}: {REFUSED}")
-    try:
-        return find_source(name, folder, CONTROLLER)
-    except OwnCodeError as why:
-        raise ControllerError(f"the gantry controller {why}") from why
+    raise ControllerError(
+        f"{name!r} is no gantry controller; give a name, or a function of one argument"
+    )
 
 
 MOST_AT_ONCE = 1000
@@ -226,10 +178,12 @@ def _place(why: Exception, controller: Controller, steps: Any) -> str:
         source = inspect.getsourcefile(controller)
     except TypeError:
         return ""
-    frame = getattr(steps, "gi_frame", None)
-    lines = [frame.f_lineno] if frame is not None and frame.f_code.co_filename == source else []
-    lines += [f.lineno for f in traceback.extract_tb(why.__traceback__) if f.filename == source]
-    return f" ({Path(source).name}, line {lines[-1]})" if source and lines else ""
+    if place := line_in(why, {source}):
+        return place
+    frame = getattr(steps, "gi_frame", None)  # what it yielded is judged outside of it
+    if source is None or frame is None or frame.f_code.co_filename != source:
+        return ""
+    return f" ({Path(source).name}, line {frame.f_lineno})"
 
 
 __all__ = [

@@ -3,76 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import model_validator
+from pydantic import TypeAdapter
 
-from floorplan import Floorplan, Gantry, Point, UserError
-from floorplan.files.fields import Flag, NotNegative, Positive, Range, size_fault, time_fault, whole
+from floorplan import Floorplan, Gantry, Point
+from floorplan.files.fields import Range, size_fault
 from floorplan.files.problems import Fault, suggestion
+from floorplan.files.values import range_faults
 from navigation.machines import Stop, longest_stop
 
 from ...core.body import MachineShape
-from ...core.entries import Keys, Pose
-from ...core.scenario import Drop, GantryEntry, Job
+from ...core.entries import Pose
+from ...core.scenario import GantryEntry, Job
 from ...core.stage import MachineModel, Stage
 from .controllers import find_controller, supervised
 from .robot import GantryRobot, gantry_shape
 from .worksites import fixed_places
 
 
-class _Job(Keys):
-    move: Pose | None = None
-    wait: Positive | None = None
-    pick: str | None = None
-    place: str | None = None
-    part: str = "part"
-    submit: str | None = None
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> _Job:
-        given = self.model_fields_set - {"part"}
-        if given not in ({"move"}, {"wait"}, {"pick", "place"}, {"submit"}):
-            raise UserError("a job is one of move, wait, pick with place, or submit")
-        return self
-
-    def value(self) -> Job:
-        if self.move is not None:
-            return Job("move", target=self.move)
-        if self.wait is not None:
-            return Job("wait", seconds=self.wait)
-        if self.submit is not None:
-            return Job("submit", order=self.submit)
-        return Job("pick_place", pick=self.pick or "", place=self.place or "", part=self.part)
-
-
-class _Drop(Keys):
-    part: str = "part"
-    after: Annotated[int, whole(0)] = 0
-    delay: NotNegative = 0.0
-
-    def value(self) -> Drop:
-        return Drop(self.part, self.after, self.delay)
-
-
-class GantryKeys(Keys):
-    """The gantry of the floor."""
-
-    controller: str = "parked"
-    at: Pose | None = None
-    jobs: list[_Job] = []
-    repeat: Flag = False
-    drops: list[_Drop] = []
-
-    def value(self) -> GantryEntry:
-        """Return the gantry, but for ranges of its own."""
-        fields = self.fields()
-        return GantryEntry(**{name: fields[name] for name in GantryKeys.model_fields})
-
-
-class BridgeKeys(GantryKeys):
+@dataclass(frozen=True, kw_only=True)
+class BridgeKeys(GantryEntry):
     """One more gantry on the rails of the floor, within ranges of its own."""
 
     at: Pose
@@ -97,8 +50,9 @@ class GantryModel(MachineModel):
     @classmethod
     def read(cls, name: str, keys: Mapping[str, Any]) -> GantryModel:
         """Return the model with these keys of a trial file."""
-        given = BridgeKeys.model_validate(keys)
-        return cls(given.value(), given.x, given.y)
+        given = TypeAdapter(BridgeKeys).validate_python(dict(keys))
+        entry = {one.name: getattr(given, one.name) for one in fields(GantryEntry)}
+        return cls(GantryEntry(**entry), given.x, given.y)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
         """Return its shape, as others see it."""
@@ -131,10 +85,8 @@ class GantryModel(MachineModel):
             if carried and drop.part not in carried:
                 hint = suggestion(drop.part, carried)
                 yield f"no job carries a part called {drop.part!r}; {hint}", ("drops", k, "part")
-            if drop.after < 0:
-                yield f"must be 0 or more, not {drop.after}", ("drops", k, "after")
-            if fault := time_fault(drop.delay):
-                yield fault, ("drops", k, "delay")
+            for fault, place in range_faults(drop):
+                yield fault, ("drops", k, *place)
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest and farthest stop of its axes."""

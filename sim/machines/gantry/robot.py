@@ -371,7 +371,7 @@ class GantryRobot(Machine):
 
     def _visit(self, action: str, seconds: float, place: str) -> Process:
         """Go to a place and handle something there, as one command."""
-        step, command = Step(action, seconds, place), self.drive.begin()
+        step, command = Step(action, seconds=seconds, place=place), self.drive.begin()
 
         def steps() -> Steps:
             yield from self._go_to(step, command)

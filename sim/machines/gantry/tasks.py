@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from simpy.events import Event
@@ -20,7 +20,7 @@ Pose = tuple[float, float, float]
 """x, y in metres, rotation in radians."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Handling:
     """Times that the gantry's hand takes, seconds (our choice; none are published)."""
 
@@ -65,6 +65,7 @@ class Step:
     """
 
     action: str
+    _: KW_ONLY
     seconds: float = 0.0
     place: str | None = None
     offset: tuple[float, float] = (0.0, 0.0)
@@ -253,12 +254,12 @@ def _steps(job: Job, handling: Handling) -> tuple[Step, ...]:
     if job.kind == "move":
         return (Step("move", target=job.target),)
     if job.kind == "wait":
-        return (Step("wait", job.seconds),)
+        return (Step("wait", seconds=job.seconds),)
     if job.kind == "submit":
         return (Step("submit"),)
     return (
-        Step("pick", handling.pick, place=job.pick),
-        Step("place", handling.place, place=job.place),
+        Step("pick", seconds=handling.pick, place=job.pick),
+        Step("place", seconds=handling.place, place=job.place),
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import inspect
 from collections.abc import Sequence
 from math import dist
@@ -12,19 +11,7 @@ from floorplan import Problem, UserError
 from floorplan.files.values import require
 from navigation import Motion
 
-from ...core.custom_code import (
-    REFUSED,
-    CodeLocation,
-    Definition,
-    Kind,
-    OwnCodeError,
-    find_source,
-    import_own,
-    in_words,
-    is_plain,
-    methods,
-    own_line,
-)
+from ...core.custom_code import CustomCode, Kind, argument_fault, find_code, in_words, own_line
 from ...core.scenario import TrialError
 from .outlook import Outlook
 from .steering import Steering
@@ -38,41 +25,33 @@ class SteeringError(UserError):
     """A steering of the user's own goes wrong."""
 
 
-def _has_replan(definition: Definition) -> bool:
-    if not isinstance(definition, ast.ClassDef):
-        return False
-    return not is_plain(definition) or "replan" in methods(definition)
-
-
 STEERING = Kind(
+    noun="steering",
     words="steering: a steering is a class that has replan(body, neighbours, outlook)",
-    written=_has_replan,
-    made=lambda found: inspect.isclass(found) and callable(getattr(found, "replan", None)),
+    accepts=lambda found: inspect.isclass(found) and callable(getattr(found, "replan", None)),
+    error=SteeringError,
 )
 """The kind of class that a trial names as its steering."""
 
 
-def steering_source(name: str, folder: Path, *, own_code: bool = True) -> CodeLocation:
+def steering_source(name: str, folder: Path, *, own_code: bool = True) -> CustomCode:
     """Return the source of the steering `name`, a class beside the trial; it is not imported.
 
-    `OwnCodeError` says what is missing; without `own_code` it is refused.
+    `SteeringError` says what is missing; without `own_code` it is refused.
     """
-    if not own_code:
-        raise OwnCodeError(f"{name!r}: {REFUSED}")
-    return find_source(name, folder, STEERING)
+    return find_code(name, folder, STEERING, own_code=own_code)
 
 
 def find_steering(name: str, folder: Path, *, own_code: bool = True) -> Steering:
     """Return a new steering of the class `name`; `TrialError` if there is none."""
     try:
-        made = import_own(steering_source(name, folder, own_code=own_code))
-    except OwnCodeError as why:
-        raise TrialError("steering", [Problem(f"the steering {why}")]) from why
-    try:
-        return _Held(name, made())
-    except TypeError as why:
-        message = f"the steering {name} can't be made without arguments: {why}"
-        raise TrialError("steering", [Problem(message)]) from why
+        made = steering_source(name, folder, own_code=own_code).load()
+    except SteeringError as why:
+        raise TrialError("steering", [Problem(str(why))]) from why
+    if fault := argument_fault(made, {}):
+        message = f"the steering {name} can't be made without arguments: {fault}"
+        raise TrialError("steering", [Problem(message)])
+    return _Held(name, made())
 
 
 class _Held:

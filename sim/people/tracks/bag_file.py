@@ -236,7 +236,7 @@ def _samples(track: _BagTrack, first: int) -> Samples:
     x, y, yaw = np.array(track.poses).T
     turned = None if np.isnan(yaw).any() else yaw
     rows = np.array(track.messages)
-    return Samples(rows, stamps, x, y, turned, place=f"topic {track.topic}")
+    return Samples(rows=rows, t=stamps, x=x, y=y, rotation=turned, place=f"topic {track.topic}")
 
 
 def _short(name: str) -> str:

@@ -12,7 +12,7 @@ import sqlite3
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal
@@ -39,7 +39,7 @@ def frame_rate(given: float, path: Path, line: int | None = None) -> float:
     return given
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Samples:
     """One body at N instants: `t` in seconds or frames, `x` and `y` in metres, each (N,).
 
@@ -63,6 +63,7 @@ class Tracks:
     """
 
     bodies: dict[str, Samples]
+    _: KW_ONLY
     counts_frames: bool = False
     frame_rate: float | None = None
     row: Literal["line", "row", "frame", "message"] = "line"
@@ -165,6 +166,7 @@ def read_parquet_tracks(path: Path) -> Tracks:
             table = file.read([names[column] for column in columns.values()])
         body = compute.dictionary_encode(table[names[columns["body"]]]).combine_chunks()
         wanted = [names[columns[name]] for name in _wanted(columns)]
+        fields = ["t", "x", "y", "rotation"][: len(wanted)]
         figures = np.column_stack([np.asarray(table[name], dtype=float) for name in wanted])
     except TrackError:
         raise
@@ -176,7 +178,7 @@ def read_parquet_tracks(path: Path) -> Tracks:
     bodies = {}
     for code, name in enumerate(body.dictionary.to_pylist()):
         rows = np.flatnonzero(codes == code)
-        bodies[f"{name}"] = Samples(rows, *figures[rows].T)
+        bodies[f"{name}"] = Samples(rows=rows, **dict(zip(fields, figures[rows].T, strict=True)))
     return Tracks(bodies, counts_frames="t" not in columns, row="row")
 
 
@@ -189,7 +191,7 @@ def _wanted(columns: dict[str, int]) -> list[str]:
 def _samples(track: _TableTrack, metre: float) -> Samples:
     t, x, y, *rotation = np.array(track.figures).T
     turned = rotation[0] if rotation else None
-    return Samples(np.array(track.rows), t, x * metre, y * metre, turned)
+    return Samples(rows=np.array(track.rows), t=t, x=x * metre, y=y * metre, rotation=turned)
 
 
 def _splitting(line: str) -> Callable[[str], list[str]]:
@@ -301,4 +303,4 @@ def _joined(parts: Sequence[tuple[float, Array]], rate: float) -> Iterator[Array
 def _samples_of_rows(table: Array) -> Samples:
     """Return rows of id, frame, x, y and heading (N, 6) as samples."""
     t, x, y, ori_x, ori_y = table.T[1:]
-    return Samples(t.astype(int), t, x, y, np.arctan2(ori_y, ori_x))
+    return Samples(rows=t.astype(int), t=t, x=x, y=y, rotation=np.arctan2(ori_y, ori_x))

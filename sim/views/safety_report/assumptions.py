@@ -12,10 +12,11 @@ from navigation import Motion
 from navigation.separation import AnyLaw
 
 from ...core.body import MachineShape
-from ...core.entries import COMMANDS, Drawn, Duration, Start, WorkTask, as_given
+from ...core.entries import COMMANDS, Start
 from ...core.recorder import Scene
 from ...core.rules import RuleSet
 from ...core.scenario import ASSUMED, PersonEntry, Scenario
+from ...core.schedule import Drawn, Duration, WorkTask, as_given
 from ...machines.kinds import in_words, models_of, on_floor, short_laws
 from ..report_page import minus
 from .findings import floor_picture

@@ -1,0 +1,366 @@
+"""Times of a trial: times of day, durations, tasks, shifts, times of doors and obstacles."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import KW_ONLY, dataclass, replace
+from random import Random
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
+from typing_extensions import Self
+
+from floorplan import Obstacle, UserError
+from floorplan.files.fields import (
+    Flag,
+    Keyed,
+    NotNegative,
+    Number,
+    Positive,
+    Range,
+    whole,
+)
+from floorplan.files.problems import Written
+
+DAY = 86_400.0
+"""Seconds."""
+
+_UNITS = {"s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0}
+_LENGTH = r"(\d+(?:\.\d+)?)\s*(s|sec|min|h)"
+_TIME = r"\d{1,2}:\d{2}(?::\d{2})?"
+_ENTRY = rf"({_TIME})\s+(\S.*?)\s+for\s+(\S.*)"
+_SHIFT = rf"({_TIME})\s*(?:-|–|to)\s*({_TIME})"
+
+
+class ClockTime(float):
+    """Seconds of a trial that were given as a time of day, which is the text `given`."""
+
+    given: str
+
+    def __new__(cls, seconds: float, given: str = "") -> ClockTime:
+        """Return the seconds with their text."""
+        made = super().__new__(cls, seconds)
+        made.given = given
+        return made
+
+
+def as_given(time: float) -> str:
+    """Return an instant of a trial as its file has it: a time of day, or seconds."""
+    return time.given if isinstance(time, ClockTime) else f"{time:,.12g} s"
+
+
+def time_of_day(text: Any) -> float:
+    """Return the seconds since midnight of a text as 09:00 or 09:00:30; `ValueError` if none."""
+    if not isinstance(text, str):
+        raise UserError(f"expected a time of day in quotes, as '09:00', found {text!r}")
+    parts = [int(part) for part in text.split(":")] if re.fullmatch(_TIME, text) else [24]
+    hours, minutes, seconds = (*parts, 0, 0)[:3]
+    if not (hours < 24 and minutes < 60 and seconds < 60):
+        raise UserError(f"expected a time of day as 09:00, found {text!r}")
+    return 3600.0 * hours + 60.0 * minutes + seconds
+
+
+def _instant(value: Any, number: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+    """Return the seconds of a trial at a time of day, on the day on which it begins or the next.
+
+    The context has the time of day at which it `begins`.
+    """
+    if value is _FOR_EVER:
+        return math.inf
+    if not isinstance(value, str):
+        return number(value)
+    begins = (info.context or {}).get("begins", 0.0)
+    return ClockTime((time_of_day(value) - begins) % DAY, value)
+
+
+_FOR_EVER = object()
+"""The end of an interval of which only the begin is given."""
+
+Time = Annotated[NotNegative, WrapValidator(_instant)]
+"""Seconds, or a time of day."""
+
+
+def _seconds(value: Any) -> Any:
+    # Text without a unit is left to the check of numbers, which explains 1e3.
+    if not isinstance(value, str) or value[-1:].isdigit():
+        return value
+    found = re.fullmatch(_LENGTH, value)
+    if found is None:
+        raise UserError(f"expected a length of time as 12 min, 90 s or 1.5 h, found {value!r}")
+    return float(found[1]) * _UNITS[found[2]]
+
+
+Length = Annotated[Positive, BeforeValidator(_seconds)]
+"""Seconds, or a text as `12 min`."""
+
+
+Kind = Literal["fixed", "uniform", "triangular", "normal", "lognormal", "exponential"]
+
+SHORTEST = 0.1
+"""Seconds. Draws that are shorter count as this long."""
+
+
+@dataclass(frozen=True)
+class Duration:
+    """Length of a task in seconds, fixed or drawn.
+
+    `values` are the seconds if fixed; [low, high] if uniform; [low, most likely, high] if
+    triangular; [mean, standard deviation] if normal; [median, standard deviation of the
+    logarithm] if lognormal; the mean if exponential. No draw is shorter than `SHORTEST`.
+    """
+
+    kind: Kind
+    values: tuple[float, ...]
+
+    @property
+    def mean(self) -> float:
+        """The length (seconds) that is usual: the mean, or of a lognormal one the median."""
+        values = self.values
+        if self.kind == "fixed":
+            return values[0]
+        usual = sum(values) / len(values) if self.kind in ("uniform", "triangular") else values[0]
+        return max(usual, SHORTEST)
+
+    def written(self) -> Any:
+        """Return what a file has for it: seconds, or a distribution as of `DrawnKeys`."""
+        if self.kind == "fixed":
+            return self.values[0]
+        return {self.kind: self.values[0] if len(self.values) == 1 else self.values}
+
+    def draw(self, random: Random) -> float:
+        """Return a length (seconds), drawn from `random` unless it is fixed."""
+        values = self.values
+        if self.kind == "fixed":
+            return values[0]
+        if self.kind == "uniform":
+            drawn = random.uniform(values[0], values[1])
+        elif self.kind == "triangular":
+            drawn = random.triangular(values[0], values[2], values[1])
+        elif self.kind == "normal":
+            drawn = random.normalvariate(values[0], values[1])
+        elif self.kind == "lognormal":
+            drawn = random.lognormvariate(math.log(values[0]), values[1])
+        else:
+            drawn = random.expovariate(1 / values[0])
+        return max(drawn, SHORTEST)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnKeys(Keyed):
+    """A distribution in a file: its kind, with its figures."""
+
+    uniform: tuple[NotNegative, NotNegative] | None = None
+    triangular: tuple[NotNegative, NotNegative, NotNegative] | None = None
+    normal: tuple[Number, NotNegative] | None = None
+    lognormal: tuple[Positive, NotNegative] | None = None
+    exponential: Positive | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if len(self._given) != 1:
+            raise UserError(f"give one of {', '.join(vars(self))}")
+        ((name, given),) = self._given.items()
+        if name in ("uniform", "triangular") and list(given) != sorted(given):
+            raise UserError(f"{name} must rise, found {list(given)}")
+        return self
+
+    @property
+    def _given(self) -> dict[str, Any]:
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+    def value(self) -> Duration:
+        """Return the distribution."""
+        ((kind, given),) = self._given.items()
+        values = given if isinstance(given, tuple) else (given,)
+        return Duration(kind, tuple(map(float, values)))  # type: ignore[arg-type]
+
+
+_Distribution = Annotated[DrawnKeys, AfterValidator(DrawnKeys.value)]
+
+
+def _form(value: Any) -> str:
+    """Return which form a figure that may be drawn has."""
+    if isinstance(value, dict | DrawnKeys):
+        return "distribution"
+    return "range" if isinstance(value, list | tuple) else "figure"
+
+
+Drawn = Annotated[
+    float | tuple[float, float] | Duration,
+    Written(
+        Annotated[
+            Annotated[Positive, Tag("figure")]
+            | Annotated[Range, Tag("range")]
+            | Annotated[_Distribution, Tag("distribution")],
+            Discriminator(_form),
+        ]
+    ),
+]
+"""A figure; the least and the most, between which it is drawn evenly; or a distribution."""
+
+
+def _fixed(value: Duration | float) -> Duration:
+    return value if isinstance(value, Duration) else Duration("fixed", (float(value),))
+
+
+@dataclass(frozen=True)
+class WorkTask(Keyed):
+    """Something to do at the station `at`; in a file also a text, `09:00 station2 for 12 min`.
+
+    It is there from `time` (seconds) on. With `every` it comes again every so many seconds, `count`
+    times in all, or until the end. Those of a higher `priority` are offered first.
+    """
+
+    at: Annotated[str, Field(min_length=1)]
+    duration: Annotated[
+        Duration,
+        Written(Positive | _Distribution),
+        BeforeValidator(_seconds),
+        AfterValidator(_fixed),
+    ]
+    _: KW_ONLY
+    name: str = ""
+    time: Time = 0.0
+    priority: Annotated[int, whole()] = 0
+    every: Length | None = None
+    count: Annotated[int, whole(1)] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_text(cls, value: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        found = re.fullmatch(_ENTRY, value.strip())
+        if found is None:
+            raise UserError(
+                f"expected keys, or text as '09:00 station2 for 12 min', found {value!r}"
+            )
+        return {"time": found[1], "at": found[2], "duration": found[3]}
+
+    @model_validator(mode="after")
+    def _count_of_what(self) -> Self:
+        if self.count is not None and self.every is None:
+            raise UserError("a count needs every: the seconds from one to the next")
+        return self
+
+    @property
+    def label(self) -> str:
+        """Its name, or that of its station where it has none."""
+        return self.name or self.at
+
+
+Break = Annotated[WorkTask, AfterValidator(lambda task: replace(task, name=task.name or "break"))]
+"""A task that is a break, and called so unless it has a name."""
+
+
+@dataclass(frozen=True)
+class WorkList(Keyed):
+    """Tasks that people share; in a file a list of them will do.
+
+    With `repeat` each is there again as soon as it is done.
+    """
+
+    tasks: Annotated[tuple[WorkTask, ...], Field(min_length=1)]
+    repeat: Flag = False
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_list(cls, value: Any) -> Any:
+        return {"tasks": value} if isinstance(value, list) else value
+
+    @model_validator(mode="after")
+    def _repeats_once(self) -> Self:
+        if self.repeat and any(task.every is not None for task in self.tasks):
+            raise UserError("tasks of a list that repeats come again when they are done, not every")
+        return self
+
+
+def _ends(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    found = re.fullmatch(_SHIFT, value.strip())
+    if found is None:
+        raise UserError(f"expected [begin, end] in seconds or '06:00 - 14:00', found {value!r}")
+    return [found[1], found[2]]
+
+
+def _over_midnight(interval: tuple[float, float]) -> tuple[float, float]:
+    begin, end = interval
+    if isinstance(end, ClockTime) and end < begin:
+        end = ClockTime(end + DAY, end.given)
+    return begin, end
+
+
+def _or_for_ever(value: Any) -> Any:
+    return [value[0], _FOR_EVER] if isinstance(value, list) and len(value) == 1 else value
+
+
+Shift = Annotated[
+    tuple[float, float],
+    Written(tuple[Time, Time]),
+    BeforeValidator(_ends),
+    AfterValidator(_over_midnight),
+]
+"""Begin and end, seconds; in a file also a text, `06:00 - 14:00`."""
+
+Interval = Annotated[Shift, BeforeValidator(_or_for_ever)]
+"""From when to when, seconds; the end may be infinite. In a file that is a begin alone."""
+
+Intervals = Annotated[tuple[Interval, ...], Field(min_length=1)]
+
+
+@dataclass(frozen=True)
+class DoorTimes(Keyed):
+    """When a door is closed, or when it is open; it is the other one in between."""
+
+    closed: Intervals | None = None
+    open: Intervals | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.closed is None) == (self.open is None):
+            raise UserError("give one of closed and open: the times at which it is")
+        return self
+
+    @property
+    def intervals(self) -> tuple[Interval, ...]:
+        """The times that are given, whichever they are."""
+        return (self.closed or ()) + (self.open or ())
+
+    def is_open(self, t: float) -> bool:
+        """Return whether the door is open at `t` (seconds)."""
+        return (self.open is None) != within(self.intervals, t)
+
+
+@dataclass(frozen=True)
+class TimedObstacle:
+    """An obstacle that stands on the floor within the intervals of `there`."""
+
+    obstacle: Obstacle
+    there: tuple[Interval, ...]
+
+
+def within(intervals: Iterable[Interval], t: float) -> bool:
+    """Return whether the time `t` (seconds) is in one of the intervals."""
+    return any(begin <= t < end for begin, end in intervals)
+
+
+def times_until(end: float, begin: float, every: float | None) -> int:
+    """Return how often something is there until `end` being there at `begin` and `every` so often.
+
+    All are seconds. It is there at least once, and only once where a figure can't be.
+    """
+    found = (end - begin) / every if every else 0.0
+    return max(1, math.ceil(found)) if math.isfinite(found) else 1
