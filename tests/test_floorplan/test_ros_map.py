@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import shapely
 from hypothesis import example, given, settings, strategies as st
+from sample_files import SAMPLES, files
 
 import floorplan
 from floorplan.formats.raster import trace
@@ -261,17 +262,26 @@ def test_cells_that_touch_at_a_corner_are_apart():
     assert len(trace(~np.eye(4, dtype=bool), 0.0).geoms) == 2
 
 
-def test_real_maps(shared_data):
-    plan = floorplan.load(shared_data / "ariac2023" / "ariac_map.yaml")
-    assert plan.boundary.bounds == pytest.approx((-22.3, -14.9, 4.55, 14.6))
-    # The stations and the safe zone of the true floor are free on its map, too.
-    floor = floorplan.load("ariac2023")
-    free = plan.free(0, 1.75)
-    for place in [*(s.position for s in floor.stations), floor.safe_zone.position]:
-        assert free.contains(shapely.Point(place))
-    warehouse = floorplan.load(shared_data / "floors" / "small_warehouse.yaml")
-    # Its threshold counts unknown cells as free, and no more than all the cells can be.
-    assert 250 < warehouse.free(0, 1.75).area < (92516 + 18918) * 0.05**2
+def test_a_map_file_beside_its_image():
+    plan = floorplan.load(SAMPLES / "hall_map.yaml")
+    assert plan.boundary.bounds == pytest.approx((-3.5, -2.5, 3.5, 2.5))
+    assert sorted(o.footprint.area for o in plan.obstacles) == pytest.approx([0.16, 2.4])
+    # Cells that nobody has seen are free by the threshold of the map.
+    assert plan.free(0, 1.75).area == pytest.approx(35.0 - 2.4 - 0.16)
+    assert plan.free(0, 1.75).contains(shapely.Point(-2.5, -2.0))
+
+    for path in files(real="ariac2023/ariac_map.yaml"):
+        plan = floorplan.load(path)
+        assert plan.boundary.bounds == pytest.approx((-22.3, -14.9, 4.55, 14.6))
+        # The stations and the safe zone of the true floor are free on its map, too.
+        floor = floorplan.load("ariac2023")
+        free = plan.free(0, 1.75)
+        for place in [*(s.position for s in floor.stations), floor.safe_zone.position]:
+            assert free.contains(shapely.Point(place))
+    for path in files(real="floors/small_warehouse.yaml"):
+        # No more can be free than all its cells.
+        warehouse = floorplan.load(path)
+        assert 250 < warehouse.free(0, 1.75).area < (92516 + 18918) * 0.05**2
 
 
 def test_large_maps_load(load):

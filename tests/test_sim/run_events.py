@@ -1,6 +1,7 @@
 """Runs recorded, their events by kind and field, and what thoughts add up to, for tests."""
 
 import sim
+from sim.record.summary import figures_in_words as figures_in_words
 
 
 def record(trial, folder):
