@@ -9,7 +9,7 @@ import pytest
 from test_documents import blocks
 
 import sim
-from sim.cli import main
+from floorwalker import main
 
 TUTORIAL = Path(__file__).resolve().parents[1] / "docs" / "tutorial.md"
 

@@ -10,7 +10,7 @@ import pytest
 from replay_viewer import Viewer
 from waiting import HANG
 
-from sim.cli import main
+from floorwalker import main
 from sim.views.browser import installed_chromium
 
 ARGUMENTS = [

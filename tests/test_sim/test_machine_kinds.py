@@ -14,7 +14,7 @@ from run_events import record
 import floorplan
 import navigation
 import sim
-from sim.machines.kinds import KINDS, MachineError, machines_on, may_be
+from sim.machines.kinds import KINDS, machines_on, may_be
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TWO_GANTRIES = """
@@ -172,10 +172,10 @@ def test_keys_of_a_kind_of_ones_own_are_checked_before_it_moves(tmp_path):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     text = "floorplan: ariac2023\nmachines: {train: {kind: 'tugger:Tugger', course: 3}}\n"
     trial = sim.Trial.parse(text, folder=tmp_path)
-    with pytest.raises(MachineError, match="'train': course"):
+    with pytest.raises(floorplan.UserError, match="'train': course"):
         sim.run(trial)
     text = text.replace("course: 3", "course: [[0, 0], [1, 1]]")
-    with pytest.raises(MachineError, match="at least three corners"):
+    with pytest.raises(floorplan.UserError, match="at least three corners"):
         sim.run(sim.Trial.parse(text, folder=tmp_path))
     with pytest.raises(sim.TrialError, match="refused"):
         sim.Trial.parse(text, folder=tmp_path, own_code=False)

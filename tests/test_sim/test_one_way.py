@@ -8,7 +8,6 @@ from small_floors import LANE, run_on
 import floorplan
 import sim
 from floorplan.plan import lost
-from sim.runs.recording import load_run
 
 AISLES = """\
 name: aisles
@@ -132,7 +131,7 @@ def test_a_trial_adds_gates_to_a_floor_and_its_recording_has_them(tmp_path):
     x = west + 1.0
     trial = sim.Trial.parse(text % ([[x, south], [x, north]], [x + 1.0, 1.0]), folder=tmp_path)
     record(trial, tmp_path / "run")
-    assert load_run(tmp_path / "run").scene.floorplan.gates == trial.floorplan.gates
+    assert sim.load_run(tmp_path / "run").scene.floorplan.gates == trial.floorplan.gates
 
 
 def test_gates_are_written_scaled_and_turned(tmp_path):

@@ -14,7 +14,6 @@ import floorplan
 import navigation
 import sim
 from sim.people.steering.speed_zones import SpeedZones
-from sim.runs.recording import load_run
 
 TWO_ROOMS = """\
 boundary: [[0, 0], [20, 0], [20, 10], [0, 10]]
@@ -103,7 +102,7 @@ def test_people_mind_obstacles_while_they_are_there(run, people, tmp_path):
     assert kinds == ["obstacle_came", "replanned", "obstacle_went"]
     assert len(events(found, "arrived")) == 1
     record(found.trial, tmp_path / "run")
-    assert load_run(tmp_path / "run").scene == found.scene and found.scene.passing
+    assert sim.load_run(tmp_path / "run").scene == found.scene and found.scene.passing
 
 
 def test_what_is_put_down_on_somebody_is_stepped_out_of(run):

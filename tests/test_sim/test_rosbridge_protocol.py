@@ -1,4 +1,4 @@
-"""The rosbridge protocol: operations, message types, fragments, queues, and what messages stand for."""
+"""The rosbridge protocol and its messages: operations, types, fragments, queues, trajectories."""
 
 import asyncio
 import json

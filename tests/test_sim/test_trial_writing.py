@@ -13,6 +13,7 @@ from hypothesis import given, strategies as st
 import bdi
 import floorplan
 import sim
+from sim.machines.gantry.controllers import CONTROLLERS
 from sim.trials.keys import AgvKeys, Keys, PersonKeys, TrialKeys
 from sim.trials.writing import own_names
 
@@ -380,3 +381,10 @@ def test_programs_that_came_with_the_trial_are_written_from_anywhere(tmp_path, m
         everybody = trial.with_personality("../a/own.asl")
         everybody.save("b/t.yaml")
         assert sim.Trial.load("b/t.yaml").people == everybody.people
+
+
+def test_a_built_in_controller_is_written_by_its_name():
+    trial = sim.Trial(
+        floorplan.load("ariac2023"), gantry=sim.GantryEntry(controller=CONTROLLERS["pausing"])
+    )
+    assert sim.Trial.parse(trial.to_yaml()).gantry.controller == "pausing"
