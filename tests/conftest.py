@@ -3,6 +3,8 @@
 import gc
 import os
 import signal
+import subprocess
+import sys
 from contextlib import suppress
 from importlib.metadata import entry_points
 from importlib.util import find_spec
@@ -11,6 +13,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from floorwalker import main
 from sim.core.events import EVENT_KINDS
 
 ALWAYS = {
@@ -72,3 +75,19 @@ def shared_data():
     if not SHARED.is_dir():
         pytest.skip("the real data (../shared/data) are not beside this repository")
     return SHARED
+
+
+@pytest.fixture
+def floorwalker(capfd, monkeypatch):
+    """Runs the command here, in the folder `cwd`: a process of its own takes long to get ready."""
+
+    def called(*words, cwd="."):
+        capfd.readouterr()
+        with monkeypatch.context() as now:
+            now.chdir(cwd)
+            now.setattr(sys, "argv", ["floorwalker", *map(str, words)])
+            with pytest.raises(SystemExit) as ended:
+                main()
+        return subprocess.CompletedProcess(words, ended.value.code or 0, *capfd.readouterr())
+
+    return called

@@ -1,6 +1,5 @@
-"""The command in this process, full disks, and a browser for pages, where there is one."""
+"""Full disks, and a browser for pages, where there is one."""
 
-import subprocess
 import sys
 import threading
 from contextlib import contextmanager
@@ -10,7 +9,6 @@ import pytest
 from replay_viewer import Viewer
 from waiting import HANG
 
-from floorwalker import main
 from sim.views.browser import installed_chromium
 
 ARGUMENTS = [
@@ -37,22 +35,6 @@ def no_thread_stays():
             continue
         thread.join(HANG)
         assert not thread.is_alive(), f"{thread} is still running"
-
-
-@pytest.fixture
-def floorwalker(capfd, monkeypatch):
-    """Runs the command here, in the folder `cwd`: a process of its own takes long to get ready."""
-
-    def called(*words, cwd="."):
-        capfd.readouterr()
-        with monkeypatch.context() as now:
-            now.chdir(cwd)
-            now.setattr(sys, "argv", ["floorwalker", *map(str, words)])
-            with pytest.raises(SystemExit) as ended:
-                main()
-        return subprocess.CompletedProcess(words, ended.value.code or 0, *capfd.readouterr())
-
-    return called
 
 
 @pytest.fixture
