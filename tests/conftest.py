@@ -61,10 +61,10 @@ SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 
 @pytest.fixture(autouse=True)
-def kinds_of_events_end_with_their_test():
-    """Forget the kinds of events that a test, or an example that it runs, defines."""
+def event_kinds():
+    """All kinds of events by name; what a test adds to them, or an example that it runs, ends."""
     before = dict(EVENT_KINDS)
-    yield
+    yield EVENT_KINDS
     EVENT_KINDS.clear()
     EVENT_KINDS.update(before)
 

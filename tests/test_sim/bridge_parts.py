@@ -28,6 +28,7 @@ from sim.bridge import (
 )
 from sim.bridge.client import LONGEST_QUEUE as LONGEST_QUEUE
 from sim.bridge.protocol import Ledger as Ledger
+from sim.people.minds import make_agent as make_agent
 
 TRIAL = """
 floorplan: ariac2023

@@ -1,16 +1,18 @@
 """People and vehicles: waiting for those that drive, going round them, stepping out of the way."""
 
 import math
+from dataclasses import dataclass
 
 import pytest
 import shapely
 import shapely.affinity
 from run_events import events, first
 
+import floorplan
 import navigation
 import sim
 from navigation import Box, Cylinder, Shapes, minimum_separation
-from sim.core.body import MachineShape
+from sim.machines.kinds import machines_on, may_be
 from sim.people import walker
 from sim.people.steering import vehicle_conflicts as foreseen
 from sim.people.steering.vehicles import cover
@@ -222,7 +224,7 @@ people:
     [(1.2, 0.8, 3), (2.0, 1.0, 4), (2.01, 1.0, 5), (0.4, 1.0, 1), (0.5, 1.0, 1), (0.51, 1.0, 2)],
 )
 def test_discs_cover_a_vehicle_closely(length, width, count, direction):
-    shape = MachineShape(
+    shape = sim.MachineShape(
         name="agv",
         kind="agv",
         category="vehicle",
@@ -245,7 +247,27 @@ def test_discs_cover_a_vehicle_closely(length, width, count, direction):
 
 
 def test_one_disc_covers_a_vehicle_that_turns():
-    shape = MachineShape(
+    shape = sim.MachineShape(
         name="cart", kind="cart", category="vehicle", length=0.8, width=0.6, top=1.0, top_speed=1.0
     )
     assert cover(shape) == ([(0.0, 0.0)], pytest.approx(0.5))
+
+
+def test_a_kind_says_what_its_machines_are_before_there_is_one():
+    for shape in machines_on(floorplan.load("ariac2023")):
+        assert sim.KINDS[shape.kind].category == shape.category
+
+    @dataclass(frozen=True)
+    class Cart(sim.MachineModel):
+        category = "vehicle"
+
+        def shape(self, name, plan): ...
+
+        def make(self, name, stage): ...
+
+    assert may_be("robot", sim.MachineEntry("gantry")) and not may_be(
+        "robot", sim.MachineEntry("agv")
+    )
+    assert may_be("robot", sim.MachineEntry("own:Cart")) and not may_be(
+        "robot", sim.MachineEntry(Cart)
+    )

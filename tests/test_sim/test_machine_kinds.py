@@ -3,7 +3,7 @@
 import json
 import re
 import shutil
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,6 @@ from run_events import record
 import floorplan
 import navigation
 import sim
-from sim.machines.kinds import KINDS, machines_on, may_be
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TWO_GANTRIES = """
@@ -330,26 +329,6 @@ def test_the_least_distance_is_that_to_the_nearest_of_several_gantries():
     found = run.summary["people"]["ada"]["minimum_separation"]
     assert found["distance"] == pytest.approx(least, abs=1e-3)
     assert run.summary["minimum_separation"] == found
-
-
-def test_a_kind_says_what_its_machines_are_before_there_is_one():
-    for shape in machines_on(floorplan.load("ariac2023")):
-        assert KINDS[shape.kind].category == shape.category
-
-    @dataclass(frozen=True)
-    class Cart(sim.MachineModel):
-        category = "vehicle"
-
-        def shape(self, name, plan): ...
-
-        def make(self, name, stage): ...
-
-    assert may_be("robot", sim.MachineEntry("gantry")) and not may_be(
-        "robot", sim.MachineEntry("agv")
-    )
-    assert may_be("robot", sim.MachineEntry("own:Cart")) and not may_be(
-        "robot", sim.MachineEntry(Cart)
-    )
 
 
 def test_a_trial_adds_an_agv_and_a_law_of_its_own():

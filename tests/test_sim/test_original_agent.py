@@ -5,12 +5,10 @@ from contextlib import suppress
 from dataclasses import replace
 
 import pytest
-from bridge_parts import Pacer, served, trial
+from bridge_parts import Pacer, make_agent, served, trial
 from websockets.exceptions import ConnectionClosedOK
 
 import sim
-from sim.people.minds import make_agent
-from sim.people.perception import Percepts
 
 DROPS = 10.0
 """Seconds for which it drops violations after its start, after the last one, after a teleport."""
@@ -57,7 +55,7 @@ class Original:
             print=lambda text: None,
             on_event=lambda entry: None,
         )
-        self._percepts = Percepts(self._agent)
+        self._percepts = sim.Percepts(self._agent)
         self._came = self._session.time
         self._unsafe_at = self._came
         self._looks_from = math.inf

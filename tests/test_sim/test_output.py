@@ -1,4 +1,4 @@
-"""What commands write: files, whole or not at all, and text without control characters."""
+"""What is written: files, whole or not at all, text without control characters, topics' names."""
 
 import ast
 import json
@@ -9,11 +9,13 @@ from pathlib import Path
 from threading import Barrier
 
 import pytest
+from hypothesis import given, strategies as st
 from run_events import record
 
 import sim
 from sim.commands.terminal import plain_console, visible
 from sim.core.output import replacing, write_whole
+from sim.exports.ros_bag import topic_names
 
 TRIAL = "floorplan: ariac2023\nduration: 3.0\npeople: [{name: ada}]\n"
 
@@ -155,3 +157,15 @@ def test_commands_print_in_one_place():
         if isinstance(node, ast.Call) and ast.unparse(node.func) in ("print", "typer.echo")
     }
     assert printing == {"commands/terminal.py"}
+
+
+NAMES = st.lists(st.text(max_size=8), unique=True)
+
+
+@given(NAMES)
+def test_topic_names_are_allowed_and_different(names):
+    found = topic_names(names)
+    assert list(found) == names
+    assert len(set(found.values())) == len(names)
+    for name in found.values():
+        assert re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name)
