@@ -15,6 +15,7 @@ from hypothesis import HealthCheck, settings
 
 from floorwalker import main
 from sim.core.events import EVENT_KINDS
+from sim.views.browser import installed_chromium
 
 ALWAYS = {
     "deadline": None,
@@ -75,6 +76,15 @@ def shared_data():
     if not SHARED.is_dir():
         pytest.skip("the real data (../shared/data) are not beside this repository")
     return SHARED
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """The path of Chromium or Chrome; skips where there is none."""
+    path = installed_chromium()
+    if path is None:
+        pytest.skip("no Chromium on this machine")
+    return path
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ import numpy as np
 import sim
 from navigation import Moving, TooClose, when
 
-
 from .movement import sampled, state_of
 
 STEP = 0.01

@@ -9,8 +9,6 @@ import pytest
 from replay_viewer import Viewer
 from waiting import HANG
 
-from sim.views.browser import installed_chromium
-
 ARGUMENTS = [
     "--no-sandbox",
     "--disable-gpu",
@@ -58,13 +56,12 @@ def room_for(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def browser():
+def browser(chromium):
     api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    path = installed_chromium()
-    if path is None:
-        pytest.skip("no Chromium on this machine")
     with api.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=path, args=ARGUMENTS, timeout=1000 * HANG)
+        browser = driver.chromium.launch(
+            executable_path=chromium, args=ARGUMENTS, timeout=1000 * HANG
+        )
         yield browser
         browser.close()
 
