@@ -1,4 +1,4 @@
-"""Shared by all tests: the real data beside the repository, and how Hypothesis runs."""
+"""Shared by all tests: the command in this process, kinds of events, how Hypothesis runs."""
 
 import gc
 import os
@@ -58,9 +58,6 @@ def pytest_sessionfinish():
     gc.unfreeze()
 
 
-SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
-
-
 @pytest.fixture(autouse=True)
 def event_kinds():
     """All kinds of events by name; what a test adds to them, or an example that it runs, ends."""
@@ -68,14 +65,6 @@ def event_kinds():
     yield EVENT_KINDS
     EVENT_KINDS.clear()
     EVENT_KINDS.update(before)
-
-
-@pytest.fixture
-def shared_data():
-    """The folder with real trial files, maps and agent traces; skips where it is missing."""
-    if not SHARED.is_dir():
-        pytest.skip("the real data (../shared/data) are not beside this repository")
-    return SHARED
 
 
 @pytest.fixture(scope="session")
