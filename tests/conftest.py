@@ -1,8 +1,10 @@
-"""Shared by all tests: the real data beside the repository, and how Hypothesis runs."""
+"""Shared by all tests: the command in this process, kinds of events, how Hypothesis runs."""
 
 import gc
 import os
 import signal
+import subprocess
+import sys
 from contextlib import suppress
 from importlib.metadata import entry_points
 from importlib.util import find_spec
@@ -11,7 +13,9 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, settings
 
+from floorwalker import main
 from sim.core.events import EVENT_KINDS
+from sim.views.browser import installed_chromium
 
 ALWAYS = {
     "deadline": None,
@@ -54,21 +58,35 @@ def pytest_sessionfinish():
     gc.unfreeze()
 
 
-SHARED = Path(__file__).resolve().parents[2] / "shared" / "data"
-
-
 @pytest.fixture(autouse=True)
-def kinds_of_events_end_with_their_test():
-    """Forget the kinds of events that a test, or an example that it runs, defines."""
+def event_kinds():
+    """All kinds of events by name; what a test adds to them, or an example that it runs, ends."""
     before = dict(EVENT_KINDS)
-    yield
+    yield EVENT_KINDS
     EVENT_KINDS.clear()
     EVENT_KINDS.update(before)
 
 
+@pytest.fixture(scope="session")
+def chromium():
+    """The path of Chromium or Chrome; skips where there is none."""
+    path = installed_chromium()
+    if path is None:
+        pytest.skip("no Chromium on this machine")
+    return path
+
+
 @pytest.fixture
-def shared_data():
-    """The folder with real trial files, maps and agent traces; skips where it is missing."""
-    if not SHARED.is_dir():
-        pytest.skip("the real data (../shared/data) are not beside this repository")
-    return SHARED
+def floorwalker(capfd, monkeypatch):
+    """Runs the command here, in the folder `cwd`: a process of its own takes long to get ready."""
+
+    def called(*words, cwd="."):
+        capfd.readouterr()
+        with monkeypatch.context() as now:
+            now.chdir(cwd)
+            now.setattr(sys, "argv", ["floorwalker", *map(str, words)])
+            with pytest.raises(SystemExit) as ended:
+                main()
+        return subprocess.CompletedProcess(words, ended.value.code or 0, *capfd.readouterr())
+
+    return called

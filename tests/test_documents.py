@@ -16,6 +16,7 @@ import sim
 from floorplan.building import FloorplanSchema
 from floorplan.files.problems import form_keys, forms
 from sim.studies.design import _StudyKeys as StudyKeys
+from sim.trials import feasibility
 from sim.trials.keys import TrialKeys
 from sim.trials.rules_file import RuleKeys
 
@@ -221,3 +222,18 @@ def test_the_navigation_lists_every_page_once():
     there = {page.name for page in (ROOT / "docs").glob("*.md")}
     assert there - set(listed) == set(), "list it under nav in mkdocs.yml"
     assert sorted(listed) == sorted(there)
+
+
+def test_the_page_on_trial_files_has_the_budget():
+    page = (ROOT / "docs" / "trials.md").read_text(encoding="utf-8")
+    (section,) = [part for part in page.split("\n## ") if part.startswith("Limits\n")]
+    for most in (
+        feasibility.LONGEST,
+        feasibility.MOST_PEOPLE,
+        feasibility.MOST_PERSON_SECONDS,
+        feasibility.MOST_TASKS,
+        feasibility.MOST_JOBS,
+        feasibility.MOST_MOVES,
+        feasibility.MOST_REPORTS,
+    ):
+        assert f" {most:,} " in section

@@ -1,7 +1,6 @@
 """The results that the tutorial states are those of its files."""
 
 import shlex
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +8,6 @@ import pytest
 from test_documents import blocks
 
 import sim
-from sim.cli import main
 
 TUTORIAL = Path(__file__).resolve().parents[1] / "docs" / "tutorial.md"
 
@@ -45,8 +43,7 @@ NOT_HERE = ("render", "replay", "study")
 
 @pytest.mark.slow
 @pytest.mark.parametrize("page", ["tutorial.md", "plots.md"])
-def test_the_commands_that_are_shown_do_what_they_should(page, trial, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_commands_that_are_shown_do_what_they_should(page, trial, tmp_path, floorwalker):
     shown = (TUTORIAL.parent / page).read_text(encoding="utf-8")
     lines = [line for line in shown.splitlines() if line.startswith("floorwalker ")]
     assert len(lines) > 5
@@ -55,7 +52,4 @@ def test_the_commands_that_are_shown_do_what_they_should(page, trial, tmp_path, 
     for line in lines:
         words = shlex.split(line.replace("another-run", "run").replace("run.mp4", "again.gif"))
         if words[1] not in NOT_HERE:
-            monkeypatch.setattr(sys, "argv", words)
-            with pytest.raises(SystemExit) as ended:
-                main()
-            assert ended.value.code == 0, line
+            assert floorwalker(*words[1:], cwd=tmp_path).returncode == 0, line

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from floorplan import Gantry, Lane, UserError
+from floorplan import Floorplan, Gantry, Lane, UserError
 from floorplan.files.problems import suggestion
 from navigation.machines import lane_state
 from navigation.motion import State
@@ -296,8 +296,11 @@ def pose_of(gantry: Gantry, joints: Sequence[float], *, origin: bool = True) -> 
     return (x + middle_x, middle_y - y, rotation)
 
 
-def order_message(order: Order) -> Message:
-    """Return ariac_msgs/Order. A trial has no poses of assembled parts: they are left blank."""
+def order_message(order: Order, floor: Floorplan) -> Message:
+    """Return ariac_msgs/Order. A trial has no poses of assembled parts: they are left blank.
+
+    The destination of a kit is a location of its AGV on this floor, or a station that it serves.
+    """
     message: Message = {
         "id": order.id,
         "type": _KINDS.index(order.kind),
@@ -305,10 +308,11 @@ def order_message(order: Order) -> Message:
     }
     task = order.task
     if isinstance(task, KittingTask):
+        location = floor.lane(task.agv).serves.get(task.destination, task.destination)
         message["kitting_task"] = {
             "agv_number": _number_in(task.agv),
             "tray_id": task.tray,
-            "destination": LOCATIONS.index(task.destination),
+            "destination": LOCATIONS.index(location),
             "parts": [
                 {"part": _part(part), "quadrant": quadrant}
                 for quadrant, part in sorted(task.products.items())

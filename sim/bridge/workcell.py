@@ -241,6 +241,7 @@ class Workcell(Listener):
         """True to publish a violation with every state until the agent has answered it."""
         self.human: HumanTopics | None = None
         self._exchange = exchange
+        self._floor = trial.floorplan
         self._orders = exchange.advertise("/ariac/orders", "ariac_msgs/Order", latched=_MOST_ORDERS)
         self._phase = exchange.advertise(
             "/ariac/competition_state", "ariac_msgs/CompetitionState", latched=1
@@ -347,7 +348,7 @@ class Workcell(Listener):
         """Publish orders as they are announced, and the percepts of a person."""
         if event["kind"] == "order_announced":
             order = self._unannounced.pop(event["order"])
-            self._exchange.publish(self._orders, order_message(order))
+            self._exchange.publish(self._orders, order_message(order, self._floor))
             if not self._unannounced:
                 self.enter(ANNOUNCED)
         if self.human is not None:

@@ -8,11 +8,8 @@ import pytest
 import bdi
 import floorplan
 import sim
-from sim.commands.agent import read_percepts
-from sim.studies.folder import StudyFolder
-from sim.trials.rules_file import RulesError
 
-from .readers import SAMPLES
+from .readers import SAMPLES, StudyFolder, read_percepts
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +102,7 @@ def test_a_distribution_of_nothing_is_refused():
 
 def test_a_law_with_a_number_too_large_for_a_float_is_refused(tmp_path):
     (tmp_path / "r.yaml").write_text(f"agv_law: {{fixed: {'9' * 400}}}\n")
-    with pytest.raises(RulesError, match=r"line 1, agv_law\.fixed\.metres: "):
+    with pytest.raises(floorplan.InputError, match=r"line 1, agv_law\.fixed\.metres: "):
         sim.load_rules(tmp_path / "r.yaml")
 
 

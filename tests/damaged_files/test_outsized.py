@@ -9,7 +9,6 @@ import pytest
 
 import floorplan
 import sim
-from sim.trials.keys import commanded
 
 from .readers import READERS, prepare
 
@@ -161,7 +160,8 @@ def recorded(path):
 
 
 def commands(path):
-    commanded(sim.Trial.parse(f"{HALL}people: [{{name: x}}]"), path)
+    text = f"{HALL}people: [{{name: x}}]\ncommands: {path.name}"
+    sim.Trial.parse(text, folder=path.parent)
 
 
 OWN = {

@@ -22,6 +22,7 @@ from floorplan import (
     load,
 )
 from floorplan.checks import starting_fault
+from sim.core.schedule import DoorTimes as DoorTimes
 
 TRIES = 200
 """So many places are tried before a floor has no room for something."""

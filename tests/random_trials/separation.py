@@ -8,7 +8,6 @@ import numpy as np
 
 import sim
 from navigation import Moving, TooClose, when
-from navigation.separation import is_of_speeds
 
 from .movement import sampled, state_of
 
@@ -183,3 +182,8 @@ def pose_before(run, name, t):
     piece = pieces[max(k, 0)]
     at, velocity, _ = state_of(piece, min(max(t, piece.begin), piece.end) - piece.begin)
     return at[:2], math.hypot(*velocity[:2])
+
+
+def is_of_speeds(law):
+    """Return whether two speeds are all that `law` asks for."""
+    return hasattr(getattr(law, "law", law), "distance")

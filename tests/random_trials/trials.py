@@ -13,10 +13,8 @@ import shapely
 import bdi
 import navigation
 import sim
-from floorplan.checks import starting_fault
-from sim.core.schedule import DoorTimes
 
-from .floors import divided_floor, random_floor, standing_place
+from .floors import DoorTimes, divided_floor, random_floor, standing_place, starting_fault
 
 PERSONALITIES = [name for name in bdi.programs() if name not in ("visitor", "worker")]
 CONTROLLERS = ("parked", "oblivious", "pausing", "avoiding")

@@ -187,11 +187,10 @@ def test_a_trace_of_the_inside_goes_to_stderr(tmp_path):
         ("[]", '"add" or "remove"'),
     ],
 )
-def test_a_wrong_line_of_a_script_is_named(tmp_path, line, message):
-    from sim.commands.agent import read_percepts
-
+def test_a_wrong_line_of_a_script_is_named(tmp_path, floorwalker, line, message):
     script = tmp_path / "script.jsonl"
     script.write_text('{"t": 0.5, "add": "fine"}\n\n' + line + "\n", encoding="utf-8")
-    with pytest.raises(ValueError, match=re.escape(f"{script}:3: ")) as wrong:
-        read_percepts(script)
-    assert message in str(wrong.value)
+    (tmp_path / "idle.asl").write_text("+fine <- true.\n")
+    wrong = floorwalker("agent", tmp_path / "idle.asl", "--percepts", script)
+    assert wrong.returncode == 1
+    assert f"{script}:3: " in wrong.stderr and message in wrong.stderr

@@ -7,7 +7,6 @@ from shapely.geometry import Polygon, box
 
 import floorplan
 from floorplan import Door, Floorplan, Human, Obstacle, SafeZone, Station
-from floorplan.checks import faults
 from navigation import CollisionWorld
 
 SHOP = Floorplan(name="shop", boundary=box(0, 0, 10, 10))
@@ -61,12 +60,12 @@ def test_what_can_not_be_is_told(given, message):
 
 @pytest.mark.parametrize("given", [press(box(5, 4, 5.2, 4.665)), press(box(5, 4, 6, 6), 1.21, 3)])
 def test_an_agv_may_pass_close_by_and_below(given):
-    assert [*faults(replace(SHOP, **CART | given))] == []
+    floorplan.check(replace(SHOP, **CART | given))
 
 
 @pytest.mark.parametrize("name", floorplan.builtin())
 def test_what_is_built_in_can_be(name):
-    assert [*faults(floorplan.load(name))] == []
+    floorplan.check(replace(floorplan.load(name)))
 
 
 def test_everything_is_told_at_once():

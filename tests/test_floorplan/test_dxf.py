@@ -1,5 +1,4 @@
 import math
-import re
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from textwrap import dedent
@@ -9,7 +8,6 @@ import shapely
 from hypothesis import given, settings, strategies as st
 
 import floorplan
-from floorplan.formats.dxf import TOLD, open_drawing
 
 ezdxf = pytest.importorskip("ezdxf")
 
@@ -296,37 +294,6 @@ def test_a_layer_that_matches_nothing(drawing, lay):
     outline(drawing, HALL, "boundary")
     found = problems(lay, "layers: {boundary: [boundary], walls: [A-WALL*]}")
     assert "walls: no layer of the drawing matches 'A-WALL*'; there are: boundary" in found
-
-
-@pytest.mark.parametrize("version", ["R12", "R2018"])
-def test_texts_are_not_read_and_everything_else_keeps_its_handle(version, tmp_path):
-    drawing = ezdxf.new(version)
-    block = drawing.blocks.new("PRESS")
-    for space in (drawing.modelspace(), block):
-        space.add_line((0, 0), (1, 1))
-        space.add_text("0").set_placement((1, 0))
-        space.add_point((0, 0))
-        space.add_linear_dim((0, 2), (0, 0), (5, 0)).render()
-        space.add_circle((0, 0), 1)
-    press = drawing.modelspace().add_blockref("PRESS", (1, 1))
-    press.add_attrib("NAME", "EOF", (0, 0))
-    drawing.modelspace().add_line((2, 2), (1, 1))
-    path = tmp_path / "shop.dxf"
-    drawing.saveas(path)
-    text = path.read_text(encoding="utf-8").replace("  0\nEOF", "999\nmade by hand\n  0\nEOF")
-    head, blocks, entities = text.partition("\nBLOCKS\n")
-    bare = head + blocks + re.sub(r"(?m)^  5\n.*\n", "", entities)
-    for one in (text, bare) if version == "R12" else (text,):
-        path.write_text(one, encoding="utf-8")
-        whole, read = ezdxf.readfile(path), open_drawing(path)
-        for layout in ("*Model_Space", "PRESS"):
-            kept = [str(entity) for entity in read.blocks.get(layout)]
-            there = [entity for entity in whole.blocks.get(layout) if entity.dxf.handle]
-            if one is bare:
-                assert kept == [str(entity) for entity in there]
-            else:
-                assert kept == [str(entity) for entity in there if entity.dxftype() not in TOLD]
-                assert len(kept) < len(there)
 
 
 def test_shapes_are_left_out_by_their_handles(drawing, lay):

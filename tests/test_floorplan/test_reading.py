@@ -1,20 +1,25 @@
-"""Files that users give: regular ones of a size that makes sense, and what a shell hands over."""
+"""Files that users give: regular ones of a sensible size, and how images and drawings are read."""
 
 import os
+import re
 import socket
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+import shapely
+from hypothesis import example, given, settings, strategies as st
 
 import bdi
 import floorplan
 import sim
 from floorplan import InputError
 from floorplan.files.reading import read_bytes, read_lines, read_text
+from floorplan.formats.raster import trace
 from sim.commands.agent import read_percepts
 
-pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
+posix = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
 
 READERS = {
     "floor.yaml": floorplan.load,
@@ -28,6 +33,7 @@ READERS = {
 }
 
 
+@posix
 @pytest.mark.parametrize("name", READERS)
 def test_only_regular_files_are_read(tmp_path, name):
     path = tmp_path / name
@@ -43,6 +49,7 @@ def test_only_regular_files_are_read(tmp_path, name):
             READERS[name](other)
 
 
+@posix
 def test_what_is_no_file_is_named(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # a socket's path is short
     with socket.socket(socket.AF_UNIX) as door:
@@ -51,6 +58,7 @@ def test_what_is_no_file_is_named(tmp_path, monkeypatch):
             read_bytes(tmp_path / "door", InputError)
 
 
+@posix
 def test_the_image_of_a_map_is_a_regular_file(tmp_path):
     os.mkfifo(tmp_path / "map.pgm")
     (tmp_path / "map.yaml").write_text(
@@ -61,6 +69,7 @@ def test_the_image_of_a_map_is_a_regular_file(tmp_path):
         floorplan.load(tmp_path / "map.yaml")
 
 
+@posix
 def test_a_recording_is_of_regular_files(tmp_path):
     trial = sim.Trial.parse("{floorplan: ariac2023, duration: 1.0}")
     recording = sim.Recording(tmp_path / "run")
@@ -105,6 +114,7 @@ def test_lines_come_one_by_one_and_a_torn_one_can_be_left_out(tmp_path):
         list(read_lines(path, InputError))
 
 
+@posix
 def test_what_a_shell_hands_over_is_read(tmp_path):
     command = [sys.executable, "-m", "sim.cli", "run", "/dev/stdin", "--out", str(tmp_path / "run")]
     text = "{floorplan: ariac2023, duration: 1.0}"
@@ -117,3 +127,73 @@ def test_what_a_shell_hands_over_is_read(tmp_path):
         assert len(bdi.parse_file(f"/dev/fd/{reading}").plans) == 1
     finally:
         os.close(reading)
+
+
+@settings(max_examples=2 * settings.default.max_examples)
+@given(st.integers(0, 2**32), st.integers(1, 14), st.integers(1, 14), st.floats(0, 1))
+@example(11, 13, 11, 0.625)
+def test_outlines_hold_the_cells_that_are_set(seed, rows, columns, share):
+    cells = np.random.default_rng(seed).random((rows, columns)) < share
+    exact = trace(cells, 0.0)
+    assert exact.is_valid
+    y, x = np.mgrid[0:rows, 0:columns]
+    assert (shapely.contains_xy(exact, x + 0.5, y + 0.5) == cells).all()
+    simple = trace(cells, 0.45)
+    assert simple.is_valid
+    # Where set cells touch at a corner, outlines keep off it and come nearer to their middles.
+    middles = shapely.points(x + 0.5, y + 0.5)
+    sure = ~cells | (shapely.distance(exact.boundary, middles) > 0.45)
+    assert (shapely.contains(simple, middles) == cells)[sure].all()
+    if cells.any():
+        # No point moved farther than it may.
+        assert exact.boundary.hausdorff_distance(simple.boundary) <= 0.45 + 1e-9
+
+
+def test_rooms_within_rooms_and_things_in_them():
+    rings = np.ones((39, 39), bool)
+    for k in range(0, 20, 2):
+        rings[k : 39 - k, k : 39 - k] = k // 2 % 2 == 0
+    found = trace(rings, 0.0)
+    assert found.is_valid
+    assert found.area == rings.sum()
+    assert sorted(len(piece.interiors) for piece in found.geoms) == [1] * 5
+
+
+def test_cells_that_touch_at_a_corner_are_apart():
+    pieces = trace(np.eye(4, dtype=bool), 0.0)
+    assert len(pieces.geoms) == 4
+    assert len(trace(~np.eye(4, dtype=bool), 0.0).geoms) == 2
+
+
+@pytest.mark.parametrize("version", ["R12", "R2018"])
+def test_texts_are_not_read_and_everything_else_keeps_its_handle(version, tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    from floorplan.formats.dxf import TOLD, open_drawing
+
+    drawing = ezdxf.new(version)
+    block = drawing.blocks.new("PRESS")
+    for space in (drawing.modelspace(), block):
+        space.add_line((0, 0), (1, 1))
+        space.add_text("0").set_placement((1, 0))
+        space.add_point((0, 0))
+        space.add_linear_dim((0, 2), (0, 0), (5, 0)).render()
+        space.add_circle((0, 0), 1)
+    press = drawing.modelspace().add_blockref("PRESS", (1, 1))
+    press.add_attrib("NAME", "EOF", (0, 0))
+    drawing.modelspace().add_line((2, 2), (1, 1))
+    path = tmp_path / "shop.dxf"
+    drawing.saveas(path)
+    text = path.read_text(encoding="utf-8").replace("  0\nEOF", "999\nmade by hand\n  0\nEOF")
+    head, blocks, entities = text.partition("\nBLOCKS\n")
+    bare = head + blocks + re.sub(r"(?m)^  5\n.*\n", "", entities)
+    for one in (text, bare) if version == "R12" else (text,):
+        path.write_text(one, encoding="utf-8")
+        whole, read = ezdxf.readfile(path), open_drawing(path)
+        for layout in ("*Model_Space", "PRESS"):
+            kept = [str(entity) for entity in read.blocks.get(layout)]
+            there = [entity for entity in whole.blocks.get(layout) if entity.dxf.handle]
+            if one is bare:
+                assert kept == [str(entity) for entity in there]
+            else:
+                assert kept == [str(entity) for entity in there if entity.dxftype() not in TOLD]
+                assert len(kept) < len(there)

@@ -3,10 +3,9 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import example, given, settings, strategies as st
+from sample_files import SAMPLES, files
 
 import floorplan
-from floorplan.formats.raster import trace
 
 FREE, UNKNOWN, OCCUPIED = 254, 205, 0
 
@@ -214,36 +213,6 @@ def test_a_wall_of_one_cell_stays_shut_and_a_door_of_three_open(load):
     assert door.buffer(-0.5 / 2).geom_type == "Polygon"
 
 
-@settings(max_examples=2 * settings.default.max_examples)
-@given(st.integers(0, 2**32), st.integers(1, 14), st.integers(1, 14), st.floats(0, 1))
-@example(11, 13, 11, 0.625)
-def test_outlines_hold_the_cells_that_are_set(seed, rows, columns, share):
-    cells = np.random.default_rng(seed).random((rows, columns)) < share
-    exact = trace(cells, 0.0)
-    assert exact.is_valid
-    y, x = np.mgrid[0:rows, 0:columns]
-    assert (shapely.contains_xy(exact, x + 0.5, y + 0.5) == cells).all()
-    simple = trace(cells, 0.45)
-    assert simple.is_valid
-    # Where set cells touch at a corner, outlines keep off it and come nearer to their middles.
-    middles = shapely.points(x + 0.5, y + 0.5)
-    sure = ~cells | (shapely.distance(exact.boundary, middles) > 0.45)
-    assert (shapely.contains(simple, middles) == cells)[sure].all()
-    if cells.any():
-        # No point moved farther than it may.
-        assert exact.boundary.hausdorff_distance(simple.boundary) <= 0.45 + 1e-9
-
-
-def test_rooms_within_rooms_and_things_in_them():
-    rings = np.ones((39, 39), bool)
-    for k in range(0, 20, 2):
-        rings[k : 39 - k, k : 39 - k] = k // 2 % 2 == 0
-    found = trace(rings, 0.0)
-    assert found.is_valid
-    assert found.area == rings.sum()
-    assert sorted(len(piece.interiors) for piece in found.geoms) == [1] * 5
-
-
 @pytest.mark.slow
 def test_noise_is_no_floor(load):
     speckled = np.where(np.random.default_rng(0).random((1500, 1500)) < 0.5, FREE, OCCUPIED)
@@ -255,23 +224,26 @@ def test_noise_is_no_floor(load):
         load(dotted)
 
 
-def test_cells_that_touch_at_a_corner_are_apart():
-    pieces = trace(np.eye(4, dtype=bool), 0.0)
-    assert len(pieces.geoms) == 4
-    assert len(trace(~np.eye(4, dtype=bool), 0.0).geoms) == 2
+def test_a_map_file_beside_its_image():
+    plan = floorplan.load(SAMPLES / "hall_map.yaml")
+    assert plan.boundary.bounds == pytest.approx((-3.5, -2.5, 3.5, 2.5))
+    assert sorted(o.footprint.area for o in plan.obstacles) == pytest.approx([0.16, 2.4])
+    # Cells that nobody has seen are free by the threshold of the map.
+    assert plan.free(0, 1.75).area == pytest.approx(35.0 - 2.4 - 0.16)
+    assert plan.free(0, 1.75).contains(shapely.Point(-2.5, -2.0))
 
-
-def test_real_maps(shared_data):
-    plan = floorplan.load(shared_data / "ariac2023" / "ariac_map.yaml")
-    assert plan.boundary.bounds == pytest.approx((-22.3, -14.9, 4.55, 14.6))
-    # The stations and the safe zone of the true floor are free on its map, too.
-    floor = floorplan.load("ariac2023")
-    free = plan.free(0, 1.75)
-    for place in [*(s.position for s in floor.stations), floor.safe_zone.position]:
-        assert free.contains(shapely.Point(place))
-    warehouse = floorplan.load(shared_data / "floors" / "small_warehouse.yaml")
-    # Its threshold counts unknown cells as free, and no more than all the cells can be.
-    assert 250 < warehouse.free(0, 1.75).area < (92516 + 18918) * 0.05**2
+    for path in files(real="ariac2023/ariac_map.yaml"):
+        plan = floorplan.load(path)
+        assert plan.boundary.bounds == pytest.approx((-22.3, -14.9, 4.55, 14.6))
+        # The stations and the safe zone of the true floor are free on its map, too.
+        floor = floorplan.load("ariac2023")
+        free = plan.free(0, 1.75)
+        for place in [*(s.position for s in floor.stations), floor.safe_zone.position]:
+            assert free.contains(shapely.Point(place))
+    for path in files(real="floors/small_warehouse.yaml"):
+        # No more can be free than all its cells.
+        warehouse = floorplan.load(path)
+        assert 250 < warehouse.free(0, 1.75).area < (92516 + 18918) * 0.05**2
 
 
 def test_large_maps_load(load):

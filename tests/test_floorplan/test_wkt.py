@@ -1,6 +1,7 @@
 import pytest
 import shapely
 from hypothesis import given, strategies as st
+from sample_files import files
 
 import floorplan
 
@@ -72,18 +73,19 @@ def test_missing_file():
 
 
 @given(st.text(alphabet="POLYGN()0123. ,-e\n", max_size=60))
-def test_any_text_is_a_floor_or_one_clear_error(text):
-    from floorplan.formats.wkt import parse_wkt
-
+def test_any_text_is_a_floor_or_one_clear_error(tmp_path_factory, text):
+    path = tmp_path_factory.mktemp("text") / "any.wkt"
+    path.write_text(text)
     try:
-        plan = parse_wkt(text)
+        plan = floorplan.load(path)
     except floorplan.FloorplanError:
         return
     assert plan.boundary.is_valid
 
 
-def test_real_floors(shared_data):
-    for path in sorted((shared_data / "floors").glob("*.wkt")):
-        plan = floorplan.load(path)
-        area = shapely.union_all(list(shapely.from_wkt(path.read_text()).geoms))
-        assert plan.free(0, 1.75).equals(area)
+@pytest.mark.parametrize(
+    "path", files("rooms.wkt", "annex.wkt", real="floors/*.wkt"), ids=lambda path: path.stem
+)
+def test_what_is_free_on_floors_of_jupedsim(path):
+    area = shapely.union_all(list(shapely.from_wkt(path.read_text()).geoms))
+    assert floorplan.load(path).free(0, 1.75).equals(area)

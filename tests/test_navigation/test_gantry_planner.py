@@ -8,8 +8,7 @@ from shapely.geometry import box
 
 import floorplan
 from floorplan import Obstacle
-from navigation import PlanningError
-from navigation.planner import GantryPlanner
+from navigation import GantryPlanner, PlanningError
 
 
 @pytest.fixture(scope="module")

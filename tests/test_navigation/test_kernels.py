@@ -1,13 +1,29 @@
-"""Kernels give the same, to the last bit, whether they are compiled or not."""
+"""Kernels, compiled or not to the last bit the same, and against their definitions written out."""
 
+import heapq
+import itertools
+import math
+import random
 import subprocess
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
+import shapely
+from hypothesis import assume, given, strategies as st
 
-from navigation import polynomials as quadrature
+import navigation
+from navigation import polynomials as quadrature, walk
+from navigation.freespace import Walls
 from navigation.kernels import COMPILED
+from navigation.kernels.edges import Legs
+from navigation.kernels.following import followed
+from navigation.kernels.grid import block_discs, grid_path
+from navigation.kernels.numbers import numbers
+from navigation.kernels.throng import Throng
+from navigation.kernels.ways_round import CHUNK, WaysRound
+from navigation.walking import swath, swath as swath_of
 
 AS_PYTHON = """
 import importlib.machinery, importlib.util, pathlib, sys
@@ -25,8 +41,10 @@ sys.meta_path.insert(0, Sources())
 RUN = """
 import hashlib, pathlib, random, sys, tempfile
 import floorplan, navigation, sim
-from navigation import quadrature
 from navigation.kernels import COMPILED
+from navigation.kernels.lookout import most_remote, nearest_on
+from navigation.machines import agv_stops, gantry_stops
+from navigation.monitor import StoppingHorizon
 
 print(COMPILED, file=sys.stderr)
 digest = hashlib.sha256()
@@ -42,21 +60,21 @@ shapes = navigation.Shapes(
     machine=(navigation.Box(length=1.05, width=0.95, bottom=1.2, top=2.7),
              navigation.Cylinder(radius=1.2, bottom=1.9, top=2.7))
 )
-stops = navigation.gantry_stops(), navigation.agv_stops(floorplan.load("ariac2023").lane("agv1"))
+stops = gantry_stops(), agv_stops(floorplan.load("ariac2023").lane("agv1"))
 for _ in range(40):
     person = navigation.walk([place() for _ in range(4)], rng.uniform(0, 3))
     digest.update(repr([*navigation.stop_walking(person, person.end / 2).table]).encode())
     machine = navigation.gantry_move((*place(), 0.0), (*place(), rng.uniform(-3, 3)), 1.0)
     pair = (person, machine)
     people = [c for _ in range(3) for c in (*place(), 1.5, rng.choice((-1.0, 2.0)))]
-    away = navigation.nearest_on(machine.table, people, 2.0, 2.0, 9.0, 0.5, 5.0)
+    away = nearest_on(machine.table, people, 2.0, 2.0, 9.0, 0.5, 5.0)
     digest.update(repr(away).encode())
     places = [c for _ in range(9) for c in place()]
-    remote = navigation.most_remote(places, people, [0.0, 1.0, 2.0], 1.5, 1.0, 0.5, 3.0)
+    remote = most_remote(places, people, [0.0, 1.0, 2.0], 1.5, 1.0, 0.5, 3.0)
     digest.update(repr(remote).encode())
     for law in laws:
         for stop in stops if hasattr(law, "distance") else ():
-            horizon = navigation.StoppingHorizon(law, 0.01)
+            horizon = StoppingHorizon(law, 0.01)
             found = horizon.safe_until(machine.table, stop, people, 2.0, 0.2)
             digest.update(repr((found, [*stop.table(machine.table, 3.0)])).encode())
         for solids in (None, shapes):
@@ -107,3 +125,223 @@ def test_quadratures_are_gauss_and_legendres(n):
     nodes, weights = np.polynomial.legendre.leggauss(n)
     assert getattr(quadrature, f"NODES_{n}") == pytest.approx(nodes, rel=1e-15, abs=1e-16)
     assert getattr(quadrature, f"WEIGHTS_{n}") == pytest.approx(weights, rel=1e-14)
+
+
+coordinates = st.floats(-3.0, 3.0)
+places = st.tuples(coordinates, coordinates)
+motions = st.lists(places, min_size=2, max_size=3).filter(
+    lambda course: all(math.dist(a, b) > 0.1 for a, b in pairwise(course))
+)
+
+
+@given(
+    st.lists(st.tuples(motions, st.floats(0.2, 0.5)), max_size=6),
+    st.floats(0.0, 2.0),
+    places,
+    st.floats(0.0, 2 * math.pi),
+)
+def test_who_keeps_somebody_slowest_is_followed_unless_somebody_comes(others, t, at, heading):
+    c, s = math.cos(heading), math.sin(heading)
+    walks = [walk(course, 0.5) for course, _ in others]
+    speeds, slow, oncoming = {}, [], False
+    for k, (motion, (_, radius)) in enumerate(zip(walks, others, strict=True)):
+        state, then = motion.state(t), motion.state(t + 0.5)
+        dx, dy = state.at[0] - at[0], state.at[1] - at[1]
+        along, beside, touch = dx * c + dy * s, abs(dy * c - dx * s), 0.3 + radius
+        if along <= 0.0 or beside >= max(1.5, touch):
+            continue
+        if state.speed <= 0.05:
+            slow.append(k)
+            continue
+        same = (state.velocity[0] * c + state.velocity[1] * s) / state.speed
+        oncoming |= same < -0.7 and beside < 1.5
+        if same > 0.7 and beside < touch:
+            onward = (then.at[0] - state.at[0]) * c + (then.at[1] - state.at[1]) * s
+            room = along - math.sqrt(touch**2 - beside**2) + onward / 0.5
+            speeds[k] = room / (1.0 - beside / touch + 1.0)
+    found: list[int] = []
+    k = followed(
+        [*range(len(walks))],
+        [swath(motion, 0.0).table for motion in walks],
+        numbers(radius for _, radius in others),
+        *(t, 0.5, *at, c, s),
+        *(0.3, 1.0, 1.0, 1.2, 0.7, 1.5),
+        found,
+    )
+    slowest = min(speeds.values(), default=math.inf)
+    if oncoming or slowest >= 1.2:
+        assert k == -1
+    else:
+        assert speeds[k] == pytest.approx(slowest)
+    assert found == ([] if oncoming else slow)
+
+
+HALL = shapely.box(-40.0, -40.0, 40.0, 40.0)
+CELL, CLEARANCE = 0.3, 0.2
+METRES = st.floats(-25.0, 25.0)
+
+
+def least_cost(blocked: bytearray, columns: int, start: int, goal: int) -> int | None:
+    """The cost of a shortest path, by Dijkstra's algorithm."""
+    known = {start: 0}
+    queue = [(0, start)]
+    while queue:
+        cost, cell = heapq.heappop(queue)
+        if cell == goal:
+            return cost
+        for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)):
+            beside = (cell + dx, cell + dy * columns, cell + dx + dy * columns)
+            dearer = cost + (7 if dx and dy else 5)
+            if not any(blocked[one] for one in beside) and dearer < known.get(beside[2], 10**9):
+                known[beside[2]] = dearer
+                heapq.heappush(queue, (dearer, beside[2]))
+    return None
+
+
+def test_paths_are_shortest_and_avoid_what_is_blocked():
+    rng = random.Random(5)
+    found = 0
+    for _ in range(200):
+        columns, rows = rng.randint(4, 24), rng.randint(4, 24)
+        blocked = bytearray(b"\1" * (columns * rows))
+        for row in range(1, rows - 1):
+            for column in range(1, columns - 1):
+                blocked[row * columns + column] = rng.random() < 0.3
+        start, goal = (
+            rng.randrange(1, rows - 1) * columns + rng.randrange(1, columns - 1) for _ in range(2)
+        )
+        blocked[start] = blocked[goal] = 0
+        path = grid_path(blocked, columns, start, goal)
+        least = least_cost(blocked, columns, start, goal)
+        if least is None:
+            assert path == []
+            continue
+        found += 1
+        assert path[0] == start and path[-1] == goal
+        cost = 0
+        for a, b in itertools.pairwise(path):
+            dx, dy = b % columns - a % columns, b // columns - a // columns
+            assert max(abs(dx), abs(dy)) == 1
+            assert not any(blocked[one] for one in (a + dx, a + dy * columns, b))
+            cost += 7 if dx and dy else 5
+        assert cost == least
+    assert found > 50
+
+
+def test_discs_block_the_cells_whose_middle_they_cover():
+    columns, rows, width, low = 12, 9, 0.3, (-1.0, 2.0)
+    blocked = bytearray(columns * rows)
+    discs = numbers([0.2, 3.1, 0.62, -0.9, 2.1, 0.3])
+    block_discs(blocked, columns, *low, width, discs, 0.0)
+    for k, taken in enumerate(blocked):
+        x = low[0] + (k % columns + 0.5) * width
+        y = low[1] + (k // columns + 0.5) * width
+        near = [(x - discs[i]) ** 2 + (y - discs[i + 1]) ** 2 < discs[i + 2] ** 2 for i in (0, 3)]
+        assert bool(taken) == any(near)
+
+
+def ways_round() -> tuple[WaysRound, Legs]:
+    """Return ways in the hall for somebody of `CLEARANCE`."""
+    room = HALL.buffer(-CLEARANCE)
+
+    def chunk(i: int, j: int) -> bytes:
+        along = (np.arange(CHUNK) + 0.5) * CELL
+        x, y = np.meshgrid(i * CHUNK * CELL + along, j * CHUNK * CELL + along)
+        return (~shapely.intersects_xy(room, x, y)).tobytes()
+
+    legs = Legs(Walls(HALL, CLEARANCE).grid, CLEARANCE, lambda a, b: True)
+    return WaysRound(CELL, 6.0, 60_000, chunk), legs
+
+
+@given(st.lists(st.tuples(METRES, METRES), max_size=20), st.tuples(METRES, METRES))
+def test_ways_round_keep_off_all_discs(discs, end):
+    ways, legs = ways_round()
+    begin, away = (-30.0, -30.0), 0.7
+    standing = numbers(number for x, y in discs for number in (x, y, away))
+    corners = ways.path(*begin, *end, standing, legs)
+    if all(math.dist(end, disc) > 2 * away for disc in discs) and len(discs) < 2:
+        assert corners
+    assume(corners)
+    path = [*zip(corners[::2], corners[1::2], strict=True)]
+    assert path[0] == begin and path[-1] == end
+    line = shapely.LineString(path)
+    assert HALL.buffer(-CLEARANCE).covers(line)
+    assert all(line.distance(shapely.Point(disc)) > away - 1e-9 for disc in discs)
+
+
+def test_ways_round_are_as_good_on_every_side_of_the_origin():
+    ways, legs = ways_round()
+    lengths = set()
+    for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
+        a, b, disc = (20.25 * x, 20.25 * y), (30.15 * x, 20.25 * y), (25.05 * x, 20.25 * y, 0.7)
+        corners = ways.path(*a, *b, numbers(disc), legs)
+        path = [*zip(corners[::2], corners[1::2], strict=True)]
+        lengths.add(round(sum(itertools.starmap(math.dist, itertools.pairwise(path))), 9))
+    assert len(lengths) == 1 and 9.9 < lengths.pop() < 10.5
+
+
+NOW, GAP, RADIUS = 3.0, 0.006, 0.3
+NOWHERE = (False, math.inf, math.inf)
+
+
+def throng(*motions: navigation.Motion) -> Throng:
+    """Return discs that are committed to these motions from `NOW` on, bound for nowhere."""
+    made = Throng(GAP)
+    for motion in motions:
+        swath = swath_of(motion, NOW)
+        made.add(swath.table, swath.box, RADIUS)
+    return made
+
+
+def standing(*places: tuple[float, float]) -> Throng:
+    return throng(*(navigation.standing(place) for place in places))
+
+
+def test_directions_are_those_of_velocities_or_else_of_routes():
+    east = navigation.walk([(0.0, 0.0), (9.0, 0.0)], NOW - 1.0)
+    seen = throng(east, navigation.standing((5.0, 5.0)), navigation.standing((1.0, 1.0)))
+    seen.send(0, True, 0.0, 9.0)
+    seen.send(1, True, 8.0, 9.0)
+    assert seen.between(0, 1, NOW) == 0.6
+    assert seen.between(1, 0, NOW) == 0.6
+    # Who has come to the end of their walk would go on by their route.
+    assert math.isclose(seen.between(0, 1, east.end), (0.8 - 0.6) / math.sqrt(2))
+    assert seen.between(0, 2, NOW) == 0.0
+    seen.send(1, *NOWHERE)
+    assert seen.between(0, 1, NOW) == 0.0
+
+
+def test_who_stands_around_is_told_with_how_far_to_stay():
+    later = navigation.walk([(1.0, 0.0), (1.0, 5.0)], NOW)
+    seen = throng(navigation.standing((0.0, 0.0)), navigation.standing((2.0, 0.0)), later)
+    near = numbers([0.0, 0.0, 0.0, 0.0])
+    assert [*seen.standing(0, near, 3.0, NOW)] == [2.0, 0.0, RADIUS + RADIUS + GAP]
+    assert [*seen.standing(0, near, 0.5, NOW)] == []
+    assert [*seen.standing(1, near, 3.0, later.end)] == [
+        *(0.0, 0.0, RADIUS + RADIUS + GAP),
+        *(1.0, 5.0, RADIUS + RADIUS + GAP),
+    ]
+
+
+def test_a_ring_grows_through_gaps_that_are_too_narrow():
+    # From the goal at 0, 0 by two to the third; the fourth leaves a gap to them.
+    seen = standing((9.0, 9.0), (0.2, 0.0), (1.3, 0.0), (2.4, 0.0), (4.0, 0.0))
+    around = [k for k in range(1, 5) if seen.encloses(0, k, 0.0, 0.0, 6.0, NOW)]
+    assert around == [1, 2, 3]
+
+
+def test_segments_are_free_of_walls_and_of_what_is_asked_about():
+    asked = []
+
+    def ask(a: tuple[float, float], b: tuple[float, float]) -> bool:
+        asked.append((a, b))
+        return False
+
+    legs = Legs(Walls(shapely.box(0.0, 0.0, 9.0, 9.0), RADIUS).grid, RADIUS, ask)
+    legs.bounds = numbers([4.0, 4.0, 5.0, 5.0])
+    assert legs.free(1.0, 1.0, 8.0, 1.0) and not legs.free(1.0, 1.0, 8.8, 1.0)
+    assert not asked
+    assert not legs.free(1.0, 4.5, 8.0, 4.5)
+    assert asked == [((1.0, 4.5), (8.0, 4.5))]
+    assert legs.farthest(1.0, 1.0, [(1.0, 2.0), (1.0, 8.0), (8.0, 8.0)]) == 1
+    assert legs.farthest(1.0, 1.0, [(9.0, 1.0)]) == -1

@@ -19,8 +19,6 @@ from navigation import (
     Scaled,
     SeparationLaw,
 )
-from navigation.monitor import RESOLUTION
-from navigation.separation import required_at_speeds
 
 LAW = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 INTEGRAL_LAW = IntegralLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
@@ -443,7 +441,7 @@ class Since:
 def test_an_instant_is_found_in_however_long_a_span():
     stands = navigation.standing((0.0, 0.0))
     begun = navigation.first_time(Since(1.0), stands, stands, 0.0, 1e300)
-    assert begun == pytest.approx(1.0, abs=RESOLUTION)
+    assert begun == pytest.approx(1.0, abs=1e-7)
 
 
 def test_searches_that_go_on_in_turn_do_not_disturb_each_other():
@@ -547,7 +545,7 @@ def test_figures_are_plain_numbers_whatever_was_given():
         navigation.minimum_separation(person, gantry, *span),
         navigation.minimum_margin(person, gantry, law, *span),
         navigation.required_at(law, person, gantry, number(2)),
-        required_at_speeds(law, number(1), number(1)),
+        navigation.required_at_speeds(law, number(1), number(1)),
     ]
     assert "np." not in repr(plain)
     assert plain[4]

@@ -1,20 +1,31 @@
-"""Walks among others: the kernels take those that a plain look at each takes, in the same order."""
+"""Walks among others, and how long motions are safe, beside looks that know no tables."""
 
+import itertools
 import math
 import random
 from collections.abc import Iterator, MutableSequence
+from contextlib import suppress
 
+import numpy as np
+import pytest
 import shapely
+from hypothesis import assume, given, strategies as st
 
+import floorplan
+import navigation
 from navigation.freespace import Walls
 from navigation.kernels.candidates import Candidates
 from navigation.kernels.discs import first_met
 from navigation.kernels.edges import legs_of, touches
+from navigation.kernels.lookout import most_remote
 from navigation.kernels.movers import Movers
 from navigation.kernels.numbers import numbers
 from navigation.kernels.retreats import Retreats
 from navigation.kernels.throng import Throng
-from navigation.walking import Swath
+from navigation.machines import agv_stops, gantry_stops
+from navigation.monitor import StoppingHorizon
+from navigation.separation import is_of_speeds, required_at_speeds
+from navigation.walking import Swath, first_conflict, swath as swath_of
 
 GAP = 0.006
 START, TOP, FASTEST, ACCELERATION = 7.0, 0.9, 1.2, 2.5
@@ -133,3 +144,179 @@ def test_the_next_free_walk_is_that_of_a_plain_look() -> None:
         assert found == plain, seed
         taken += len(found)
     assert taken > 200
+
+
+def places(rng: random.Random, count: int) -> list[tuple[float, float]]:
+    return [(rng.uniform(0, 6), rng.uniform(0, 6)) for _ in range(count)]
+
+
+def walks(rng: random.Random) -> navigation.Motion:
+    while True:
+        with suppress(ValueError):  # too short to slow down on
+            return navigation.walk(
+                places(rng, rng.randint(2, 6)),
+                rng.uniform(0, 3),
+                initial_speed=rng.choice([0.0, 0.3, 0.9]),
+                top_speed=rng.choice([1.0, 0.5, 0.25]),
+                max_speed=1.0,
+                max_acceleration=2.5,
+            )
+
+
+def test_conflicts_are_those_that_the_monitor_sees():
+    rng = random.Random(4)
+    for _ in range(300):
+        one, other = walks(rng), walks(rng)
+        least = rng.uniform(0.1, 1.5)
+        t = first_conflict(swath_of(one, 3.0), swath_of(other, 3.0), least, 3.0)
+        end = max(one.end, other.end, 3.0) + 1.0
+        law = navigation.FixedDistance(least)
+        found = navigation.violations(one, other, law, 3.0, end)
+        if t is None:
+            assert not found
+        elif found:
+            assert t == pytest.approx(found[0][0], abs=2e-4)
+        else:  # no more than rounding
+            assert navigation.minimum_separation(one, other, 3.0, end)[1] < least + 1e-3
+
+
+def test_who_stands_as_near_as_may_be_can_walk_away():
+    """To any side of the line across, at once, and however hard; but not the other way."""
+    rng = random.Random(7)
+    for _ in range(200):
+        at, to_other = places(rng, 1)[0], rng.uniform(-math.pi, math.pi)
+        other = (at[0] + 0.606 * math.cos(to_other), at[1] + 0.606 * math.sin(to_other))
+        theirs = swath_of(navigation.standing(other), 0.0)
+        for turned, meets in ((rng.uniform(0.5, 1.5), False), (rng.uniform(-0.45, 0.45), True)):
+            heading = to_other + turned * math.pi
+            walk = navigation.walk(
+                [at, (at[0] + math.cos(heading), at[1] + math.sin(heading))],
+                0.0,
+                max_speed=1.0,
+                max_acceleration=rng.uniform(0.5, 8.0),
+            )
+            least = math.dist(at, other) - 1e-9
+            found = first_conflict(swath_of(walk, 0.0), theirs, least, 0.0)
+            assert (found is not None) == meets
+
+
+def test_walks_keep_their_limits_and_are_what_their_swaths_are():
+    rng = random.Random(5)
+    for _ in range(200):
+        walk = walks(rng)
+        t = np.linspace(walk.start, walk.end, 200)
+        assert np.hypot(*walk.velocity(t).T).max() <= 1.0 + 1e-9
+        assert all(abs(a) <= 2.5 + 1e-9 for s in t for a in walk.state(s).acceleration[:2])
+        swath = swath_of(walk, walk.start)
+        assert swath.motion(0.0).position(t) == pytest.approx(walk.position(t))
+        assert (walk.position(t) >= np.array(swath.box[:2]) - 1e-9).all()
+        assert (walk.position(t) <= np.array(swath.box[2:]) + 1e-9).all()
+
+
+def test_walls_are_where_the_world_has_them():
+    rng = random.Random(6)
+    world = navigation.CollisionWorld(floorplan.load("ariac2023"))
+    walls, (low_x, low_y, high_x, high_y) = world.walls(0.3), world.plan.boundary.bounds
+    for _ in range(2000):
+        a = (rng.uniform(low_x, high_x), rng.uniform(low_y, high_y))
+        away = rng.choice([0.3, 1.0, 3.0, 8.0])
+        b = (a[0] + rng.uniform(-away, away), a[1] + rng.uniform(-away, away))
+        if world.segment_free(a, a, 0.3, among=()):
+            assert walls.clear(a, b) == world.segment_free(a, b, 0.3, among=())
+
+
+LAWS = (
+    navigation.SeparationLaw(t1=0.5, t2=1.0, intrusion=0.3),
+    navigation.FixedDistance(1.0),
+    navigation.IntegralLaw(t1=0.5, t2=1.0),
+)
+FULL_SPEED = math.sqrt(2.0)
+LANE = floorplan.load("ariac2023").lane("agv1")
+MARGIN = 0.01
+BEGUN, LEAST = 3.0, 0.2
+
+near = st.tuples(st.floats(-10, -5), st.floats(0, 6), st.floats(-3, 3))
+
+
+def lack(motion, begin, end, person, law):
+    """Return how many metres are lacking at the worst of many instants."""
+    x, y, speed = person
+    worst = -math.inf
+    for t in np.linspace(begin, end, 60).tolist():
+        state = motion.state(t)
+        pace = state.speed if is_of_speeds(law) else FULL_SPEED
+        asked = required_at_speeds(law, speed, pace) + MARGIN + speed * (t - BEGUN)
+        worst = max(worst, asked - math.dist(state.at, (x, y)))
+    return worst
+
+
+@given(
+    st.booleans(),
+    st.tuples(near, near),
+    st.lists(st.tuples(st.floats(-14, -1), st.floats(-4, 10), st.floats(0.3, 2)), max_size=3),
+    st.sampled_from(LAWS),
+)
+def test_a_motion_is_safe_for_as_long_as_it_is_said_and_no_longer(gantry, ends, people, law):
+    if gantry:
+        motion = navigation.gantry_move(*ends, 2.0)
+        stops = gantry_stops()
+        stop_from = navigation.gantry_stop
+    else:
+        q = [abs(end[0] + 5) for end in ends]
+        motion = navigation.agv_run(LANE, q[0], q[1], 2.0)
+        stops = agv_stops(LANE)
+
+        def stop_from(state, t):
+            return navigation.agv_stop(LANE, state, t)
+
+    assume(motion.end > BEGUN)
+    rows = []
+    for x, y, speed in people:
+        known = is_of_speeds(law)
+        fixed = -1.0 if known else required_at_speeds(law, speed, FULL_SPEED) + MARGIN
+        rows += (x, y, speed, fixed)
+    lookout = StoppingHorizon(law, MARGIN)
+    until, who = lookout.safe_until(motion.table, stops, rows, BEGUN, LEAST)
+    looks = [BEGUN]
+    while looks[-1] < motion.end:
+        looks.append(min(BEGUN + LEAST * 2 ** (len(looks) - 1), motion.end))
+    assert until in looks
+    if until == BEGUN and who < 0:
+        return
+
+    def worst(begin, end, person):
+        stop = stop_from(motion.state(end), end)
+        return max(lack(motion, begin, end, person, law), lack(stop, end, stop.end, person, law))
+
+    for begin, end in itertools.pairwise(looks):
+        if end <= until:
+            assert all(worst(begin, end, person) < 1e-6 for person in people)
+        elif begin == until:
+            # What lacks between two of the instants can't be seen at them.
+            assert worst(begin, end, people[who]) > -0.05
+
+
+@given(
+    st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), min_size=1, max_size=6),
+    st.lists(st.tuples(*[st.floats(-9, 9)] * 2, *[st.floats(-2, 2)] * 2), max_size=3),
+)
+def test_the_place_on_whose_path_people_stay_farthest_is_found(places, people):
+    glances, horizon, top, lag, enough = [0.0, 1.0, 2.0], 1.5, 1.0, 0.5, 4.0
+
+    def nearest(place):
+        length = math.dist(places[0], place)
+        found = math.inf
+        for t, (x, y, vx, vy) in itertools.product(glances, people):
+            share = min(1.0, top * max(0.0, t - lag) / length) if length else 0.0
+            at = [a + share * (b - a) for a, b in zip(places[0], place, strict=True)]
+            after = min(t, horizon)
+            found = min(found, math.dist(at, (x + vx * after, y + vy * after)))
+        return found
+
+    rows = [c for person in people for c in person]
+    flat = [c for place in places for c in place]
+    k = most_remote(flat, rows, glances, horizon, top, lag, enough)
+    stays = nearest(places[0])
+    assert k == 0 or stays < enough + 1e-9
+    if stays < enough - 1e-9:
+        assert nearest(places[k]) > max(map(nearest, places)) - 1e-9

@@ -13,7 +13,22 @@ from waiting import HANG, HandLoop, until
 from websockets.sync.client import connect
 
 import sim
-from sim.bridge import Exchange, RosbridgeServer, Session, Workcell, listen_at
+from sim.bridge import (
+    AddressError as AddressError,
+    BridgeError as BridgeError,
+    ConnectError as ConnectError,
+    Exchange,
+    OriginError as OriginError,
+    Origins as Origins,
+    RemoteAgent as RemoteAgent,
+    RosbridgeServer,
+    Session,
+    Workcell,
+    listen_at,
+)
+from sim.bridge.client import LONGEST_QUEUE as LONGEST_QUEUE
+from sim.bridge.protocol import Ledger as Ledger
+from sim.people.minds import make_agent as make_agent
 
 TRIAL = """
 floorplan: ariac2023

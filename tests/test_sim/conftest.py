@@ -1,6 +1,5 @@
-"""The command in this process, full disks, and a browser for pages, where there is one."""
+"""Full disks, and a browser for pages, where there is one."""
 
-import subprocess
 import sys
 import threading
 from contextlib import contextmanager
@@ -9,9 +8,6 @@ from pathlib import Path
 import pytest
 from replay_viewer import Viewer
 from waiting import HANG
-
-from sim.cli import main
-from sim.views.browser import installed_chromium
 
 ARGUMENTS = [
     "--no-sandbox",
@@ -40,22 +36,6 @@ def no_thread_stays():
 
 
 @pytest.fixture
-def floorwalker(capfd, monkeypatch):
-    """Runs the command here, in the folder `cwd`: a process of its own takes long to get ready."""
-
-    def called(*words, cwd="."):
-        capfd.readouterr()
-        with monkeypatch.context() as now:
-            now.chdir(cwd)
-            now.setattr(sys, "argv", ["floorwalker", *map(str, words)])
-            with pytest.raises(SystemExit) as ended:
-                main()
-        return subprocess.CompletedProcess(words, ended.value.code or 0, *capfd.readouterr())
-
-    return called
-
-
-@pytest.fixture
 def room_for(monkeypatch):
     """Lets no file grow beyond a number of bytes, while the context lasts: a full disk."""
     resource = pytest.importorskip("resource")
@@ -76,13 +56,12 @@ def room_for(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def browser():
+def browser(chromium):
     api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    path = installed_chromium()
-    if path is None:
-        pytest.skip("no Chromium on this machine")
     with api.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=path, args=ARGUMENTS, timeout=1000 * HANG)
+        browser = driver.chromium.launch(
+            executable_path=chromium, args=ARGUMENTS, timeout=1000 * HANG
+        )
         yield browser
         browser.close()
 

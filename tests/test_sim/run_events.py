@@ -1,6 +1,9 @@
 """Runs recorded, their events by kind and field, and what thoughts add up to, for tests."""
 
 import sim
+from sim.core.recorder import Figure as Figure, Scene as Scene
+from sim.record.summary import figures_in_words as figures_in_words
+from sim.runs.run import Recorded as Recorded
 
 
 def record(trial, folder):

@@ -6,15 +6,12 @@ from pathlib import Path
 
 import pytest
 import yaml
+from bridge_parts import Client, Exchange, Workcell, served
 from hypothesis import given, settings, strategies as st
-from run_events import events
+from run_events import events, figures_in_words
+from sample_files import files
 
-import floorplan
 import sim
-from sim import orders as ariac
-from sim.bridge import Exchange, Workcell
-from sim.orders import layout
-from sim.record.summary import figures_in_words
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 COLORS = ("blue", "green", "orange")
@@ -77,56 +74,45 @@ def test_the_example_from_beginning_to_end():
     assert events(run, "human_started")[0]["t"] == placed["t"]
 
 
-def test_real_trial_files(shared_data):
-    for path in sorted((shared_data / "ariac2023" / "trials").glob("*.yaml")):
-        trial = sim.Trial.load(path)
-        run = sim.run(alone(trial))
-        orders = run.summary["orders"]
-        assert all(order["submitted"] is not None for order in orders.values()), path.name
-        if path.name != "sample.yaml":
-            assert run.summary["score"] == run.summary["best_score"], path.name
-        else:
-            # Kits: the only green pump is faulty; 3 for the tray and 2 × 3 without the conveyor.
-            assert [order["score"] for order in orders.values()] == [6, 9, 3, 0]
-        assert any(notice.line for notice in trial.notices) == (
-            path.stem in ("assembly", "human_assembly", "sample")
-        )
+@pytest.mark.parametrize(
+    "path", files("shift.ariac.yaml", real="ariac2023/trials/*.yaml"), ids=lambda path: path.stem
+)
+def test_files_of_the_competitions_form(path):
+    trial = sim.Trial.load(path)
+    run = sim.run(alone(trial))
+    orders = run.summary["orders"]
+    assert all(order["submitted"] is not None for order in orders.values())
+    if path.name == "sample.yaml":
+        # Kits: the only green pump is faulty; 3 for the tray and 2 × 3 without the conveyor.
+        assert [order["score"] for order in orders.values()] == [6, 9, 3, 0]
+    elif path.name == "shift.ariac.yaml":
+        # The last order needs a part from the conveyor.
+        assert [order["score"] for order in orders.values()] == [11, 11, 14, 5]
+    else:
+        assert run.summary["score"] == run.summary["best_score"]
+    assert any(notice.line for notice in trial.notices) == (
+        path.stem in ("assembly", "human_assembly", "sample", "shift.ariac")
+    )
 
 
-def test_real_human_trials(shared_data):
-    trial = sim.Trial.load(shared_data / "ariac2023" / "trials" / "human_kitting.yaml")
+@pytest.mark.parametrize(
+    "path",
+    files("shift.ariac.yaml", real="ariac2023/trials/human_kitting.yaml"),
+    ids=lambda path: path.stem,
+)
+def test_the_person_of_a_competition_file(path):
+    trial = sim.Trial.load(path)
     (person,) = trial.people
+    part, agv = ("blue sensor", "agv2") if path.stem == "shift.ariac" else ("blue battery", "agv4")
     assert (person.personality, person.start.part_placed) == (
         "antagonistic",
-        {"part": "blue battery", "agv": "agv4"},
+        {"part": part, "agv": agv},
     )
     assert (trial.rules, trial.gantry.controller) == (sim.RULE_SETS["ariac2023"], "pausing")
     run = sim.run(trial)
-    placed = next(e for e in events(run, "job_done") if e["job"] == "pick_place")
+    placed = next(e for e in events(run, "job_done") if e.get("part") == part)
     assert run.summary["people"]["operator"]["started"] == placed["t"]
     assert run.summary["penalties"] > 0
-
-
-def test_what_is_where_is_the_competitions():
-    """Against coordinates in the competition's world frame, worked out by hand."""
-    plan = floorplan.load("ariac2023")
-
-    def world(obstacle, offset):
-        middle = plan.obstacle(obstacle).footprint.centroid
-        return pytest.approx((middle.x + offset[0], middle.y + offset[1]), abs=1e-9)
-
-    assert world("bin1", layout.bin_slot(1)) == (-2.08, 3.195)
-    assert world("bin1", layout.bin_slot(3)) == (-2.08, 3.555)
-    assert world("bin1", layout.bin_slot(7)) == (-1.72, 3.195)
-    assert world(*layout.tray_slot(1)) == (-0.87, -5.84)
-    assert world(*layout.tray_slot(6)) == (-0.87, 5.84)
-    tables = layout.TABLES
-    assert world(tables[0], layout.tool_stand(tables[0], "trays")) == (-1.5, -5.38)
-    assert world(tables[1], layout.tool_stand(tables[1], "parts")) == (-1.5, 5.38)
-    lane = plan.lane("agv2")
-    assert layout.tray_on(lane) == pytest.approx((0.2, 0.0))
-    assert layout.quadrant_on(lane, 1) == pytest.approx((0.0725, -0.0925))
-    assert layout.quadrant_on(lane, 4) == pytest.approx((0.3275, 0.0925))
 
 
 def test_priority_goes_first():
@@ -315,10 +301,10 @@ def test_every_order_of_a_valid_trial_ends_submitted(trial, controller):
         assert order["submitted"] is not None
         assert order["announced"] <= order["submitted"]
         assert 0 <= order["score"] <= order["best"]
-        task = next(one for one in trial.workload.orders if one.id == name).task
-        complete = len(task.products) - len(order["missing"])
-        if not isinstance(task, ariac.KittingTask):
-            points = 5 if isinstance(task, ariac.CombinedTask) else 3
+        asked = next(one for one in trial.workload.orders if one.id == name)
+        complete = len(asked.task.products) - len(order["missing"])
+        if asked.kind != "kitting":
+            points = 5 if asked.kind == "combined" else 3
             bonus = 0 if order["missing"] else 4 * complete
             assert order["score"] == points * complete + bonus
         else:
@@ -336,6 +322,27 @@ def test_a_bridged_trial_ends_with_its_orders_too():
     while not cell.simulation.over:
         cell.advance(cell.now + 7.0)
     assert cell.now == pytest.approx(cell.simulation.finish().summary["orders"]["A"]["submitted"])
+
+
+@pytest.mark.parametrize(
+    "path",
+    files("shift.ariac.yaml", real="ariac2023/trials/kitting.yaml"),
+    ids=lambda path: path.stem,
+)
+def test_orders_are_published_as_they_are_announced(path):
+    trial = replace(sim.Trial.load(path), people=())
+    with served(trial, speed=0.0, hold=True) as session, Client(session.url) as client:
+        client.subscribe("/ariac/orders", "/ariac/competition_state")
+        assert client.message("/ariac/competition_state") == {"competition_state": 1}
+        client.call("/ariac/start_competition")
+        heard = []
+        while not heard or heard[-1] != 4:
+            said = client.hear_until(lambda said: said["op"] == "publish")
+            heard.append(said["msg"].get("competition_state") or said["msg"]["id"])
+        run = session.join()
+    announced = [event["order"] for event in run.events if event["kind"] == "order_announced"]
+    assert announced
+    assert heard == [2, *announced, 3, 4]
 
 
 def test_what_became_of_orders_in_words():

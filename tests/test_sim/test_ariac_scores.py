@@ -1,8 +1,14 @@
-"""Points for orders, against the tables of the competition's scoring page written out."""
+"""Points for orders and places of parts, against the tables of the competition written out."""
 
+import math
+
+import pytest
 from hypothesis import given, strategies as st
 
+import floorplan
 from sim import orders as ariac
+from sim.orders import layout
+from sim.orders.schema import angle
 
 COLORS = ("blue", "green", "orange", "purple", "red")
 TYPES = ("battery", "pump", "regulator", "sensor")
@@ -76,3 +82,47 @@ def test_the_best_score_is_that_of_a_faultless_order(kit, asked):
         ariac.CombinedTask("as1", tuple(asked)),
     ):
         assert ariac.best_score(task) == ariac.assembly_score(task, there)
+
+
+def test_what_is_where_is_the_competitions():
+    """Against coordinates in the competition's world frame, worked out by hand."""
+    plan = floorplan.load("ariac2023")
+
+    def world(obstacle, offset):
+        middle = plan.obstacle(obstacle).footprint.centroid
+        return pytest.approx((middle.x + offset[0], middle.y + offset[1]), abs=1e-9)
+
+    assert world("bin1", layout.bin_slot(1)) == (-2.08, 3.195)
+    assert world("bin1", layout.bin_slot(3)) == (-2.08, 3.555)
+    assert world("bin1", layout.bin_slot(7)) == (-1.72, 3.195)
+    assert world(*layout.tray_slot(1)) == (-0.87, -5.84)
+    assert world(*layout.tray_slot(6)) == (-0.87, 5.84)
+    tables = layout.TABLES
+    assert world(tables[0], layout.tool_stand(tables[0], "trays")) == (-1.5, -5.38)
+    assert world(tables[1], layout.tool_stand(tables[1], "parts")) == (-1.5, 5.38)
+    lane = plan.lane("agv2")
+    assert layout.tray_on(lane) == pytest.approx((0.2, 0.0))
+    assert layout.quadrant_on(lane, 1) == pytest.approx((0.0725, -0.0925))
+    assert layout.quadrant_on(lane, 4) == pytest.approx((0.3275, 0.0925))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("pi", math.pi),
+        ("-pi/2", -math.pi / 2),
+        ("2*pi/3", 2 * math.pi / 3),
+        ("2pi", 2 * math.pi),
+        ("0.9", 0.9),
+        (0.9, 0.9),
+        ("p1/2", None),
+        ("pi/0", None),
+        ("", None),
+    ],
+)
+def test_angles(text, value):
+    found = angle(text)
+    if value is None:
+        assert found is None or math.isnan(found)
+    else:
+        assert found == pytest.approx(value)

@@ -8,20 +8,26 @@ from contextlib import suppress
 from dataclasses import replace
 
 import pytest
-from bridge_parts import STEP, Client, InThread, Pacer, relay, served, trial
+from bridge_parts import (
+    STEP,
+    AddressError,
+    BridgeError,
+    Client,
+    ConnectError,
+    Exchange,
+    InThread,
+    Pacer,
+    RemoteAgent,
+    Session,
+    Workcell,
+    relay,
+    served,
+    trial,
+)
 from waiting import HANG, until
 
 import bdi
 import sim
-from sim.bridge import (
-    AddressError,
-    BridgeError,
-    ConnectError,
-    Exchange,
-    RemoteAgent,
-    Session,
-    Workcell,
-)
 
 HUMAN = ("/ariac/start_human", "/ariac_human/position_reached", "/ariac_human/unsafe_distance")
 

@@ -7,7 +7,6 @@ import pytest
 from bridge_parts import Client, Command, relay, require_whole
 
 import sim
-from sim.trials.keys import commanded
 
 OUTSIDE = """
 floorplan: ariac2023
@@ -59,7 +58,7 @@ def test_a_run_that_is_interrupted_is_kept_with_what_was_done_on_its_page(folder
         server.wait_for(lambda: "stands still at t = 0.0" not in server.notices[-1])
         assert server.interrupt() == 130
     require_whole(folder / "out")
-    again = commanded(sim.Trial.load(folder / "outside.yaml"), done)
+    again = sim.Trial.parse(f"{OUTSIDE}commands: {done}\n")
     assert [(one.time, one.send) for one in again.commands] == [(at, "operator")]
     assert "what happened is kept" in server.notices[-1]
 

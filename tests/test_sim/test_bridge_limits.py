@@ -10,12 +10,9 @@ import time
 from contextlib import suppress
 
 import pytest
-from bridge_parts import Client, Command, relay
+from bridge_parts import Client, Command, Ledger, OriginError, Origins, relay
 from waiting import HANG, until
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-
-from sim.bridge import OriginError, Origins
-from sim.bridge.protocol import Ledger
 
 TEXT = "std_msgs/String"
 UPGRADE = (

@@ -9,15 +9,13 @@ import threading
 from pathlib import Path
 
 import pytest
-from bridge_parts import Client, Command, require_whole, served, trial
+from bridge_parts import LONGEST_QUEUE, Client, Command, Ledger, require_whole, served, trial
 from waiting import HANG, until
 from websockets.client import ClientProtocol
 from websockets.exceptions import ConnectionClosed
 from websockets.uri import parse_uri
 
 import sim
-from sim.bridge.client import LONGEST_QUEUE
-from sim.bridge.protocol import Ledger
 
 SOUND = ("/clock", "/ariac_human/state", "/tf", "/joint_states")
 

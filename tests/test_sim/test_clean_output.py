@@ -7,11 +7,8 @@ import subprocess
 import sys
 
 import pytest
-import typer.main
 from processes import command_line, in_a_process, started
 from waiting import HANG
-
-from sim.cli import app
 
 STRICT = ("-X", "dev", "-W", "default")
 """The interpreter tells every warning, also about files that nobody closed."""
@@ -82,16 +79,18 @@ def samples(tmp_path_factory):
     return folder
 
 
-def every_command(group, above=()):
-    for name, one in group.commands.items():
-        if hasattr(one, "commands"):
-            yield from every_command(one, (*above, name))
-        else:
-            yield " ".join((*above, name))
+def test_every_command_is_called_below(floorwalker, monkeypatch):
+    def offered(line):
+        monkeypatch.setenv("_FLOORWALKER_COMPLETE", "complete_bash")
+        monkeypatch.setenv("COMP_WORDS", line)
+        monkeypatch.setenv("COMP_CWORD", str(line.count(" ")))
+        return floorwalker().stdout.split()
 
-
-def test_every_command_is_called_below():
-    assert sorted(every_command(typer.main.get_command(app))) == sorted(CALLS)
+    commands = [
+        *offered("floorwalker "),
+        *(f"plot {name}" for name in offered("floorwalker plot ")),
+    ]
+    assert sorted(commands) == sorted([*CALLS, "plot"])
 
 
 ALONE = ("bridge", "run", pytest.param("study", marks=pytest.mark.slow))

@@ -6,7 +6,6 @@ import dataclasses
 import itertools
 import math
 import sqlite3
-import statistics
 
 import numpy as np
 import pandas as pd
@@ -15,8 +14,6 @@ from run_events import events
 
 import navigation
 import sim
-from sim.core.scenario import Source
-from sim.exports.formats import export
 
 HALL = """
 floorplan:
@@ -99,28 +96,18 @@ def test_a_recording_and_its_exports_have_them_only_while_they_are_there(run, gu
         t = table[table.body == name].t
         assert begin <= t.min() < begin + 0.1 and end - 0.1 <= t.max() < end
     assert table.x.between(0, 12).all() and (table[table.body == "host"].t.max() == 40)
-    export(read, tmp_path / "run.parquet", rate=10.0)
+    sim.export(read, tmp_path / "run.parquet", rate=10.0)
     columns = pd.read_parquet(tmp_path / "run.parquet")
     table = pd.DataFrame(read.table(10.0))
     pd.testing.assert_frame_equal(columns.astype({"body": table["body"].dtype}), table)
     assert len(columns) == len(table) and columns.x.to_numpy() == pytest.approx(table.x, abs=1e-6)
-    export(read, tmp_path / "run.sqlite", rate=10.0)
+    sim.export(read, tmp_path / "run.sqlite", rate=10.0)
     with sqlite3.connect(tmp_path / "run.sqlite") as database:
         rows = database.execute(
             "SELECT id, count(*), min(pos_x), max(pos_x) FROM trajectory_data GROUP BY id"
         ).fetchall()
     assert len(rows) == 6 and all(low >= 0 and high <= 12 for _, _, low, high in rows)
     assert sum(count for _, count, _, _ in rows) == len(table)
-
-
-def test_the_times_between_them_are_those_of_the_rate():
-    """As a Poisson process has them: exponential, from the seed alone."""
-    sources = [Source((1.0, 1.0), 0.5, stream="s", number=k) for k in range(1, 2001)]
-    times = [source.time(7) for source in sources[::100]]
-    assert times == sorted(times) and times != [source.time(8) for source in sources[::100]]
-    gaps = np.diff([source.time(7) for source in sources[:400]])
-    assert gaps.min() >= 0 and statistics.mean(gaps) == pytest.approx(2.0, rel=0.15)
-    assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.2)
 
 
 def test_who_finds_no_room_to_come_in_waits_outside():
@@ -259,24 +246,6 @@ def test_a_door_that_parts_a_group_holds_it_up_until_it_opens():
     assert 8 < len(tried) < 20 and all(4 <= t < 20 for t in tried)
     apart = [math.dist(*(run.motions[n].position(t) for n in run.motions)) for t in (35, 45, 55)]
     assert max(apart) < 5.0
-
-
-def test_who_comes_when_depends_on_their_number_alone():
-    """However many come, and in whatever order they are asked; each waits for those before."""
-    arrivals = [
-        Source("station1", 0.5, start=3.0, stream="visitor", number=k).time(7)
-        for k in range(400, 0, -1)
-    ]
-    assert arrivals == sorted(arrivals, reverse=True) and arrivals[-1] > 3.0
-    assert [
-        Source("station1", 0.5, start=3.0, stream="visitor", number=k).time(7) for k in (1, 400)
-    ] == [
-        arrivals[-1],
-        arrivals[0],
-    ]
-    gaps = [a - b for a, b in itertools.pairwise(arrivals)]
-    assert statistics.mean(gaps) == pytest.approx(2.0, rel=0.15)  # 1 / rate
-    assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.15)  # as an exponential has it
 
 
 VISITORS = """

@@ -18,8 +18,8 @@ from run_events import record
 from waiting import HANG, until
 
 import floorplan
+import floorwalker as floorwalker_module
 import sim
-import sim.cli
 
 TIMING = ("cpu_seconds", "realtime_factor")
 
@@ -475,7 +475,7 @@ def test_the_page_opens_where_somebody_looks(
         monkeypatch.setattr(sys, "argv", ["floorwalker", *arguments])
         with os.fdopen(terminal, "w") as stdout, pytest.raises(SystemExit):
             monkeypatch.setattr(sys, "stdout", stdout)
-            sim.cli.main()
+            floorwalker_module.main()
         monkeypatch.undo()
         os.close(at)
     else:
@@ -505,10 +505,10 @@ def test_an_error_that_no_input_may_cause_shows_its_traceback(monkeypatch, tmp_p
     def broken(*_):
         return (1, 2).index(3)
 
-    monkeypatch.setattr(sim.simulation.Simulation, "advance", broken)
+    monkeypatch.setattr(sim.Simulation, "advance", broken)
     monkeypatch.setattr(sys, "argv", ["floorwalker", "run", "--out", str(tmp_path / "run")])
     with pytest.raises(SystemExit) as ended:
-        sim.cli.main()
+        floorwalker_module.main()
     assert ended.value.code == 1
     *_, error, last = capsys.readouterr().err.splitlines()
     assert error == "ValueError: tuple.index(x): x not in tuple"
@@ -524,7 +524,7 @@ def test_check_does_not_list_a_defect_as_a_fault_of_the_file(monkeypatch, tmp_pa
     monkeypatch.setattr(sim.Trial, "load", broken)
     monkeypatch.setattr(sys, "argv", ["floorwalker", "check", str(tmp_path / "one.trial.yaml")])
     with pytest.raises(SystemExit) as ended:
-        sim.cli.main()
+        floorwalker_module.main()
     assert ended.value.code == 1
     assert "Traceback" in (said := capsys.readouterr().err)
     assert "defect of Floorwalker" in said

@@ -7,7 +7,6 @@ from shapely.geometry import box
 
 import sim
 from floorplan import Obstacle
-from sim.trials.keys import commanded
 
 TRIAL = """
 floorplan: ariac2023
@@ -56,7 +55,7 @@ def test_a_run_with_commands_repeats_byte_for_byte(tmp_path):
     interfere(simulation, random.Random(3))
     first.finish(simulation.finish())
     assert len(simulation.commands) > 20
-    again = commanded(trial, first.folder / "commands.yaml")
+    again = sim.Trial.parse(f"{TRIAL}commands: {first.folder / 'commands.yaml'}\n")
     second.finish(sim.run(again, second))
     for file in first.folder.iterdir():
         if file.name != "summary.json":

@@ -13,8 +13,6 @@ import bdi
 import floorplan
 import navigation
 import sim
-from sim.commands import completion
-from sim.machines.gantry.controllers import CONTROLLERS
 
 ROOT = Path(__file__).resolve().parents[2]
 HEAVY = ("numpy", "shapely", "ompl", "fcl", "lark", "rich", "bdi", "floorplan")
@@ -119,12 +117,18 @@ def test_zsh_and_fish_are_answered(asked, folder):
     assert fish == "pausing\n"
 
 
-def test_the_names_that_are_offered_are_those_there_are():
-    assert sorted(completion.CONTROLLERS) == sorted(CONTROLLERS)
-    assert sorted(completion.RULE_SETS) == sorted(sim.RULE_SETS)
-    assert {info.name for info in navigation.planners()} >= set(completion.PLANNERS)
-    assert completion.floor("")[: len(floorplan.builtin())] == list(floorplan.builtin())
-    assert set(bdi.programs()) <= set(completion.program(""))
+def test_the_names_that_are_offered_are_those_there_are(in_bash, floorwalker):
+    listed = floorwalker("list").stdout.split("\ncontrollers\n")[1].split("\nrule sets\n")[0]
+    controllers = [line.split()[0] for line in listed.splitlines()]
+    assert len(controllers) > 4
+    assert sorted(in_bash("floorwalker run --controller ")) == sorted(controllers)
+    rules = [name for name in in_bash("floorwalker run --rules ") if name.isidentifier()]
+    assert sorted(rules) == sorted(sim.RULE_SETS)
+    planners = in_bash("floorwalker plan ariac2023 0 0 1 1 --planner ")
+    assert planners and {info.name for info in navigation.planners()} >= set(planners)
+    floors = in_bash("floorwalker plan ")
+    assert floors[: len(floorplan.builtin())] == list(floorplan.builtin())
+    assert set(bdi.programs()) <= set(in_bash("floorwalker run --personality "))
 
 
 def test_nothing_heavy_is_loaded_for_it(folder):

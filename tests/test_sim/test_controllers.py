@@ -11,9 +11,6 @@ from run_events import events
 
 import navigation
 import sim
-from navigation.separation import required_at_speeds
-from sim.core.clock import Clock
-from sim.machines.gantry.tasks import Step, Task, Tasks
 
 STAY = "!stay. +!stay <- .wait(100000); !stay.\n"
 WALK = "!go. +!go <- move({x}, {y}, 0.0).\n"
@@ -400,77 +397,14 @@ def go(gantry):
     )
     text = f"duration: 2\nrules: {INTEGRAL}\ngantry: {{controller: '{name}'}}"
     law = sim.run(trial(text, tmp_path)).trial.rules.gantry_law
-    top = required_at_speeds(law, 1.0, math.sqrt(2.0))
+    top = navigation.required_at_speeds(law, 1.0, math.sqrt(2.0))
     asked = __import__(name.partition(":")[0]).asked
     assert asked[0] == asked[1] > top
 
 
-class TestTasks:
-    @staticmethod
-    def task(name, stage=0, **more):
-        return Task("wait", [Step("wait")], stage=stage, fields={"name": name}, **more)
-
-    @staticmethod
-    def names(tasks):
-        return [task.fields["name"] for task in tasks.open]
-
-    def test_a_later_stage_waits_for_the_one_before(self):
-        tasks = Tasks(Clock(0.0))
-        first, second, third = self.task("a"), self.task("b"), self.task("c", 1)
-        tasks.add([third, first, second])
-        assert self.names(tasks) == ["a", "b"]
-        first.advance()
-        assert self.names(tasks) == ["b"]
-        second.advance()
-        assert self.names(tasks) == ["c"]
-
-    def test_a_group_can_go_first(self):
-        tasks = Tasks(Clock(0.0))
-        tasks.add([self.task("a")])
-        tasks.add([self.task("urgent")], first=True)
-        tasks.add([self.task("b")])
-        assert self.names(tasks) == ["urgent", "a", "b"]
-
-    def test_what_is_not_ready_is_passed_over(self):
-        there = []
-        tasks = Tasks(Clock(0.0))
-        tasks.add([self.task("a", ready=lambda: bool(there)), self.task("b")])
-        assert self.names(tasks) == ["b"]
-        there.append(1)
-        assert self.names(tasks) == ["a", "b"]
-
-    def test_next_waits_for_what_is_to_come(self):
-        clock = Clock(0.0)
-        tasks = Tasks(clock)
-        tasks.more_to_come = True
-        found = []
-
-        def take():
-            while (task := (yield tasks.next())) is not None:
-                found.append((clock.now, task.fields["name"]))
-                task.advance()
-                tasks.reconsider()
-            found.append((clock.now, None))
-
-        def bring():
-            yield clock.timeout(3.0)
-            tasks.add([self.task("late")])
-            yield clock.timeout(2.0)
-            tasks.more_to_come = False
-            tasks.reconsider()
-
-        clock.process(take())
-        clock.process(bring())
-        clock.run()
-        assert found == [(3.0, "late"), (5.0, None)]
-
-    def test_a_task_has_steps(self):
-        with pytest.raises(ValueError, match="at least one step"):
-            Task("wait", [])
-
-    def test_nothing_is_handled_from_afar_or_twice(self, controller, tmp_path):
-        name = controller(
-            """
+def test_nothing_is_handled_from_afar_or_twice(controller, tmp_path):
+    name = controller(
+        """
 answers = []
 
 
@@ -483,8 +417,8 @@ def go(gantry):
     answers.append(task.finished)
     yield gantry.handle(task)
 """
-        )
-        text = f"duration: 30\ngantry: {{controller: '{name}', jobs: [{{move: [-5, 0, 0]}}]}}"
-        with pytest.raises(sim.ControllerError, match="is done already"):
-            sim.run(trial(text, tmp_path))
-        assert __import__(name.partition(":")[0]).answers == [False, True, True]
+    )
+    text = f"duration: 30\ngantry: {{controller: '{name}', jobs: [{{move: [-5, 0, 0]}}]}}"
+    with pytest.raises(sim.ControllerError, match="is done already"):
+        sim.run(trial(text, tmp_path))
+    assert __import__(name.partition(":")[0]).answers == [False, True, True]

@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 
 import sim
-from sim.machines.gantry.controllers import CONTROLLERS
 
 TRIAL = sim.Trial.parse("floorplan: ariac2023\nduration: 20\npeople: [{name: ada}]\n")
 
@@ -86,8 +85,6 @@ def test_one_in_a_module_beside_the_trial_is_written_by_its_name(module, tmp_pat
     assert sim.run(again).events == sim.run(trial).events
     with pytest.raises(ValueError, match="in no module"):
         replace(trial, folder=tmp_path / "elsewhere").to_yaml()
-    builtin = driven_by(CONTROLLERS["pausing"])
-    assert sim.Trial.parse(builtin.to_yaml()).gantry.controller == "pausing"
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ import pytest
 from run_events import record
 
 import sim
-from sim.core.events import EVENT_KINDS
 
 TRIAL = """
 floorplan: ariac2023
@@ -72,17 +71,17 @@ def test_a_recording_with_another_form_in_a_field_is_damaged(own_kind, tmp_path)
         sim.load_run(tmp_path / "run")
 
 
-def test_kinds_of_the_library_are_not_taken():
+def test_kinds_of_the_library_are_not_taken(event_kinds):
     with pytest.raises(TypeError, match="violation"):
         type("Violation", (sim.EventKind,), {"__module__": __name__})
-    assert EVENT_KINDS["violation"].__module__ == "sim.core.events"
+    assert event_kinds["violation"].__module__ == "sim.core.events"
 
 
 @pytest.mark.parametrize("annotations", [{"kind": str}, {"t": float}, {"when": complex}])
-def test_fields_that_no_recording_could_hold_are_refused(annotations):
+def test_fields_that_no_recording_could_hold_are_refused(annotations, event_kinds):
     with pytest.raises(TypeError, match=next(iter(annotations))):
         type("Odd", (sim.EventKind,), {"__module__": __name__, "__annotations__": annotations})
-    assert "odd" not in EVENT_KINDS
+    assert "odd" not in event_kinds
 
 
 OWN = """\
@@ -110,29 +109,31 @@ def lifting(tmp_path, name, expected):
     return path
 
 
-def test_a_file_expects_events_that_its_controller_defines(tmp_path):
+def test_a_file_expects_events_that_its_controller_defines(tmp_path, event_kinds):
     met = '{eventually: {kind: pallet_lifted, kilos: ">= 100"}, within: 3}'
     unmet = '{never: {kind: pallet_lifted, kilos: "< 130"}}'
     path = lifting(tmp_path, "PalletLifted", f"{met}, {unmet}")
-    EVENT_KINDS.pop("pallet_lifted", None)
+    event_kinds.pop("pallet_lifted", None)
     trial = sim.Trial.load(path)
-    assert "pallet_lifted" not in EVENT_KINDS  # nothing was run
+    assert "pallet_lifted" not in event_kinds  # nothing was run
     run = sim.run(trial)
     assert [verdict.met for verdict in run.verdicts] == [True, False]
     assert {e["person"]: e["t"] for e in run.events if e["kind"] == "human_started"} == {"ada": 2.0}
 
 
-def test_fields_of_events_that_a_controller_defines_are_checked_as_the_run_begins(tmp_path):
+def test_fields_of_events_that_a_controller_defines_are_checked_as_the_run_begins(
+    tmp_path, event_kinds
+):
     path = lifting(tmp_path, "PalletLifted", "{never: {kind: pallet_lifted, kilo: 3}}")
-    EVENT_KINDS.pop("pallet_lifted", None)
+    event_kinds.pop("pallet_lifted", None)
     trial = sim.Trial.load(path)
     with pytest.raises(sim.TrialError, match="kilos"):
         sim.run(trial)
 
 
-def test_other_classes_beside_a_controller_are_no_kinds_of_events(tmp_path):
+def test_other_classes_beside_a_controller_are_no_kinds_of_events(tmp_path, event_kinds):
     path = lifting(tmp_path, "PalletStacked", "{never: pallet_lifted}")
-    EVENT_KINDS.pop("pallet_lifted", None)
+    event_kinds.pop("pallet_lifted", None)
     trial = sim.Trial.load(path)
     with pytest.raises(sim.TrialError, match="pallet_stacked") as told:
         sim.run(trial)

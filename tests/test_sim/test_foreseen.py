@@ -1,11 +1,21 @@
-"""People wait for vehicles that drive, or will, or go round them, alone and among others."""
+"""People and vehicles: waiting for those that drive, going round them, stepping out of the way."""
+
+import math
+from dataclasses import dataclass
 
 import pytest
+import shapely
+import shapely.affinity
+from run_events import events, first
 
+import floorplan
+import navigation
 import sim
 from navigation import Box, Cylinder, Shapes, minimum_separation
+from sim.machines.kinds import machines_on, may_be
 from sim.people import walker
 from sim.people.steering import vehicle_conflicts as foreseen
+from sim.people.steering.vehicles import cover
 
 TRIAL = """
 floorplan: ariac2023
@@ -78,3 +88,186 @@ def test_nobody_alone_walks_into_an_oncoming_vehicle(at, goes, tmp_path):
     pair = (run.motions["ada"], run.motions["bot"])
     assert minimum_separation(*pair, 0.0, 30.0, shapes=shapes)[1] >= foreseen.GAP - 1e-6
     assert arrival(run) < 24.5
+
+
+FLOOR = """
+boundary: [[0, 0], [12, 0], [12, 8], [0, 8]]
+safe_zone: {at: [1, 1]}
+stations: {a: [10, 1.5], b: [10, 6.5]}
+obstacles:
+  wall: {x: [0, 12], y: [4.60, 4.65], z: [0, 2.5]}
+  east: {x: [7.9, 8.2], y: [2, 4.6], z: [0, 2.5]}
+  south: {x: [6.6, 7.9], y: [2, 3.45], z: [0, 2.5]}
+agvs:
+  size: [1.17, 0.67]
+  height: 1.2
+  max_speed: 2.0
+  max_acceleration: 2.0
+  limits: [0, 2.8]
+  locations: {home: 0, far: 2.8}
+  start: home
+  lanes:
+    cart: {origin: [4.0, 3.9], heading: 0}
+"""
+WALL = shapely.box(0, 4.60, 12, 4.65)
+
+
+@pytest.fixture
+def run(tmp_path):
+    def go(person, moves="[]", floor=FLOOR, rules="{agv_law: {fixed: 0.01}}"):
+        (tmp_path / "floor.yaml").write_text(floor)
+        (tmp_path / "to_a.asl").write_text("+human_start <- move(10, 1.5, 0).")
+        (tmp_path / "put.asl").write_text("!go. +!go <- .wait(10000); teleport_safe.")
+        (tmp_path / "tell.asl").write_text("!t. +!t : safe_zone(X, Y) <- .print(home, X, Y).")
+        (tmp_path / "stay.asl").write_text("!stay. +!stay.")
+        text = (
+            f"floorplan: floor.yaml\nduration: 30\nrules: {rules}\n"
+            f"people: [{{name: p, {person}}}]\nagvs: {{cart: {moves}}}\n"
+        )
+        return sim.run(sim.Trial.parse(text, folder=tmp_path))
+
+    return go
+
+
+def kinds(run):
+    return [event["kind"] for event in run.events]
+
+
+def clearance(run):
+    at = run.motions["p"].position([k / 100 for k in range(3001)])
+    return float(shapely.distance(shapely.points(at), WALL).min())
+
+
+def test_nobody_leaves_through_a_wall(run):
+    """The nearest free place is behind the wall; the one that can be reached is along it."""
+    found = run("personality: to_a.asl, at: [4.0, 4.29], start: {time: 1}")
+    assert "arrived" in kinds(found)
+    assert clearance(found) >= 0.3 - 1e-3
+    assert found.motions["p"].position(30.0) == pytest.approx((10, 1.5))
+
+
+def test_who_cannot_leave_stays(run):
+    """In a niche 1 m deep, behind an AGV that has come to stand before it."""
+    niche = "personality: to_a.asl, at: [7.6, 4.1], start: {time: 10}"
+    found = run(niche, "[{time: 0, to: far}]")
+    blocked = first(found, "path_blocked")
+    assert "the start (7.6, 4.1)" in blocked["message"]
+    assert "cart" in blocked["message"]
+    assert found.motions["p"].position(30.0) == pytest.approx((7.6, 4.1))
+
+
+def test_exits_are_clear_of_all_but_what_is_too_close():
+    world = navigation.CollisionWorld(sim.Trial.load("ariac2023").floorplan)
+    beside = (-2.7, 0.76)  # between an AGV and a disposal bin
+    assert not world.free(beside, 0.3)
+    (place,) = world.exits(beside, 0.3)
+    assert world.free(place, 0.3)
+    assert world.as_if(away=["agv2"]).segment_free(beside, place, 0.3 - 1e-4)
+    gaps = [world.plan.lane("agv2").footprint(0.0).distance(shapely.Point(beside))]
+    gaps.append(world.plan.lane("agv2").footprint(0.0).distance(shapely.Point(place)))
+    assert gaps[1] >= 0.3 > gaps[0]
+    # Too close to what never moves.
+    assert world.exits((-2.7, 0.7), 0.3) == []
+
+
+def test_who_is_put_where_an_agv_stands_is_put_beside_it(run):
+    home = FLOOR.replace("at: [1, 1]", "at: [6.8, 4.2]")
+    stay = "personality: stay.asl, at: [2, 2]"
+    found = run(stay, "[{time: 0, to: far}]", home, "{agv_law: {fixed: 9}}")
+    # Nobody is put where one is about to stand either.
+    for teleport in events(found, "teleport"):
+        place, cart = shapely.Point(teleport["to"]), found.trial.floorplan.lane("cart")
+        assert cart.footprint(2.8).distance(place) >= 0.3
+        assert 0.1 < place.distance(shapely.Point(6.8, 4.2)) < 2.0
+    program = "personality: put.asl, at: [2, 2]"
+    found = run(program, "[{time: 0, to: far}]", home)
+    (teleport,) = events(found, "teleport")
+    assert clearance(found) >= 0.3 - 1e-3
+    at = teleport["to"]
+    assert found.trial.floorplan.lane("cart").footprint(2.8).distance(shapely.Point(at)) >= 0.3
+    assert at[1] < 4.3
+    assert math.dist(at, (6.8, 4.2)) < 1.5
+
+
+def test_home_is_the_safe_zone_wherever_one_starts(run):
+    rules = "{agv_law: {fixed: 9}}"
+    start = "personality: stay.asl, at: [2, 2]"
+    for more, home in (("", [1, 1]), (", home: [2, 6]", [2, 6])):
+        found = run(start + more, "[{time: 5, to: far}]", rules=rules)
+        assert {tuple(e["to"]) for e in found.events if e["kind"] == "teleport"} == {(*home,)}
+        assert found.motions["p"].position(1.0) == pytest.approx((2, 2))
+        assert found.motions["p"].position(30.0) == pytest.approx(home)
+    found = run("personality: stay.asl, home: [2, 6]")
+    assert found.motions["p"].position(1.0) == pytest.approx((2, 6))
+    believed = run("personality: tell.asl, home: [2, 6]")
+    assert [e["text"] for e in believed.events if e["kind"] == "said"] == ["home26"]
+
+
+def test_who_wants_to_stay_where_something_was_put_down_finds_the_goal_blocked():
+    """A search for a way round what stands on start and goal alike went on for ever."""
+    text = """
+floorplan: {boundary: [[0, 0], [10, 0], [10, 6], [0, 6]], stations: {a: [5, 3]}}
+duration: 12
+obstacles: {pallet: {x: [4.5, 5.5], y: [2, 4], z: [0, 1], there: [[3]]}}
+people:
+  - {name: ada, at: [5, 3]}
+  - {name: ben, at: [2, 1], personality: external}
+"""
+    run = sim.run(sim.Trial.parse(text))
+    blocked = [e for e in run.events if e["kind"] == "path_blocked" and e["t"] >= 3]
+    assert any("inside pallet" in e.get("message", "") for e in blocked)
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (0.6, -0.8)])
+@pytest.mark.parametrize(
+    ("length", "width", "count"),
+    [(1.2, 0.8, 3), (2.0, 1.0, 4), (2.01, 1.0, 5), (0.4, 1.0, 1), (0.5, 1.0, 1), (0.51, 1.0, 2)],
+)
+def test_discs_cover_a_vehicle_closely(length, width, count, direction):
+    shape = sim.MachineShape(
+        name="agv",
+        kind="agv",
+        category="vehicle",
+        length=length,
+        width=width,
+        top=1.0,
+        top_speed=1.0,
+        direction=direction,
+    )
+    middles, radius = cover(shape)
+    assert len(middles) == count
+    c, s = direction
+    box = shapely.affinity.affine_transform(
+        shapely.box(-length / 2, -width / 2, length / 2, width / 2), [c, -s, s, c, 0.0, 0.0]
+    )
+    discs = shapely.union_all([shapely.Point(at).buffer(radius, 64) for at in middles])
+    assert box.difference(discs.buffer(1e-3)).is_empty
+    across = [-s * x + c * y for x, y in shapely.get_coordinates(discs).tolist()]
+    assert width / 2 < max(across) <= 1.12 * width / 2
+
+
+def test_one_disc_covers_a_vehicle_that_turns():
+    shape = sim.MachineShape(
+        name="cart", kind="cart", category="vehicle", length=0.8, width=0.6, top=1.0, top_speed=1.0
+    )
+    assert cover(shape) == ([(0.0, 0.0)], pytest.approx(0.5))
+
+
+def test_a_kind_says_what_its_machines_are_before_there_is_one():
+    for shape in machines_on(floorplan.load("ariac2023")):
+        assert sim.KINDS[shape.kind].category == shape.category
+
+    @dataclass(frozen=True)
+    class Cart(sim.MachineModel):
+        category = "vehicle"
+
+        def shape(self, name, plan): ...
+
+        def make(self, name, stage): ...
+
+    assert may_be("robot", sim.MachineEntry("gantry")) and not may_be(
+        "robot", sim.MachineEntry("agv")
+    )
+    assert may_be("robot", sim.MachineEntry("own:Cart")) and not may_be(
+        "robot", sim.MachineEntry(Cart)
+    )

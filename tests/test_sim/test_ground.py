@@ -10,7 +10,6 @@ from pathlib import Path
 
 import navigation
 import sim
-from navigation import ground
 
 ROOT = Path(__file__).resolve().parents[2]
 CODE = "import sys, sim; sys.path.insert(0, 'tests/test_sim'); import test_ground as t; t.tell()"
@@ -61,9 +60,9 @@ def test_worlds_on_one_floor_share_what_the_floor_decides():
 def test_only_the_last_few_are_kept():
     plan = sim.Trial.load("ariac2023").floorplan
     world = navigation.CollisionWorld(plan)
-    spaces = [world.fixed_space(0.3 + k / 100) for k in range(ground.MOST_KEPT + 1)]
+    spaces = [world.fixed_space(0.3 + k / 100) for k in range(40)]
     fresh = navigation.CollisionWorld(plan)
-    assert fresh.fixed_space(0.3 + ground.MOST_KEPT / 100) is spaces[-1]
+    assert fresh.fixed_space(0.3 + 39 / 100) is spaces[-1]
     assert fresh.fixed_space(0.3) is not spaces[0]
 
 

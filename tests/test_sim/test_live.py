@@ -17,7 +17,6 @@ from waiting import HANG, Hand, until
 
 import sim
 from sim.live.page_server import MessageStream, PageServer
-from sim.trials.keys import commanded
 
 
 def get(server, path="/", method="GET", body=None, **headers):
@@ -289,7 +288,7 @@ def test_what_is_done_from_the_page_repeats_from_a_file(tmp_path):
     assert [event["t"] for event in done] == pytest.approx([4.001] * 3 + [12.001] * 3)
     went = [e for e in run.events if e["kind"] == "goal" and e["t"] == done[-1]["t"]]
     assert [e["station"] for e in went] == ["station2"]
-    again = commanded(trial, tmp_path / "watched" / "commands.yaml")
+    again = sim.Trial.parse(f"{TRIAL}commands: {tmp_path / 'watched' / 'commands.yaml'}\n")
     record(again, tmp_path / "repeated")
     assert everything(tmp_path / "repeated") == everything(tmp_path / "watched")
 

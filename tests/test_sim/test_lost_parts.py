@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import pytest
 from run_events import events
+from sample_files import files
 
 import sim
-from sim.core.scenario import Drop
-from sim.orders import Item, PartType
 
 JOBS = """
 floorplan: ariac2023
@@ -128,13 +127,27 @@ def test_a_faulty_part_of_a_kit_is_thrown_away_for_another(challenges, faulty):
     assert "parts_faulty" not in good.summary
 
 
-def test_the_real_sample_file_has_faulty_and_dropped_parts(shared_data):
-    trial = sim.Trial.load(shared_data / "ariac2023" / "trials" / "sample.yaml")
+SHIFT = ({"FIRST-KIT": {1}}, ("red regulator", 1, 1.5), "bin2", {4}, "blue sensor")
+SAMPLE = (
+    {"MMB30H56": {1, 2}, "MMB30H00": {1}},
+    *(("green battery", 1, 2.0), "bin6", {3, 7}, "blue battery"),
+)
+
+
+@pytest.mark.parametrize(
+    "path",
+    files("shift.ariac.yaml", real="ariac2023/trials/sample.yaml"),
+    ids=lambda path: path.stem,
+)
+def test_a_competition_file_has_faulty_and_dropped_parts(path):
+    trial = sim.Trial.load(path)
     work = trial.workload
-    assert work.faulty == {"MMB30H56": {1, 2}, "MMB30H00": {1}}
-    assert work.drops == (Drop("green battery", 1, 2.0),)
-    assert {slot for slot, item in work.bins["bin6"].items() if item.faulty} == {3, 7}
-    assert work.bins["bin6"][3] == Item(PartType("blue", "battery"), faulty=True)
+    faulty, drop, name, slots, part = SAMPLE if path.stem == "sample" else SHIFT
+    assert work.faulty == faulty
+    assert [(drop.part, drop.after, drop.delay) for drop in work.drops] == [drop]
+    bad = {slot: item for slot, item in work.bins[name].items() if item.faulty}
+    assert bad.keys() == slots
+    assert {(str(item.part), item.flipped) for item in bad.values()} == {(part, False)}
     run = sim.run(replace(trial, people=(), gantry=sim.GantryEntry("oblivious")))
     assert run.summary["parts_faulty"] == len(events(run, "part_faulty")) > 0
 

@@ -3,7 +3,7 @@
 import json
 import re
 import shutil
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,6 @@ from run_events import record
 import floorplan
 import navigation
 import sim
-from sim.machines.kinds import KINDS, MachineError, machines_on, may_be
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 TWO_GANTRIES = """
@@ -172,10 +171,10 @@ def test_keys_of_a_kind_of_ones_own_are_checked_before_it_moves(tmp_path):
     shutil.copy(EXAMPLES / "tugger.py", tmp_path)
     text = "floorplan: ariac2023\nmachines: {train: {kind: 'tugger:Tugger', course: 3}}\n"
     trial = sim.Trial.parse(text, folder=tmp_path)
-    with pytest.raises(MachineError, match="'train': course"):
+    with pytest.raises(floorplan.UserError, match="'train': course"):
         sim.run(trial)
     text = text.replace("course: 3", "course: [[0, 0], [1, 1]]")
-    with pytest.raises(MachineError, match="at least three corners"):
+    with pytest.raises(floorplan.UserError, match="at least three corners"):
         sim.run(sim.Trial.parse(text, folder=tmp_path))
     with pytest.raises(sim.TrialError, match="refused"):
         sim.Trial.parse(text, folder=tmp_path, own_code=False)
@@ -330,26 +329,6 @@ def test_the_least_distance_is_that_to_the_nearest_of_several_gantries():
     found = run.summary["people"]["ada"]["minimum_separation"]
     assert found["distance"] == pytest.approx(least, abs=1e-3)
     assert run.summary["minimum_separation"] == found
-
-
-def test_a_kind_says_what_its_machines_are_before_there_is_one():
-    for shape in machines_on(floorplan.load("ariac2023")):
-        assert KINDS[shape.kind].category == shape.category
-
-    @dataclass(frozen=True)
-    class Cart(sim.MachineModel):
-        category = "vehicle"
-
-        def shape(self, name, plan): ...
-
-        def make(self, name, stage): ...
-
-    assert may_be("robot", sim.MachineEntry("gantry")) and not may_be(
-        "robot", sim.MachineEntry("agv")
-    )
-    assert may_be("robot", sim.MachineEntry("own:Cart")) and not may_be(
-        "robot", sim.MachineEntry(Cart)
-    )
 
 
 def test_a_trial_adds_an_agv_and_a_law_of_its_own():

@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 from run_events import events, record
 
-import bdi
+import floorplan
 import navigation
 import sim
-from sim.people.actions import MindError
-from sim.people.perception import mentioned
 
 FLOOR = """
 name: hall
@@ -93,15 +91,6 @@ def test_those_who_meet_perceive_each_other_and_what_they_do(meet):
     assert len(events(run, "met")) == sum("in_the_way" in text for text in seen)
 
 
-def test_a_program_perceives_only_what_it_mentions():
-    walker = bdi.parse("+human_start <- move(1, 2, 0).")
-    assert mentioned(walker) == frozenset()
-    assert mentioned(bdi.parse("p :- person_near(X, _). +!g : not wants_to_pass(_, _).")) == {
-        "person_near",
-        "wants_to_pass",
-    }
-
-
 def test_letting_somebody_pass_is_a_stop_until_they_are_past(meet):
     """The paths cross at a right angle; without the stop the two would be there at once."""
     lets = "+human_start <- move(12, 7.5, 0); .wait(500); let_pass(ben)."
@@ -156,9 +145,11 @@ def test_avoiding_somebody_is_walking_away_from_them(meet):
 
 
 def test_nobody_of_that_name_is_an_error_that_names_those_there_are(meet):
-    with pytest.raises(MindError, match=r"ada: the action follow\(bne\): nobody else .* 'ben'"):
+    with pytest.raises(
+        floorplan.UserError, match=r"ada: the action follow\(bne\): nobody else .* 'ben'"
+    ):
         meet(ada=("+human_start <- follow(bne).", (8, 4)), ben=(STAND, (6, 4)))
-    with pytest.raises(MindError, match=r"follow\(1\) should be follow\(who\)"):
+    with pytest.raises(floorplan.UserError, match=r"follow\(1\) should be follow\(who\)"):
         meet(ada=("+human_start <- follow(1).", (8, 4)), ben=(STAND, (6, 4)))
 
 

@@ -5,9 +5,9 @@ import json
 from dataclasses import replace
 
 import pytest
+from run_events import figures_in_words
 
 import sim
-from sim.record.summary import figures_in_words
 
 formatters = pytest.importorskip("IPython.core.formatters")
 

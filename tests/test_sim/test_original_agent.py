@@ -5,11 +5,10 @@ from contextlib import suppress
 from dataclasses import replace
 
 import pytest
-from bridge_parts import Pacer, served, trial
+from bridge_parts import Pacer, make_agent, served, trial
 from websockets.exceptions import ConnectionClosedOK
 
 import sim
-from sim.people.minds import make_agent
 from sim.people.perception import Percepts
 
 DROPS = 10.0

@@ -11,7 +11,6 @@ from shapely.geometry import box
 import bdi
 import floorplan
 import sim
-from sim.people.actions import MindError
 
 ALONE = "floorplan: ariac2023\nduration: {duration}\ngantry: {{at: [0.4, 7.0, 0.0]}}\n"
 
@@ -264,13 +263,13 @@ agvs: {{agv2: [{{time: 60.0, to: as1}}, {{time: 120.0, to: kitting}}]}}
     ],
 )
 def test_programs_that_ask_for_what_nobody_can_do(program, text, message):
-    with pytest.raises((MindError, bdi.ProgramError), match=message):
+    with pytest.raises((floorplan.UserError, bdi.ProgramError), match=message):
         program(text)
 
 
 def test_a_program_that_acts_for_ever_at_one_instant_is_stopped(program):
     """Being told of a blocked way at once, and asking for the same way at once."""
-    with pytest.raises((MindError, bdi.ProgramError), match="without letting time pass"):
+    with pytest.raises((floorplan.UserError, bdi.ProgramError), match="without letting time pass"):
         program("!go. +!go <- move(-7.7, 3, 0). +goal_blocked(_) <- move(-7.7, 3, 0).")
 
 

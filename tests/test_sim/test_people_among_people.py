@@ -8,6 +8,7 @@ import math
 import random
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +17,6 @@ from run_events import events
 import floorplan
 import navigation
 import sim
-from sim.core.entries import MannersEntry
 
 GO = """
 +human_start <- !next.
@@ -48,8 +48,10 @@ def walks(tmp_path):
         ways: list[tuple[Place, list[Place]]],
         duration: float = 120.0,
         speeds: list[float] | None = None,
+        manners: dict | None = None,
         **more,
     ):
+        usual = sim.PersonEntry(name="p").manners
         people = tuple(
             sim.PersonEntry(
                 name=f"p{k}",
@@ -57,6 +59,7 @@ def walks(tmp_path):
                 at=at,
                 beliefs=("todo([" + ", ".join(f"g({x:.9f}, {y:.9f})" for x, y in goals) + "])",),
                 max_speed=speeds[k] if speeds else None,
+                manners=replace(usual, **(manners or {})),
                 **more,
             )
             for k, (at, goals) in enumerate(ways)
@@ -277,7 +280,7 @@ def test_time_passes_between_two_goals_in_reach_of_each_other_that_are_both_take
     """Who stands between them is beside each, but sets out for the other first."""
     goals = [(5.2, 4.0), (6.8, 4.0)]
     ways = [((6.0, 3.0), goals * 5), *((at, []) for at in goals)]
-    run = walks(hall(12, 8), ways, 60.0, manners=MannersEntry(reaction_time=0.4))
+    run = walks(hall(12, 8), ways, 60.0, manners={"reaction_time": 0.4})
     arrivals = [event["t"] for event in events(run, "arrived", person="p0")]
     assert len(arrivals) == 10
     assert min(np.diff(arrivals)) > 0.39
@@ -436,7 +439,7 @@ def test_a_throng_in_an_aisle_for_two_dissolves(walks, seed):
 
 def test_who_can_not_get_past_somebody_in_an_aisle_stops_behind_them(walks):
     ways = [((1, 0.35), [(15, 0.35)]), ((8, 0.35), [])]
-    run = walks(hall(16, 0.7), ways, 40.0, manners=MannersEntry(steps_aside=False))
+    run = walks(hall(16, 0.7), ways, 40.0, manners={"steps_aside": False})
     assert 0.6 <= math.dist(*(run.motions[name].position(40.0) for name in ("p0", "p1"))) < 0.9
 
 
@@ -509,7 +512,7 @@ def test_who_finds_an_aisle_full_takes_another(walks):
     # Two aisles lead on; in the nearer one somebody stands who lets nobody past.
     floor = hall(16, 8, (5, 0, 11, 1.5), (5, 2.5, 11, 5.5), (5, 6.5, 11, 8))
     ways = [((2, 2), [(14, 2)]), ((8, 2), [])]
-    run = walks(floor, ways, 60.0, manners=MannersEntry(steps_aside=False))
+    run = walks(floor, ways, 60.0, manners={"steps_aside": False})
     assert [event["person"] for event in events(run, "arrived") if event["t"] < 40] == ["p0"]
     assert least(run) >= 0.6 and through_walls(run) == []
 

@@ -7,14 +7,11 @@ import numpy as np
 import pytest
 import shapely
 from run_events import events, record
-from shapely.geometry import box
 from small_floors import LANE, on_floor, run_on
 
 import floorplan
 import navigation
 import sim
-from sim.people.steering.speed_zones import SpeedZones
-from sim.runs.recording import load_run
 
 TWO_ROOMS = """\
 boundary: [[0, 0], [20, 0], [20, 10], [0, 10]]
@@ -103,7 +100,7 @@ def test_people_mind_obstacles_while_they_are_there(run, people, tmp_path):
     assert kinds == ["obstacle_came", "replanned", "obstacle_went"]
     assert len(events(found, "arrived")) == 1
     record(found.trial, tmp_path / "run")
-    assert load_run(tmp_path / "run").scene == found.scene and found.scene.passing
+    assert sim.load_run(tmp_path / "run").scene == found.scene and found.scene.passing
 
 
 def test_what_is_put_down_on_somebody_is_stepped_out_of(run):
@@ -230,12 +227,23 @@ def test_doors_and_zones_are_written_scaled_and_turned(tmp_path):
     assert navigation.CollisionWorld(turned).walkable.area == pytest.approx(200 - 0.4 * 7)
 
 
-def test_a_leg_past_the_corner_of_a_zone_is_clear_of_it():
-    zones = SpeedZones([floorplan.Zone(name="slow", area=box(0, 0, 10, 10), max_speed=0.5)], "eve")
-    past = [(-4.0, 8.0), (3.0, 15.0)]  # within the zone's bounds, not in the zone
-    assert zones.along(past, 1.0) == (past, 1.0)
-    _, speeds = zones.along([(-4.0, 4.0), (3.0, 11.0)], 1.0)
-    assert speeds == [1.0, 0.5, 1.0]
+def test_a_leg_past_the_corner_of_a_zone_is_clear_of_it(tmp_path):
+    floor = "boundary: [[-9, -9], [20, -9], [20, 20], [-9, 20]]\nsafe_zone: {at: [19, 19]}\n"
+    zone = "zones: {slow: {x: [0, 10], y: [0, 10], max_speed: 0.5}}\n"
+    start = "duration: 30\npeople: [{name: eve, personality: past.asl, at: [-4, %d]}]\n"
+
+    def walk(floor, y):
+        (tmp_path / "past.asl").write_text(f"+human_start <- move(3, {y + 7}, 0).\n")
+        return run_on(floor, start % y, tmp_path).motions["eve"]
+
+    # Within the zone's bounds, not in the zone.
+    assert walk(floor + zone, 8) == walk(floor, 8)
+    slow, free = walk(floor + zone, 4), walk(floor, 4)
+    t = np.arange(0.0, slow.end, 0.001)
+    x, y = slow.position(t).T
+    inside = (x > 0.01) & (y < 9.99)
+    assert inside.any() and np.hypot(*slow.velocity(t[inside]).T).max() <= 0.5 + 1e-9
+    assert np.hypot(*slow.velocity(t).T).max() == np.hypot(*free.velocity(t).T).max() > 0.9
 
 
 ROOMS = on_floor(

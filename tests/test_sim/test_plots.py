@@ -14,14 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
-from run_events import record
+from run_events import Figure, Recorded, Scene, record
 from shapely.geometry import box
 
 import floorplan
 import sim
 from navigation import CollisionWorld, PathPlanner, join, standing, walk
-from sim.core.recorder import Figure, Scene
-from sim.runs.run import Recorded
 from sim.views import plots
 from sim.views.plots.floor import draw_floor, draw_names, floor_figure
 from sim.views.plots.maps import HEAT_CELL, profiles_of, time_covered

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import sim
-from sim.people.tracks.bag_file import read
 
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
 typesys = pytest.importorskip("rosbags.typesys")
@@ -200,5 +199,6 @@ def test_what_is_no_bag_is_refused(tmp_path):
 def test_a_bag_without_definitions_of_people_is_read(tmp_path):
     """As those of SQLite before version 9 of their format."""
     a_bag(tmp_path / "bag", {"/seen": [people(t, mo=(3.0 + t, 2.0)) for t in TIMES]}, "SQLITE3")
-    tracks = read(tmp_path / "bag")
-    assert [*tracks.bodies] == ["mo"]
+    trial = sim.Trial.parse(HALL + "people: [{name: mo, recorded: bag}]\n", folder=tmp_path)
+    at = sim.run(trial).motions["mo"].position(TIMES[1] - TIMES[0])
+    assert at == pytest.approx((3.0 + TIMES[1], 2.0))

@@ -8,13 +8,9 @@ import re
 
 import pytest
 import replay_sample
+from replay_sample import replay, replay_data, rounded, told_apart
 
 import sim
-from sim.core.events import EVENT_KINDS
-from sim.core.recorder import rounded
-from sim.record.words import told_apart
-from sim.views import replay
-from sim.views.replay_data import replay_data
 
 INSTANTS = [0.0, 2.4, 9.93, 27.0, 61.7, 69.1, 140.25, 181.0, 274.9, 275.0]
 
@@ -563,9 +559,9 @@ def test_a_shift_of_eight_hours_is_shown_in_parts(open_page, recording):
     assert viewer.complaints == []
 
 
-def test_every_kind_of_event_has_a_look_and_words(viewer):
+def test_every_kind_of_event_has_a_look_and_words(viewer, event_kinds):
     for table in ("LOOKS", "WORDS"):
-        assert set(viewer.page.evaluate(f"Object.keys({table})")) >= set(EVENT_KINDS)
+        assert set(viewer.page.evaluate(f"Object.keys({table})")) >= set(event_kinds)
 
 
 def test_every_kind_of_event_has_a_mark_that_is_seen(viewer):

@@ -2,8 +2,7 @@
 
 import pytest
 import replay_sample
-
-from sim.views import replay
+from replay_sample import replay
 
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])

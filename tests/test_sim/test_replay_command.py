@@ -4,10 +4,9 @@ import shutil
 
 import pytest
 from processes import in_a_process
+from replay_sample import recordings_in, render, replay_data
 
 import sim
-from sim.views.replay import recordings_in, render
-from sim.views.replay_data import replay_data
 
 TRIAL = "floorplan: ariac2023\nduration: 12\npeople: [{name: operator}]\n"
 

@@ -5,8 +5,7 @@ import json
 
 import pytest
 import replay_sample
-
-from sim.views import replay
+from replay_sample import replay
 
 pytestmark = pytest.mark.slow  # browsers draw in software
 

@@ -5,11 +5,10 @@ import itertools
 import re
 
 import pytest
+from replay_sample import replay, replay_data
 from run_events import beliefs_after
 
 import sim
-from sim.views import replay
-from sim.views.replay_data import replay_data
 
 pytestmark = pytest.mark.slow  # browsers draw in software
 

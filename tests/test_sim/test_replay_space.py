@@ -8,11 +8,10 @@ import random
 import pytest
 import replay_sample
 from PIL import Image
+from replay_sample import replay, replay_data
 from shapely.geometry import LineString, Polygon
 
 import sim
-from sim.views import replay
-from sim.views.replay_data import replay_data
 
 pytestmark = pytest.mark.slow  # browsers draw in software
 

@@ -4,8 +4,7 @@ import copy
 
 import pytest
 import replay_sample
-
-from sim.views import replay
+from replay_sample import replay
 
 pytestmark = pytest.mark.slow  # browsers draw in software
 

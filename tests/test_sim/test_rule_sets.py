@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from run_events import events
+from sample_files import files
 
 import sim
 
@@ -74,8 +75,12 @@ def test_a_violation_that_lasts_is_a_penalty_again_as_the_grace_ends():
     assert found == [(0.0, True), (13.0, True), (26.0, True)]
 
 
-def test_the_person_of_the_competitions_sample_trial_never_stays_too_close(shared_data):
-    path = shared_data / "ariac2023" / "trials" / "sample.yaml"
+@pytest.mark.parametrize(
+    "path",
+    files("shift.ariac.yaml", real="ariac2023/trials/sample.yaml"),
+    ids=lambda path: path.stem,
+)
+def test_the_person_of_a_competition_file_never_stays_too_close(path):
     result = sim.run(replace(sim.Trial.load(path), until_submitted=False, duration=400.0))
     too_close = sum(end - begin for begin, end in result.violations["operator", "gantry"])
     assert too_close < SAMPLE

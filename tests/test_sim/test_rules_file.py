@@ -2,17 +2,23 @@
 
 import math
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from run_events import events, first, record
 
 import sim
-from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
-from navigation.separation import required_at_speeds
-from sim.core.rules import Notice
-from sim.safety.laws import LawError, OwnLaw
-from sim.trials.rules_file import RulesError, find_rules
+from floorplan import InputError, UserError
+from navigation import (
+    ApproachLaw,
+    FixedDistance,
+    IntegralLaw,
+    Scaled,
+    SeparationLaw,
+    required_at_speeds,
+)
+from sim.safety.laws import OwnLaw
 
 TRIAL = """\
 floorplan: ariac2023
@@ -96,10 +102,11 @@ gantry_disabled: 4.0
 pause_after_agv: 0
 """
     ).rules
-    law = SeparationLaw(t1=0.5, t2=1.0, intrusion=0.8)
+    law, base = SeparationLaw(t1=0.5, t2=1.0, intrusion=0.8), sim.RULE_SETS["ariac2023"]
     assert (rules.name, rules.gantry_law, rules.agv_law) == ("ours", law, FixedDistance(1.5))
-    assert rules.notice == Notice(law=Scaled(law, 3.0), parting=1.0, every=None, silent=20.0)
-    assert (rules.gantry_disabled, rules.grace) == (4.0, sim.RULE_SETS["ariac2023"].grace)
+    notice = replace(base.notice, law=Scaled(law, 3.0), parting=1.0, every=None, silent=20.0)
+    assert rules.notice == notice
+    assert (rules.gantry_disabled, rules.grace) == (4.0, base.grace)
     assert (rules.pause_after_violation, rules.pause_after_agv) == (10.0, 0.0)
 
 
@@ -210,7 +217,7 @@ def test_what_only_a_run_shows_of_a_law_is_reported_when_it_begins(folder, rules
     (folder / "broken.py").write_text(
         "# A law.\n1 / 0\n\nclass Law:\n    def distance(self, human, robot): ...\n"
     )
-    with pytest.raises(LawError) as caught:
+    with pytest.raises(UserError) as caught:
         sim.run(trial(rules, folder))
     assert str(caught.value).startswith("t.yaml: line 6, rules.agv_law: the law ")
     assert message in str(caught.value)
@@ -259,7 +266,7 @@ def test_a_law_that_fails_while_the_trial_runs_is_named_with_its_line(folder):
     )
     people = "people: [{name: operator, max_speed: 0.5}]"
     text = TRIAL.replace("people: [{name: operator}]", people) + "  gantry_law: {'late:Late': {}}\n"
-    with pytest.raises(LawError, match=r"late:Late\(\) failed \(late.py, line 3\): ZeroDiv"):
+    with pytest.raises(UserError, match=r"late:Late\(\) failed \(late.py, line 3\): ZeroDiv"):
         sim.run(sim.Trial.parse(text, folder=folder))
 
 
@@ -302,9 +309,9 @@ def test_a_rule_set_in_a_file_of_its_own(folder):
     assert rules.gantry_law.distance(0.0, 2.0) == 1.5
     text = TRIAL.replace("rules:", "rules: ours.yaml")
     assert sim.Trial.parse(text, folder=folder).rules == rules
-    assert find_rules("paper") == sim.PAPER
+    assert sim.RULE_SETS["paper"] == sim.PAPER
     (folder / "bad.yaml").write_text("grace: soon\n")
-    with pytest.raises(RulesError, match=r"bad.yaml: line 1, grace: expected a number"):
+    with pytest.raises(InputError, match=r"bad.yaml: line 1, grace: expected a number"):
         sim.load_rules(folder / "bad.yaml")
 
 

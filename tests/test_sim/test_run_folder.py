@@ -8,16 +8,13 @@ from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings, strategies as st
-from run_events import record
+from replay_sample import replay_data
+from run_events import Figure, Scene, record
 
 import bdi
 import floorplan
 import sim
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
-from sim.core.recorder import Figure, Scene
-from sim.core.rules import Notice
-from sim.record.scene_file import read_scene, write_scene
-from sim.views.replay_data import replay_data
 
 TRIAL = """
 name: busy
@@ -289,8 +286,8 @@ scaled = st.builds(Scaled, laws, terms, st.just(math.inf) | terms)
 
 @settings(max_examples=30)
 @given(st.sampled_from(floorplan.builtin()), laws, scaled, st.just(math.inf) | terms)
-def test_every_scene_comes_back(floor, law, noticed, parting):
-    notice = Notice(law=noticed, parting=parting, every=None)
+def test_every_scene_comes_back(tmp_path_factory, floor, law, noticed, parting):
+    notice = replace(sim.PAPER.notice, law=noticed, parting=parting, every=None)
     rules = replace(sim.PAPER, gantry_law=law, notice=notice)
     people = (Figure("ada", personality="inf", radius=0.3, height=1.7),)
     starts = {"ada": (0.0, 0.5, 0.0)}
@@ -298,7 +295,10 @@ def test_every_scene_comes_back(floor, law, noticed, parting):
         scene = Scene(
             trial="inf", seed=3, floorplan=plan, rules=rules, people=people, starts=starts
         )
-        assert read_scene(write_scene(scene)) == scene
+        recording = sim.Recording(tmp_path_factory.mktemp("scene") / "run")
+        recording.begin(scene)
+        recording.close()
+        assert sim.load_run(recording.folder).scene == scene
 
 
 class OwnLaw:

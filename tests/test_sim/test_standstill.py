@@ -6,7 +6,6 @@ import pytest
 
 import floorplan
 import sim
-from sim.core.clock import Clock
 
 
 def halving(gantry):
@@ -38,13 +37,3 @@ def test_a_controller_that_lets_time_stand_still_is_named():
     with pytest.raises(floorplan.UserError, match=r"t = 1 s.*gantry's controller"):
         simulation.advance(60.0)
     assert simulation.finish().duration == pytest.approx(1.0)
-
-
-def test_much_may_happen_at_once_and_time_goes_on():
-    clock = Clock(most=100)
-    happened = []
-    for t in range(50):
-        for _ in range(100):
-            clock.call_at(t * 0.0011, lambda t=t: happened.append(t))
-    clock.run()
-    assert len(happened) == 5000

@@ -16,6 +16,7 @@ import sim
 from floorplan.building import ObstacleSchema
 from floorplan.files.problems import form_keys, forms
 from sim.core.schedule import DoorTimes
+from sim.machines.gantry.controllers import CONTROLLERS
 from sim.trials.keys import PersonKeys, TrialKeys
 from sim.trials.rules_file import RuleKeys
 from sim.trials.writing import own_names
@@ -374,3 +375,10 @@ def test_programs_that_came_with_the_trial_are_written_from_anywhere(tmp_path, m
         everybody = trial.with_personality("../a/own.asl")
         everybody.save("b/t.yaml")
         assert sim.Trial.load("b/t.yaml").people == everybody.people
+
+
+def test_a_built_in_controller_is_written_by_its_name():
+    trial = sim.Trial(
+        floorplan.load("ariac2023"), gantry=sim.GantryEntry(controller=CONTROLLERS["pausing"])
+    )
+    assert sim.Trial.parse(trial.to_yaml()).gantry.controller == "pausing"

@@ -4,20 +4,17 @@ import io
 import json
 
 import pytest
+from replay_sample import render, replay_data
+from run_events import Figure, Recorded, Scene
 
 import floorplan
 import sim
 from navigation import standing, walk
-from sim.core.body import MachineShape
-from sim.core.recorder import Figure, Scene
-from sim.runs.run import Recorded
-from sim.views.replay import render
-from sim.views.replay_data import replay_data
 
-PRESS = MachineShape(
+PRESS = sim.MachineShape(
     name="press", kind="press", category="robot", length=2.0, width=1.0, top=2.4, top_speed=0.0
 )
-CART = MachineShape(
+CART = sim.MachineShape(
     name="cart",
     kind="tugger_train",
     category="vehicle",

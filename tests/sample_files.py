@@ -1,0 +1,11 @@
+"""Files in the formats of others: samples made for the tests, and real ones where there are any."""
+
+from pathlib import Path
+
+SAMPLES = Path(__file__).resolve().parent / "samples"
+REAL = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+def files(*samples, real):
+    """Return these samples, and the real files that match the pattern `real`, in their order."""
+    return [*(SAMPLES / name for name in samples), *sorted(REAL.glob(real))]

@@ -1,0 +1,137 @@
+"""What waits in simulated time: events of one instant, people who come in, tasks of a gantry."""
+
+import itertools
+import statistics
+
+import numpy as np
+import pytest
+
+from sim.core.clock import Clock
+from sim.core.scenario import Source
+from sim.machines.gantry.tasks import Step, Task, Tasks
+from sim.people.person import LOOKS_AGAIN, Entrances
+
+
+def test_much_may_happen_at_once_and_time_goes_on():
+    clock = Clock(most=100)
+    happened = []
+    for t in range(50):
+        for _ in range(100):
+            clock.call_at(t * 0.0011, lambda t=t: happened.append(t))
+    clock.run()
+    assert len(happened) == 5000
+
+
+def test_only_the_first_of_a_queue_looks_for_room():
+    """Of 2,000 who wait, one is let in each second."""
+    clock, looks, inside = Clock(most=100_000), [], []
+    entrances = Entrances(clock)
+
+    def came_in(k):
+        looks.append((clock.now, k))
+        if clock.now < len(inside) + 1:
+            return False
+        inside.append(k)
+        return True
+
+    for k in range(2000):
+        entrances.join((0.0, 0.0), lambda k=k: came_in(k))
+    clock.run(until=20.25)
+    assert inside == [*range(20)]
+    assert len(looks) < 100
+    assert {t % LOOKS_AGAIN for t, _ in looks} == {0.0}
+
+
+def test_the_times_between_them_are_those_of_the_rate():
+    """As a Poisson process has them: exponential, from the seed alone."""
+    sources = [Source((1.0, 1.0), 0.5, stream="s", number=k) for k in range(1, 2001)]
+    times = [source.time(7) for source in sources[::100]]
+    assert times == sorted(times) and times != [source.time(8) for source in sources[::100]]
+    gaps = np.diff([source.time(7) for source in sources[:400]])
+    assert gaps.min() >= 0 and statistics.mean(gaps) == pytest.approx(2.0, rel=0.15)
+    assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.2)
+
+
+def test_who_comes_when_depends_on_their_number_alone():
+    """However many come, and in whatever order they are asked; each waits for those before."""
+    arrivals = [
+        Source("station1", 0.5, start=3.0, stream="visitor", number=k).time(7)
+        for k in range(400, 0, -1)
+    ]
+    assert arrivals == sorted(arrivals, reverse=True) and arrivals[-1] > 3.0
+    assert [
+        Source("station1", 0.5, start=3.0, stream="visitor", number=k).time(7) for k in (1, 400)
+    ] == [
+        arrivals[-1],
+        arrivals[0],
+    ]
+    gaps = [a - b for a, b in itertools.pairwise(arrivals)]
+    assert statistics.mean(gaps) == pytest.approx(2.0, rel=0.15)  # 1 / rate
+    assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.15)  # as an exponential has it
+
+
+def task(name, stage=0, **more):
+    return Task("wait", [Step("wait")], stage=stage, fields={"name": name}, **more)
+
+
+def names(tasks):
+    return [task.fields["name"] for task in tasks.open]
+
+
+def test_a_later_stage_of_tasks_waits_for_the_one_before():
+    tasks = Tasks(Clock(0.0))
+    first, second, third = task("a"), task("b"), task("c", 1)
+    tasks.add([third, first, second])
+    assert names(tasks) == ["a", "b"]
+    first.advance()
+    assert names(tasks) == ["b"]
+    second.advance()
+    assert names(tasks) == ["c"]
+
+
+def test_a_group_of_tasks_can_go_first():
+    tasks = Tasks(Clock(0.0))
+    tasks.add([task("a")])
+    tasks.add([task("urgent")], first=True)
+    tasks.add([task("b")])
+    assert names(tasks) == ["urgent", "a", "b"]
+
+
+def test_a_task_that_is_not_ready_is_passed_over():
+    there = []
+    tasks = Tasks(Clock(0.0))
+    tasks.add([task("a", ready=lambda: bool(there)), task("b")])
+    assert names(tasks) == ["b"]
+    there.append(1)
+    assert names(tasks) == ["a", "b"]
+
+
+def test_the_next_task_waits_for_what_is_to_come():
+    clock = Clock(0.0)
+    tasks = Tasks(clock)
+    tasks.more_to_come = True
+    found = []
+
+    def take():
+        while (found_one := (yield tasks.next())) is not None:
+            found.append((clock.now, found_one.fields["name"]))
+            found_one.advance()
+            tasks.reconsider()
+        found.append((clock.now, None))
+
+    def bring():
+        yield clock.timeout(3.0)
+        tasks.add([task("late")])
+        yield clock.timeout(2.0)
+        tasks.more_to_come = False
+        tasks.reconsider()
+
+    clock.process(take())
+    clock.process(bring())
+    clock.run()
+    assert found == [(3.0, "late"), (5.0, None)]
+
+
+def test_a_task_has_steps():
+    with pytest.raises(ValueError, match="at least one step"):
+        Task("wait", [])
