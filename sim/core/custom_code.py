@@ -86,7 +86,7 @@ class CustomCode:
     def load(self) -> Any:
         """Import the module, and return it or the object with the name `attribute` there."""
         try:
-            with _importing_from(self.folder):
+            with _importing_from(self.folder, self.module.partition(".")[0]):
                 module = importlib.import_module(self.module)
         except (Exception, SystemExit) as why:
             place = line_in(why, {str(self.file)})
@@ -206,10 +206,11 @@ _imported: dict[Path, dict[str, ModuleType]] = {}
 
 
 @contextmanager
-def _importing_from(folder: Path) -> Iterator[None]:
+def _importing_from(folder: Path, top: str) -> Iterator[None]:
     """Let `import` look into `folder` first, and forget modules of the folders of other trials.
 
     They keep their plain names, by which other processes find the classes of pickled objects.
+    A module or package `top` that was imported from elsewhere is set aside meanwhile.
     """
     for modules in _imported.values():
         for name, module in modules.items():
@@ -217,6 +218,9 @@ def _importing_from(folder: Path) -> Iterator[None]:
                 del sys.modules[name]
     own = _imported.setdefault(folder, {})
     sys.modules.update({name: own[name] for name in own if name not in sys.modules})
+    elsewhere = {} if _stands_in(folder, top) else _modules_of(top)
+    for name in elsewhere:
+        del sys.modules[name]
     before = {*sys.modules}
     sys.path.insert(0, str(folder))
     importlib.invalidate_caches()
@@ -227,6 +231,15 @@ def _importing_from(folder: Path) -> Iterator[None]:
         for name in {*sys.modules} - before:
             if _stands_in(folder, name.partition(".")[0]):
                 own[name] = sys.modules[name]
+        if elsewhere:
+            for name in _modules_of(top):
+                del sys.modules[name]
+            sys.modules.update(elsewhere)
+
+
+def _modules_of(top: str) -> dict[str, ModuleType]:
+    """Return the loaded module or package `top` and what is loaded of it, by their names."""
+    return {name: module for name, module in sys.modules.items() if name.partition(".")[0] == top}
 
 
 def _stands_in(folder: Path, top: str) -> bool:

@@ -66,7 +66,7 @@ def test_a_run_with_commands_repeats_byte_for_byte(tmp_path):
     ("commands", "problem"),
     [
         ("[{time: 1}]", "commands[0]: give a time and one of send, block, clear, hold, release"),
-        ("[{time: 1, send: operator}]", "commands[0].to: is missing"),
+        ("[{time: 1, send: operator}]", "commands[0].to: a person is sent to a place"),
         ("[{time: 1, hold: gantry, for: 3}]", "commands[0].for: unknown key"),
         ("[{time: 1, send: operator, to: statoin2}]", "did you mean 'station2'?"),
         ("[{time: 5, hold: gantry}, {time: 1, release: gantry}]", "comes before the command"),

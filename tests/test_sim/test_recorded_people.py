@@ -99,7 +99,9 @@ class OfSpeeds:
 class OfMotions:
     def required(self, encounter, begin, end):
         human = encounter.human_speed(begin, end)
-        return Enclosure(0.5 + 2.0 * human.value, 2.0 * human.slope, 2.0 * human.slack)
+        return Enclosure(
+            value=0.5 + 2.0 * human.value, slope=2.0 * human.slope, slack=2.0 * human.slack
+        )
 """
 
 

@@ -214,7 +214,7 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         ),
         ("scene.json", lambda text: text.replace("-7.2", '"inf"', 1), "is not a simple polygon"),
         ("scene.json", lambda text: text.replace("-7.2", '"nan"', 1), "footprint: is no polygon"),
-        ("scene.json", lambda text: text.replace('"radius":0.3', '"radius":"inf"'), "finite"),
+        ("scene.json", lambda text: text.replace('"radius":0.3', '"radius":"inf"'), "valid number"),
         (
             "scene.json",
             lambda text: text.replace('"starts":{"ada"', '"starts":{"eve"'),

@@ -54,17 +54,13 @@ def test_the_times_between_them_are_those_of_the_rate():
 
 def test_who_comes_when_depends_on_their_number_alone():
     """However many come, and in whatever order they are asked; each waits for those before."""
-    arrivals = [
-        Source("station1", 0.5, start=3.0, stream="visitor", number=k).time(7)
-        for k in range(400, 0, -1)
-    ]
+
+    def arrival(number):
+        return Source("station1", 0.5, start=3.0, stream="visitor", number=number).time(7)
+
+    arrivals = [arrival(k) for k in range(400, 0, -1)]
     assert arrivals == sorted(arrivals, reverse=True) and arrivals[-1] > 3.0
-    assert [
-        Source("station1", 0.5, start=3.0, stream="visitor", number=k).time(7) for k in (1, 400)
-    ] == [
-        arrivals[-1],
-        arrivals[0],
-    ]
+    assert [arrival(k) for k in (1, 400)] == [arrivals[-1], arrivals[0]]
     gaps = [a - b for a, b in itertools.pairwise(arrivals)]
     assert statistics.mean(gaps) == pytest.approx(2.0, rel=0.15)  # 1 / rate
     assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.15)  # as an exponential has it
