@@ -29,8 +29,6 @@ from .separation import (
     MotionLaw,
     Scaled,
     SeparationLaw,
-    required_at,
-    required_at_speeds,
 )
 from .walking import remaining_path, stop_walking, walk
 from .world import CollisionWorld
@@ -77,8 +75,6 @@ __all__ = [
     "plan_among",
     "planners",
     "remaining_path",
-    "required_at",
-    "required_at_speeds",
     "standing",
     "stop_walking",
     "violations",

@@ -7,17 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from navigation import (
-    Apart,
-    Approaching,
-    Condition,
-    Motion,
-    TooClose,
-    first_time,
-    required_at,
-)
+from navigation import Apart, Approaching, Condition, Motion, TooClose, first_time
 from navigation.monitor import RESOLUTION, first_interval
-from navigation.separation import AnyLaw, required_at_speeds
+from navigation.separation import AnyLaw, required_at, required_at_speeds
 
 from ..core.body import PERSON, Body, Machine, Plans
 from ..core.clock import Alarm, Turn

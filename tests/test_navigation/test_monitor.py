@@ -19,6 +19,7 @@ from navigation import (
     Scaled,
     SeparationLaw,
 )
+from navigation.separation import required_at, required_at_speeds
 
 LAW = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 INTEGRAL_LAW = IntegralLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
@@ -544,8 +545,8 @@ def test_figures_are_plain_numbers_whatever_was_given():
         navigation.first_violation(person, gantry, law, *span),
         navigation.minimum_separation(person, gantry, *span),
         navigation.minimum_margin(person, gantry, law, *span),
-        navigation.required_at(law, person, gantry, number(2)),
-        navigation.required_at_speeds(law, number(1), number(1)),
+        required_at(law, person, gantry, number(2)),
+        required_at_speeds(law, number(1), number(1)),
     ]
     assert "np." not in repr(plain)
     assert plain[4]

@@ -22,7 +22,7 @@ from navigation import (
 from navigation.encounter import Odometer
 from navigation.machines import ARIAC_GANTRY, AxisLimits
 from navigation.motion import State
-from navigation.separation import is_of_motions, is_of_speeds, required_at_speeds
+from navigation.separation import is_of_motions, is_of_speeds, required_at, required_at_speeds
 
 
 def test_the_linear_form():
@@ -207,8 +207,8 @@ def test_what_is_required_at_an_instant_and_of_steady_speeds_is_the_same(law):
     person = navigation.walk([(-20, 0), (20, 0)], 0.0, max_speed=1.3)
     machine = navigation.gantry_move((-14, -7, 0), (0, 7, 0))
     steady = required_at_speeds(law, 1.3, machine.state(10.0).speed)
-    assert navigation.required_at(law, person, machine, 10.0) == pytest.approx(steady, abs=1e-9)
-    assert navigation.required_at(Scaled(law, 2.0), person, machine, 10.0) == pytest.approx(
+    assert required_at(law, person, machine, 10.0) == pytest.approx(steady, abs=1e-9)
+    assert required_at(Scaled(law, 2.0), person, machine, 10.0) == pytest.approx(
         2 * steady, abs=1e-9
     )
     assert required_at_speeds(Scaled(law, 2.0, cap=0.3), 1.3, 1.0) == 0.6
@@ -221,7 +221,7 @@ def test_a_scaled_law_that_looks_ahead_is_judged_as_its_figures_say(cap):
     machine = navigation.standing((0, 0))
     law = Scaled(IntegralLaw(t1=0.5, t2=0.7, intrusion=0.9), 1.2, cap)
     ts = np.arange(0.0, 8.0, 1e-3)
-    required = np.array([navigation.required_at(law, person, machine, t) for t in ts.tolist()])
+    required = np.array([required_at(law, person, machine, t) for t in ts.tolist()])
     gap = np.hypot(*person.position(ts).T)
     changes = ts[1:][np.diff(gap < required)]
     spans = navigation.violations(person, machine, law, 0.0, 8.0)

@@ -11,6 +11,7 @@ from run_events import events
 
 import navigation
 import sim
+from navigation.separation import required_at_speeds
 
 STAY = "!stay. +!stay <- .wait(100000); !stay.\n"
 WALK = "!go. +!go <- move({x}, {y}, 0.0).\n"
@@ -397,7 +398,7 @@ def go(gantry):
     )
     text = f"duration: 2\nrules: {INTEGRAL}\ngantry: {{controller: '{name}'}}"
     law = sim.run(trial(text, tmp_path)).trial.rules.gantry_law
-    top = navigation.required_at_speeds(law, 1.0, math.sqrt(2.0))
+    top = required_at_speeds(law, 1.0, math.sqrt(2.0))
     asked = __import__(name.partition(":")[0]).asked
     assert asked[0] == asked[1] > top
 

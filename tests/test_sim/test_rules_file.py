@@ -10,14 +10,8 @@ from run_events import events, first, record
 
 import sim
 from floorplan import InputError, UserError
-from navigation import (
-    ApproachLaw,
-    FixedDistance,
-    IntegralLaw,
-    Scaled,
-    SeparationLaw,
-    required_at_speeds,
-)
+from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
+from navigation.separation import required_at_speeds
 from sim.safety.laws import OwnLaw
 
 TRIAL = """\
