@@ -105,7 +105,7 @@ def test_names_that_are_not_there_are_answered_with_those_that_are(ariac):
         (ariac.stations, "staton1", "'station1'"),
         (ariac.lanes, "agv9", "'agv"),
         (ariac.obstacles, "conveyer", "'conveyor'"),
-        (floorplan.Floorplan("hall", shapely.box(0, 0, 1, 1)).lanes, "agv1", "none"),
+        (floorplan.Floorplan(name="hall", boundary=shapely.box(0, 0, 1, 1)).lanes, "agv1", "none"),
     ):
         with pytest.raises(KeyError, match=near):
             things[name]

@@ -283,7 +283,11 @@ PUMP, BATTERY = PartType("purple", "pump"), PartType("red", "battery")
     ("order", "expected"),
     [
         (
-            Order("K1", KittingTask("agv4", 3, "warehouse", {3: PUMP}), priority=True),
+            Order(
+                "K1",
+                KittingTask(agv="agv4", tray=3, destination="warehouse", products={3: PUMP}),
+                priority=True,
+            ),
             {
                 "type": 0,
                 "priority": True,
@@ -296,7 +300,7 @@ PUMP, BATTERY = PartType("purple", "pump"), PartType("red", "battery")
             },
         ),
         (
-            Order("K2", KittingTask("agv1", 3, "as2", {1: BATTERY})),
+            Order("K2", KittingTask(agv="agv1", tray=3, destination="as2", products={1: BATTERY})),
             {"type": 0, "priority": False, "kitting_task": {"destination": 2}},
         ),
         (
