@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .kernels.crowding import nearer_between, nearest_seen, see
-from .kernels.discs import meeting
+from .kernels.discs import first_conflict
 from .monitor import minimum_separation
 from .motion import Motion, join, standing
 from .polynomials import (
@@ -425,7 +425,8 @@ def nearest_pair(
     nearer = itertools.chain.from_iterable(found)
     for i, j, k in sorted(zip(nearer, nearer, nearer, strict=True)):
         least, since, until = radii[i] + radii[j], times[k], times[k + 1]
-        if meeting(tables[i], tables[j], least + max(best[0], 0.0) - _HAIR, since, until) > until:
+        nearer_than = least + max(best[0], 0.0) - _HAIR
+        if first_conflict(tables[i], tables[j], nearer_than, since, until) > until:
             continue
         when, centres = minimum_separation(motions[i], motions[j], since, until)
         if centres - least < -_HAIR:

@@ -1,7 +1,11 @@
-from navigation.kernels.numbers cimport Doubles, Numbers
+from libc.math cimport INFINITY, sqrt
+from navigation.kernels.cubics cimport (
+    Cubic, Phase, PosePiece, along, constant, phase_cut, phase_room, phases, pose_room, poses,
+    shift,
+)
+from navigation.kernels.numbers cimport Doubles, Numbers, at
+from navigation.kernels.pieces cimport instant, merge_axes, rest
 
-cdef double _INFINITE
-cdef Py_ssize_t _WIDTH
 cdef double _STANDS
 cdef double _EASES
 
@@ -9,23 +13,14 @@ cpdef bint stands(double velocity, double acceleration) noexcept
 cpdef Numbers braking(
     double position, double velocity, double acceleration, double top, double jerk
 )
-cdef Py_ssize_t _set(
-    Doubles row,
-    Py_ssize_t o,
-    double duration,
-    double position,
-    double velocity,
-    double acceleration,
-    double jerk,
-) noexcept
-
 cdef class Stops:
     cpdef Numbers table(self, Numbers motion, double t)
 
 cdef class AxisStops(Stops):
     cdef Numbers limits
     cpdef Numbers table(self, Numbers motion, double t)
-    cpdef Numbers after(self, Numbers state, double t)
+    cpdef Numbers after(self, list[double] state, double t)
+    cdef Numbers _stop(self, Cubic x, Cubic y, Cubic r, double t)
 
 cdef class LaneStops(Stops):
     cdef double x

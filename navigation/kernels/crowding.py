@@ -23,13 +23,13 @@ from .discs import ROW
 if not cython.compiled:
     from math import inf, sqrt
 
-    from .discs import _meeting
+    from .discs import conflict_from
     from .numbers import Doubles, Numbers, at
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, sqrt
-    from cython.cimports.navigation.kernels.discs import _meeting
+    from cython.cimports.navigation.kernels.discs import conflict_from
     from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
 
 _R: cython.Py_ssize_t = ROW
@@ -176,7 +176,7 @@ def nearer_between(
                         row = _row_at(tables[i], row, begin)
                         other_row = _row_at(tables[j], other_row, begin)
                         if (
-                            _meeting(
+                            conflict_from(
                                 tables[i],
                                 tables[j],
                                 least + best - _HAIR,

@@ -1,21 +1,24 @@
+from libc.math cimport INFINITY
 from navigation.kernels.braking cimport Stops
+from navigation.kernels.cubics cimport (
+    PosePiece, PosePieces, end_of, held, norm, pose_at, poses, speed, value,
+)
 from navigation.kernels.encounter cimport EncounterBounds
 from navigation.kernels.laws cimport LawEvaluator
 from navigation.kernels.numbers cimport Numbers
-from navigation.kernels.odometer cimport TaylorModel
+from navigation.kernels.odometer cimport PathLength, TaylorModel, radius_of
+from navigation.kernels.pieces cimport rest
+from navigation.kernels.watch cimport ChangeSearch, TooCloseTest
 
-cdef double _INFINITE
-cdef Py_ssize_t _WIDTH
 cdef Py_ssize_t _PERSON
 
 cdef class Towards(LawEvaluator):
-    cdef TaylorModel pace
     cdef LawEvaluator law
     cdef double speed
     cdef double since
     cdef double fixed
     cdef double margin
-    cdef int require(self, EncounterBounds encounter, double begin, double end) except? -1
+    cdef TaylorModel require(self, EncounterBounds encounter, double begin, double end) except *
 
 cdef class MotionSpan:
     cdef Numbers table

@@ -15,30 +15,17 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .odometer import WIDTH
-
 if not cython.compiled:
-    from math import sqrt
-
     from .braking import Stops
+    from .cubics import PosePiece, PosePieces, end_of, held, norm, pose_at, poses, speed, value
     from .encounter import EncounterBounds
     from .laws import LawEvaluator
-    from .numbers import Doubles, Numbers, at
-    from .odometer import PathLength, TaylorModel, row_at
-    from .pieces import rate_at, rest, value_at
+    from .numbers import INFINITY, Numbers
+    from .odometer import PathLength, radius_of
+    from .pieces import rest
+    from .uncompiled import TaylorModel
     from .watch import ChangeSearch, TooCloseTest
-else:
-    from cython.cimports.libc.math import sqrt
-    from cython.cimports.navigation.kernels.braking import Stops
-    from cython.cimports.navigation.kernels.encounter import EncounterBounds
-    from cython.cimports.navigation.kernels.laws import LawEvaluator
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
-    from cython.cimports.navigation.kernels.odometer import PathLength, TaylorModel, row_at
-    from cython.cimports.navigation.kernels.pieces import rate_at, rest, value_at
-    from cython.cimports.navigation.kernels.watch import ChangeSearch, TooCloseTest
 
-_INFINITE: float = float("inf")
-_WIDTH: cython.Py_ssize_t = WIDTH
 _PERSON: cython.Py_ssize_t = 4  # numbers of a person's row
 
 
@@ -52,26 +39,24 @@ class Towards(LawEvaluator):
         self, law: LawEvaluator, speed: float, since: float, fixed: float, margin: float
     ) -> None:
         super().__init__(False)
-        self.pace = TaylorModel()
         self.law = law
         self.speed = speed
         self.since = since
         self.fixed = fixed
         self.margin = margin
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
         half: float = (end - begin) / 2
         walked: float = self.speed * (begin + half - self.since)
         # Straight towards the machine the distance shrinks by the top speed, which is the same as a
         # person who stands and a requirement that grows by it.
         if self.fixed >= 0.0:
-            return self.out.set(walked + self.fixed, self.speed, 0.0, 0.0)
-        pace: TaylorModel = self.pace
-        encounter.machine.speed(begin, end, pace)
-        around: float = (abs(pace.slope) + abs(pace.curve) * half / 2) * half + pace.slack
+            return TaylorModel(walked + self.fixed, self.speed, 0.0, 0.0)
+        pace: TaylorModel = encounter.machine.speed_over(begin, end)
+        around: float = radius_of(pace, half)
         low: float = self.law.distance(self.speed, max(pace.value - around, 0.0))
         high: float = self.law.distance(self.speed, pace.value + around)
-        return self.out.set(
+        return TaylorModel(
             walked + (low + high) / 2 + self.margin, self.speed, (high - low) / 2, 0.0
         )
 
@@ -81,25 +66,23 @@ class MotionSpan:
 
     def __init__(self, odometer: PathLength, begin: float, end: float) -> None:
         table: Numbers = odometer.table
-        row: Doubles = at(table)
+        row: PosePieces = poses(table)
         self.table = table
         self.begin = begin
         self.end = end
-        odometer.look(begin, end)
-        figure: TaylorModel = odometer.out
-        self.fastest = figure.value + abs(figure.slope) * ((end - begin) / 2) + figure.slack
-        rows: cython.Py_ssize_t = len(table) // _WIDTH
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, begin), 0)
-        self.x = value_at(row, o + 2, begin)
-        self.y = value_at(row, o + 6, begin)
-        o = _WIDTH * max(row_at(row, rows, _WIDTH, end), 0)
-        self.last_x = value_at(row, o + 2, end)
-        self.last_y = value_at(row, o + 6, end)
+        pace: TaylorModel = odometer.speed_over(begin, end)
+        self.fastest = pace.value + radius_of(pace, (end - begin) / 2)
+        first: PosePiece = row[max(pose_at(table, begin), 0)]
+        u: float = held(first.begin, first.end, begin)
+        self.x = value(first.x, u)
+        self.y = value(first.y, u)
+        last: PosePiece = row[max(pose_at(table, end), 0)]
+        u = held(last.begin, last.end, end)
+        self.last_x = value(last.x, u)
+        self.last_y = value(last.y, u)
         self.last_speed = 0.0
-        if row[0] <= end and end < row[len(table) - _WIDTH + 1]:
-            vx: float = rate_at(row, o + 2, end)
-            vy: float = rate_at(row, o + 6, end)
-            self.last_speed = sqrt(vx * vx + vy * vy)
+        if row[0].begin <= end < end_of(table):
+            self.last_speed = speed(last.x, last.y, u)
 
 
 class Lookout:
@@ -124,7 +107,7 @@ class Lookout:
         It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
         The row is -1 if nobody ends it before the end of the motion.
         """
-        finish: float = at(motion)[len(motion) - _WIDTH + 1]
+        finish: float = end_of(motion)
         k: cython.Py_ssize_t
         if not people or now >= finish:
             return finish, -1
@@ -145,9 +128,7 @@ class Lookout:
             # time. Doubling asks for as many stops as the logarithm of the time, and finds at least
             # half of it.
             stop: Numbers = stops.table(motion, then)
-            stopping: MotionSpan = MotionSpan(
-                PathLength(stop), then, at(stop)[len(stop) - _WIDTH + 1]
-            )
+            stopping: MotionSpan = MotionSpan(PathLength(stop), then, end_of(stop))
             for k in range(len(people) // _PERSON):
                 if self.hinders(people, k, on, now) or self.hinders(people, k, stopping, now):
                     return until, k
@@ -162,10 +143,10 @@ class Lookout:
 
         That is after `least` seconds of the motion, or at the end of the stop from there.
         """
-        then: float = min(now + least, at(motion)[len(motion) - _WIDTH + 1])
+        then: float = min(now + least, end_of(motion))
         on: MotionSpan = MotionSpan(PathLength(motion), now, then)
         stop: Numbers = stops.table(motion, then)
-        stopping: MotionSpan = MotionSpan(PathLength(stop), then, at(stop)[len(stop) - _WIDTH + 1])
+        stopping: MotionSpan = MotionSpan(PathLength(stop), then, end_of(stop))
         return -min(self.room(people, 0, on, now), self.room(people, 0, stopping, now))
 
     def required(self, people: list[float], k: cython.Py_ssize_t, speed: float) -> float:
@@ -206,7 +187,7 @@ class Lookout:
         reach += self.required(people, k, on.fastest)
         dx: float = people[o] - on.x
         dy: float = people[o + 1] - on.y
-        return sqrt(dx * dx + dy * dy) < reach
+        return norm(dx, dy) < reach
 
     def room(
         self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
@@ -217,7 +198,7 @@ class Lookout:
         asked += people[o + 2] * (on.end - since)
         dx: float = people[o] - on.last_x
         dy: float = people[o + 1] - on.last_y
-        return sqrt(dx * dx + dy * dy) - asked
+        return norm(dx, dy) - asked
 
 
 def nearest_on(
@@ -234,9 +215,7 @@ def nearest_on(
     It is looked for each `step` seconds from `begin` to `end`, and at `end`. Of each of the people
     there are x, y (metres) and their velocity (m/s) at `now`; they keep it for `horizon` seconds.
     """
-    row: Doubles = at(motion)
-    rows: cython.Py_ssize_t = len(motion) // _WIDTH
-    least: float = _INFINITE
+    least: float = INFINITY
     i: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
     t: float = begin
@@ -245,16 +224,17 @@ def nearest_on(
         if t >= end:
             t = end
             over = True
-        # Before the motion begins its first row is held at its beginning.
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, t), 0)
-        x: float = value_at(row, o + 2, t)
-        y: float = value_at(row, o + 6, t)
+        # Before the motion begins its first piece is held at its beginning.
+        piece: PosePiece = poses(motion)[max(pose_at(motion, t), 0)]
+        u: float = held(piece.begin, piece.end, t)
+        x: float = value(piece.x, u)
+        y: float = value(piece.y, u)
         after: float = min(t - now, horizon)
         for k in range(len(people) // _PERSON):
             p: cython.Py_ssize_t = k * _PERSON
             dx: float = x - (people[p] + after * people[p + 2])
             dy: float = y - (people[p + 1] + after * people[p + 3])
-            least = min(least, sqrt(dx * dx + dy * dy))
+            least = min(least, norm(dx, dy))
         i += 1
         t = begin + i * step
     return least
@@ -286,8 +266,8 @@ def most_remote(
     for i in range(len(places) // 2):
         along: float = places[2 * i] - x
         across: float = places[2 * i + 1] - y
-        length: float = sqrt(along * along + across * across)
-        least: float = _INFINITE
+        length: float = norm(along, across)
+        least: float = INFINITY
         for g in range(len(glances)):
             t: float = glances[g]
             share: float = 0.0
@@ -298,7 +278,7 @@ def most_remote(
                 p: cython.Py_ssize_t = k * _PERSON
                 dx: float = x + share * along - (people[p] + people[p + 2] * after)
                 dy: float = y + share * across - (people[p + 1] + people[p + 3] * after)
-                least = min(least, sqrt(dx * dx + dy * dy))
+                least = min(least, norm(dx, dy))
         if i == 0 and least >= enough:
             return 0
         if least > farthest:

@@ -31,3 +31,4 @@ cpdef Numbers room(Py_ssize_t count)
 cpdef Numbers numbers(values)
 cdef Numbers part(Numbers row, Py_ssize_t begin, Py_ssize_t count)
 cpdef Numbers flat(list places)
+cdef Py_ssize_t row_at(Doubles row, Py_ssize_t rows, Py_ssize_t width, double t) noexcept

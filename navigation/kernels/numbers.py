@@ -20,7 +20,14 @@ else:
 
 Place = tuple[float, float]
 
+PLANAR_WIDTH = 10
+"""Numbers of a piece of x and y (see `cubics`)."""
+
+POSE_WIDTH = 14
+"""Numbers of a piece of x, y and rotation."""
+
 if not cython.compiled:
+    INFINITY = float("inf")
     Numbers: TypeAlias = MutableSequence[float]
     Doubles: TypeAlias = MutableSequence[float]
 
@@ -57,6 +64,21 @@ else:
 
     def room(count: cython.Py_ssize_t) -> Numbers:
         return clone(_NONE, count, False)
+
+
+def row_at(
+    row: Doubles, rows: cython.Py_ssize_t, width: cython.Py_ssize_t, t: float
+) -> cython.Py_ssize_t:
+    """Return the last of so many rows that begins by `t`, by bisection; -1 if none does."""
+    low: cython.Py_ssize_t = 0
+    high: cython.Py_ssize_t = rows
+    while low < high:
+        middle: cython.Py_ssize_t = (low + high) // 2
+        if t < row[middle * width]:
+            high = middle
+        else:
+            low = middle + 1
+    return low - 1
 
 
 def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:

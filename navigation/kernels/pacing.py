@@ -16,7 +16,7 @@ else:
     from . import uncompiled as cython
 
 from .discs import ROW
-from .odometer import WIDTH
+from .numbers import POSE_WIDTH
 from .walks import DEVIATION, NOWHERE
 
 if not cython.compiled:
@@ -40,7 +40,7 @@ else:
     )
 
 _R: cython.Py_ssize_t = ROW
-_PIECE: cython.Py_ssize_t = WIDTH
+_PIECE: cython.Py_ssize_t = POSE_WIDTH
 # Numbers of a leg: x and y, direction, length, top speed, the highest speed at its beginning.
 _LEG: cython.Py_ssize_t = 7
 _PHASES: cython.Py_ssize_t = 4  # of a leg, at most

@@ -37,3 +37,55 @@ class Bend(NamedTuple):
     before_y: float
     after_x: float
     after_y: float
+
+
+class TaylorModel(NamedTuple):
+    """Number that changes over an interval: within `slack` of value + slope u + curve u² / 2.
+
+    u is the time from the middle of the interval (`navigation.Enclosure`).
+    """
+
+    value: float
+    slope: float
+    slack: float
+    curve: float
+
+
+class Closest(NamedTuple):
+    """Bounds on the minimum of a distance over an interval, and a time near it (seconds)."""
+
+    low: float
+    high: float
+    t: float
+
+
+class NearestPoint(NamedTuple):
+    """Point of a footprint nearest to a place, its distance, and that of the solids (metres)."""
+
+    x: float
+    y: float
+    away: float
+    distance: float
+
+
+class RelativeMotion(NamedTuple):
+    """Motion of a person in the frame that a machine has at the middle of an interval.
+
+    Place, velocity and half the acceleration, and how fast the machine turns. For `half` seconds
+    before and after, the person stays within `bend` (m) of place and velocity, and within `jolt` if
+    the acceleration counts too; the machine stays within `twist` (rad) and turns by no more than
+    `swing`.
+    """
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    ax: float
+    ay: float
+    spin: float
+    half: float
+    bend: float
+    jolt: float
+    twist: float
+    swing: float

@@ -1,4 +1,10 @@
-cdef Py_ssize_t _WIDTH
+from libc.math cimport INFINITY, M_PI as pi, atan2, cos, isfinite, sin, sqrt, tan
+from navigation.kernels.cubics cimport (
+    Cubic, PosePiece, PosePieces, along, constant, gain, norm, pose_count, pose_room, poses, slope,
+    value,
+)
+from navigation.kernels.numbers cimport Numbers
+
 cdef double _NOWHERE
 cdef double _DEVIATION
 cdef double _HAIR

@@ -1,9 +1,11 @@
-from navigation.kernels.encounter cimport EncounterBounds
-from navigation.kernels.follower cimport Follower
+from libc.math cimport INFINITY, cos, sin
+from navigation.kernels.cubics cimport Cubic, Range, deviation, gain, norm, shift
+from navigation.kernels.encounter cimport Closest, EncounterBounds
 from navigation.kernels.gauge cimport Gauge
 from navigation.kernels.laws cimport LawEvaluator
+from navigation.kernels.numbers cimport Numbers
+from navigation.kernels.odometer cimport TaylorModel
 
-cdef double _INFINITE
 cdef list[Gauge] _NO_GAUGES
 cdef int UNDECIDED
 cdef double _SURE
@@ -17,7 +19,9 @@ cdef class TooCloseTest(IntervalTest):
     cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
     cdef int short_of(self, EncounterBounds encounter, double begin, double end) except -2
 
-cdef int margin_bounds(LawEvaluator law, EncounterBounds encounter, double begin, double end) except? -1
+cdef Closest margin_over(
+    LawEvaluator law, EncounterBounds encounter, double begin, double end
+) except *
 
 cdef class MovingTest(IntervalTest):
     cdef double limit
@@ -40,7 +44,7 @@ cdef class OverlappingTest(IntervalTest):
     cdef double other_reach
     cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
-cdef double turned(Follower body, double u, double half) noexcept
+cdef double swing_of(Cubic turn, double half) noexcept
 
 cdef class NotTest(IntervalTest):
     cdef IntervalTest other
@@ -66,5 +70,3 @@ cdef class ChangeSearch:
 cdef double next_change(
     IntervalTest judge, EncounterBounds encounter, double end, double resolution, bint held
 ) except? -1
-
-cdef int margin_over(LawEvaluator law, EncounterBounds encounter, double begin, double end) except? -1
