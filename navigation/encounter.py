@@ -213,7 +213,7 @@ class Odometer(PathLength):
         """Return the speed (m/s) from `begin` to `end`; at a change, the one after it."""
         return enclosure_of(self.speed_within(begin, end))
 
-    def cut(self) -> _Stretches:
+    def smooth_stretches(self) -> _Stretches:
         """Return the stretches in which the speed is smooth.
 
         They are kept with the motion: laws that look ahead ask for them at every instant.

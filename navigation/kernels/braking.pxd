@@ -1,9 +1,6 @@
-from libc.math cimport INFINITY, sqrt
-from navigation.kernels.cubics cimport (
-    Cubic, Phase, PosePiece, along, constant, phase_cut, phase_room, phases, pose_room, poses,
-    shift,
-)
-from navigation.kernels.numbers cimport Doubles, Numbers, at
+from libc.math cimport sqrt
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 from navigation.kernels.pieces cimport instant, merge_axes, rest
 
 cdef double _STANDS

@@ -17,20 +17,8 @@ from .numbers import numbers
 if not cython.compiled:
     from math import sqrt
 
-    from .cubics import (
-        Cubic,
-        Phase,
-        PosePiece,
-        along,
-        constant,
-        phase_cut,
-        phase_room,
-        phases,
-        pose_room,
-        poses,
-        shift,
-    )
-    from .numbers import INFINITY, Doubles, Numbers, at
+    from .cubics import *
+    from .numbers import *
     from .pieces import instant, merge_axes, rest
 
 _STANDS: float = 1e-12  # m/s; an axis of less velocity and acceleration than these stands

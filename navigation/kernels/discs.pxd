@@ -1,10 +1,6 @@
-from libc.math cimport INFINITY, sqrt
-from navigation.kernels.cubics cimport (
-    Cubic, PlanarPiece, PlanarPieces, PosePiece, PosePieces, Range, bounds, constant, deviation,
-    gain, is_straight, minus, nearest_on_line, norm, planar, planar_count, planar_cut, planar_from,
-    planar_room, pose_count, poses, shift, value,
-)
-from navigation.kernels.numbers cimport Doubles, Numbers, at
+from libc.math cimport sqrt
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
 cdef Py_ssize_t _R
 cdef double _RESOLUTION

@@ -15,37 +15,15 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .numbers import PLANAR_WIDTH
+
 if not cython.compiled:
     from math import sqrt
 
-    from .cubics import (
-        Cubic,
-        PlanarPiece,
-        PlanarPieces,
-        PosePiece,
-        PosePieces,
-        Range,
-        bounds,
-        constant,
-        deviation,
-        gain,
-        is_straight,
-        minus,
-        nearest_on_line,
-        norm,
-        planar,
-        planar_count,
-        planar_cut,
-        planar_from,
-        planar_room,
-        pose_count,
-        poses,
-        shift,
-        value,
-    )
-    from .numbers import INFINITY, Doubles, Numbers, at
+    from .cubics import *
+    from .numbers import *
 
-ROW = 10
+ROW = PLANAR_WIDTH
 """Numbers in a row."""
 
 _R: cython.Py_ssize_t = ROW

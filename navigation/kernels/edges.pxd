@@ -1,4 +1,5 @@
-from navigation.kernels.numbers cimport Doubles, Numbers
+from libc.math cimport sqrt
+from navigation.kernels.numbers cimport *
 
 cdef double _WIDER
 cdef double _LEVEL

@@ -18,10 +18,7 @@ from .numbers import Place
 if not cython.compiled:
     from math import sqrt
 
-    from .numbers import Doubles, Numbers, at, put, room
-else:
-    from cython.cimports.libc.math import sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, put, room
+    from .numbers import *
 
 _WIDER: float = 1.001  # of a radius: rounding hides no cell beside a sweep
 _LATELY: cython.Py_ssize_t = 16  # numbers of the edges that are remembered

@@ -1,10 +1,7 @@
-from libc.math cimport INFINITY, copysign, cos, sin, sqrt
-from navigation.kernels.cubics cimport (
-    Cubic, PosePiece, Range, constant, deviation, end_of, is_straight, minus, nearest_on_line, norm,
-    pose_at, pose_count, poses, shift, value,
-)
+from libc.math cimport copysign, cos, sin, sqrt
+from navigation.kernels.cubics cimport *
 from navigation.kernels.gauge cimport Gauge, NearestPoint, RelativeMotion
-from navigation.kernels.numbers cimport Numbers, are_finite, at, put, room
+from navigation.kernels.numbers cimport *
 from navigation.kernels.odometer cimport PathLength, TaylorModel, speed_along
 
 cdef Py_ssize_t _WIDTH

@@ -20,24 +20,9 @@ from .numbers import POSE_WIDTH
 if not cython.compiled:
     from math import copysign, cos, sin, sqrt
 
-    from .cubics import (
-        Cubic,
-        PosePiece,
-        Range,
-        constant,
-        deviation,
-        end_of,
-        is_straight,
-        minus,
-        nearest_on_line,
-        norm,
-        pose_at,
-        pose_count,
-        poses,
-        shift,
-    )
+    from .cubics import *
     from .gauge import Gauge
-    from .numbers import INFINITY, Numbers, are_finite, at, put, room
+    from .numbers import *
     from .odometer import PathLength, speed_along
     from .uncompiled import Closest, RelativeMotion, TaylorModel
 
@@ -364,7 +349,9 @@ class EncounterBounds:
         rate: Range = self.approach(begin, end)
         return rate.low, rate.high
 
-    def speed_of(self, machine: bool, begin: float, end: float) -> tuple[float, float, float, float]:
+    def speed_of(
+        self, machine: bool, begin: float, end: float
+    ) -> tuple[float, float, float, float]:
         """Return the numbers of the speed of the person or the machine: a Taylor model."""
         body: Follower = self.machine if machine else self.person
         speed: TaylorModel = body.speed_over(begin, end)

@@ -1,5 +1,5 @@
-from libc.math cimport INFINITY
-from navigation.kernels.cubics cimport Range, norm
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
 cdef struct NearestPoint:
     double x, y, away, distance

@@ -10,8 +10,8 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from .cubics import Range, norm
-    from .numbers import INFINITY
+    from .cubics import *
+    from .numbers import *
     from .uncompiled import NearestPoint, RelativeMotion
 
 

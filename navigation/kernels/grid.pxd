@@ -1,6 +1,6 @@
 cimport cython
-
-from navigation.kernels.numbers cimport Numbers
+from libc.math cimport floor, sqrt
+from navigation.kernels.numbers cimport *
 
 cdef Py_ssize_t _STRAIGHT
 cdef Py_ssize_t _ACROSS

@@ -14,10 +14,7 @@ else:
 if not cython.compiled:
     from math import floor, sqrt
 
-    from .numbers import Doubles, Numbers, at, room
-else:
-    from cython.cimports.libc.math import floor, sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
+    from .numbers import *
 
 SOME: int = 2
 """Answer of who is asked about a cell that an area covers in part."""

@@ -1,145 +1,91 @@
-"""A binary heap of the entries of a search, the least first.
+"""Priority queue of a search.
 
-Compiled, they are columns of plain numbers; as Python it is `heapq` with tuples, as which entries
-compare in either case.
+A binary heap (J. W. J. Williams, "Algorithm 232: Heapsort", Communications of the ACM 7, 1964).
 """
 
 from __future__ import annotations
 
-import heapq
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
+    from typing import Any
+
     import cython
 else:
     from . import uncompiled as cython
 
-Entry = tuple[float, float, int, int]
-"""Lower bound of a path's length, length up to its last link, and the places of that link."""
+if not cython.compiled:
+    from .numbers import *
+    from .uncompiled import Entry
 
-_ROOM: cython.Py_ssize_t = 256  # entries, at first
+    Entries = list[Entry]
+
+    def _entries(row: Any) -> Entries:
+        """Return the entries by their numbers; lists hold them as they are."""
+        found: Entries = row
+        return found
+
+
+_SOME: cython.Py_ssize_t = 256  # entries, at first
+_WIDTH: cython.Py_ssize_t = 4  # numbers of an entry
 
 
 class Heap:
-    """Entries: the lower bound of a path's length, its length so far, and its last link.
-
-    The one that was taken last is in `so_far`, `here` and `there`.
-    """
+    """Entries of a search, the least first."""
 
     def __init__(self) -> None:
-        self.entries: list[Entry] = []
+        self.entries: Numbers = room(_WIDTH * _SOME)
         self.count = 0
-        self.so_far = 0.0
-        self.here = self.there = 0
-        self._room = _ROOM
-        self._bounds = np.empty(self._room)
-        self._lengths = np.empty(self._room)
-        self._froms = np.empty(self._room, dtype=np.intp)
-        self._tos = np.empty(self._room, dtype=np.intp)
 
     def clear(self) -> cython.int:
-        """Leave all entries out."""
+        """Remove all entries."""
         self.count = 0
-        self.entries = []
         return 0
 
-    def push(
-        self, bound: float, so_far: float, here: cython.Py_ssize_t, there: cython.Py_ssize_t
-    ) -> cython.int:
+    def push(self, entry: Entry) -> cython.int:
         """Add an entry."""
+        if _WIDTH * (self.count + 1) > len(self.entries):
+            grow(self.entries, 2 * len(self.entries))
         self.count += 1
-        if not cython.compiled:
-            heapq.heappush(self.entries, (bound, so_far, here, there))
-            return 0
-        if self.count > self._room:
-            self._widen()
-        self._rise(self.count - 1, bound, so_far, here, there)
-        return 0
+        return self._rise(self.count - 1, entry)
 
-    def pop(self) -> cython.int:
-        """Take the least entry away."""
+    def pop(self) -> Entry:
+        """Remove the least entry, and return it."""
+        row: Entries = _entries(self.entries)
+        least: Entry = row[0]
         self.count -= 1
-        if not cython.compiled:
-            _, self.so_far, self.here, self.there = heapq.heappop(self.entries)
-            return 0
-        self.so_far = self._lengths[0]
-        self.here = self._froms[0]
-        self.there = self._tos[0]
         # The lesser children move up to the bottom, as the last entry is seldom a small one.
         last: cython.Py_ssize_t = self.count
         place: cython.Py_ssize_t = 0
         child: cython.Py_ssize_t = 1
         while child < last:
-            if child + 1 < last and self._before(
-                child,
-                self._bounds[child + 1],
-                self._lengths[child + 1],
-                self._froms[child + 1],
-                self._tos[child + 1],
-            ):
+            if child + 1 < last and _precedes(row[child + 1], row[child]):
                 child += 1
-            self._move(child, place)
+            row[place] = row[child]
             place = child
             child = 2 * place + 1
-        self._rise(
-            place, self._bounds[last], self._lengths[last], self._froms[last], self._tos[last]
-        )
-        return 0
+        self._rise(place, row[last])
+        return least
 
-    def _rise(
-        self,
-        place: cython.Py_ssize_t,
-        bound: float,
-        so_far: float,
-        here: cython.Py_ssize_t,
-        there: cython.Py_ssize_t,
-    ) -> cython.int:
-        """Put an entry where it belongs on the way from `place` up to the top."""
-        above: cython.Py_ssize_t
+    def _rise(self, place: cython.Py_ssize_t, entry: Entry) -> cython.int:
+        """Put an entry where it belongs on the path from `place` up to the top."""
+        row: Entries = _entries(self.entries)
         while place > 0:
-            above = (place - 1) // 2
-            if not self._before(above, bound, so_far, here, there):
+            above: cython.Py_ssize_t = (place - 1) // 2
+            if not _precedes(entry, row[above]):
                 break
-            self._move(above, place)
+            row[place] = row[above]
             place = above
-        self._bounds[place] = bound
-        self._lengths[place] = so_far
-        self._froms[place] = here
-        self._tos[place] = there
+        row[place] = entry
         return 0
 
-    def _before(
-        self,
-        other: cython.Py_ssize_t,
-        bound: float,
-        so_far: float,
-        here: cython.Py_ssize_t,
-        there: cython.Py_ssize_t,
-    ) -> cython.bint:
-        """Return whether an entry is less than the one at `other`."""
-        if bound != self._bounds[other]:
-            return bound < self._bounds[other]
-        if so_far != self._lengths[other]:
-            return so_far < self._lengths[other]
-        if here != self._froms[other]:
-            return here < self._froms[other]
-        return there < self._tos[other]
 
-    def _move(self, place: cython.Py_ssize_t, to: cython.Py_ssize_t) -> cython.int:
-        """Copy an entry to another place."""
-        self._bounds[to] = self._bounds[place]
-        self._lengths[to] = self._lengths[place]
-        self._froms[to] = self._froms[place]
-        self._tos[to] = self._tos[place]
-        return 0
-
-    def _widen(self) -> cython.int:
-        """Double the room for entries."""
-        self._bounds = np.resize(self._bounds, 2 * self._room)
-        self._lengths = np.resize(self._lengths, 2 * self._room)
-        self._froms = np.resize(self._froms, 2 * self._room)
-        self._tos = np.resize(self._tos, 2 * self._room)
-        self._room = 2 * self._room
-        return 0
+def _precedes(entry: Entry, other: Entry) -> bool:
+    """Return whether an entry is less than another."""
+    if entry.bound != other.bound:
+        return entry.bound < other.bound
+    if entry.so_far != other.so_far:
+        return entry.so_far < other.so_far
+    if entry.here != other.here:
+        return entry.here < other.here
+    return entry.there < other.there

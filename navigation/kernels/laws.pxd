@@ -1,5 +1,5 @@
+from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport EncounterBounds
-from navigation.kernels.cubics cimport Range
 from navigation.kernels.odometer cimport PathLength, TaylorModel, radius_of
 
 cdef class LawEvaluator:

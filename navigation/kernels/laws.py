@@ -14,7 +14,7 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from .cubics import Range
+    from .cubics import *
     from .encounter import EncounterBounds
     from .odometer import PathLength, radius_of
     from .uncompiled import TaylorModel

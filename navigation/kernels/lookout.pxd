@@ -1,11 +1,8 @@
-from libc.math cimport INFINITY
 from navigation.kernels.braking cimport Stops
-from navigation.kernels.cubics cimport (
-    PosePiece, PosePieces, end_of, held, norm, pose_at, poses, speed, value,
-)
+from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport EncounterBounds
 from navigation.kernels.laws cimport LawEvaluator
-from navigation.kernels.numbers cimport Numbers
+from navigation.kernels.numbers cimport *
 from navigation.kernels.odometer cimport PathLength, TaylorModel, radius_of
 from navigation.kernels.pieces cimport rest
 from navigation.kernels.watch cimport ChangeSearch, TooCloseTest

@@ -17,10 +17,10 @@ else:
 
 if not cython.compiled:
     from .braking import Stops
-    from .cubics import PosePiece, PosePieces, end_of, held, norm, pose_at, poses, speed, value
+    from .cubics import *
     from .encounter import EncounterBounds
     from .laws import LawEvaluator
-    from .numbers import INFINITY, Numbers
+    from .numbers import *
     from .odometer import PathLength, radius_of
     from .pieces import rest
     from .uncompiled import TaylorModel

@@ -1,4 +1,5 @@
-from navigation.kernels.numbers cimport Doubles, Numbers
+from navigation.kernels.discs cimport first_but, met
+from navigation.kernels.numbers cimport *
 from navigation.kernels.throng cimport Throng
 
 cdef class Movers:

@@ -15,16 +15,8 @@ else:
 from .throng import Throng
 
 if not cython.compiled:
-    from math import inf
-
     from .discs import first_but, met
-    from .numbers import Numbers, at, part, put, room
-
-    INFINITY = inf
-else:
-    from cython.cimports.libc.math import INFINITY
-    from cython.cimports.navigation.kernels.discs import first_but, met
-    from cython.cimports.navigation.kernels.numbers import Numbers, at, part, put, room
+    from .numbers import *
 
 
 class Movers:

@@ -1,5 +1,5 @@
-from navigation.kernels.edges cimport Grid
-from navigation.kernels.numbers cimport Doubles, Numbers
+from navigation.kernels.edges cimport Grid, back_through
+from navigation.kernels.numbers cimport *
 
 cdef struct Wedge:
     double right_x, right_y, left_x, left_y

@@ -24,10 +24,11 @@ else:
 
 if not cython.compiled:
     from .edges import Grid, back_through
-    from .numbers import Doubles, Numbers, at, cut, grow, room
+    from .numbers import *
     from .uncompiled import Bend, Portal, Wedge
 
     Portals: TypeAlias = "list[Portal]"
+
     Bends: TypeAlias = "list[Bend]"
 
     def _portals(row: Portals) -> Portals:
@@ -37,9 +38,7 @@ if not cython.compiled:
     def _bends(row: Bends) -> Bends:
         """Return what reads bends by their numbers."""
         return row
-else:
-    from cython.cimports.navigation.kernels.edges import Grid, back_through
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, grow, room
+
 
 _SLACK: float = 1e-9  # of a metre and of a line's length; so far a line may enter a corner
 _WIDER: float = 1e-7  # radians; wedges are so much wider: too much is looked at, never too little

@@ -1,3 +1,4 @@
+from libc.math cimport INFINITY
 from cpython.array cimport array as Numbers, resize
 from libc.string cimport memcpy
 

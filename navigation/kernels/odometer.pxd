@@ -1,9 +1,5 @@
-from libc.math cimport INFINITY
-from navigation.kernels.cubics cimport (
-    Cubic, PlanarPiece, PlanarPieces, PosePiece, PosePieces, end_of, is_straight, norm, planar,
-    planar_at, pose_at, pose_count, poses, shift, speed,
-)
-from navigation.kernels.numbers cimport Doubles, Numbers, at, room
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
 cdef Numbers _NODES
 cdef Numbers _WEIGHTS

@@ -18,23 +18,8 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from .cubics import (
-        Cubic,
-        PlanarPiece,
-        PosePiece,
-        PosePieces,
-        end_of,
-        is_straight,
-        norm,
-        planar,
-        planar_at,
-        pose_at,
-        pose_count,
-        poses,
-        shift,
-        speed,
-    )
-    from .numbers import INFINITY, Doubles, Numbers, at, room
+    from .cubics import *
+    from .numbers import *
     from .uncompiled import TaylorModel
 
     def radius_of(model: TaylorModel, half: float) -> float:
@@ -90,14 +75,14 @@ class PathLength:
         self.start = row[0].begin
         self.finish = end_of(table)
 
-    def cut(self) -> tuple[Numbers, Numbers, float]:
+    def smooth_stretches(self) -> tuple[Numbers, Numbers, float]:
         """Return the stretches in which speed is smooth, the lengths before each, and the whole."""
         raise NotImplementedError
 
     def reading(self, t: float) -> float:
         """The metres gone from the motion's start to `t` (seconds); exact to 1e-12 of them."""
         if len(self.stretches) == 0:
-            self.stretches, self.before, self.total = self.cut()
+            self.stretches, self.before, self.total = self.smooth_stretches()
         if t >= self.finish:
             return self.total
         if t <= self.start:
@@ -148,7 +133,9 @@ class PathLength:
         low = max(low, 0.0)
         return TaylorModel((low + high) / 2, 0.0, (high - low) / 2, 0.0)
 
-    def path_ahead(self, begin: float, end: float, seconds: float) -> tuple[float, float, float, float]:
+    def path_ahead(
+        self, begin: float, end: float, seconds: float
+    ) -> tuple[float, float, float, float]:
         """Return the numbers of `length_ahead`."""
         model: TaylorModel = self.length_ahead(begin, end, seconds)
         return model.value, model.slope, model.slack, model.curve

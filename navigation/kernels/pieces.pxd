@@ -1,10 +1,6 @@
-from libc.math cimport INFINITY, atan2, copysign, sqrt
-from navigation.kernels.cubics cimport (
-    Cubic, Phase, Phases, PosePiece, PosePieces, along, constant, end_of, gain, held, is_at_rest, norm,
-    phase_count, phase_cut, phase_room, phases, pose_at, pose_count, pose_cut, pose_room, poses,
-    second_slope, shift, slope, value,
-)
-from navigation.kernels.numbers cimport Doubles, Numbers, at, cut, room
+from libc.math cimport atan2, copysign, sqrt
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
 cdef Py_ssize_t _WIDTH
 cdef double _SHORTEST

@@ -15,34 +15,8 @@ from .numbers import POSE_WIDTH
 if not cython.compiled:
     from math import atan2, copysign, sqrt
 
-    from .cubics import (
-        Cubic,
-        Phase,
-        Phases,
-        PosePiece,
-        PosePieces,
-        along,
-        constant,
-        end_of,
-        gain,
-        held,
-        is_at_rest,
-        norm,
-        phase_count,
-        phase_cut,
-        phase_room,
-        phases,
-        pose_at,
-        pose_count,
-        pose_cut,
-        pose_room,
-        poses,
-        second_slope,
-        shift,
-        slope,
-        value,
-    )
-    from .numbers import INFINITY, Doubles, Numbers, at, cut, room
+    from .cubics import *
+    from .numbers import *
 
 Triple = tuple[float, float, float]
 

@@ -1,6 +1,8 @@
+from libc.math cimport sqrt
 from navigation.kernels.edges cimport Room
-from navigation.kernels.heap cimport Heap
-from navigation.kernels.network cimport Network
+from navigation.kernels.heap cimport Entry, Heap
+from navigation.kernels.network cimport Network, grazes
+from navigation.kernels.numbers cimport *
 
 cdef Py_ssize_t _SPARE
 cdef double _SLACK

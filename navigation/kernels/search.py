@@ -17,27 +17,19 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .numbers import Place
+
 if not cython.compiled:
-    from math import inf, sqrt
+    from math import sqrt
 
     from .edges import Room
     from .heap import Heap
     from .network import Network, grazes
-    from .numbers import Doubles, Numbers, at
-
-    INFINITY = inf
-else:
-    from cython.cimports.libc.math import INFINITY, sqrt
-    from cython.cimports.navigation.kernels.edges import Room
-    from cython.cimports.navigation.kernels.heap import Heap
-    from cython.cimports.navigation.kernels.network import Network, grazes
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
+    from .numbers import *
+    from .uncompiled import Entry
 
 Link = tuple[int, float]
 """The number of a place, and the distance to it (metres)."""
-
-Place = tuple[float, float]
-"""x and y, in metres."""
 
 _SPARE: cython.Py_ssize_t = 256  # places beside those of the floor for which there is room at first
 _SLACK: float = 1e-9  # of a metre and of a line's length; so far a line may enter a corner
@@ -111,10 +103,10 @@ class Search:
             while True:
                 if queue.count == 0:
                     return None
-                queue.pop()
-                so_far = queue.so_far
-                here = queue.here
-                there = queue.there
+                entry: Entry = queue.pop()
+                so_far = entry.so_far
+                here = entry.here
+                there = entry.there
                 # Straight distance never falls by more than a link is long, so the first to reach a
                 # place is the shortest, and later ones to it are left where they lie in the queue.
                 if so_far >= self.best[there] or so_far > self.sure[there]:
@@ -249,7 +241,7 @@ class Search:
         """Queue a link; whether it is clear is asked when it is taken."""
         then: float = so_far + length
         if then < self.best[to] and then <= self.sure[to]:
-            self.queue.push(then + self._bound(to), then, here, to)
+            self.queue.push(Entry(then + self._bound(to), then, here, to))
         return 0
 
     def _push_known(
@@ -261,7 +253,7 @@ class Search:
             return 0
         if self.alone or self._clear(here, to, False):
             self.sure[to] = then
-            self.queue.push(then + self._bound(to), then, here, to)
+            self.queue.push(Entry(then + self._bound(to), then, here, to))
         return 0
 
     def _bound(self, place: cython.Py_ssize_t) -> float:

@@ -3,6 +3,7 @@
 Importing Cython itself would take longer than all else here, and it need not be installed.
 """
 
+from collections.abc import MutableSequence
 from typing import NamedTuple
 
 compiled = False
@@ -89,3 +90,50 @@ class RelativeMotion(NamedTuple):
     jolt: float
     twist: float
     swing: float
+
+
+class Entry(NamedTuple):
+    """Entry of a search: lower bound of a path's length, its length so far, and its last link."""
+
+    bound: float
+    so_far: float
+    here: int
+    there: int
+
+
+class PathLeg(NamedTuple):
+    """Leg of a path: start (metres), direction, length (metres), and two speeds (m/s).
+
+    `top` is the top speed on it, `first` the highest speed at its start.
+    """
+
+    x: float
+    y: float
+    c: float
+    s: float
+    length: float
+    top: float
+    first: float
+
+
+class PathLegs:
+    """The legs of a path in a row of numbers, from the one at `o` on."""
+
+    def __init__(self, row: MutableSequence[float], o: int) -> None:
+        self.row = row
+        self.o = o
+
+    def __getitem__(self, k: int) -> PathLeg:
+        return PathLeg(*self.row[self.o + 7 * k : self.o + 7 * k + 7])
+
+    def __setitem__(self, k: int, leg: PathLeg) -> None:
+        self.row[self.o + 7 * k : self.o + 7 * k + 7] = leg
+
+
+class Pace(NamedTuple):
+    """When a person starts (seconds), how fast (m/s), and how fast they may become (m/s, m/s²)."""
+
+    start: float
+    initial_speed: float
+    max_speed: float
+    acceleration: float

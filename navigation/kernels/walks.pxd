@@ -1,9 +1,6 @@
-from libc.math cimport INFINITY, M_PI as pi, atan2, cos, isfinite, sin, sqrt, tan
-from navigation.kernels.cubics cimport (
-    Cubic, PosePiece, PosePieces, along, constant, gain, norm, pose_count, pose_room, poses, slope,
-    value,
-)
-from navigation.kernels.numbers cimport Numbers
+from libc.math cimport M_PI as pi, atan2, cos, isfinite, sin, sqrt, tan
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
 cdef double _NOWHERE
 cdef double _DEVIATION

@@ -18,21 +18,8 @@ else:
 if not cython.compiled:
     from math import atan2, cos, isfinite, pi, sin, sqrt, tan
 
-    from .cubics import (
-        Cubic,
-        PosePiece,
-        PosePieces,
-        along,
-        constant,
-        gain,
-        norm,
-        pose_count,
-        pose_room,
-        poses,
-        slope,
-        value,
-    )
-    from .numbers import INFINITY, Numbers
+    from .cubics import *
+    from .numbers import *
 
 # Of `dist`, `hypot` and `pow`, Python's are taken: compilers' may have other last bits.
 

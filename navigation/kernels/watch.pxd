@@ -1,9 +1,9 @@
-from libc.math cimport INFINITY, cos, sin
-from navigation.kernels.cubics cimport Cubic, Range, deviation, gain, norm, shift
+from libc.math cimport cos, sin
+from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport Closest, EncounterBounds
 from navigation.kernels.gauge cimport Gauge
 from navigation.kernels.laws cimport LawEvaluator
-from navigation.kernels.numbers cimport Numbers
+from navigation.kernels.numbers cimport *
 from navigation.kernels.odometer cimport TaylorModel
 
 cdef list[Gauge] _NO_GAUGES

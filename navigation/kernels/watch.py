@@ -16,11 +16,11 @@ else:
 if not cython.compiled:
     from math import cos, sin
 
-    from .cubics import Cubic, Range, deviation, gain, norm, shift
+    from .cubics import *
     from .encounter import EncounterBounds
     from .gauge import Gauge
     from .laws import LawEvaluator
-    from .numbers import INFINITY, Numbers
+    from .numbers import *
     from .uncompiled import Closest, TaylorModel
 
 _NO_GAUGES: list[Gauge] = []
