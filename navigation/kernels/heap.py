@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from typing import Any
+    from typing import TypeAlias
 
     import cython
 else:
@@ -16,14 +16,13 @@ else:
 
 if not cython.compiled:
     from .numbers import *
-    from .uncompiled import Entry
+    from .uncompiled import Entry, Rows
 
-    Entries = list[Entry]
+    Entries: TypeAlias = "Rows[Entry]"
 
-    def _entries(row: Any) -> Entries:
-        """Return the entries by their numbers; lists hold them as they are."""
-        found: Entries = row
-        return found
+    def _entries(row: Numbers) -> Entries:
+        """Return entries by their numbers."""
+        return Rows(row, Entry, _WIDTH)
 
 
 _SOME: cython.Py_ssize_t = 256  # entries, at first

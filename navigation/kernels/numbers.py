@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from typing import TypeAlias
 
     import cython
+    import numpy as np
+    from numpy.typing import NDArray
 else:
     from . import uncompiled as cython
 
@@ -91,6 +93,11 @@ def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Nu
 def numbers(values: Iterable[float]) -> Numbers:
     """Return some `values` as the numbers that kernels read: tables, bounds, edges, and discs."""
     return array("d", values) if cython.compiled else [*map(float, values)]
+
+
+def numbers_of(values: NDArray[np.float64]) -> Numbers:
+    """Return the numbers of an array, row by row."""
+    return array("d", values.tobytes()) if cython.compiled else values.ravel().tolist()
 
 
 def flat(places: list[Place]) -> Numbers:

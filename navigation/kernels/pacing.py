@@ -11,6 +11,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import cython
 else:
     from . import uncompiled as cython
@@ -23,11 +25,13 @@ if not cython.compiled:
 
     from .cubics import *
     from .numbers import *
-    from .uncompiled import Pace, PathLeg, PathLegs
+    from .uncompiled import Pace, PathLeg, Rows
+
+    PathLegs: TypeAlias = "Rows[PathLeg]"
 
     def _legs(table: Numbers, o: int) -> PathLegs:
         """Return the legs of a path that are stored from a number of a table on."""
-        return PathLegs(table, o)
+        return Rows(table, PathLeg, _WIDTH, o)
 
 
 _ROW: cython.Py_ssize_t = PLANAR_WIDTH

@@ -3,10 +3,32 @@
 Importing Cython itself would take longer than all else here, and it need not be installed.
 """
 
-from collections.abc import MutableSequence
-from typing import NamedTuple
+from collections.abc import Callable, MutableSequence
+from typing import Generic, NamedTuple, TypeVar
 
 compiled = False
+
+Row = TypeVar("Row", bound=tuple[float, ...])
+
+
+class Rows(Generic[Row]):
+    """Structs of a `kind` in a row of numbers, of `width` numbers each, from the one at `o` on."""
+
+    def __init__(
+        self, row: MutableSequence[float], kind: Callable[..., Row], width: int, o: int = 0
+    ) -> None:
+        self.row = row
+        self.kind = kind
+        self.width = width
+        self.o = o
+
+    def __getitem__(self, k: int) -> Row:
+        o = self.o + self.width * k
+        return self.kind(*self.row[o : o + self.width])
+
+    def __setitem__(self, k: int, struct: Row) -> None:
+        o = self.o + self.width * k
+        self.row[o : o + self.width] = struct
 
 
 class Wedge(NamedTuple):
@@ -30,7 +52,10 @@ class Portal(NamedTuple):
 
 
 class Bend(NamedTuple):
-    """Place at which a path bends (metres), and its unit directions before and after."""
+    """Place at which a path bends (metres), and its unit directions before and after.
+
+    The path touches the arc at most `reach` metres away.
+    """
 
     x: float
     y: float
@@ -38,6 +63,7 @@ class Bend(NamedTuple):
     before_y: float
     after_x: float
     after_y: float
+    reach: float
 
 
 class TaylorModel(NamedTuple):
@@ -114,20 +140,6 @@ class PathLeg(NamedTuple):
     length: float
     top: float
     first: float
-
-
-class PathLegs:
-    """The legs of a path in a row of numbers, from the one at `o` on."""
-
-    def __init__(self, row: MutableSequence[float], o: int) -> None:
-        self.row = row
-        self.o = o
-
-    def __getitem__(self, k: int) -> PathLeg:
-        return PathLeg(*self.row[self.o + 7 * k : self.o + 7 * k + 7])
-
-    def __setitem__(self, k: int, leg: PathLeg) -> None:
-        self.row[self.o + 7 * k : self.o + 7 * k + 7] = leg
 
 
 class Pace(NamedTuple):
