@@ -3,8 +3,7 @@ from navigation.kernels.cubics cimport *
 from navigation.kernels.numbers cimport *
 from navigation.kernels.pieces cimport instant, merge_axes, rest
 
-cdef double _STANDS
-cdef double _EASES
+cdef double _STANDS, _EASES
 
 cpdef bint stands(double velocity, double acceleration) noexcept
 cpdef Numbers braking(
@@ -15,18 +14,9 @@ cdef class Stops:
 
 cdef class AxisStops(Stops):
     cdef Numbers limits
-    cpdef Numbers table(self, Numbers motion, double t)
     cpdef Numbers after(self, list[double] state, double t)
     cdef Numbers _stop(self, Cubic x, Cubic y, Cubic r, double t)
 
 cdef class LaneStops(Stops):
-    cdef double x
-    cdef double y
-    cdef double c
-    cdef double s
-    cdef double heading
-    cdef double low
-    cdef double high
-    cdef double top
-    cpdef Numbers table(self, Numbers motion, double t)
+    cdef double x, y, c, s, heading, low, high, top
     cpdef Numbers after(self, double q, double v, double a, double t)

@@ -2,20 +2,15 @@ from navigation.kernels.cubics cimport *
 from navigation.kernels.discs cimport conflict_from
 from navigation.kernels.numbers cimport *
 
-cdef double _SHARE
-cdef double _HAIR
+cdef double _SHARE, _HAIR
 
 cdef class DiscWindow:
     cdef list[Numbers] tables
-    cdef Numbers radii
-    cdef Numbers steps
+    cdef Numbers radii, steps
     cdef list[Numbers] jumps
     cdef list[Py_ssize_t] rows
     cdef Py_ssize_t first
-    cdef Numbers times
-    cdef Numbers xs
-    cdef Numbers ys
-    cdef Numbers boxes
+    cdef Numbers times, xs, ys, boxes
     cdef double _between(self, Py_ssize_t i, Py_ssize_t j) noexcept
     cdef double _gap(self, Py_ssize_t i, Py_ssize_t j, Py_ssize_t k) noexcept
     cdef Py_ssize_t _passed(

@@ -3,8 +3,7 @@ from navigation.kernels.cubics cimport *
 from navigation.kernels.numbers cimport *
 
 cdef Py_ssize_t _R
-cdef double _RESOLUTION
-cdef double _JUST_NOW
+cdef double _RESOLUTION, _JUST_NOW
 
 cpdef list[Py_ssize_t] within_bounds(
     Numbers boxes,

@@ -1,19 +1,12 @@
 from libc.math cimport sqrt
 from navigation.kernels.numbers cimport *
 
-cdef double _WIDER
-cdef double _LEVEL
-cdef Py_ssize_t _LATELY
-cdef Py_ssize_t _LOOKED_AT
+cdef double _WIDER, _LEVEL
+cdef Py_ssize_t _LATELY, _LOOKED_AT
 
 cdef class Grid:
-    cdef double width
-    cdef double low_x
-    cdef double low_y
-    cdef Py_ssize_t columns
-    cdef Py_ssize_t rows
-    cdef Py_ssize_t first
-    cdef Py_ssize_t last
+    cdef double width, low_x, low_y
+    cdef Py_ssize_t columns, rows, first, last
     cdef list[Numbers] cells
     cdef Numbers lately
     cpdef bint touched(self, double ax, double ay, double bx, double by, double radius)
@@ -29,8 +22,7 @@ cdef class Room:
     cdef Grid floor
     cdef double radius
     cdef public Py_ssize_t asked
-    cdef list[Numbers] bodies
-    cdef list[Numbers] gates
+    cdef list[Numbers] bodies, gates
     cdef Numbers bounds
     cpdef bint holds(self, double x, double y)
     cpdef bint clear(self, double ax, double ay, double bx, double by, bint floor)

@@ -14,15 +14,9 @@ cdef struct Closest:
 
 cdef class Follower:
     cdef Numbers table
-    cdef Py_ssize_t rows
-    cdef Py_ssize_t row
-    cdef double since
-    cdef double begin
-    cdef double end
-    cdef double entered
-    cdef Cubic x
-    cdef Cubic y
-    cdef Cubic rotation
+    cdef Py_ssize_t rows, row
+    cdef double since, begin, end, entered
+    cdef Cubic x, y, rotation
     cdef int seek(self, double t) except -1
     cdef int go_on(self) except -1
     cdef int enter(self, double t) noexcept
@@ -30,18 +24,13 @@ cdef class Follower:
     cdef TaylorModel speed_over(self, double begin, double end) noexcept
 
 cdef class EncounterBounds:
-    cdef Follower person
-    cdef Follower machine
+    cdef Follower person, machine
     cdef list[Gauge] gauges
     cdef tuple ways
-    cdef double since
-    cdef double until
+    cdef double since, until
     cdef bint started
-    cdef Cubic x
-    cdef Cubic y
-    cdef double slack
-    cdef double lower
-    cdef double upper
+    cdef Cubic x, y
+    cdef double slack, lower, upper
     cdef Numbers ends
     cdef Py_ssize_t left
     cdef tuple paths(self)

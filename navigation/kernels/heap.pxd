@@ -9,8 +9,7 @@ ctypedef Entry* Entries
 cdef inline Entries _entries(Numbers row) noexcept:
     return <Entry*> row.data.as_doubles
 
-cdef Py_ssize_t _SOME
-cdef Py_ssize_t _WIDTH
+cdef Py_ssize_t _SOME, _WIDTH
 
 cdef class Heap:
     cdef Numbers entries

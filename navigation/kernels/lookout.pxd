@@ -11,28 +11,15 @@ cdef Py_ssize_t _PERSON
 
 cdef class Towards(LawEvaluator):
     cdef LawEvaluator law
-    cdef double speed
-    cdef double since
-    cdef double fixed
-    cdef double margin
-    cdef TaylorModel require(self, EncounterBounds encounter, double begin, double end) except *
+    cdef double speed, since, fixed, margin
 
 cdef class MotionSpan:
     cdef Numbers table
-    cdef double begin
-    cdef double end
-    cdef double fastest
-    cdef double x
-    cdef double y
-    cdef double last_x
-    cdef double last_y
-    cdef double last_speed
+    cdef double begin, end, fastest, x, y, last_x, last_y, last_speed
 
 cdef class Lookout:
     cdef LawEvaluator law
-    cdef double margin
-    cdef double rounding
-    cdef double resolution
+    cdef double margin, rounding, resolution
     cpdef tuple safe_until(
         self, Numbers motion, Stops stops, list[double] people, double now, double least
     )

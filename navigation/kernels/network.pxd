@@ -13,9 +13,7 @@ cdef struct Bend:
 ctypedef Portal* Portals
 ctypedef Bend* Bends
 
-cdef double _SLACK
-cdef double _WIDER
-cdef double _ROUNDING
+cdef double _SLACK, _WIDER, _ROUNDING
 cdef Py_ssize_t _WAITING
 
 cdef inline Portals _portals(Numbers row) noexcept:
@@ -27,9 +25,7 @@ cdef inline Bends bends_of(Numbers row) noexcept:
 cdef class Network:
     cdef Py_ssize_t count
     cdef list links
-    cdef Numbers bends
-    cdef Numbers within
-    cdef Numbers portals
+    cdef Numbers bends, within, portals
     cdef list[Py_ssize_t] first_portal
     cdef list[Py_ssize_t] triangle
     cdef list[Py_ssize_t] first_bend

@@ -32,9 +32,15 @@ if not cython.compiled:
     INFINITY = float("inf")
     Numbers: TypeAlias = MutableSequence[float]
     Doubles: TypeAlias = MutableSequence[float]
+    Wholes: TypeAlias = MutableSequence[int]
+    Ints: TypeAlias = MutableSequence[int]
 
     def at(row: Numbers) -> Doubles:
         """Return what reads and writes a row of numbers by their indices."""
+        return row
+
+    def ints(row: Wholes) -> Ints:
+        """Return what reads and writes a row of whole numbers by their indices."""
         return row
 
     def cut(row: Numbers, count: int) -> None:
@@ -81,6 +87,12 @@ def row_at(
         else:
             low = middle + 1
     return low - 1
+
+
+def whole(value: cython.int, count: cython.Py_ssize_t) -> Wholes:
+    """Return a row of whole numbers that are all `value`."""
+    found: Wholes = array("i", [value]) * count
+    return found
 
 
 def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:

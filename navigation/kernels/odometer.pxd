@@ -1,8 +1,7 @@
 from navigation.kernels.cubics cimport *
 from navigation.kernels.numbers cimport *
 
-cdef Numbers _NODES
-cdef Numbers _WEIGHTS
+cdef Numbers _NODES, _WEIGHTS
 
 cdef struct TaylorModel:
     double value, slope, slack, curve
@@ -13,12 +12,8 @@ cdef inline double radius_of(TaylorModel model, double half) noexcept:
 cdef TaylorModel speed_along(PosePiece piece, double begin, double end) noexcept
 
 cdef class PathLength:
-    cdef Numbers table
-    cdef Numbers stretches
-    cdef Numbers before
-    cdef double total
-    cdef double start
-    cdef double finish
+    cdef Numbers table, stretches, before
+    cdef double total, start, finish
     cpdef double reading(self, double t) except? -1
     cdef TaylorModel length_ahead(self, double begin, double end, double seconds) except *
     cdef TaylorModel speed_over(self, double begin, double end) noexcept

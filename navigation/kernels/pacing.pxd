@@ -2,13 +2,8 @@ from libc.math cimport atan2, sqrt
 from navigation.kernels.cubics cimport *
 from navigation.kernels.numbers cimport *
 
-cdef Py_ssize_t _ROW
-cdef Py_ssize_t _WIDTH
-cdef Py_ssize_t _PHASES
-cdef double _SHORT
-cdef double _DEVIATION
-cdef double _HAIR
-cdef double _ROUNDING
+cdef Py_ssize_t _ROW, _WIDTH, _PHASES
+cdef double _SHORT, _DEVIATION, _HAIR, _ROUNDING
 
 cdef struct PathLeg:
     double x, y, c, s, length, top, first

@@ -16,5 +16,4 @@ cdef PosePiece _rest_at(PosePiece piece, double begin, double end) noexcept
 
 cdef class Pack:
     cdef readonly Py_ssize_t count
-    cdef Numbers kept
-    cdef Numbers last
+    cdef Numbers kept, last

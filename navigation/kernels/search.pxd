@@ -4,8 +4,7 @@ from navigation.kernels.heap cimport Entry, Heap
 from navigation.kernels.network cimport Bend, Bends, Network, bends_of, fits
 from navigation.kernels.numbers cimport *
 
-cdef Py_ssize_t _BEND
-cdef Py_ssize_t _LONG
+cdef Py_ssize_t _BEND, _LONG
 cdef double _BESIDE
 
 cdef class Search:

@@ -16,7 +16,6 @@ cdef class IntervalTest:
 cdef class TooCloseTest(IntervalTest):
     cdef LawEvaluator law
     cdef double rounding
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
     cdef int short_of(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef Closest margin_over(
@@ -25,47 +24,33 @@ cdef Closest margin_over(
 
 cdef class MovingTest(IntervalTest):
     cdef double limit
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class ApproachingTest(IntervalTest):
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
+    pass
 
 cdef class ApartTest(IntervalTest):
     cdef double metres
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class OverlappingTest(IntervalTest):
-    cdef double along
-    cdef double across
-    cdef double other_along
-    cdef double other_across
-    cdef double depth
-    cdef double reach
-    cdef double other_reach
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
+    cdef double along, across, other_along, other_across, depth, reach, other_reach
 
 cdef double swing_of(Cubic turn, double half) noexcept
 
 cdef class NotTest(IntervalTest):
     cdef IntervalTest other
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class BothTest(IntervalTest):
     cdef IntervalTest first
     cdef IntervalTest second
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class CustomTest(IntervalTest):
     cdef object condition
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class ChangeSearch:
     cdef IntervalTest judge
     cdef EncounterBounds encounter
-    cdef double end
-    cdef double resolution
-    cdef bint held
-    cdef bint over
+    cdef double end, resolution
+    cdef bint held, over
 
 cdef double next_change(
     IntervalTest judge, EncounterBounds encounter, double end, double resolution, bint held
