@@ -23,7 +23,7 @@ cdef class Room:
     cdef double radius
     cdef public Py_ssize_t asked
     cdef list[Numbers] bodies, gates
-    cdef Numbers bounds
+    cdef Numbers bounds, radii
     cpdef bint holds(self, double x, double y)
     cpdef bint clear(self, double ax, double ay, double bx, double by, bint floor)
 

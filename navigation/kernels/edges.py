@@ -1,5 +1,7 @@
 """Edges of a floor: whether a disc that is swept along a segment touches one.
 
+Edges are found in a uniform grid (J. Amanatides and A. Woo, "A fast voxel traversal algorithm for
+ray tracing", Eurographics 1987), and a place is inside by the parity of a ray's crossings.
 Edges are rows of numbers (see `numbers`): x and y of both ends of each in turn (metres).
 """
 
@@ -161,14 +163,11 @@ class Room:
         self.bodies = [edges for edges, _ in bodies]
         self.gates = gates
         self.bounds: Numbers = room(0)
-        rounding: float
+        self.radii: Numbers = room(0)
         for edges, rounding in bodies:
-            radius = self.radius + rounding
-            self.bounds.append(min(edges[0::2]) - radius)
-            self.bounds.append(min(edges[1::2]) - radius)
-            self.bounds.append(max(edges[0::2]) + radius)
-            self.bounds.append(max(edges[1::2]) + radius)
-            self.bounds.append(radius)
+            self.bounds.extend((min(edges[0::2]), min(edges[1::2])))
+            self.bounds.extend((max(edges[0::2]), max(edges[1::2])))
+            self.radii.append(radius + rounding)
 
     def holds(self, x: float, y: float) -> bool:
         """Return whether there is room for the disc at a place."""
@@ -190,15 +189,9 @@ class Room:
         bound: Doubles = at(self.bounds)
         k: cython.Py_ssize_t
         for k in range(len(self.bodies)):
-            o: cython.Py_ssize_t = 5 * k
-            if (
-                # A segment whose ends are both beyond one side of the bounds is beyond it as a
-                # whole.
-                (ax > bound[o] or bx > bound[o])
-                and (ay > bound[o + 1] or by > bound[o + 1])
-                and (ax < bound[o + 2] or bx < bound[o + 2])
-                and (ay < bound[o + 3] or by < bound[o + 3])
-                and touches(self.bodies[k], ax, ay, bx, by, bound[o + 4])
+            keep: float = at(self.radii)[k]
+            if _comes_into(bound, k, ax, ay, bx, by, keep) and touches(
+                self.bodies[k], ax, ay, bx, by, keep
             ):
                 return False
         return True
@@ -299,7 +292,10 @@ def _comes_into(
     by: float,
     radius: float,
 ) -> bool:
-    """Return whether a disc comes into the `k`-th of some bounds on the segment from a to b."""
+    """Return whether a disc comes into the `k`-th of some bounds on the segment from a to b.
+
+    A segment whose ends are both beyond one side of the bounds is beyond it as a whole.
+    """
     low_x: float = bound[4 * k] - radius
     low_y: float = bound[4 * k + 1] - radius
     high_x: float = bound[4 * k + 2] + radius

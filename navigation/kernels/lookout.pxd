@@ -4,10 +4,18 @@ from navigation.kernels.encounter cimport EncounterBounds
 from navigation.kernels.laws cimport LawEvaluator
 from navigation.kernels.numbers cimport *
 from navigation.kernels.odometer cimport PathLength, TaylorModel, radius_of
-from navigation.kernels.pieces cimport rest
+from navigation.kernels.pieces cimport instant, rest
 from navigation.kernels.watch cimport ChangeSearch, TooCloseTest
 
 cdef Py_ssize_t _PERSON
+
+cdef struct SeenPerson:
+    double x, y, top_speed, fixed
+
+ctypedef SeenPerson* SeenPeople
+
+cdef inline SeenPeople _seen(Numbers row) noexcept:
+    return <SeenPerson*> row.data.as_doubles
 
 cdef class Towards(LawEvaluator):
     cdef LawEvaluator law
@@ -26,16 +34,10 @@ cdef class Lookout:
     cpdef double lacking(
         self, Numbers motion, Stops stops, list[double] people, double now, double least
     ) except? -1
-    cdef double required(self, list[double] people, Py_ssize_t k, double speed) except? -1
-    cdef bint hinders(
-        self, list[double] people, Py_ssize_t k, MotionSpan on, double since
-    ) except -1
-    cdef bint in_reach(
-        self, list[double] people, Py_ssize_t k, MotionSpan on, double since
-    ) except -1
-    cdef double room(
-        self, list[double] people, Py_ssize_t k, MotionSpan on, double since
-    ) except? -1
+    cdef double required(self, SeenPerson person, double speed) except? -1
+    cdef bint hinders(self, SeenPerson person, MotionSpan on, double since) except -1
+    cdef bint in_reach(self, SeenPerson person, MotionSpan on, double since) except -1
+    cdef double spare(self, SeenPerson person, MotionSpan on, double since) except? -1
 
 cpdef double nearest_on(
     Numbers motion,

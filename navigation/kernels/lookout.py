@@ -1,9 +1,10 @@
 """Until when a machine may follow a motion, if it is to keep its distance from people by stopping.
 
-Of somebody seen at a place no more is known than their top speed: a circle about it that grows.
-People are rows of x, y, top speed (m/s), and what a law that looks ahead asks for from them
-(metres; less than 0 where it depends on the machine's speed). Tables of motions are those of
-`pieces`.
+Of a person seen at a place no more is known than their top speed: a disc about it that grows. A
+motion is safe as long as the machine could stop from it at any time before it is too close, as in
+the passive motion safety of inevitable collision states (S. Bouraine, T. Fraichard and H. Salhi,
+"Provably safe navigation for mobile robots with limited field-of-views in dynamic environments",
+Autonomous Robots 32, 2012). People are rows of numbers as those of `SeenPerson`.
 """
 
 from __future__ import annotations
@@ -11,9 +12,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import cython
 else:
     from . import uncompiled as cython
+
+from .numbers import numbers
 
 if not cython.compiled:
     from .braking import Stops
@@ -22,9 +27,16 @@ if not cython.compiled:
     from .laws import LawEvaluator
     from .numbers import *
     from .odometer import PathLength, radius_of
-    from .pieces import rest
-    from .uncompiled import TaylorModel
+    from .pieces import instant, rest
+    from .uncompiled import Rows, SeenPerson, TaylorModel
     from .watch import ChangeSearch, TooCloseTest
+
+    SeenPeople: TypeAlias = "Rows[SeenPerson]"
+
+    def _seen(row: Numbers) -> SeenPeople:
+        """Return people by their numbers."""
+        return Rows(row, SeenPerson, _PERSON)
+
 
 _PERSON: cython.Py_ssize_t = 4  # numbers of a person's row
 
@@ -66,23 +78,18 @@ class MotionSpan:
 
     def __init__(self, odometer: PathLength, begin: float, end: float) -> None:
         table: Numbers = odometer.table
-        row: PosePieces = poses(table)
         self.table = table
         self.begin = begin
         self.end = end
         pace: TaylorModel = odometer.speed_over(begin, end)
         self.fastest = pace.value + radius_of(pace, (end - begin) / 2)
-        first: PosePiece = row[max(pose_at(table, begin), 0)]
-        u: float = held(first.begin, first.end, begin)
-        self.x = value(first.x, u)
-        self.y = value(first.y, u)
-        last: PosePiece = row[max(pose_at(table, end), 0)]
-        u = held(last.begin, last.end, end)
-        self.last_x = value(last.x, u)
-        self.last_y = value(last.y, u)
-        self.last_speed = 0.0
-        if row[0].begin <= end < end_of(table):
-            self.last_speed = speed(last.x, last.y, u)
+        first: PosePiece = instant(table, begin)
+        self.x = first.x.p
+        self.y = first.y.p
+        last: PosePiece = instant(table, end)
+        self.last_x = last.x.p
+        self.last_y = last.y.p
+        self.last_speed = norm(last.x.v, last.y.v)
 
 
 class Lookout:
@@ -108,6 +115,9 @@ class Lookout:
         The row is -1 if nobody ends it before the end of the motion.
         """
         finish: float = end_of(motion)
+        row: Numbers = numbers(people)
+        person: SeenPeople = _seen(row)
+        count: cython.Py_ssize_t = len(row) // _PERSON
         k: cython.Py_ssize_t
         if not people or now >= finish:
             return finish, -1
@@ -115,8 +125,8 @@ class Lookout:
         odometer: PathLength = PathLength(motion)
         whole: MotionSpan = MotionSpan(odometer, now, finish)
         near: cython.bint = False
-        for k in range(len(people) // _PERSON):
-            near = near or self.in_reach(people, k, whole, now)
+        for k in range(count):
+            near = near or self.in_reach(person[k], whole, now)
         if not near:
             return finish, -1
         until: float = now
@@ -129,8 +139,8 @@ class Lookout:
             # half of it.
             stop: Numbers = stops.table(motion, then)
             stopping: MotionSpan = MotionSpan(PathLength(stop), then, end_of(stop))
-            for k in range(len(people) // _PERSON):
-                if self.hinders(people, k, on, now) or self.hinders(people, k, stopping, now):
+            for k in range(count):
+                if self.hinders(person[k], on, now) or self.hinders(person[k], stopping, now):
                     return until, k
             until = then
             ahead = 2 * ahead
@@ -147,58 +157,44 @@ class Lookout:
         on: MotionSpan = MotionSpan(PathLength(motion), now, then)
         stop: Numbers = stops.table(motion, then)
         stopping: MotionSpan = MotionSpan(PathLength(stop), then, end_of(stop))
-        return -min(self.room(people, 0, on, now), self.room(people, 0, stopping, now))
+        row: Numbers = numbers(people)
+        first: SeenPerson = _seen(row)[0]
+        return -min(self.spare(first, on, now), self.spare(first, stopping, now))
 
-    def required(self, people: list[float], k: cython.Py_ssize_t, speed: float) -> float:
-        """Return the metres to keep from somebody at their top speed, and at the machine's."""
-        fixed: float = people[k * _PERSON + 3]
-        if fixed >= 0.0:
-            return fixed
-        return self.law.distance(people[k * _PERSON + 2], speed) + self.margin
+    def required(self, person: SeenPerson, speed: float) -> float:
+        """Return the metres to keep from a person at their top speed, and at the machine's."""
+        if person.fixed >= 0.0:
+            return person.fixed
+        return self.law.distance(person.top_speed, speed) + self.margin
 
-    def hinders(
-        self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
-    ) -> cython.bint:
-        """Return whether somebody, seen at `since`, may come too close on a part."""
+    def hinders(self, person: SeenPerson, on: MotionSpan, since: float) -> cython.bint:
+        """Return whether a person, seen at `since`, may come too close on a part."""
         # Two cheap answers first: too close at the end, or out of reach all the while. Only what
         # lies between is searched for in continuous time.
-        if self.room(people, k, on, since) < 0.0:
+        if self.spare(person, on, since) < 0.0:
             return True
-        if not self.in_reach(people, k, on, since):
+        if not self.in_reach(person, on, since):
             return False
-        o: cython.Py_ssize_t = k * _PERSON
-        x: float = people[o]
-        y: float = people[o + 1]
         # A motion of no length stands for ever where it is.
-        still: Numbers = rest(0.0, 0.0, x, y, 0.0)
-        law: Towards = Towards(self.law, people[o + 2], since, people[o + 3], self.margin)
+        still: Numbers = rest(0.0, 0.0, person.x, person.y, 0.0)
+        law: Towards = Towards(self.law, person.top_speed, since, person.fixed, self.margin)
         encounter: EncounterBounds = EncounterBounds(still, on.table, [], 0.0)
         judge: TooCloseTest = TooCloseTest(law, self.rounding)
         watch: ChangeSearch = ChangeSearch(judge, encounter, on.begin, on.end, self.resolution)
         return watch.change() is not None
 
-    def in_reach(
-        self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
-    ) -> cython.bint:
+    def in_reach(self, person: SeenPerson, on: MotionSpan, since: float) -> cython.bint:
         """Return whether the two may come too close on a part, whatever they do on the way."""
-        o: cython.Py_ssize_t = k * _PERSON
-        walked: float = people[o + 2] * (on.end - since)
+        walked: float = person.top_speed * (on.end - since)
         reach: float = on.fastest * (on.end - on.begin) + walked
-        reach += self.required(people, k, on.fastest)
-        dx: float = people[o] - on.x
-        dy: float = people[o + 1] - on.y
-        return norm(dx, dy) < reach
+        reach += self.required(person, on.fastest)
+        return norm(person.x - on.x, person.y - on.y) < reach
 
-    def room(
-        self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
-    ) -> float:
-        """Return the metres left at the end of a part beyond what is asked for there."""
-        o: cython.Py_ssize_t = k * _PERSON
-        asked: float = self.required(people, k, on.last_speed)
-        asked += people[o + 2] * (on.end - since)
-        dx: float = people[o] - on.last_x
-        dy: float = people[o + 1] - on.last_y
-        return norm(dx, dy) - asked
+    def spare(self, person: SeenPerson, on: MotionSpan, since: float) -> float:
+        """Return the metres left at the end of a part beyond the required distance there."""
+        required: float = self.required(person, on.last_speed)
+        required += person.top_speed * (on.end - since)
+        return norm(person.x - on.last_x, person.y - on.last_y) - required
 
 
 def nearest_on(
@@ -224,16 +220,12 @@ def nearest_on(
         if t >= end:
             t = end
             over = True
-        # Before the motion begins its first piece is held at its beginning.
-        piece: PosePiece = poses(motion)[max(pose_at(motion, t), 0)]
-        u: float = held(piece.begin, piece.end, t)
-        x: float = value(piece.x, u)
-        y: float = value(piece.y, u)
+        here: PosePiece = instant(motion, t)
         after: float = min(t - now, horizon)
         for k in range(len(people) // _PERSON):
             p: cython.Py_ssize_t = k * _PERSON
-            dx: float = x - (people[p] + after * people[p + 2])
-            dy: float = y - (people[p + 1] + after * people[p + 3])
+            dx: float = here.x.p - (people[p] + after * people[p + 2])
+            dy: float = here.y.p - (people[p + 1] + after * people[p + 3])
             least = min(least, norm(dx, dy))
         i += 1
         t = begin + i * step

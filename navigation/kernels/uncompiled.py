@@ -149,3 +149,16 @@ class Pace(NamedTuple):
     initial_speed: float
     max_speed: float
     acceleration: float
+
+
+class SeenPerson(NamedTuple):
+    """Person as a machine sees them: place (metres), top speed (m/s), and a fixed distance.
+
+    That is what a law that looks ahead requires (metres), or less than 0 where it depends on the
+    machine's speed.
+    """
+
+    x: float
+    y: float
+    top_speed: float
+    fixed: float
