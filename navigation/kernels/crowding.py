@@ -68,14 +68,12 @@ class DiscWindow:
         t: Doubles = at(self.times)
         x: Doubles = at(self.xs)
         y: Doubles = at(self.ys)
-        box: Doubles = at(self.boxes)
         i: cython.Py_ssize_t
         k: cython.Py_ssize_t
         for i in range(len(self.tables)):
             table: Numbers = self.tables[i]
             row: cython.Py_ssize_t = self.rows[i]
-            box[4 * i] = box[4 * i + 1] = INFINITY
-            box[4 * i + 2] = box[4 * i + 3] = -INFINITY
+            box: Box = Box(INFINITY, INFINITY, -INFINITY, -INFINITY)
             for k in range(width):
                 row = planar_from(table, row, t[k])
                 piece: PlanarPiece = planar(table)[row]
@@ -83,10 +81,8 @@ class DiscWindow:
                 n: cython.Py_ssize_t = i * width + k
                 x[n] = value(piece.x, u)
                 y[n] = value(piece.y, u)
-                box[4 * i] = min(box[4 * i], x[n])
-                box[4 * i + 1] = min(box[4 * i + 1], y[n])
-                box[4 * i + 2] = max(box[4 * i + 2], x[n])
-                box[4 * i + 3] = max(box[4 * i + 3], y[n])
+                box = united(box, Box(x[n], y[n], x[n], y[n]))
+            boxes_of(self.boxes)[i] = box
             self.rows[i] = row
 
     def centre(self, i: cython.Py_ssize_t, k: cython.Py_ssize_t) -> tuple[float, float]:
@@ -158,11 +154,10 @@ class DiscWindow:
 
     def _between(self, i: cython.Py_ssize_t, j: cython.Py_ssize_t) -> float:
         """Return the distance between two discs by the bounds of their centres, metres."""
-        a: Doubles = at(self.boxes)
-        o: cython.Py_ssize_t = 4 * i
-        p: cython.Py_ssize_t = 4 * j
-        dx: float = max(a[o] - a[p + 2], max(a[p] - a[o + 2], 0.0))
-        dy: float = max(a[o + 1] - a[p + 3], max(a[p + 1] - a[o + 3], 0.0))
+        a: Box = boxes_of(self.boxes)[i]
+        b: Box = boxes_of(self.boxes)[j]
+        dx: float = max(a.low_x - b.high_x, max(b.low_x - a.high_x, 0.0))
+        dy: float = max(a.low_y - b.high_y, max(b.low_y - a.high_y, 0.0))
         least: float = at(self.radii)[i] + at(self.radii)[j]
         return norm(dx, dy) - least
 

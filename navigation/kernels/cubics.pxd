@@ -7,6 +7,9 @@ cdef struct Cubic:
 cdef struct Range:
     double low, high
 
+cdef struct Box:
+    double low_x, low_y, high_x, high_y
+
 cdef struct PlanarPiece:
     double begin, end
     Cubic x, y
@@ -19,9 +22,16 @@ cdef struct Phase:
     double duration
     Cubic c
 
+ctypedef Box* Boxes
 ctypedef PlanarPiece* PlanarPieces
 ctypedef PosePiece* PosePieces
 ctypedef Phase* Phases
+
+cdef inline Boxes boxes_of(Numbers row) noexcept:
+    return <Box*> row.data.as_doubles
+
+cdef inline Py_ssize_t box_count(Numbers row) noexcept:
+    return len(row) // 4
 
 cdef inline PlanarPieces planar(Numbers table) noexcept:
     return <PlanarPiece*> table.data.as_doubles
@@ -135,3 +145,19 @@ cdef inline double nearest_on_line(Cubic x, Cubic y, double half) noexcept:
         return 0.0
     u = -(x.p * x.v + y.p * y.v) / square
     return -half if u < -half else half if u > half else u
+
+cdef inline Box united(Box a, Box b) noexcept:
+    return Box(
+        min(a.low_x, b.low_x),
+        min(a.low_y, b.low_y),
+        max(a.high_x, b.high_x),
+        max(a.high_y, b.high_y),
+    )
+
+cdef inline bint are_within(Box a, Box b, double least) noexcept:
+    return (
+        a.low_x - b.high_x < least
+        and b.low_x - a.high_x < least
+        and a.low_y - b.high_y < least
+        and b.low_y - a.high_y < least
+    )

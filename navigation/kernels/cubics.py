@@ -35,6 +35,15 @@ class Range(NamedTuple):
     high: float
 
 
+class Box(NamedTuple):
+    """Axis-aligned bounds (metres)."""
+
+    low_x: float
+    low_y: float
+    high_x: float
+    high_y: float
+
+
 class PlanarPiece(NamedTuple):
     """Piece of the motion of a point: its time span (seconds), and its coordinates (metres)."""
 
@@ -59,6 +68,19 @@ class Phase(NamedTuple):
 
     duration: float
     c: Cubic
+
+
+class Boxes:
+    """The boxes of a row by their numbers."""
+
+    def __init__(self, row: Numbers) -> None:
+        self.row = row
+
+    def __getitem__(self, k: int) -> Box:
+        return Box(*self.row[4 * k : 4 * k + 4])
+
+    def __setitem__(self, k: int, box: Box) -> None:
+        self.row[4 * k : 4 * k + 4] = box
 
 
 class PlanarPieces:
@@ -103,6 +125,16 @@ class Phases:
 
     def __setitem__(self, k: int, phase: Phase) -> None:
         self.table[5 * k : 5 * k + 5] = [phase.duration, *phase.c]
+
+
+def boxes_of(row: Numbers) -> Boxes:
+    """Return the boxes of a row."""
+    return Boxes(row)
+
+
+def box_count(row: Numbers) -> int:
+    """Return the number of boxes of a row."""
+    return len(row) // 4
 
 
 def planar(table: Numbers) -> PlanarPieces:
@@ -281,3 +313,19 @@ def nearest_on_line(x: Cubic, y: Cubic, half: float) -> float:
         return 0.0
     u = -(x.p * x.v + y.p * y.v) / square
     return -half if u < -half else half if u > half else u
+
+
+def united(a: Box, b: Box) -> Box:
+    """Return the bounds of two boxes."""
+    low_x, low_y = min(a.low_x, b.low_x), min(a.low_y, b.low_y)
+    return Box(low_x, low_y, max(a.high_x, b.high_x), max(a.high_y, b.high_y))
+
+
+def are_within(a: Box, b: Box, least: float) -> bool:
+    """Return whether two boxes are nearer to each other than `least` along both axes."""
+    return (
+        a.low_x - b.high_x < least
+        and b.low_x - a.high_x < least
+        and a.low_y - b.high_y < least
+        and b.low_y - a.high_y < least
+    )

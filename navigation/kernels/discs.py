@@ -45,17 +45,17 @@ def within_bounds(
     about are `low_x`, `low_y`, `high_x` and `high_y`.
     """
     found: list[cython.Py_ssize_t] = []
-    b: Doubles = at(boxes)
     k: cython.Py_ssize_t
-    for k in range(len(boxes) // 4):
+    for k in range(box_count(boxes)):
+        b: Box = boxes_of(boxes)[k]
         if (
-            b[4 * k] < high_x
-            and b[4 * k + 2] > low_x
-            and b[4 * k + 1] < high_y
-            and b[4 * k + 3] > low_y
+            b.low_x < high_x
+            and b.high_x > low_x
+            and b.low_y < high_y
+            and b.high_y > low_y
             and k != but
         ):
-            found.append(k)  # noqa: PERF401
+            found.append(k)
     return found
 
 
@@ -69,21 +69,17 @@ def swept(pieces: Numbers, begin: float, since: float, x: float, y: float, box: 
     table: Numbers = planar_room(pose_count(pieces) + 1)
     row: PlanarPieces = planar(table)
     piece: PosePieces = poses(pieces)
-    extent: Doubles = at(box)
-    extent[0] = extent[2] = x
-    extent[1] = extent[3] = y
+    extent: Box = Box(x, y, x, y)
     k: cython.Py_ssize_t
     for k in range(pose_count(pieces)):
         p: PosePiece = piece[k]
         if p.end > begin and p.end > p.begin:
             row[count] = PlanarPiece(p.begin, p.end, p.x, p.y)
             count += 1
-            along: Range = bounds(p.x, p.end - p.begin)
-            extent[0] = min(extent[0], along.low)
-            extent[2] = max(extent[2], along.high)
-            along = bounds(p.y, p.end - p.begin)
-            extent[1] = min(extent[1], along.low)
-            extent[3] = max(extent[3], along.high)
+            across: Range = bounds(p.x, p.end - p.begin)
+            up: Range = bounds(p.y, p.end - p.begin)
+            extent = united(extent, Box(across.low, up.low, across.high, up.high))
+    boxes_of(box)[0] = extent
     row[count] = PlanarPiece(since, INFINITY, constant(x), constant(y))
     planar_cut(table, count + 1)
     return table
@@ -153,19 +149,10 @@ def first_but(
     """
     first: float = INFINITY
     who: cython.Py_ssize_t = -1
-    a: Doubles = at(box)
-    b: Doubles = at(boxes)
-    r: Doubles = at(radii)
+    a: Box = boxes_of(box)[0]
     k: cython.Py_ssize_t
     for k in range(len(radii)):
-        least: float = own + r[k]
-        if (
-            a[0] - b[4 * k + 2] < least
-            and b[4 * k] - a[2] < least
-            and a[1] - b[4 * k + 3] < least
-            and b[4 * k + 1] - a[3] < least
-            and not apart[k]
-        ):
+        if are_within(a, boxes_of(boxes)[k], own + at(radii)[k]) and not apart[k]:
             t: float = met(table, box, tables, boxes, radii, own, begin, first, k)
             if t < first:
                 first = t
@@ -186,14 +173,7 @@ def met(
 ) -> float:
     """Return when the k-th is met before `until`, as `first_met` has it; infinite if never."""
     least: float = own + at(radii)[k]
-    a: Doubles = at(box)
-    b: Doubles = at(boxes)
-    if (
-        a[0] - b[4 * k + 2] >= least
-        or b[4 * k] - a[2] >= least
-        or a[1] - b[4 * k + 3] >= least
-        or b[4 * k + 1] - a[3] >= least
-    ):
+    if not are_within(boxes_of(box)[0], boxes_of(boxes)[k], least):
         return INFINITY
     other: Numbers = tables[k]
     t: float = first_conflict(table, other, least, begin, until)

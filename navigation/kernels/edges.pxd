@@ -1,4 +1,5 @@
 from libc.math cimport sqrt
+from navigation.kernels.cubics cimport *
 from navigation.kernels.numbers cimport *
 
 cdef double _WIDER, _LEVEL
@@ -53,13 +54,7 @@ cpdef bint touches(
 ) except -1
 cpdef list come_into(Numbers bounds, list route, double radius)
 cdef bint _comes_into(
-    Doubles bound,
-    Py_ssize_t k,
-    double ax,
-    double ay,
-    double bx,
-    double by,
-    double radius,
+    Box box, double ax, double ay, double bx, double by, double radius
 ) noexcept
 cpdef bint back_through(
     Numbers line, double ax, double ay, double bx, double by

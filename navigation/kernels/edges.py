@@ -20,6 +20,7 @@ from .numbers import Place
 if not cython.compiled:
     from math import sqrt
 
+    from .cubics import *
     from .numbers import *
 
 _WIDER: float = 1.001  # of a radius: rounding hides no cell beside a sweep
@@ -186,11 +187,11 @@ class Room:
                     return False
             if self.floor.touched(ax, ay, bx, by, self.radius):
                 return False
-        bound: Doubles = at(self.bounds)
+        box: Boxes = boxes_of(self.bounds)
         k: cython.Py_ssize_t
         for k in range(len(self.bodies)):
             keep: float = at(self.radii)[k]
-            if _comes_into(bound, k, ax, ay, bx, by, keep) and touches(
+            if _comes_into(box[k], ax, ay, bx, by, keep) and touches(
                 self.bodies[k], ax, ay, bx, by, keep
             ):
                 return False
@@ -214,10 +215,10 @@ class Legs:
         """Return whether there is room on the segment from a, where there is, to b."""
         if self.walls.touched(ax, ay, bx, by, self.radius):
             return False
-        bound: Doubles = at(self.bounds)
+        box: Boxes = boxes_of(self.bounds)
         k: cython.Py_ssize_t
-        for k in range(len(self.bounds) // 4):
-            if _comes_into(bound, k, ax, ay, bx, by, self.radius):
+        for k in range(box_count(self.bounds)):
+            if _comes_into(box[k], ax, ay, bx, by, self.radius):
                 return bool(self.ask((ax, ay), (bx, by)))
         return True
 
@@ -266,8 +267,8 @@ def come_into(bounds: Numbers, route: list[Place], radius: float) -> list[tuple[
     segment and that of the bounds.
     """
     found: list[tuple[int, int]] = []
-    count: cython.Py_ssize_t = len(bounds) // 4
-    bound: Doubles = at(bounds)
+    count: cython.Py_ssize_t = box_count(bounds)
+    box: Boxes = boxes_of(bounds)
     ax: float
     ay: float
     bx: float
@@ -278,28 +279,20 @@ def come_into(bounds: Numbers, route: list[Place], radius: float) -> list[tuple[
         ax, ay = route[i]
         bx, by = route[i + 1]
         for k in range(count):
-            if _comes_into(bound, k, ax, ay, bx, by, radius):
+            if _comes_into(box[k], ax, ay, bx, by, radius):
                 found.append((i, k))  # noqa: PERF401
     return found
 
 
-def _comes_into(
-    bound: Doubles,
-    k: cython.Py_ssize_t,
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    radius: float,
-) -> bool:
-    """Return whether a disc comes into the `k`-th of some bounds on the segment from a to b.
+def _comes_into(box: Box, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
+    """Return whether a disc comes into a box on the segment from a to b.
 
-    A segment whose ends are both beyond one side of the bounds is beyond it as a whole.
+    A segment whose ends are both beyond one side of the box is beyond it as a whole.
     """
-    low_x: float = bound[4 * k] - radius
-    low_y: float = bound[4 * k + 1] - radius
-    high_x: float = bound[4 * k + 2] + radius
-    high_y: float = bound[4 * k + 3] + radius
+    low_x: float = box.low_x - radius
+    low_y: float = box.low_y - radius
+    high_x: float = box.high_x + radius
+    high_y: float = box.high_y + radius
     return (
         (ax > low_x or bx > low_x)
         and (ay > low_y or by > low_y)
