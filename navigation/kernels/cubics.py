@@ -14,9 +14,10 @@ polynomial basis: a centennial retrospective", Computer Aided Geometric Design 2
 from __future__ import annotations
 
 from math import sqrt
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from .numbers import PLANAR_WIDTH, POSE_WIDTH, Numbers, cut, room, row_at
+from .uncompiled import Rows
 
 
 class Cubic(NamedTuple):
@@ -70,66 +71,27 @@ class Phase(NamedTuple):
     c: Cubic
 
 
-class Boxes:
-    """The boxes of a row by their numbers."""
-
-    def __init__(self, row: Numbers) -> None:
-        self.row = row
-
-    def __getitem__(self, k: int) -> Box:
-        return Box(*self.row[4 * k : 4 * k + 4])
-
-    def __setitem__(self, k: int, box: Box) -> None:
-        self.row[4 * k : 4 * k + 4] = box
+Boxes: TypeAlias = "Rows[Box]"
+PlanarPieces: TypeAlias = "Rows[PlanarPiece]"
+PosePieces: TypeAlias = "Rows[PosePiece]"
+Phases: TypeAlias = "Rows[Phase]"
 
 
-class PlanarPieces:
-    """The pieces of a table by their numbers."""
-
-    def __init__(self, table: Numbers) -> None:
-        self.table = table
-
-    def __getitem__(self, k: int) -> PlanarPiece:
-        begin, end, *c = self.table[10 * k : 10 * k + 10]
-        return PlanarPiece(begin, end, Cubic(*c[:4]), Cubic(*c[4:]))
-
-    def __setitem__(self, k: int, piece: PlanarPiece) -> None:
-        begin, end, x, y = piece
-        self.table[10 * k : 10 * k + 10] = [begin, end, *x, *y]
+def _planar_piece(begin: float, end: float, *c: float) -> PlanarPiece:
+    return PlanarPiece(begin, end, Cubic(*c[:4]), Cubic(*c[4:]))
 
 
-class PosePieces:
-    """The pieces of a table by their numbers, with their rotation."""
-
-    def __init__(self, table: Numbers) -> None:
-        self.table = table
-
-    def __getitem__(self, k: int) -> PosePiece:
-        begin, end, *c = self.table[14 * k : 14 * k + 14]
-        return PosePiece(begin, end, Cubic(*c[:4]), Cubic(*c[4:8]), Cubic(*c[8:]))
-
-    def __setitem__(self, k: int, piece: PosePiece) -> None:
-        begin, end, x, y, rotation = piece
-        self.table[14 * k : 14 * k + 14] = [begin, end, *x, *y, *rotation]
+def _pose_piece(begin: float, end: float, *c: float) -> PosePiece:
+    return PosePiece(begin, end, Cubic(*c[:4]), Cubic(*c[4:8]), Cubic(*c[8:]))
 
 
-class Phases:
-    """The phases of a table by their numbers."""
-
-    def __init__(self, table: Numbers) -> None:
-        self.table = table
-
-    def __getitem__(self, k: int) -> Phase:
-        duration, *c = self.table[5 * k : 5 * k + 5]
-        return Phase(duration, Cubic(*c))
-
-    def __setitem__(self, k: int, phase: Phase) -> None:
-        self.table[5 * k : 5 * k + 5] = [phase.duration, *phase.c]
+def _phase(duration: float, *c: float) -> Phase:
+    return Phase(duration, Cubic(*c))
 
 
 def boxes_of(row: Numbers) -> Boxes:
     """Return the boxes of a row."""
-    return Boxes(row)
+    return Rows(row, Box, 4)
 
 
 def box_count(row: Numbers) -> int:
@@ -139,27 +101,27 @@ def box_count(row: Numbers) -> int:
 
 def planar(table: Numbers) -> PlanarPieces:
     """Return the pieces of a table of x and y."""
-    return PlanarPieces(table)
+    return Rows(table, _planar_piece, PLANAR_WIDTH)
 
 
 def poses(table: Numbers) -> PosePieces:
     """Return the pieces of a table of x, y and rotation."""
-    return PosePieces(table)
+    return Rows(table, _pose_piece, POSE_WIDTH)
 
 
 def phases(table: Numbers) -> Phases:
     """Return the phases of a table."""
-    return Phases(table)
+    return Rows(table, _phase, 5)
 
 
 def planar_count(table: Numbers) -> int:
     """Return the number of pieces of a table of x and y."""
-    return len(table) // 10
+    return len(table) // PLANAR_WIDTH
 
 
 def pose_count(table: Numbers) -> int:
     """Return the number of pieces of a table of x, y and rotation."""
-    return len(table) // 14
+    return len(table) // POSE_WIDTH
 
 
 def phase_count(table: Numbers) -> int:
@@ -169,12 +131,12 @@ def phase_count(table: Numbers) -> int:
 
 def planar_room(count: int) -> Numbers:
     """Return room for a table of x and y of so many pieces."""
-    return room(10 * count)
+    return room(PLANAR_WIDTH * count)
 
 
 def pose_room(count: int) -> Numbers:
     """Return room for a table of x, y and rotation of so many pieces."""
-    return room(14 * count)
+    return room(POSE_WIDTH * count)
 
 
 def phase_room(count: int) -> Numbers:
@@ -184,12 +146,12 @@ def phase_room(count: int) -> Numbers:
 
 def planar_cut(table: Numbers, count: int) -> None:
     """Shorten a table of x and y to its first pieces."""
-    cut(table, 10 * count)
+    cut(table, PLANAR_WIDTH * count)
 
 
 def pose_cut(table: Numbers, count: int) -> None:
     """Shorten a table of x, y and rotation to its first pieces."""
-    cut(table, 14 * count)
+    cut(table, POSE_WIDTH * count)
 
 
 def phase_cut(table: Numbers, count: int) -> None:

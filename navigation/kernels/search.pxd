@@ -1,11 +1,30 @@
 from navigation.kernels.cubics cimport norm
 from navigation.kernels.edges cimport Room
-from navigation.kernels.heap cimport Entry, Heap
 from navigation.kernels.network cimport Bend, Bends, Network, bends_of, fits
 from navigation.kernels.numbers cimport *
 
-cdef Py_ssize_t _BEND, _LONG
+cdef Py_ssize_t _BEND, _ENTRY, _SOME, _LONG
 cdef double _BESIDE
+
+cdef struct Entry:
+    double bound, so_far
+    Py_ssize_t here, there
+
+ctypedef Entry* Entries
+
+cdef inline Entries _entries(Numbers row) noexcept:
+    return <Entry*> row.data.as_doubles
+
+
+cdef class Heap:
+    cdef Numbers entries
+    cdef readonly Py_ssize_t count
+    cdef int clear(self) except -1
+    cdef int push(self, Entry entry) except -1
+    cdef Entry pop(self) noexcept
+    cdef int _rise(self, Py_ssize_t place, Entry entry) noexcept
+
+cdef bint _precedes(Entry entry, Entry other) noexcept
 
 cdef class Search:
     cdef Network network

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import cython
 else:
     from . import uncompiled as cython
@@ -22,14 +24,86 @@ from .numbers import Place, numbers, numbers_of
 if not cython.compiled:
     from .cubics import norm
     from .edges import Room
-    from .heap import Heap
     from .network import Bends, Network, bends_of, fits
     from .numbers import *
-    from .uncompiled import Bend, Entry
+    from .uncompiled import Bend, Entry, Rows
+
+    Entries: TypeAlias = "Rows[Entry]"
+
+    def _entries(row: Numbers) -> Entries:
+        """Return entries by their numbers."""
+        return Rows(row, Entry, _ENTRY)
+
 
 _BEND: cython.Py_ssize_t = 7  # numbers of a bend
+_ENTRY: cython.Py_ssize_t = 4  # numbers of an entry
+_SOME: cython.Py_ssize_t = 256  # entries, at first
 _LONG: cython.Py_ssize_t = 256  # places that a search reaches before it asks if it is hopeless
 _BESIDE: float = 1.01  # of a bend's reach; nearer places may see a bend that they do not graze
+
+
+class Heap:
+    """Entries of a search, the least first.
+
+    A binary heap (J. W. J. Williams, "Algorithm 232: Heapsort", Communications of the ACM 7, 1964).
+    """
+
+    def __init__(self) -> None:
+        self.entries: Numbers = room(_ENTRY * _SOME)
+        self.count = 0
+
+    def clear(self) -> cython.int:
+        """Remove all entries."""
+        self.count = 0
+        return 0
+
+    def push(self, entry: Entry) -> cython.int:
+        """Add an entry."""
+        if _ENTRY * (self.count + 1) > len(self.entries):
+            grow(self.entries, 2 * len(self.entries))
+        self.count += 1
+        return self._rise(self.count - 1, entry)
+
+    def pop(self) -> Entry:
+        """Remove the least entry, and return it."""
+        row: Entries = _entries(self.entries)
+        least: Entry = row[0]
+        self.count -= 1
+        # The lesser children move up to the bottom, as the last entry is seldom a small one.
+        last: cython.Py_ssize_t = self.count
+        place: cython.Py_ssize_t = 0
+        child: cython.Py_ssize_t = 1
+        while child < last:
+            if child + 1 < last and _precedes(row[child + 1], row[child]):
+                child += 1
+            row[place] = row[child]
+            place = child
+            child = 2 * place + 1
+        self._rise(place, row[last])
+        return least
+
+    def _rise(self, place: cython.Py_ssize_t, entry: Entry) -> cython.int:
+        """Put an entry where it belongs on the path from `place` up to the top."""
+        row: Entries = _entries(self.entries)
+        while place > 0:
+            above: cython.Py_ssize_t = (place - 1) // 2
+            if not _precedes(entry, row[above]):
+                break
+            row[place] = row[above]
+            place = above
+        row[place] = entry
+        return 0
+
+
+def _precedes(entry: Entry, other: Entry) -> bool:
+    """Return whether an entry is less than another."""
+    if entry.bound != other.bound:
+        return entry.bound < other.bound
+    if entry.so_far != other.so_far:
+        return entry.so_far < other.so_far
+    if entry.here != other.here:
+        return entry.here < other.here
+    return entry.there < other.there
 
 
 class Search:

@@ -3,16 +3,19 @@
 Importing Cython itself would take longer than all else here, and it need not be installed.
 """
 
-from collections.abc import Callable, MutableSequence
-from typing import Generic, NamedTuple, TypeVar
+from collections.abc import Callable, Iterator, MutableSequence
+from typing import Generic, NamedTuple, TypeVar, cast
 
 compiled = False
 
-Row = TypeVar("Row", bound=tuple[float, ...])
+Row = TypeVar("Row", bound=tuple[object, ...])
 
 
 class Rows(Generic[Row]):
-    """Structs of a `kind` in a row of numbers, of `width` numbers each, from the one at `o` on."""
+    """Structs in a row of numbers, of `width` numbers each, from the one at `o` on.
+
+    `kind` makes one of its numbers. Structs in structs are laid out in turn.
+    """
 
     def __init__(
         self, row: MutableSequence[float], kind: Callable[..., Row], width: int, o: int = 0
@@ -28,7 +31,15 @@ class Rows(Generic[Row]):
 
     def __setitem__(self, k: int, struct: Row) -> None:
         o = self.o + self.width * k
-        self.row[o : o + self.width] = struct
+        self.row[o : o + self.width] = [*_numbers(struct)]
+
+
+def _numbers(struct: tuple[object, ...]) -> Iterator[float]:
+    for part in struct:
+        if isinstance(part, tuple):
+            yield from part
+        else:
+            yield cast(float, part)
 
 
 class Wedge(NamedTuple):
