@@ -1,6 +1,7 @@
 """Fastest stops in closed form: of an axis, of a gantry on its axes, of an AGV on its lane.
 
-Tables of motions are those of `pieces`.
+The profile of an axis has a limited acceleration and jerk: the double S of L. Biagiotti and C.
+Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4.
 """
 
 from __future__ import annotations
@@ -39,9 +40,7 @@ def braking(
 
     Without an end to the acceleration, one at full jerk to a peak p and back to none is the fastest
     change of velocity: by p² / j less what the acceleration b at the beginning has gained already,
-    b² / (2 j). Where p is more than `top`, it is kept at that for as long as the rest takes. See
-    L. Biagiotti and C. Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008,
-    section 3.4.
+    b² / (2 j). Where p is more than `top`, it is kept at that for as long as the rest takes.
     """
     table: Numbers = phase_room(3)
     here: Cubic = Cubic(position, velocity, 0.0, 0.0)

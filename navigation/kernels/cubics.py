@@ -130,17 +130,17 @@ def phase_count(table: Numbers) -> int:
 
 
 def planar_room(count: int) -> Numbers:
-    """Return room for a table of x and y of so many pieces."""
+    """Return a table of x and y of `count` pieces, which are to be set."""
     return room(PLANAR_WIDTH * count)
 
 
 def pose_room(count: int) -> Numbers:
-    """Return room for a table of x, y and rotation of so many pieces."""
+    """Return a table of x, y and rotation of `count` pieces, which are to be set."""
     return room(POSE_WIDTH * count)
 
 
 def phase_room(count: int) -> Numbers:
-    """Return room for a table of so many phases."""
+    """Return a table of `count` phases, which are to be set."""
     return room(5 * count)
 
 

@@ -28,7 +28,7 @@ ROW = PLANAR_WIDTH
 
 _R: cython.Py_ssize_t = ROW
 _RESOLUTION: float = 1e-4  # seconds; what is undecided when it is shorter counts as a conflict
-_JUST_NOW: float = 1e-3  # seconds; who is too close so soon is so already
+_JUST_NOW: float = 1e-3  # seconds; a disc that is too close so soon is so already
 
 
 def within_bounds(
@@ -39,10 +39,9 @@ def within_bounds(
     high_y: float,
     but: cython.Py_ssize_t = -1,
 ) -> list[cython.Py_ssize_t]:
-    """Return who of those with these bounds, `but` one, may come into some: their indices.
+    """Return the indices of the boxes, `but` one, that overlap the given bounds.
 
-    `boxes` holds four numbers for each: least x and y, greatest x and y (metres). Those asked
-    about are `low_x`, `low_y`, `high_x` and `high_y`.
+    `boxes` are rows as those of `Box`.
     """
     found: list[cython.Py_ssize_t] = []
     k: cython.Py_ssize_t
@@ -110,12 +109,11 @@ def first_met(
     begin: float,
     when: Numbers,
 ) -> cython.Py_ssize_t:
-    """Return who of those `near` is met first from `begin` (seconds) on; -1 for nobody.
+    """Return the disc of those `near` with the first conflict from `begin` (seconds) on, or -1.
 
-    `table` is the motion of one, `tables` those of all others. To meet one of them is to come
-    closer than `own` and their radius of `radii` (metres); who is closer already is met by coming
-    closer still. `box` and `boxes` bound the motions: least x and y, greatest x and y, four numbers
-    for each. When it is, is `when[0]`.
+    `table` is the motion of one, `tables` those of all others. A conflict is a distance less than
+    `own` and their radius of `radii` (metres); discs that are closer already are in conflict when
+    they come closer still. `box` and `boxes` bound the motions. The time is in `when[0]`.
     """
     first: float = INFINITY
     who: cython.Py_ssize_t = -1
@@ -142,7 +140,7 @@ def first_but(
     begin: float,
     apart: bytearray,
 ) -> cython.Py_ssize_t:
-    """Return who of all but those `apart` is met first from `begin` (seconds) on; -1 for nobody.
+    """Return the disc of all but those `apart` with the first conflict from `begin` on, or -1.
 
     `apart` has a byte for each, 0 for who counts. For `table`, `box`, `tables`, `boxes`, `radii`
     and `own` see `first_met`.
@@ -199,7 +197,7 @@ def distance_travelled(table: Numbers, since: float, t: float) -> float:
         p: PlanarPiece = row[k]
         if since <= p.begin < t:
             u: float = (p.end if p.end < t else t) - p.begin
-            # On a straight leg nobody turns back, so that the chord is the path.
+            # On a straight leg a walk never turns back, so that the chord is the path.
             total += norm(gain(p.x, u), gain(p.y, u))
     return total
 

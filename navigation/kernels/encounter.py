@@ -1,9 +1,9 @@
 """Bounds on the distance of two motions, and on how fast it shrinks, over intervals of time.
 
 The distance is bounded to third order by its Taylor model about the middle of an interval: exact
-for the tangents, which are convex, and with a bound of the rest. Halving what is undecided is
-conservative advancement by bisection (B. Mirtich, "Impulse-based dynamic simulation of rigid body
-systems", 1996), which misses nothing.
+for the tangents, which are convex, and with a bound of the rest. Undecided intervals are halved, so
+that nothing is missed: interval subdivision as in S. Redon, A. Kheddar and S. Coquillart, "Fast
+continuous collision detection between rigid bodies", Computer Graphics Forum 21, 2002.
 """
 
 from __future__ import annotations

@@ -44,15 +44,16 @@ def followed(
     beside: float,
     slow: list[cython.Py_ssize_t],
 ) -> cython.Py_ssize_t:
-    """Return who of those `near` keeps somebody below `top_speed` (m/s) most; -1 for nobody.
+    """Return the index of the leader that limits speed most, or -1.
 
-    That is at `t` (seconds) for somebody of radius `own` at `x`, `y` who walks in the direction
-    with the cosine `c` and the sine `s`: who walks ahead of them, the same way (the cosine between
-    the directions is above `same_way`), and leaves them no room for their time `gap` at that speed
-    once they have come to it in `ahead` seconds, by the speed over the next that one `sees`. It is
-    nobody if somebody ahead comes the other way, at most `beside` metres to either side. `tables`
-    and `radii` are everybody's; `slow` receives those ahead who hardly move: they may be among
-    those who come, or who are followed.
+    At `t` (seconds) the follower of radius `own` is at `x`, `y`, walks in the direction with the
+    cosine `c` and the sine `s`, and is at most `top_speed` (m/s) fast. A leader is one of those
+    `near` who walks ahead, in the same direction (the cosine between
+    the directions is above `same_way`), and leaves no room for the time `gap` at that speed after
+    `ahead` seconds, by the leader's speed over the next seconds, as many as one `sees`. There is no
+    leader if a person ahead comes the other way, at most `beside` metres to either side. `tables`
+    and `radii` are those of all people. `slow` receives the people ahead who hardly move: they may
+    be leaders, or come the other way.
     """
     found: cython.Py_ssize_t = -1
     least: float = top_speed
@@ -73,13 +74,13 @@ def followed(
         vx: float = slope(piece.x, u)
         vy: float = slope(piece.y, u)
         speed: float = norm(vx, vy)
-        # Of somebody who hardly moves the velocity gives no direction; the caller knows their
+        # The velocity of a person who hardly moves gives no direction; the caller knows their
         # route.
         if speed <= _SLOW or piece.begin > t:
             slow.append(near[i])
             continue
         same: float = (vx * c + vy * s) / speed
-        # A gap kept before somebody who comes would only draw them into it.
+        # A gap kept before a person who comes would only draw them into it.
         if same < -same_way and away < beside:
             del slow[:]
             return -1
@@ -98,7 +99,7 @@ def followed(
 def speed_behind(
     along: float, away: float, touch: float, walks_on: float, gap: float, ahead: float
 ) -> float:
-    """Return the speed (m/s) at which somebody keeps their distance from who walks ahead of them.
+    """Return the speed (m/s) at which a follower keeps the distance from a leader.
 
     The other is `along` metres ahead and `away` to the side, goes on at `walks_on` (m/s), and their
     bodies meet at a distance of `touch`. The distance to be kept is that of the time `gap` at this
@@ -108,6 +109,6 @@ def speed_behind(
     room: float = along - sqrt(touch * touch - away * away)
     # What the room will be by then is to be v times the time gap: room + (u - v) * ahead = v * gap.
     # That is the model's v = s / T for a room that is yet to come.
-    # Who is only half in the way needs less of the gap.
+    # A leader who is only half in the way needs less of the gap.
     most: float = (room + walks_on * ahead) / (gap * (1.0 - away / touch) + ahead)
     return most

@@ -1,4 +1,4 @@
-"""Cells of a floor: shortest paths round those that are blocked, and those that an area covers."""
+"""Cells of a floor: shortest paths around blocked cells (A*), and cells that an area covers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if not cython.compiled:
     from .numbers import *
 
 SOME: int = 2
-"""Answer of who is asked about a cell that an area covers in part."""
+"""Answer for a cell that an area covers in part."""
 
 # Whole numbers, so that costs go into buckets; 7 / 5 is √2 but for 1 %.
 _STRAIGHT: cython.Py_ssize_t = 5  # cost of a step to a neighbour, and of one across a corner

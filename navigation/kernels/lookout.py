@@ -42,7 +42,7 @@ _PERSON: cython.Py_ssize_t = 4  # numbers of a person's row
 
 
 class Towards(LawEvaluator):
-    """What `law` asks for if somebody walks straight at the machine, on their distance at `since`.
+    """What `law` requires if a person walks straight at the machine, of their distance at `since`.
 
     It is `fixed` metres where that is not less than 0; `margin` metres are kept in addition.
     """
@@ -112,7 +112,7 @@ class Lookout:
         """Return an instant until which `motion` may be followed, and the row of who ends it.
 
         It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
-        The row is -1 if nobody ends it before the end of the motion.
+        The row is -1 if no person ends it before the end of the motion.
         """
         finish: float = end_of(motion)
         row: Numbers = numbers(people)
@@ -175,7 +175,7 @@ class Lookout:
             return True
         if not self.in_reach(person, on, since):
             return False
-        # A motion of no length stands for ever where it is.
+        # A motion of no length rests where it is.
         still: Numbers = rest(0.0, 0.0, person.x, person.y, 0.0)
         law: Towards = Towards(self.law, person.top_speed, since, person.fixed, self.margin)
         encounter: EncounterBounds = EncounterBounds(still, on.table, [], 0.0)

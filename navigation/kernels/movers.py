@@ -1,7 +1,4 @@
-"""Movers: those of a throng who are about to move together, each of whom others may meet.
-
-For the tables see `discs`.
-"""
+"""People who are about to change their motions together, and their conflicts with all others."""
 
 from __future__ import annotations
 

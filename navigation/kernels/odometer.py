@@ -80,7 +80,7 @@ class PathLength:
         raise NotImplementedError
 
     def reading(self, t: float) -> float:
-        """The metres gone from the motion's start to `t` (seconds); exact to 1e-12 of them."""
+        """Return the length of the path up to `t` (seconds), metres; exact to 1e-12 of it."""
         if len(self.stretches) == 0:
             self.stretches, self.before, self.total = self.smooth_stretches()
         if t >= self.finish:
