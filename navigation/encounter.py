@@ -23,7 +23,7 @@ from floorplan import Gantry, Lane
 from .kernels.encounter import EncounterBounds
 from .kernels.gauge import Gauge
 from .kernels.numbers import room
-from .kernels.odometer import STRETCH, PathLength, length
+from .kernels.odometer import PathLength, length
 from .motion import Motion, Piece, shift
 
 PERSON_RADIUS = 0.30
@@ -207,18 +207,18 @@ class Odometer(PathLength):
 
     def ahead(self, begin: float, end: float, seconds: float) -> Enclosure:
         """The path length (metres) within `seconds` of each instant from `begin` to `end`."""
-        return enclosure_of(self.path_ahead(begin, end, seconds).numbers())
+        return enclosure_of(self.path_ahead(begin, end, seconds))
 
     def speed(self, begin: float, end: float) -> Enclosure:
         """Return the speed (m/s) from `begin` to `end`; at a change, the one after it."""
-        return enclosure_of(self.speed_within(begin, end).numbers())
+        return enclosure_of(self.speed_within(begin, end))
 
-    def cut(self) -> tuple[MutableSequence[float], float]:
-        """Return the stretches in which the speed is smooth, and the whole length (metres).
+    def smooth_stretches(self) -> _Stretches:
+        """Return the stretches in which the speed is smooth.
 
         They are kept with the motion: laws that look ahead ask for them at every instant.
         """
-        kept: dict[str, tuple[MutableSequence[float], float]] = vars(self.motion)
+        kept: dict[str, _Stretches] = vars(self.motion)
         if _KEPT not in kept:
             kept[_KEPT] = _stretches(self.motion)
         return kept[_KEPT]
@@ -227,16 +227,19 @@ class Odometer(PathLength):
 _KEPT = "_stretches"
 """The name by which a motion keeps its stretches."""
 
+_Stretches = tuple[MutableSequence[float], MutableSequence[float], float]
+"""A table of pieces, the lengths before each, and the whole length (metres)."""
 
-def _stretches(motion: Motion) -> tuple[MutableSequence[float], float]:
-    table = room(0)
-    gone = 0.0
+
+def _stretches(motion: Motion) -> _Stretches:
+    table, before, gone = room(0), room(0), 0.0
     for piece in motion.pieces:
         for u, w in itertools.pairwise(_smooth_cuts(piece)):
-            (_, *x), (_, *y) = shift(piece.x, u), shift(piece.y, u)
-            table.extend((piece.begin + u, gone, *x, *y))
-            gone += length(table, len(table) // STRETCH - 1, w - u)
-    return table, gone
+            table.extend((piece.begin + u, piece.begin + w))
+            table.extend((*shift(piece.x, u), *shift(piece.y, u)))
+            before.append(gone)
+            gone += length(table, len(before) - 1, w - u)
+    return table, before, gone
 
 
 def _smooth_cuts(piece: Piece) -> list[float]:
@@ -358,8 +361,8 @@ class Encounter(EncounterBounds):
 
     def human_speed(self, begin: float, end: float) -> Enclosure:
         """Return the human's speed over an interval within this stretch, m/s."""
-        return enclosure_of(self.speed_of(False, begin, end).numbers())
+        return enclosure_of(self.speed_of(False, begin, end))
 
     def robot_speed(self, begin: float, end: float) -> Enclosure:
         """Return the robot's speed over an interval within this stretch, m/s."""
-        return enclosure_of(self.speed_of(True, begin, end).numbers())
+        return enclosure_of(self.speed_of(True, begin, end))

@@ -293,7 +293,7 @@ def gantry_stop(
     `limits` are as in `gantry_move`.
     """
     limits = gantry_limits(limits) if isinstance(limits, Gantry) else limits
-    state = numbers([*current.position, *current.velocity, *current.acceleration])
+    state = [*map(float, (*current.position, *current.velocity, *current.acceleration))]
     return Motion(TablePieces(gantry_stops(limits).after(state, float(start))))
 
 

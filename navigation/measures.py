@@ -8,17 +8,16 @@ from __future__ import annotations
 
 import itertools
 import math
-from array import array
-from collections.abc import Iterator, MutableSequence, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels.crowding import nearer_between, nearest_seen, see
-from .kernels.discs import meeting
+from .kernels.crowding import DiscWindow
+from .kernels.discs import first_conflict
 from .monitor import minimum_separation
 from .motion import Motion, join, standing
 from .polynomials import (
@@ -360,8 +359,6 @@ AWAY = 1e8
 
 _HAIR = 1e-9
 
-_Window: TypeAlias = "tuple[int, list[float], tuple[array[float], array[float], array[float]]]"
-
 
 class Nearest(NamedTuple):
     """The nearest that any two came: metres between their surfaces, seconds, and their indices.
@@ -406,26 +403,23 @@ def nearest_pair(
     sizes = [*map(float, radii)]
     steps = [float(speed * (t[1] - t[0])) for speed in top_speeds]
     jumps = [_intervals(t, sorted(motion.jumps)) for motion in motions]
-    of_discs = (sizes, steps, jumps)
+    discs = DiscWindow(tables, sizes, steps, jumps)
     # First a good upper bound: the nearest that any pair is at an instant that is looked at.
     nearest = math.inf
-    for first, window, seen in _windows(tables, times):
-        one, other, at, metres = nearest_seen(*seen, first, *of_discs, nearest)
+    for _ in _windows(discs, times):
+        one, other, at, metres = discs.nearest(nearest)
         if metres < nearest:
             nearest, i, j, k = metres, one, other, at
-            xs, ys, _ = seen
-            one, other = (n * len(window) + k - first for n in (i, j))
-            apart = math.hypot(xs[one] - xs[other], ys[one] - ys[other]) - (radii[i] + radii[j])
+            apart = math.dist(discs.centre(i, k), discs.centre(j, k)) - (radii[i] + radii[j])
     best = (apart, times[k], (i, j))
     overlapping: set[tuple[int, int]] = set()
-    found = [
-        nearer_between(*seen, first, *of_discs, window, tables, max(apart, 0.0))
-        for first, window, seen in _windows(tables, times)
+    nearer = [
+        found for _ in _windows(discs, times) for found in discs.nearer_between(max(apart, 0.0))
     ]
-    nearer = itertools.chain.from_iterable(found)
-    for i, j, k in sorted(zip(nearer, nearer, nearer, strict=True)):
+    for i, j, k in sorted(nearer):
         least, since, until = radii[i] + radii[j], times[k], times[k + 1]
-        if meeting(tables[i], tables[j], least + max(best[0], 0.0) - _HAIR, since, until) > until:
+        nearer_than = least + max(best[0], 0.0) - _HAIR
+        if first_conflict(tables[i], tables[j], nearer_than, since, until) > until:
             continue
         when, centres = minimum_separation(motions[i], motions[j], since, until)
         if centres - least < -_HAIR:
@@ -460,21 +454,11 @@ def _reaching_back(motion: Motion, begin: float) -> Motion:
     return join([standing((x, y), heading=heading, start=begin), motion])
 
 
-def _windows(tables: list[MutableSequence[float]], times: list[float]) -> Iterator[_Window]:
-    """Yield the number of the first instant of each window, its instants, and what is seen then.
-
-    Two windows that follow each other share an instant, and the room for what is seen.
-    """
-    rows = array("q", bytes(8 * len(tables)))
-    boxes = array("d", bytes(32 * len(tables)))
-    xs = ys = array("d")
+def _windows(discs: DiscWindow, times: list[float]) -> Iterator[None]:
+    """Let discs come to each window of `times` in turn; two in a row share an instant."""
     for first in range(0, len(times) - 1, WINDOW):
-        window = times[first : first + WINDOW + 1]
-        size = len(window) * len(tables)
-        if len(xs) != size:
-            xs, ys = (array("d", bytes(8 * size)) for _ in range(2))
-        see(tables, window, rows, xs, ys, boxes)
-        yield first, window, (xs, ys, boxes)
+        discs.see(first, times[first : first + WINDOW + 1])
+        yield
 
 
 def _intervals(t: NDArray[np.float64], instants: Sequence[float]) -> list[float]:

@@ -17,8 +17,7 @@ from typing import NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .kernels.numbers import numbers
-from .kernels.odometer import WIDTH
+from .kernels.numbers import POSE_WIDTH, numbers
 from .kernels.pieces import Pack, between, breaks, evaluate, rest, state
 from .polynomials import monotone_cubics
 
@@ -101,7 +100,7 @@ class Motion:
         table = kept["table"] = _table(self.pieces)
         if not table:
             raise ValueError("a motion needs at least one piece")
-        kept["start"], kept["end"] = table[0], table[1 - WIDTH]
+        kept["start"], kept["end"] = table[0], table[1 - POSE_WIDTH]
         for k in breaks(table, JUMP_TOLERANCE):
             piece, before = self.pieces[k], self.pieces[max(k - 1, 0)]
             if piece.end < piece.begin:
@@ -172,7 +171,7 @@ class Motion:
     @property
     def last_begin(self) -> float:
         """The instant at which its last piece begins, seconds."""
-        return self.table[-WIDTH]
+        return self.table[-POSE_WIDTH]
 
     def position(self, t: ArrayLike) -> Array:
         """Return the position at `t` (seconds): x, y in metres, (2,) or (N, 2)."""
@@ -237,7 +236,7 @@ class Motion:
 
     @cached_property
     def _begins(self) -> Sequence[float]:
-        return self.table[::WIDTH]
+        return self.table[::POSE_WIDTH]
 
     @cached_property
     def table(self) -> Table:
@@ -247,7 +246,7 @@ class Motion:
     @cached_property
     def _tables(self) -> tuple[Array, Array, Array]:
         """Begins (P,), durations (P,) and coefficients (P, 3, 4)."""
-        rows = np.array(self.table).reshape(-1, WIDTH)
+        rows = np.array(self.table).reshape(-1, POSE_WIDTH)
         return rows[:, 0], rows[:, 1] - rows[:, 0], rows[:, 2:].reshape(-1, 3, 4)
 
     def _found(self, t: ArrayLike) -> tuple[Array, Array]:
@@ -281,7 +280,7 @@ def _table(pieces: Sequence[Piece]) -> Table:
 
 def pieces_of(table: Table) -> Iterator[Piece]:
     """Yield the pieces of a motion's table."""
-    rows = zip(*[iter(table)] * WIDTH, strict=True)
+    rows = zip(*[iter(table)] * POSE_WIDTH, strict=True)
     for begin, end, x0, x1, x2, x3, y0, y1, y2, y3, r0, r1, r2, r3 in rows:
         yield Piece(begin, end, (x0, x1, x2, x3), (y0, y1, y2, y3), (r0, r1, r2, r3))
 
@@ -293,7 +292,7 @@ class TablePieces(Sequence[Piece]):
         self._numbers = table
 
     def __len__(self) -> int:
-        return len(self._numbers) // WIDTH
+        return len(self._numbers) // POSE_WIDTH
 
     def __iter__(self) -> Iterator[Piece]:
         return pieces_of(self.flat())
@@ -307,8 +306,8 @@ class TablePieces(Sequence[Piece]):
     def __getitem__(self, index: int | slice) -> Piece | Sequence[Piece]:
         if isinstance(index, slice):
             return tuple(self[k] for k in range(len(self))[index])
-        k = range(0, len(self._numbers), WIDTH)[index]
-        return next(pieces_of(self._numbers[k : k + WIDTH]))
+        k = range(0, len(self._numbers), POSE_WIDTH)[index]
+        return next(pieces_of(self._numbers[k : k + POSE_WIDTH]))
 
     def flat(self) -> Table:
         """Return all numbers, one piece after another."""
@@ -328,7 +327,7 @@ def motion_of(table: Table, jumps: frozenset[float] = frozenset()) -> Motion:
     motion = object.__new__(Motion)
     kept = vars(motion)  # what a frozen dataclass sets, and what `Motion` keeps
     kept["pieces"], kept["jumps"], kept["table"] = TablePieces(table), jumps, table
-    kept["start"], kept["end"] = table[0], table[1 - WIDTH]
+    kept["start"], kept["end"] = table[0], table[1 - POSE_WIDTH]
     return motion
 
 

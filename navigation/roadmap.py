@@ -60,7 +60,7 @@ class Roadmap:
         self._mesh = mesh = Mesh(floor, self.bends.point)
         held = mesh.holding(self.bends.point)
         self._network = Network(
-            self._columns[:6].T, mesh.portals, mesh.first, held, walls, keep, gates.lines
+            self._columns.T, mesh.portals, mesh.first, held, walls, keep, gates.lines
         )
         self._bodies: WeakKeyDictionary[CollisionBody, Floats] = WeakKeyDictionary()
         self._searches: list[Search] = []

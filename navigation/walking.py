@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .kernels import walks
+from .kernels import discs, walks
 from .kernels.candidates import bound
-from .kernels.discs import ROW, gone, meeting, swept
+from .kernels.discs import ROW, distance_travelled, swept
 from .kernels.numbers import flat, numbers, room
 from .kernels.pacing import turned, walk_table
 from .kernels.pieces import along_legs
@@ -99,7 +99,7 @@ class Swath(NamedTuple):
 
     def gone(self, since: float, t: float) -> float:
         """Return the metres that a walk along straight legs goes from `since` to `t` (seconds)."""
-        return gone(self.table, since, t)
+        return distance_travelled(self.table, since, t)
 
 
 def swath(motion: Motion, begin: float) -> Swath:
@@ -125,7 +125,7 @@ def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> floa
         or low_y - a[3] >= least
     ):
         return None
-    t = meeting(one.table, other.table, least, begin, math.inf)
+    t = discs.first_conflict(one.table, other.table, least, begin, math.inf)
     return None if t == math.inf else t
 
 

@@ -1,6 +1,7 @@
 """Fastest stops in closed form: of an axis, of a gantry on its axes, of an AGV on its lane.
 
-Tables of motions are those of `pieces`.
+The profile of an axis has a limited acceleration and jerk: the double S of L. Biagiotti and C.
+Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4.
 """
 
 from __future__ import annotations
@@ -12,28 +13,15 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .odometer import WIDTH
+from .numbers import numbers
 
 if not cython.compiled:
     from math import sqrt
 
-    from .numbers import Doubles, Numbers, at, cut, numbers, room
-    from .odometer import row_at
-    from .pieces import bend_at, merge_axes, rate_at, rest, value_at
-else:
-    from cython.cimports.libc.math import sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, numbers, room
-    from cython.cimports.navigation.kernels.odometer import row_at
-    from cython.cimports.navigation.kernels.pieces import (
-        bend_at,
-        merge_axes,
-        rate_at,
-        rest,
-        value_at,
-    )
+    from .cubics import *
+    from .numbers import *
+    from .pieces import instant, merge_axes, rest
 
-_INFINITE: float = float("inf")
-_WIDTH: cython.Py_ssize_t = WIDTH
 _STANDS: float = 1e-12  # m/s; an axis of less velocity and acceleration than these stands
 _EASES: float = 1e-7  # m/s²
 
@@ -46,26 +34,27 @@ def stands(velocity: float, acceleration: float) -> bool:
 def braking(
     position: float, velocity: float, acceleration: float, top: float, jerk: float
 ) -> Numbers:
-    """Return the phases of the fastest stop of an axis: a duration and four coefficients of each.
+    """Return the phases of the fastest stop of an axis.
 
     Its acceleration is at most `top`, and changes by at most `jerk` in a second (inf: at once).
 
     Without an end to the acceleration, one at full jerk to a peak p and back to none is the fastest
     change of velocity: by p² / j less what the acceleration b at the beginning has gained already,
-    b² / (2 j). Where p is more than `top`, it is kept at that for as long as the rest takes. See
-    L. Biagiotti and C. Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008,
-    section 3.4.
+    b² / (2 j). Where p is more than `top`, it is kept at that for as long as the rest takes.
     """
-    rows: Numbers = room(15)
-    row: Doubles = at(rows)
+    table: Numbers = phase_room(3)
+    here: Cubic = Cubic(position, velocity, 0.0, 0.0)
     sign: float
     if stands(velocity, acceleration):
-        cut(rows, _set(row, 0, 0.0, position, 0.0, 0.0, 0.0))
-        return rows
-    if jerk == _INFINITE:
+        phases(table)[0] = Phase(0.0, constant(position))
+        phase_cut(table, 1)
+        return table
+    if jerk == INFINITY:
         sign = -1.0 if velocity > 0.0 else 1.0
-        cut(rows, _set(row, 0, abs(velocity) / top, position, velocity, sign * top, 0.0))
-        return rows
+        here = Cubic(position, velocity, sign * top / 2, 0.0)
+        phases(table)[0] = Phase(abs(velocity) / top, here)
+        phase_cut(table, 1)
+        return table
     # The velocity that is left once the acceleration has been brought to none.
     left: float = velocity + acceleration * abs(acceleration) / (2 * jerk)
     sign = -1.0 if left > 0.0 else 1.0
@@ -88,41 +77,22 @@ def braking(
             change = -jerk
         steady = (-speed - gained - top * top / (2 * jerk)) / top
     rising = (peak - slope) / change
-    place: float = position
-    pace: float = velocity
-    o: cython.Py_ssize_t = 0
+    count: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
     for k in range(3):
         duration: float = rising if k == 0 else steady if k == 1 else peak / jerk
         if duration > 0.0:
-            # Coefficients of the cubic of a phase: a / 2 and j / 6.
             bend: float = sign * (slope if k == 0 else peak) / 2
             twist: float = sign * (change if k == 0 else 0.0 if k == 1 else -jerk) / 6
-            o = _set(row, o, duration, place, pace, 2 * bend, 6 * twist)
-            place += duration * (pace + duration * (bend + duration * twist))
-            pace += duration * (2 * bend + duration * 3 * twist)
-    if o == 0:
-        o = _set(row, 0, 0.0, position, 0.0, 0.0, 0.0)
-    cut(rows, o)
-    return rows
-
-
-def _set(
-    row: Doubles,
-    o: cython.Py_ssize_t,
-    duration: float,
-    position: float,
-    velocity: float,
-    acceleration: float,
-    jerk: float,
-) -> cython.Py_ssize_t:
-    """Set the phase at `o`; return where the next one is."""
-    row[o] = duration
-    row[o + 1] = position
-    row[o + 2] = velocity
-    row[o + 3] = acceleration / 2
-    row[o + 4] = jerk / 6
-    return o + 5
+            here = Cubic(here.p, here.v, bend, twist)
+            phases(table)[count] = Phase(duration, here)
+            here = shift(here, duration)
+            count += 1
+    if count == 0:
+        phases(table)[0] = Phase(0.0, constant(position))
+        count = 1
+    phase_cut(table, count)
+    return table
 
 
 class Stops:
@@ -141,31 +111,30 @@ class AxisStops(Stops):
 
     def table(self, motion: Numbers, t: float) -> Numbers:
         """Return the table of the stop from a motion at `t` (seconds)."""
-        found: Numbers = room(9)
-        state: Doubles = at(found)
-        row: Doubles = at(motion)
-        rows: cython.Py_ssize_t = len(motion) // _WIDTH
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, t), 0) + 2
-        moves: cython.bint = row[0] <= t and t < row[len(motion) - _WIDTH + 1]
-        k: cython.Py_ssize_t
-        for k in range(3):
-            state[k] = value_at(row, o + 4 * k, t)
-            state[3 + k] = rate_at(row, o + 4 * k, t) if moves else 0.0
-            state[6 + k] = bend_at(row, o + 4 * k, t) if moves else 0.0
-        return self.after(found, t)
+        now: PosePiece = instant(motion, t)
+        return self._stop(now.x, now.y, now.rotation, t)
 
-    def after(self, state: Numbers, t: float) -> Numbers:
+    def after(self, state: list[float], t: float) -> Numbers:
         """Return the table of the stop at `t` from position, velocity and acceleration."""
-        s: Doubles = at(state)
+        return self._stop(
+            Cubic(state[0], state[3], state[6] / 2, 0.0),
+            Cubic(state[1], state[4], state[7] / 2, 0.0),
+            Cubic(state[2], state[5], state[8] / 2, 0.0),
+            t,
+        )
+
+    def _stop(self, x: Cubic, y: Cubic, r: Cubic, t: float) -> Numbers:
         limits: Doubles = at(self.limits)
-        axes = [
-            braking(s[k], s[3 + k], s[6 + k], limits[2 * k], limits[2 * k + 1]) for k in range(3)
-        ]
-        table: Numbers = merge_axes(axes, t)
+        table: Numbers = merge_axes(
+            [
+                braking(x.p, x.v, 2 * x.a, limits[0], limits[1]),
+                braking(y.p, y.v, 2 * y.a, limits[2], limits[3]),
+                braking(r.p, r.v, 2 * r.a, limits[4], limits[5]),
+            ],
+            t,
+        )
         # All axes stand: a motion has one piece at least, here of no length.
-        if len(table) == 0:
-            return rest(t, t, s[0], s[1], s[2])
-        return table
+        return table if len(table) > 0 else rest(t, t, x.p, y.p, r.p)
 
 
 class LaneStops(Stops):
@@ -193,32 +162,23 @@ class LaneStops(Stops):
 
     def table(self, motion: Numbers, t: float) -> Numbers:
         """Return the table of the stop from a motion at `t` (seconds)."""
-        row: Doubles = at(motion)
-        rows: cython.Py_ssize_t = len(motion) // _WIDTH
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, t), 0) + 2
-        x: float = value_at(row, o, t)
-        y: float = value_at(row, o + 4, t)
-        q: float = (x - self.x) * self.c + (y - self.y) * self.s
-        v: float = 0.0
-        a: float = 0.0
-        if row[0] <= t and t < row[len(motion) - _WIDTH + 1]:
-            v = rate_at(row, o, t) * self.c + rate_at(row, o + 4, t) * self.s
-            a = bend_at(row, o, t) * self.c + bend_at(row, o + 4, t) * self.s
+        now: PosePiece = instant(motion, t)
+        q: float = (now.x.p - self.x) * self.c + (now.y.p - self.y) * self.s
+        v: float = now.x.v * self.c + now.y.v * self.s
+        a: float = 2 * (now.x.a * self.c + now.y.a * self.s)
         return self.after(min(max(q, self.low), self.high), v, a, t)
 
     def after(self, q: float, v: float, a: float, t: float) -> Numbers:
         """Return the table of the stop at `t` from lane position, velocity and acceleration."""
-        phase: Numbers = braking(q, v, a, self.top, _INFINITE)
-        duration: float = at(phase)[0]
-        place: float = at(phase)[1]
-        pace: float = at(phase)[2]
-        bend: float = at(phase)[3]
-        c: float = self.c
-        s: float = self.s
-        table: Numbers = rest(t, t + duration, self.x + place * c, self.y + place * s, self.heading)
-        row: Doubles = at(table)
-        row[3] = pace * c
-        row[4] = bend * c
-        row[7] = pace * s
-        row[8] = bend * s
+        phase: Phase = phases(braking(q, v, a, self.top, INFINITY))[0]
+        x: Cubic = along(self.x, self.c, phase.c)
+        y: Cubic = along(self.y, self.s, phase.c)
+        table: Numbers = pose_room(1)
+        poses(table)[0] = PosePiece(
+            t,
+            t + phase.duration,
+            Cubic(x.p, x.v, x.a, 0.0),  # not -0.0
+            Cubic(y.p, y.v, y.a, 0.0),
+            constant(self.heading),
+        )
         return table

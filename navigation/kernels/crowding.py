@@ -1,16 +1,13 @@
-"""Discs among many, seen at instants side by side: the least distance, and when it may be less.
+"""Closest pair of moving discs over many times, and when a pair may come closer in between.
 
-They are looked at a window of instants at a time. `xs` and `ys` are the centres at the instants of
-one, from the number `first` on, those of one disc after those of another (metres), `boxes` the
-bounds of these (least x and y, greatest x and y), `radii` theirs (metres). A disc goes no farther
-than its of `steps` (metres) from one instant to the next but in its `jumps`: the numbers of the
-instants after which it is put elsewhere, in order. So two that are far apart stay so for many
-instants, which are passed over.
+The times are processed a window at a time. Pairs are pruned by the bounds of their centres (sweep
+and prune, J. D. Cohen et al., "I-COLLIDE", 1995) and by conservative advancement: two discs that
+are far apart stay apart for as many times as their speeds allow (B. Mirtich, "Impulse-based dynamic
+simulation of rigid body systems", 1996).
 """
 
 from __future__ import annotations
 
-from array import array
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -18,227 +15,187 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .discs import ROW
+from .numbers import numbers
 
 if not cython.compiled:
-    from math import inf, sqrt
+    from .cubics import *
+    from .discs import conflict_from
+    from .numbers import *
 
-    from .discs import _meeting
-    from .numbers import Doubles, Numbers, at
-
-    INFINITY = inf
-else:
-    from cython.cimports.libc.math import INFINITY, sqrt
-    from cython.cimports.navigation.kernels.discs import _meeting
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
-
-_R: cython.Py_ssize_t = ROW
 _SHARE: float = 1e-6  # of an instant, against rounding
 _HAIR: float = 1e-9  # metres
 
 
-def see(
-    tables: list[Numbers],
-    times: list[float],
-    rows: array[int],
-    xs: array[float],
-    ys: array[float],
-    boxes: array[float],
-) -> cython.int:
-    """Set `xs`, `ys` and `boxes` to where the discs of these `tables` (see `discs`) are at `times`.
+class DiscWindow:
+    """Centres of discs at the times of a window, which are numbered through all windows.
 
-    `rows` are those of the tables from which on to look, and become those of the last time.
+    `tables` are the motions of the centres, `radii` in metres. From one time to the next a disc
+    moves no farther than its of `steps` (metres), except in its `jumps`: the numbers of the times
+    after which it is put elsewhere, in order.
     """
-    n: cython.Py_ssize_t = 0
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    for i in range(len(tables)):
-        a: Doubles = at(tables[i])
-        o: cython.Py_ssize_t = rows[i] * _R
-        low_x: float = INFINITY
-        low_y: float = INFINITY
-        high_x: float = -INFINITY
-        high_y: float = -INFINITY
-        for k in range(len(times)):
-            t: float = times[k]
-            while a[o + 1] <= t:
-                o += _R
-            u: float = max(t - a[o], 0.0)
-            x: float = a[o + 2] + u * (a[o + 3] + u * (a[o + 4] + u * a[o + 5]))
-            y: float = a[o + 6] + u * (a[o + 7] + u * (a[o + 8] + u * a[o + 9]))
-            low_x = min(low_x, x)
-            low_y = min(low_y, y)
-            high_x = max(high_x, x)
-            high_y = max(high_y, y)
-            xs[n] = x
-            ys[n] = y
-            n += 1
-        rows[i] = o // _R
-        boxes[4 * i] = low_x
-        boxes[4 * i + 1] = low_y
-        boxes[4 * i + 2] = high_x
-        boxes[4 * i + 3] = high_y
-    return 0
 
+    def __init__(
+        self,
+        tables: list[Numbers],
+        radii: list[float],
+        steps: list[float],
+        jumps: list[list[float]],
+    ) -> None:
+        none: Numbers = room(0)
+        self.tables = tables
+        self.radii = numbers(radii)
+        self.steps = numbers(steps)
+        self.jumps = [numbers(each) for each in jumps]
+        self.rows = [0] * len(tables)
+        self.first = 0
+        self.times = none
+        self.xs = none
+        self.ys = none
+        self.boxes: Numbers = room(4 * len(tables))
 
-def nearest_seen(
-    xs: array[float],
-    ys: array[float],
-    boxes: array[float],
-    first: cython.Py_ssize_t,
-    radii: list[float],
-    steps: list[float],
-    jumps: list[list[float]],
-    best: float,
-) -> tuple[int, int, int, float]:
-    """Return which two are nearest of all at any of the instants, at which, and how near.
+    def see(self, first: cython.Py_ssize_t, times: list[float]) -> None:
+        """Come to a window: its `times` (seconds), and the number of the first.
 
-    Their numbers, that of the instant, and metres: no less than `best` where no two are nearer. The
-    earliest of several. For `xs`, `ys`, `boxes`, `first`, `radii`, `steps` and `jumps` see above.
-    """
-    width: cython.Py_ssize_t = len(xs) // len(radii)
-    end: cython.Py_ssize_t = first + width
-    at: cython.Py_ssize_t = first
-    one: cython.Py_ssize_t = 0
-    two: cython.Py_ssize_t = 1
-    i: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    for i in range(len(radii)):
-        radius: float = radii[i]
-        for j in range(i + 1, len(radii)):
-            least: float = radius + radii[j]
-            if _between(boxes, i, j) - least > best:
-                continue
-            step: float = steps[i] + steps[j]
-            k: cython.Py_ssize_t = first
-            while k < end:
-                apart: float = _distance(xs, ys, i * width + k - first, j * width + k - first)
-                apart -= least
-                if apart < best or (apart == best and k < at):
-                    best = apart
-                    at = k
-                    one = i
-                    two = j
-                k += _passed(k, apart - best, step, jumps[i], jumps[j], end)
-    found: tuple[int, int, int, float] = (one, two, at, best)
-    return found
+        Windows follow each other, or begin again at 0.
+        """
+        if first == 0:
+            self.rows = [0] * len(self.tables)
+        width: cython.Py_ssize_t = len(times)
+        self.first = first
+        self.times = numbers(times)
+        self.xs = room(width * len(self.tables))
+        self.ys = room(width * len(self.tables))
+        t: Doubles = at(self.times)
+        x: Doubles = at(self.xs)
+        y: Doubles = at(self.ys)
+        i: cython.Py_ssize_t
+        k: cython.Py_ssize_t
+        for i in range(len(self.tables)):
+            table: Numbers = self.tables[i]
+            row: cython.Py_ssize_t = self.rows[i]
+            box: Box = Box(INFINITY, INFINITY, -INFINITY, -INFINITY)
+            for k in range(width):
+                row = planar_from(table, row, t[k])
+                piece: PlanarPiece = planar(table)[row]
+                u: float = max(t[k] - piece.begin, 0.0)
+                n: cython.Py_ssize_t = i * width + k
+                x[n] = value(piece.x, u)
+                y[n] = value(piece.y, u)
+                box = united(box, Box(x[n], y[n], x[n], y[n]))
+            boxes_of(self.boxes)[i] = box
+            self.rows[i] = row
 
+    def centre(self, i: cython.Py_ssize_t, k: cython.Py_ssize_t) -> tuple[float, float]:
+        """Return the centre of the i-th disc at the k-th time."""
+        n: cython.Py_ssize_t = i * len(self.times) + k - self.first
+        return self.xs[n], self.ys[n]
 
-def nearer_between(
-    xs: array[float],
-    ys: array[float],
-    boxes: array[float],
-    first: cython.Py_ssize_t,
-    radii: list[float],
-    steps: list[float],
-    jumps: list[list[float]],
-    times: list[float],
-    tables: list[Numbers],
-    best: float,
-) -> list[int]:
-    """Return which two come nearer than `best` metres, and after which instant: three numbers.
+    def nearest(self, best: float) -> tuple[int, int, int, float]:
+        """Return which two are nearest at any of the times, at which, and their distance.
 
-    One such after another. `times` are those of the instants (seconds), `tables` the motions as in
-    `discs`. For `xs`, `ys`, `boxes`, `first`, `radii`, `steps` and `jumps` see above.
-    """
-    width: cython.Py_ssize_t = len(times)
-    last: cython.Py_ssize_t = first + width - 1
-    found: list[int] = []
-    i: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    for i in range(len(radii)):
-        radius: float = radii[i]
-        for j in range(i + 1, len(radii)):
-            least: float = radius + radii[j]
-            step: float = steps[i] + steps[j]
-            # Between two instants each is within a step of where it is at one of them.
-            if _between(boxes, i, j) - least - 2 * step > best:
-                continue
-            row: cython.Py_ssize_t = 0
-            other_row: cython.Py_ssize_t = 0
-            k: cython.Py_ssize_t = first
-            while k < last:
-                one: cython.Py_ssize_t = i * width + k - first
-                other: cython.Py_ssize_t = j * width + k - first
-                apart: float = _distance(xs, ys, one, other) - least
-                passed: cython.Py_ssize_t = _passed(k, apart - best, step, jumps[i], jumps[j], last)
-                if passed == 1:
-                    then: float = _distance(xs, ys, one + 1, other + 1) - least
-                    # Between two instants at distances p and q a pair that comes closer by v at
-                    # most is never nearer than (p + q - v) / 2. No speed bounds a jump.
-                    if (
-                        (apart + then - step) / 2 < best
-                        or _next(jumps[i], k, last) == k
-                        or _next(jumps[j], k, last) == k
+        That is `best` where no two are nearer. The earliest of several.
+        """
+        end: cython.Py_ssize_t = self.first + len(self.times)
+        when: cython.Py_ssize_t = self.first
+        one: cython.Py_ssize_t = 0
+        two: cython.Py_ssize_t = 1
+        i: cython.Py_ssize_t
+        j: cython.Py_ssize_t
+        for i in range(len(self.tables)):
+            for j in range(i + 1, len(self.tables)):
+                if self._between(i, j) > best:
+                    continue
+                k: cython.Py_ssize_t = self.first
+                while k < end:
+                    gap: float = self._gap(i, j, k)
+                    if gap < best or (gap == best and k < when):
+                        best = gap
+                        when = k
+                        one = i
+                        two = j
+                    k += self._passed(i, j, k, gap - best, end)
+        found: tuple[int, int, int, float] = (one, two, when, best)
+        return found
+
+    def nearer_between(self, best: float) -> list[tuple[int, int, int]]:
+        """Return which two come nearer than `best` metres, and after which time."""
+        last: cython.Py_ssize_t = self.first + len(self.times) - 1
+        found: list[tuple[int, int, int]] = []
+        i: cython.Py_ssize_t
+        j: cython.Py_ssize_t
+        for i in range(len(self.tables)):
+            for j in range(i + 1, len(self.tables)):
+                step: float = at(self.steps)[i] + at(self.steps)[j]
+                # Between two times each is within a step of where it is at one of them.
+                if self._between(i, j) - 2 * step > best:
+                    continue
+                k: cython.Py_ssize_t = self.first
+                while k < last:
+                    gap: float = self._gap(i, j, k)
+                    passed: cython.Py_ssize_t = self._passed(i, j, k, gap - best, last)
+                    # Between two times at distances p and q a pair that comes closer by v at most
+                    # is never nearer than (p + q - v) / 2. No speed bounds a jump.
+                    if passed == 1 and (
+                        (gap + self._gap(i, j, k + 1) - step) / 2 < best
+                        or self._next_jump(i, k, last) == k
+                        or self._next_jump(j, k, last) == k
                     ):
-                        begin: float = times[k - first]
-                        end: float = times[k - first + 1]
-                        row = _row_at(tables[i], row, begin)
-                        other_row = _row_at(tables[j], other_row, begin)
-                        if (
-                            _meeting(
-                                tables[i],
-                                tables[j],
-                                least + best - _HAIR,
-                                begin,
-                                end,
-                                row,
-                                other_row,
-                            )
-                            <= end
-                        ):
-                            found.append(i)
-                            found.append(j)
-                            found.append(k)
-                k += passed
-    return found
+                        begin: float = at(self.times)[k - self.first]
+                        end: float = at(self.times)[k - self.first + 1]
+                        least: float = at(self.radii)[i] + at(self.radii)[j] + best - _HAIR
+                        one: Numbers = self.tables[i]
+                        two: Numbers = self.tables[j]
+                        row: cython.Py_ssize_t = max(planar_at(one, begin), 0)
+                        other: cython.Py_ssize_t = max(planar_at(two, begin), 0)
+                        if conflict_from(one, two, least, begin, end, row, other) <= end:
+                            found.append((i, j, k))
+                    k += passed
+        return found
 
+    def _between(self, i: cython.Py_ssize_t, j: cython.Py_ssize_t) -> float:
+        """Return the distance between two discs by the bounds of their centres, metres."""
+        a: Box = boxes_of(self.boxes)[i]
+        b: Box = boxes_of(self.boxes)[j]
+        dx: float = max(a.low_x - b.high_x, max(b.low_x - a.high_x, 0.0))
+        dy: float = max(a.low_y - b.high_y, max(b.low_y - a.high_y, 0.0))
+        least: float = at(self.radii)[i] + at(self.radii)[j]
+        return norm(dx, dy) - least
 
-def _between(boxes: array[float], i: cython.Py_ssize_t, j: cython.Py_ssize_t) -> float:
-    """Return the distance between two of the boxes, metres; 0 where they overlap."""
-    dx: float = max(boxes[4 * i] - boxes[4 * j + 2], boxes[4 * j] - boxes[4 * i + 2], 0.0)
-    dy: float = max(boxes[4 * i + 1] - boxes[4 * j + 3], boxes[4 * j + 1] - boxes[4 * i + 3], 0.0)
-    return sqrt(dx * dx + dy * dy)
+    def _gap(self, i: cython.Py_ssize_t, j: cython.Py_ssize_t, k: cython.Py_ssize_t) -> float:
+        """Return the distance between two discs at the k-th time, metres."""
+        o: cython.Py_ssize_t = i * len(self.times) + k - self.first
+        p: cython.Py_ssize_t = j * len(self.times) + k - self.first
+        apart: float = norm(at(self.xs)[o] - at(self.xs)[p], at(self.ys)[o] - at(self.ys)[p])
+        least: float = at(self.radii)[i] + at(self.radii)[j]
+        return apart - least
 
+    def _passed(
+        self,
+        i: cython.Py_ssize_t,
+        j: cython.Py_ssize_t,
+        k: cython.Py_ssize_t,
+        spare: float,
+        end: cython.Py_ssize_t,
+    ) -> cython.Py_ssize_t:
+        """Return after how many times two may have come nearer by `spare` metres, one at least."""
+        step: float = at(self.steps)[i] + at(self.steps)[j]
+        if spare < 2 * step:
+            return 1
+        passed: cython.Py_ssize_t = end
+        if spare < step * end:
+            passed = int(spare / step - _SHARE)
+        # Up to the next jump of either, and over that one alone.
+        jump: cython.Py_ssize_t = min(self._next_jump(i, k, end), self._next_jump(j, k, end))
+        return max(min(passed, jump - k), 1)
 
-def _distance(
-    xs: array[float], ys: array[float], i: cython.Py_ssize_t, j: cython.Py_ssize_t
-) -> float:
-    """Return the distance of two centres, metres."""
-    dx: float = xs[i] - xs[j]
-    dy: float = ys[i] - ys[j]
-    return sqrt(dx * dx + dy * dy)
-
-
-def _passed(
-    k: cython.Py_ssize_t,
-    spare: float,
-    step: float,
-    jumps: list[float],
-    other_jumps: list[float],
-    count: cython.Py_ssize_t,
-) -> cython.Py_ssize_t:
-    """Return after how many instants two may have come nearer by `spare` metres, one at least."""
-    if spare < 2 * step:
-        return 1
-    passed: cython.Py_ssize_t = count
-    if spare < step * count:
-        passed = int(spare / step - _SHARE)
-    # Up to the next jump of either, and over that one alone.
-    return max(min(passed, min(_next(jumps, k, count), _next(other_jumps, k, count)) - k), 1)
-
-
-def _next(jumps: list[float], k: cython.Py_ssize_t, count: cython.Py_ssize_t) -> cython.Py_ssize_t:
-    """Return the first of the jumps from instant `k` on; `count` if there is none."""
-    i: cython.Py_ssize_t
-    for i in range(len(jumps)):
-        if jumps[i] >= k:
-            return int(jumps[i])
-    return count
-
-
-def _row_at(table: Numbers, row: cython.Py_ssize_t, t: float) -> cython.Py_ssize_t:
-    """Return the row of a table from `row` on that is in force at `t` (seconds)."""
-    while at(table)[row * _R + 1] <= t:
-        row += 1
-    return row
+    def _next_jump(
+        self, i: cython.Py_ssize_t, k: cython.Py_ssize_t, end: cython.Py_ssize_t
+    ) -> cython.Py_ssize_t:
+        """Return the first jump of a disc from the k-th time on; `end` if there is none."""
+        jumps: Numbers = self.jumps[i]
+        jump: Doubles = at(jumps)
+        n: cython.Py_ssize_t
+        for n in range(len(jumps)):
+            if jump[n] >= k:
+                return int(jump[n])
+        return end

@@ -1,9 +1,9 @@
-from navigation.kernels.numbers cimport Doubles, Numbers
+from libc.math cimport sqrt
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
 cdef Py_ssize_t _R
-cdef Py_ssize_t _PIECE
-cdef double _RESOLUTION
-cdef double _JUST_NOW
+cdef double _RESOLUTION, _JUST_NOW
 
 cpdef list[Py_ssize_t] within_bounds(
     Numbers boxes,
@@ -17,6 +17,7 @@ cdef int stand(
     Doubles row, Py_ssize_t o, double since, double until, double x, double y
 ) noexcept
 cpdef double gone(Numbers table, double since, double t) noexcept
+cpdef double distance_travelled(Numbers table, double since, double t) noexcept
 cpdef Py_ssize_t first_met(
     Numbers table,
     Numbers box,
@@ -50,42 +51,19 @@ cdef double met(
     Py_ssize_t k,
 ) noexcept
 cdef double distance(Numbers one, Numbers other, double t) noexcept
-cdef double _meeting(
+cpdef double first_conflict(
+    Numbers one, Numbers other, double least, double begin, double until
+) noexcept
+cdef double conflict_from(
     Numbers one,
     Numbers other,
     double least,
     double begin,
     double until,
-    Py_ssize_t row,
-    Py_ssize_t other_row,
+    Py_ssize_t i,
+    Py_ssize_t j,
 ) noexcept
-cdef double _within(
-    double x0,
-    double x1,
-    double x2,
-    double x3,
-    double y0,
-    double y1,
-    double y2,
-    double y3,
-    double duration,
-    double least,
-) noexcept
-cdef double _parting(
-    double x0,
-    double x1,
-    double x2,
-    double x3,
-    double y0,
-    double y1,
-    double y2,
-    double y3,
-    double since,
-    double width,
-) noexcept
-cdef double _entered(
-    double x, double vx, double y, double vy, double duration, double least
-) noexcept
-cdef int _widen(
-    Doubles box, Py_ssize_t axis, Doubles row, Py_ssize_t o, double u
-) noexcept
+cdef bint _is_apart(Cubic c, double duration, double least) noexcept
+cdef double _first_within(Cubic x, Cubic y, double duration, double least) noexcept
+cdef double _least_on_leaving(Cubic x, Cubic y, double width) noexcept
+cdef double _entry(Cubic x, Cubic y, double duration, double least) noexcept

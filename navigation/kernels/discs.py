@@ -1,8 +1,9 @@
-"""Discs that meet: the first instant at which two centres, or one and any other, come too close.
+"""Continuous collision detection of discs: the first time at which two centres come too close.
 
-A table holds the motion of a centre in rows of ten numbers, one after another: begin and end of a
-piece (seconds), then the coefficients of its cubics of x and y since it began. The last row is the
-final standing, and never ends. For what a row of numbers is see `numbers`.
+The test of an interval bounds the distance from the tangent at its middle, and undecided intervals
+are halved (interval subdivision as in S. Redon, A. Kheddar and S. Coquillart, "Fast continuous
+collision detection between rigid bodies", Computer Graphics Forum 21, 2002). Motions are tables of
+`PlanarPiece`. The last piece is the final rest, and never ends.
 """
 
 from __future__ import annotations
@@ -14,23 +15,20 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .numbers import PLANAR_WIDTH
+
 if not cython.compiled:
-    from math import inf, sqrt
+    from math import sqrt
 
-    from .numbers import Doubles, Numbers, at, cut, put, room
+    from .cubics import *
+    from .numbers import *
 
-    INFINITY = inf
-else:
-    from cython.cimports.libc.math import INFINITY, sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, put, room
-
-ROW = 10
+ROW = PLANAR_WIDTH
 """Numbers in a row."""
 
 _R: cython.Py_ssize_t = ROW
-_PIECE: cython.Py_ssize_t = 14  # numbers of a piece of a motion
 _RESOLUTION: float = 1e-4  # seconds; what is undecided when it is shorter counts as a conflict
-_JUST_NOW: float = 1e-3  # seconds; who is too close so soon is so already
+_JUST_NOW: float = 1e-3  # seconds; a disc that is too close so soon is so already
 
 
 def within_bounds(
@@ -41,51 +39,48 @@ def within_bounds(
     high_y: float,
     but: cython.Py_ssize_t = -1,
 ) -> list[cython.Py_ssize_t]:
-    """Return who of those with these bounds, `but` one, may come into some: their indices.
+    """Return the indices of the boxes, `but` one, that overlap the given bounds.
 
-    `boxes` holds four numbers for each: least x and y, greatest x and y (metres). Those asked
-    about are `low_x`, `low_y`, `high_x` and `high_y`.
+    `boxes` are rows as those of `Box`.
     """
     found: list[cython.Py_ssize_t] = []
-    b: Doubles = at(boxes)
     k: cython.Py_ssize_t
-    for k in range(len(boxes) // 4):
+    for k in range(box_count(boxes)):
+        b: Box = boxes_of(boxes)[k]
         if (
-            b[4 * k] < high_x
-            and b[4 * k + 2] > low_x
-            and b[4 * k + 1] < high_y
-            and b[4 * k + 3] > low_y
+            b.low_x < high_x
+            and b.high_x > low_x
+            and b.low_y < high_y
+            and b.high_y > low_y
             and k != but
         ):
-            found.append(k)  # noqa: PERF401
+            found.append(k)
     return found
 
 
 def swept(pieces: Numbers, begin: float, since: float, x: float, y: float, box: Numbers) -> Numbers:
     """Return the table from `begin` on (seconds) of a motion that stands at `x`, `y` from `since`.
 
-    `pieces` is its table as those of `pieces`. `box` becomes its bounds: least x and y, greatest x
-    and y (metres).
+    `pieces` is its table with rotations. `box` becomes its bounds: least x and y, greatest x and y
+    (metres).
     """
-    count: cython.Py_ssize_t = len(pieces) // _PIECE
-    table: Numbers = room((count + 1) * _R)
-    row: Doubles = at(table)
-    piece: Doubles = at(pieces)
-    bounds: Doubles = at(box)
-    bounds[0] = bounds[2] = x
-    bounds[1] = bounds[3] = y
-    o: cython.Py_ssize_t = 0
+    count: cython.Py_ssize_t = 0
+    table: Numbers = planar_room(pose_count(pieces) + 1)
+    row: PlanarPieces = planar(table)
+    piece: PosePieces = poses(pieces)
+    extent: Box = Box(x, y, x, y)
     k: cython.Py_ssize_t
-    for k in range(count):
-        start: float = piece[k * _PIECE]
-        end: float = piece[k * _PIECE + 1]
-        if end > begin and end > start:
-            put(row, o, piece, k * _PIECE, _R)
-            _widen(bounds, 0, row, o + 2, end - start)
-            _widen(bounds, 1, row, o + 6, end - start)
-            o += _R
-    stand(row, o, since, INFINITY, x, y)
-    cut(table, o + _R)
+    for k in range(pose_count(pieces)):
+        p: PosePiece = piece[k]
+        if p.end > begin and p.end > p.begin:
+            row[count] = PlanarPiece(p.begin, p.end, p.x, p.y)
+            count += 1
+            across: Range = bounds(p.x, p.end - p.begin)
+            up: Range = bounds(p.y, p.end - p.begin)
+            extent = united(extent, Box(across.low, up.low, across.high, up.high))
+    boxes_of(box)[0] = extent
+    row[count] = PlanarPiece(since, INFINITY, constant(x), constant(y))
+    planar_cut(table, count + 1)
     return table
 
 
@@ -103,30 +98,6 @@ def stand(
     return 0
 
 
-def _widen(
-    box: Doubles, axis: cython.Py_ssize_t, row: Doubles, o: cython.Py_ssize_t, u: float
-) -> cython.int:
-    """Widen bounds along an axis to those of a cubic that lasts `u` seconds."""
-    a: float = row[o]
-    b: float = row[o + 1]
-    c: float = row[o + 2]
-    d: float = row[o + 3]
-    last: float = a + u * (b + u * (c + u * d))
-    low: float = min(a, last)
-    high: float = max(a, last)
-    # A quadratic turns back where its velocity changes sign between the two ends.
-    if d != 0.0 or (c != 0.0 and b * (b + 2 * c * u) < 0.0):
-        # It may turn back within the piece: no farther out than its control points.
-        third: float = u * b / 3
-        one: float = a + third
-        two: float = a + 2 * third + u * u * c / 3
-        low = min(low, min(one, two))
-        high = max(high, max(one, two))
-    box[axis] = min(box[axis], low)
-    box[axis + 2] = max(box[axis + 2], high)
-    return 0
-
-
 def first_met(
     table: Numbers,
     box: Numbers,
@@ -138,12 +109,11 @@ def first_met(
     begin: float,
     when: Numbers,
 ) -> cython.Py_ssize_t:
-    """Return who of those `near` is met first from `begin` (seconds) on; -1 for nobody.
+    """Return the disc of those `near` with the first conflict from `begin` (seconds) on, or -1.
 
-    `table` is the motion of one, `tables` those of all others. To meet one of them is to come
-    closer than `own` and their radius of `radii` (metres); who is closer already is met by coming
-    closer still. `box` and `boxes` bound the motions: least x and y, greatest x and y, four numbers
-    for each. When it is, is `when[0]`.
+    `table` is the motion of one, `tables` those of all others. A conflict is a distance less than
+    `own` and their radius of `radii` (metres); discs that are closer already are in conflict when
+    they come closer still. `box` and `boxes` bound the motions. The time is in `when[0]`.
     """
     first: float = INFINITY
     who: cython.Py_ssize_t = -1
@@ -170,26 +140,17 @@ def first_but(
     begin: float,
     apart: bytearray,
 ) -> cython.Py_ssize_t:
-    """Return who of all but those `apart` is met first from `begin` (seconds) on; -1 for nobody.
+    """Return the disc of all but those `apart` with the first conflict from `begin` on, or -1.
 
     `apart` has a byte for each, 0 for who counts. For `table`, `box`, `tables`, `boxes`, `radii`
     and `own` see `first_met`.
     """
     first: float = INFINITY
     who: cython.Py_ssize_t = -1
-    a: Doubles = at(box)
-    b: Doubles = at(boxes)
-    r: Doubles = at(radii)
+    a: Box = boxes_of(box)[0]
     k: cython.Py_ssize_t
     for k in range(len(radii)):
-        least: float = own + r[k]
-        if (
-            a[0] - b[4 * k + 2] < least
-            and b[4 * k] - a[2] < least
-            and a[1] - b[4 * k + 3] < least
-            and b[4 * k + 1] - a[3] < least
-            and not apart[k]
-        ):
+        if are_within(a, boxes_of(boxes)[k], own + at(radii)[k]) and not apart[k]:
             t: float = met(table, box, tables, boxes, radii, own, begin, first, k)
             if t < first:
                 first = t
@@ -210,216 +171,134 @@ def met(
 ) -> float:
     """Return when the k-th is met before `until`, as `first_met` has it; infinite if never."""
     least: float = own + at(radii)[k]
-    a: Doubles = at(box)
-    b: Doubles = at(boxes)
-    if (
-        a[0] - b[4 * k + 2] >= least
-        or b[4 * k] - a[2] >= least
-        or a[1] - b[4 * k + 3] >= least
-        or b[4 * k + 1] - a[3] >= least
-    ):
+    if not are_within(boxes_of(box)[0], boxes_of(boxes)[k], least):
         return INFINITY
     other: Numbers = tables[k]
-    t: float = _meeting(table, other, least, begin, until, 0, 0)
+    t: float = first_conflict(table, other, least, begin, until)
     if t <= begin + _JUST_NOW:
         # They are too close to begin with: then what counts is coming closer than they are.
         apart: float = distance(table, other, begin)
         if apart < least + _JUST_NOW:
-            t = _meeting(table, other, min(least, apart - 1e-9), begin, until, 0, 0)
+            t = first_conflict(table, other, min(least, apart - 1e-9), begin, until)
     return t
 
 
 def gone(table: Numbers, since: float, t: float) -> float:
-    """Return the metres that a walk along straight legs goes from `since` to `t` (seconds)."""
+    """See `distance_travelled`."""
+    return distance_travelled(table, since, t)
+
+
+def distance_travelled(table: Numbers, since: float, t: float) -> float:
+    """Return the metres that a walk along straight legs covers from `since` to `t` (seconds)."""
     total: float = 0.0
-    a: Doubles = at(table)
+    row: PlanarPieces = planar(table)
     k: cython.Py_ssize_t
-    for k in range(len(table) // _R - 1):
-        o: cython.Py_ssize_t = k * _R
-        begin: float = a[o]
-        if since <= begin < t:
-            end: float = a[o + 1]
-            u: float = (end if end < t else t) - begin
-            # On a straight leg nobody turns back, so that the chord is the way.
-            x: float = u * (a[o + 3] + u * a[o + 4])
-            y: float = u * (a[o + 7] + u * a[o + 8])
-            total += sqrt(x * x + y * y)
+    for k in range(planar_count(table) - 1):
+        p: PlanarPiece = row[k]
+        if since <= p.begin < t:
+            u: float = (p.end if p.end < t else t) - p.begin
+            # On a straight leg a walk never turns back, so that the chord is the path.
+            total += norm(gain(p.x, u), gain(p.y, u))
     return total
-
-
-def meeting(one: Numbers, other: Numbers, least: float, begin: float, until: float) -> float:
-    """Return the first instant from `begin` to `until` at which two are nearer than `least`.
-
-    Seconds and metres; infinite if there is none. Both tables reach back to `begin`. Never misses
-    one; finds one too many only where the two stay within rounding of `least`.
-    """
-    return _meeting(one, other, least, begin, until, 0, 0)
 
 
 def distance(one: Numbers, other: Numbers, t: float) -> float:
     """Return the distance of two centres at `t` (seconds), metres."""
-    a: Doubles = at(one)
-    b: Doubles = at(other)
-    i: cython.Py_ssize_t = 0
-    j: cython.Py_ssize_t = 0
-    # No end of the table is looked for: its last row never ends.
-    while a[i + 1] <= t:
-        i += _R
-    while b[j + 1] <= t:
-        j += _R
-    u: float = max(t - a[i], 0.0)
-    w: float = max(t - b[j], 0.0)
-    x: float = a[i + 2] + u * (a[i + 3] + u * (a[i + 4] + u * a[i + 5]))
-    y: float = a[i + 6] + u * (a[i + 7] + u * (a[i + 8] + u * a[i + 9]))
-    x -= b[j + 2] + w * (b[j + 3] + w * (b[j + 4] + w * b[j + 5]))
-    y -= b[j + 6] + w * (b[j + 7] + w * (b[j + 8] + w * b[j + 9]))
-    return sqrt(x * x + y * y)
+    a: PlanarPiece = planar(one)[planar_from(one, 0, t)]
+    b: PlanarPiece = planar(other)[planar_from(other, 0, t)]
+    u: float = max(t - a.begin, 0.0)
+    w: float = max(t - b.begin, 0.0)
+    return norm(value(a.x, u) - value(b.x, w), value(a.y, u) - value(b.y, w))
 
 
-def _meeting(
+def first_conflict(one: Numbers, other: Numbers, least: float, begin: float, until: float) -> float:
+    """Return the first time from `begin` to `until` at which two are nearer than `least`.
+
+    Seconds and metres; infinite if there is none. Both tables reach back to `begin`. No conflict is
+    missed. A false one is found only where the two stay within rounding of `least`.
+    """
+    return conflict_from(one, other, least, begin, until, 0, 0)
+
+
+def conflict_from(
     one: Numbers,
     other: Numbers,
     least: float,
     begin: float,
     until: float,
-    row: cython.Py_ssize_t,
-    other_row: cython.Py_ssize_t,
+    i: cython.Py_ssize_t,
+    j: cython.Py_ssize_t,
 ) -> float:
-    """See `meeting`."""
-    a: Doubles = at(one)
-    b: Doubles = at(other)
-    i: cython.Py_ssize_t = row * _R
-    j: cython.Py_ssize_t = other_row * _R
-    while a[i + 1] <= begin:
-        i += _R
-    while b[j + 1] <= begin:
-        j += _R
+    """Return what `first_conflict` does for tables whose pieces before i and j are over."""
+    ones: PlanarPieces = planar(one)
+    others: PlanarPieces = planar(other)
+    i = planar_from(one, i, begin)
+    j = planar_from(other, j, begin)
     t: float = begin
     while t < until:
-        a_end: float = a[i + 1]
-        b_end: float = b[j + 1]
-        x: float = a[i + 2]
-        x1: float = a[i + 3]
-        x2: float = a[i + 4]
-        x3: float = a[i + 5]
-        y: float = a[i + 6]
-        y1: float = a[i + 7]
-        y2: float = a[i + 8]
-        y3: float = a[i + 9]
-        u: float = t - a[i]
-        if u > 0.0:
-            x += u * (x1 + u * (x2 + u * x3))
-            x1 += u * (2 * x2 + u * 3 * x3)
-            x2 += u * 3 * x3
-            y += u * (y1 + u * (y2 + u * y3))
-            y1 += u * (2 * y2 + u * 3 * y3)
-            y2 += u * 3 * y3
-        if b_end == INFINITY:  # the other stands
-            x -= b[j + 2]
-            y -= b[j + 6]
-            if a_end == INFINITY:
-                return t if x * x + y * y < least * least else INFINITY
-        else:
-            w: float = t - b[j]
-            bx1: float = b[j + 3]
-            bx2: float = b[j + 4]
-            bx3: float = b[j + 5]
-            by1: float = b[j + 7]
-            by2: float = b[j + 8]
-            by3: float = b[j + 9]
-            x -= b[j + 2] + w * (bx1 + w * (bx2 + w * bx3))
-            x1 -= bx1 + w * (2 * bx2 + w * 3 * bx3)
-            x2 -= bx2 + w * 3 * bx3
-            x3 -= bx3
-            y -= b[j + 6] + w * (by1 + w * (by2 + w * by3))
-            y1 -= by1 + w * (2 * by2 + w * 3 * by3)
-            y2 -= by2 + w * 3 * by3
-            y3 -= by3
-        end: float = a_end if a_end < b_end else b_end
+        a: PlanarPiece = ones[i]
+        b: PlanarPiece = others[j]
+        u: float = max(t - a.begin, 0.0)
+        w: float = max(t - b.begin, 0.0)
+        x: Cubic = minus(shift(a.x, u), shift(b.x, w))
+        y: Cubic = minus(shift(a.y, u), shift(b.y, w))
+        end: float = a.end if a.end < b.end else b.end
+        if end == INFINITY:
+            return t if x.p * x.p + y.p * y.p < least * least else INFINITY
         duration: float = end - t
-        # Cheapest first: most stretches are decided by these corners alone.
-        apart: cython.bint = False
-        if x3 == 0.0 and y3 == 0.0:
-            # A quadratic stays between its control points.
-            xm: float = x + duration * x1 / 2
-            ym: float = y + duration * y1 / 2
-            xe: float = x + duration * (x1 + duration * x2)
-            ye: float = y + duration * (y1 + duration * y2)
-            apart = (
-                (x >= least and xm >= least and xe >= least)
-                or (x <= -least and xm <= -least and xe <= -least)
-                or (y >= least and ym >= least and ye >= least)
-                or (y <= -least and ym <= -least and ye <= -least)
-            )
-        if not apart:
-            met: float = _within(x, x1, x2, x3, y, y1, y2, y3, duration, least)
-            if met >= 0.0:
-                return t + met
+        # Cheapest first: the bounds along the axes decide most intervals.
+        if not _is_apart(x, duration, least) and not _is_apart(y, duration, least):
+            found: float = _first_within(x, y, duration, least)
+            if found >= 0.0:
+                return t + found
         t = end
-        if a_end <= t:
-            i += _R
-        if b_end <= t:
-            j += _R
+        if a.end <= t:
+            i += 1
+        if b.end <= t:
+            j += 1
     return INFINITY
 
 
-def _within(
-    x0: float,
-    x1: float,
-    x2: float,
-    x3: float,
-    y0: float,
-    y1: float,
-    y2: float,
-    y3: float,
-    duration: float,
-    least: float,
-) -> float:
+def _is_apart(c: Cubic, duration: float, least: float) -> bool:
+    """Return whether the Bernstein bounds of a coordinate keep it `least` from 0."""
+    if -least < c.p < least:
+        return False
+    extent: Range = bounds(c, duration)
+    return extent.low >= least or extent.high <= -least
+
+
+def _first_within(x: Cubic, y: Cubic, duration: float, least: float) -> float:
     """Return the first u from 0 to `duration` at which x, y is within `least` of 0, 0; or -1.
 
-    About the middle of a stretch the position is r + v u + (a/2) u² + (j/6) u³. The distance along
-    the straight line r + v u is convex, and the rest can't be longer than (a/2) h² + (j/6) h³
-    (as in `Encounter`); a stretch that this leaves undecided is halved. Stretches are `width` long,
-    and the one to look at is the k-th of that width. The shortest are a conflict, unless the two
-    part in them: who stands as near as may be, and walks away, is undecided however short it is.
+    Subdivision: the distance along the tangent at the middle of an interval is convex, and the
+    point stays within `deviation` of the tangent. Undecided intervals are halved, and the one
+    examined is the k-th of its `width`. The shortest count as a conflict unless the two move apart,
+    because no interval decides about a person who leaves from exactly the least distance.
     """
-    curved: cython.bint = x2 != 0.0 or y2 != 0.0 or x3 != 0.0 or y3 != 0.0
+    straight: cython.bint = is_straight(x, y)
     width: float = duration
     k: cython.Py_ssize_t = 0
     while True:
         half: float = width / 2
         since: float = k * width
-        m: float = since + half
-        x: float = x0 + m * (x1 + m * (x2 + m * x3))
-        y: float = y0 + m * (y1 + m * (y2 + m * y3))
-        vx: float = x1 + m * (2 * x2 + m * 3 * x3)
-        vy: float = y1 + m * (2 * y2 + m * 3 * y3)
-        square: float = vx * vx + vy * vy
-        offset: float = 0.0
-        if square > 0.0:
-            offset = -(x * vx + y * vy) / square
-            offset = -half if offset < -half else half if offset > half else offset
-        x += vx * offset
-        y += vy * offset
-        near: float = sqrt(x * x + y * y)
-        if curved:
-            ax: float = x2 + 3 * x3 * m
-            ay: float = y2 + 3 * y3 * m
-            bend: float = sqrt(ax * ax + ay * ay) + half * sqrt(x3 * x3 + y3 * y3)
-            near -= half * half * bend
+        dx: Cubic = shift(x, since + half)
+        dy: Cubic = shift(y, since + half)
+        u: float = nearest_on_line(dx, dy, half)
+        near: float = norm(dx.p + dx.v * u, dy.p + dy.v * u)
+        if not straight:
+            near -= deviation(dx, dy, half)
             if near < least and width <= _RESOLUTION:
-                near = _parting(x0, x1, x2, x3, y0, y1, y2, y3, since, width)
+                near = _least_on_leaving(shift(x, since), shift(y, since), width)
         if near >= least:
             k += 1
-            # The next stretch to the right of the halving: as wide as it may be again.
+            # The next interval to the right of the halving: as wide as it may be again.
             while k % 2 == 0:
                 k //= 2
                 width *= 2
             if width >= duration:
                 return -1.0
-        # A straight line enters the disc within the stretch: when, is known in closed form.
-        elif not curved:
-            return _entered(x0, x1, y0, y1, duration, least)
+        elif straight:
+            return _entry(x, y, duration, least)
         elif width <= _RESOLUTION:
             return since
         else:
@@ -427,49 +306,28 @@ def _within(
             width = half
 
 
-def _parting(
-    x0: float,
-    x1: float,
-    x2: float,
-    x3: float,
-    y0: float,
-    y1: float,
-    y2: float,
-    y3: float,
-    since: float,
-    width: float,
-) -> float:
-    """Return a bound on how near x, y is to 0, 0 for `width` seconds, which is exact if it parts.
+def _least_on_leaving(x: Cubic, y: Cubic, width: float) -> float:
+    """Bound the distance of x, y from 0, 0 for `width` seconds; exact if it increases.
 
-    Along the direction from 0, 0 to where it is at the beginning, `since`, a cubic stays between
-    its control points.
+    That is the Bernstein bound of the component along the direction at the beginning.
     """
-    u: float = since
-    x: float = x0 + u * (x1 + u * (x2 + u * x3))
-    y: float = y0 + u * (y1 + u * (y2 + u * y3))
-    away: float = sqrt(x * x + y * y)
+    away: float = norm(x.p, y.p)
     if away == 0.0:
         return 0.0
-    nx: float = x / away
-    ny: float = y / away
-    # Its derivatives along that direction, each over its factorial, times the width's power.
-    one: float = width * (
-        nx * (x1 + u * (2 * x2 + u * 3 * x3)) + ny * (y1 + u * (2 * y2 + u * 3 * y3))
-    )
-    two: float = width * width * (nx * (x2 + u * 3 * x3) + ny * (y2 + u * 3 * y3))
-    three: float = width * width * width * (nx * x3 + ny * y3)
-    nearer: float = min(one / 3, min((2 * one + two) / 3, one + two + three))
-    return away + min(nearer, 0.0)
+    nx: float = x.p / away
+    ny: float = y.p / away
+    along: Cubic = Cubic(away, nx * x.v + ny * y.v, nx * x.a + ny * y.a, nx * x.j + ny * y.j)
+    return bounds(along, width).low
 
 
-def _entered(x: float, vx: float, y: float, vy: float, duration: float, least: float) -> float:
-    """Return the first u from 0 to `duration` at which x + vx u, y + vy u is within `least`."""
+def _entry(x: Cubic, y: Cubic, duration: float, least: float) -> float:
+    """Return the first u from 0 to `duration` at which a straight line enters a disc about 0, 0."""
     # The roots of a u² + 2 b u + c; the first is c / (√(b² − a c) − b), with b < 0 where the two
     # come closer: a sum of what is positive, so that nothing cancels.
-    c: float = x * x + y * y - least * least
+    c: float = x.p * x.p + y.p * y.p - least * least
     if c <= 0.0:
         return 0.0
-    a: float = vx * vx + vy * vy
-    b: float = x * vx + y * vy
+    a: float = x.v * x.v + y.v * y.v
+    b: float = x.p * x.v + y.p * y.v
     root: float = sqrt(max(b * b - a * c, 0.0))
     return min(max(c / (root - b), 0.0), duration)

@@ -1,18 +1,13 @@
-from navigation.kernels.numbers cimport Doubles, Numbers
+from libc.math cimport sqrt
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
-cdef double _WIDER
-cdef double _LEVEL
-cdef Py_ssize_t _LATELY
-cdef Py_ssize_t _LOOKED_AT
+cdef double _WIDER, _LEVEL
+cdef Py_ssize_t _LATELY, _LOOKED_AT
 
 cdef class Grid:
-    cdef double width
-    cdef double low_x
-    cdef double low_y
-    cdef Py_ssize_t columns
-    cdef Py_ssize_t rows
-    cdef Py_ssize_t first
-    cdef Py_ssize_t last
+    cdef double width, low_x, low_y
+    cdef Py_ssize_t columns, rows, first, last
     cdef list[Numbers] cells
     cdef Numbers lately
     cpdef bint touched(self, double ax, double ay, double bx, double by, double radius)
@@ -28,9 +23,8 @@ cdef class Room:
     cdef Grid floor
     cdef double radius
     cdef public Py_ssize_t asked
-    cdef list[Numbers] bodies
-    cdef list[Numbers] gates
-    cdef Numbers bounds
+    cdef list[Numbers] bodies, gates
+    cdef Numbers bounds, radii
     cpdef bint holds(self, double x, double y)
     cpdef bint clear(self, double ax, double ay, double bx, double by, bint floor)
 
@@ -60,13 +54,7 @@ cpdef bint touches(
 ) except -1
 cpdef list come_into(Numbers bounds, list route, double radius)
 cdef bint _comes_into(
-    Doubles bound,
-    Py_ssize_t k,
-    double ax,
-    double ay,
-    double bx,
-    double by,
-    double radius,
+    Box box, double ax, double ay, double bx, double by, double radius
 ) noexcept
 cpdef bint back_through(
     Numbers line, double ax, double ay, double bx, double by

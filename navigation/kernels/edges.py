@@ -1,5 +1,7 @@
 """Edges of a floor: whether a disc that is swept along a segment touches one.
 
+Edges are found in a uniform grid (J. Amanatides and A. Woo, "A fast voxel traversal algorithm for
+ray tracing", Eurographics 1987), and a place is inside by the parity of a ray's crossings.
 Edges are rows of numbers (see `numbers`): x and y of both ends of each in turn (metres).
 """
 
@@ -18,10 +20,8 @@ from .numbers import Place
 if not cython.compiled:
     from math import sqrt
 
-    from .numbers import Doubles, Numbers, at, put, room
-else:
-    from cython.cimports.libc.math import sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, put, room
+    from .cubics import *
+    from .numbers import *
 
 _WIDER: float = 1.001  # of a radius: rounding hides no cell beside a sweep
 _LATELY: cython.Py_ssize_t = 16  # numbers of the edges that are remembered
@@ -164,14 +164,11 @@ class Room:
         self.bodies = [edges for edges, _ in bodies]
         self.gates = gates
         self.bounds: Numbers = room(0)
-        rounding: float
+        self.radii: Numbers = room(0)
         for edges, rounding in bodies:
-            radius = self.radius + rounding
-            self.bounds.append(min(edges[0::2]) - radius)
-            self.bounds.append(min(edges[1::2]) - radius)
-            self.bounds.append(max(edges[0::2]) + radius)
-            self.bounds.append(max(edges[1::2]) + radius)
-            self.bounds.append(radius)
+            self.bounds.extend((min(edges[0::2]), min(edges[1::2])))
+            self.bounds.extend((max(edges[0::2]), max(edges[1::2])))
+            self.radii.append(radius + rounding)
 
     def holds(self, x: float, y: float) -> bool:
         """Return whether there is room for the disc at a place."""
@@ -190,18 +187,12 @@ class Room:
                     return False
             if self.floor.touched(ax, ay, bx, by, self.radius):
                 return False
-        bound: Doubles = at(self.bounds)
+        box: Boxes = boxes_of(self.bounds)
         k: cython.Py_ssize_t
         for k in range(len(self.bodies)):
-            o: cython.Py_ssize_t = 5 * k
-            if (
-                # A segment whose ends are both beyond one side of the bounds is beyond it as a
-                # whole.
-                (ax > bound[o] or bx > bound[o])
-                and (ay > bound[o + 1] or by > bound[o + 1])
-                and (ax < bound[o + 2] or bx < bound[o + 2])
-                and (ay < bound[o + 3] or by < bound[o + 3])
-                and touches(self.bodies[k], ax, ay, bx, by, bound[o + 4])
+            keep: float = at(self.radii)[k]
+            if _comes_into(box[k], ax, ay, bx, by, keep) and touches(
+                self.bodies[k], ax, ay, bx, by, keep
             ):
                 return False
         return True
@@ -224,10 +215,10 @@ class Legs:
         """Return whether there is room on the segment from a, where there is, to b."""
         if self.walls.touched(ax, ay, bx, by, self.radius):
             return False
-        bound: Doubles = at(self.bounds)
+        box: Boxes = boxes_of(self.bounds)
         k: cython.Py_ssize_t
-        for k in range(len(self.bounds) // 4):
-            if _comes_into(bound, k, ax, ay, bx, by, self.radius):
+        for k in range(box_count(self.bounds)):
+            if _comes_into(box[k], ax, ay, bx, by, self.radius):
                 return bool(self.ask((ax, ay), (bx, by)))
         return True
 
@@ -276,8 +267,8 @@ def come_into(bounds: Numbers, route: list[Place], radius: float) -> list[tuple[
     segment and that of the bounds.
     """
     found: list[tuple[int, int]] = []
-    count: cython.Py_ssize_t = len(bounds) // 4
-    bound: Doubles = at(bounds)
+    count: cython.Py_ssize_t = box_count(bounds)
+    box: Boxes = boxes_of(bounds)
     ax: float
     ay: float
     bx: float
@@ -288,25 +279,20 @@ def come_into(bounds: Numbers, route: list[Place], radius: float) -> list[tuple[
         ax, ay = route[i]
         bx, by = route[i + 1]
         for k in range(count):
-            if _comes_into(bound, k, ax, ay, bx, by, radius):
+            if _comes_into(box[k], ax, ay, bx, by, radius):
                 found.append((i, k))  # noqa: PERF401
     return found
 
 
-def _comes_into(
-    bound: Doubles,
-    k: cython.Py_ssize_t,
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    radius: float,
-) -> bool:
-    """Return whether a disc comes into the `k`-th of some bounds on the segment from a to b."""
-    low_x: float = bound[4 * k] - radius
-    low_y: float = bound[4 * k + 1] - radius
-    high_x: float = bound[4 * k + 2] + radius
-    high_y: float = bound[4 * k + 3] + radius
+def _comes_into(box: Box, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
+    """Return whether a disc comes into a box on the segment from a to b.
+
+    A segment whose ends are both beyond one side of the box is beyond it as a whole.
+    """
+    low_x: float = box.low_x - radius
+    low_y: float = box.low_y - radius
+    high_x: float = box.high_x + radius
+    high_y: float = box.high_y + radius
     return (
         (ax > low_x or bx > low_x)
         and (ay > low_y or by > low_y)

@@ -1,47 +1,47 @@
-from navigation.kernels.follower cimport Follower
-from navigation.kernels.gauge cimport Course, Gauge
-from navigation.kernels.numbers cimport Numbers
-from navigation.kernels.odometer cimport TaylorModel, PathLength
+from libc.math cimport copysign, cos, sin, sqrt
+from navigation.kernels.cubics cimport *
+from navigation.kernels.gauge cimport Gauge, NearestPoint, RelativeMotion
+from navigation.kernels.numbers cimport *
+from navigation.kernels.odometer cimport PathLength, TaylorModel, speed_along
 
-cdef double _INFINITE
-cdef Course _NO_COURSE
+cdef Py_ssize_t _WIDTH
 cdef Numbers _NONE
 cdef Py_ssize_t _SOME
 cdef double _NEAR
 
+cdef struct Closest:
+    double low, high, t
+
+cdef class Follower:
+    cdef Numbers table
+    cdef Py_ssize_t rows, row
+    cdef double since, begin, end, entered
+    cdef Cubic x, y, rotation
+    cdef int seek(self, double t) except -1
+    cdef int go_on(self) except -1
+    cdef int enter(self, double t) noexcept
+    cdef Range speeds(self, double begin, double end) noexcept
+    cdef TaylorModel speed_over(self, double begin, double end) noexcept
+
 cdef class EncounterBounds:
-    cdef Follower person
-    cdef Follower machine
+    cdef Follower person, machine
     cdef list[Gauge] gauges
-    cdef Course course
     cdef tuple ways
-    cdef double since
-    cdef double until
+    cdef double since, until
     cdef bint started
-    cdef double x0
-    cdef double x1
-    cdef double x2
-    cdef double x3
-    cdef double y0
-    cdef double y1
-    cdef double y2
-    cdef double y3
-    cdef double slack
-    cdef double near
-    cdef double far
-    cdef double offset
-    cdef double lower
-    cdef double upper
+    cdef Cubic x, y
+    cdef double slack, lower, upper
     cdef Numbers ends
     cdef Py_ssize_t left
     cdef tuple paths(self)
-    cdef int start(self, double begin) except? -1
-    cdef bint go_on(self, double end) except? -1
-    cdef bint next_interval(self, double end) except? -1
-    cdef bint halve(self) except? -1
-    cdef int look(self, double begin, double end) noexcept
-    cdef int apart_over(self, double begin, double end, double slope, double curve) noexcept
-    cdef int measure(self, double middle, double half, double slope, double curve) noexcept
-    cdef double bend(self, double x, double y, double vx, double vy, double ax, double ay, double half, double curve, double bend) noexcept
-    cdef int measure_surfaces(self, double middle, double half, double slope, double curve) noexcept
-    cdef int close_in(self, double begin, double end) noexcept
+    cdef int start(self, double begin) except -1
+    cdef bint go_on(self, double end) except -1
+    cdef bint next_interval(self, double end) except -1
+    cdef bint halve(self) except -1
+    cdef Closest closest(self, double begin, double end, double slope, double curve) noexcept
+    cdef Closest _between_centres(self, double u, double half, double slope, double curve) noexcept
+    cdef Range _between_surfaces(self, double u, double half, double slope, double curve) noexcept
+    cdef Range approach(self, double begin, double end) noexcept
+
+cdef double _lowest_on_line(Cubic x, Cubic y, double half, double slope) noexcept
+cdef double _deviation_of_distance(Cubic x, Cubic y, double half, double curve) noexcept

@@ -1,4 +1,10 @@
-"""Two motions, stretch by stretch: bounds on their distance and on how fast they come closer."""
+"""Bounds on the distance of two motions, and on how fast it shrinks, over intervals of time.
+
+The distance is bounded to third order by its Taylor model about the middle of an interval: exact
+for the tangents, which are convex, and with a bound of the rest. Undecided intervals are halved, so
+that nothing is missed: interval subdivision as in S. Redon, A. Kheddar and S. Coquillart, "Fast
+continuous collision detection between rigid bodies", Computer Graphics Forum 21, 2002.
+"""
 
 from __future__ import annotations
 
@@ -9,27 +15,102 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .numbers import POSE_WIDTH
+
 if not cython.compiled:
     from math import copysign, cos, sin, sqrt
 
-    from .follower import Follower
-    from .gauge import Course, Gauge
-    from .numbers import Numbers, at, put, room
-    from .odometer import PathLength, TaylorModel
-else:
-    from cython.cimports.libc.math import copysign, cos, sin, sqrt
-    from cython.cimports.navigation.kernels.follower import Follower
-    from cython.cimports.navigation.kernels.gauge import Course, Gauge
-    from cython.cimports.navigation.kernels.numbers import Numbers, at, put, room
-    from cython.cimports.navigation.kernels.odometer import PathLength, TaylorModel
+    from .cubics import *
+    from .gauge import Gauge
+    from .numbers import *
+    from .odometer import PathLength, speed_along
+    from .uncompiled import Closest, RelativeMotion, TaylorModel
 
-_INFINITE: float = float("inf")
-
-_NO_COURSE = Course()
+_WIDTH: cython.Py_ssize_t = POSE_WIDTH
 _NONE: Numbers = room(0)
 _SOME: cython.Py_ssize_t = 64  # ends of intervals, to begin with
-
 _NEAR: float = 1e-9  # metres; nearer than this, the direction to the other is mostly rounding
+
+
+class Follower:
+    """A body on its motion: at rest before it, on one piece after another, at rest after it.
+
+    Its coordinates are cubics counted from the time at which it was `entered`.
+    """
+
+    def __init__(self, table: Numbers) -> None:
+        self.table = table
+        self.rows = pose_count(table)
+        self.row = -1
+        self.since = self.begin = self.end = self.entered = 0.0
+        self.x = self.y = self.rotation = constant(0.0)
+
+    def seek(self, t: float) -> cython.int:
+        """Come to the piece at `t`."""
+        first: float = poses(self.table)[0].begin
+        self.since = t
+        if t < first:
+            self.row = -1
+            self.begin = t
+            self.end = first
+            return 0
+        self.row = pose_at(self.table, t) - 1
+        return self.go_on()
+
+    def go_on(self) -> cython.int:
+        """Come to the next piece. Those of no length are left out: no velocity for no time."""
+        while True:
+            self.row += 1
+            if self.row >= self.rows:
+                self.begin = end_of(self.table)
+                self.end = INFINITY
+                return 0
+            piece: PosePiece = poses(self.table)[self.row]
+            self.begin = piece.begin
+            self.end = piece.end
+            if piece.end > max(self.since, piece.begin):
+                if not are_finite(at(self.table), self.row * _WIDTH, _WIDTH):
+                    raise ValueError(
+                        f"a motion is not finite from t = {self.begin} s to {self.end} s"
+                    )
+                return 0
+
+    def enter(self, t: float) -> cython.int:
+        """Count from `t`, within the piece."""
+        piece: PosePiece = poses(self.table)[min(max(self.row, 0), self.rows - 1)]
+        u: float = 0.0
+        if self.row >= self.rows:
+            u = piece.end - piece.begin
+        elif self.row >= 0:
+            u = t - self.begin
+        self.entered = t
+        self.x = shift(piece.x, u)
+        self.y = shift(piece.y, u)
+        self.rotation = shift(piece.rotation, u)
+        if self.row < 0 or self.row >= self.rows:
+            self.x = constant(self.x.p)
+            self.y = constant(self.y.p)
+            self.rotation = constant(self.rotation.p)
+        return 0
+
+    def speeds(self, begin: float, end: float) -> Range:
+        """Bound the speed from `begin` to `end`, an interval within the piece."""
+        half: float = (end - begin) / 2
+        x: Cubic = shift(self.x, begin - self.entered + half)
+        y: Cubic = shift(self.y, begin - self.entered + half)
+        speed: float = norm(x.v, y.v)
+        if is_straight(x, y):
+            return Range(speed, speed)
+        # The coefficients are half the acceleration and a sixth of the jerk.
+        slack: float = half * 2 * norm(x.a, y.a)
+        slack += half * half * 3 * norm(x.j, y.j)
+        return Range(0.0 if slack > speed else speed - slack, speed + slack)
+
+    def speed_over(self, begin: float, end: float) -> TaylorModel:
+        """Return the speed from `begin` to `end`, an interval within the piece."""
+        if self.row < 0 or self.row >= self.rows:
+            return TaylorModel(0.0, 0.0, 0.0, 0.0)
+        return speed_along(poses(self.table)[self.row], begin, end)
 
 
 class EncounterBounds:
@@ -48,12 +129,11 @@ class EncounterBounds:
         self.person = Follower(person)
         self.machine = Follower(machine)
         self.gauges = gauges
-        self.course = Course() if gauges else _NO_COURSE
         self.ways: tuple[PathLength, ...] = ()
         self.slack = rounding
         self.since = self.until = 0.0
-        self.near = self.far = self.offset = 0.0
         self.started = False
+        self.x = self.y = constant(0.0)
         self.lower = self.upper = 0.0
         self.ends = _NONE
         self.left = 0
@@ -95,14 +175,8 @@ class EncounterBounds:
         person.enter(t)
         machine.enter(t)
         # Both count from the same instant now, so the relative position is one cubic as well.
-        self.x0 = machine.x0 - person.x0
-        self.x1 = machine.x1 - person.x1
-        self.x2 = machine.x2 - person.x2
-        self.x3 = machine.x3 - person.x3
-        self.y0 = machine.y0 - person.y0
-        self.y1 = machine.y1 - person.y1
-        self.y2 = machine.y2 - person.y2
-        self.y3 = machine.y3 - person.y3
+        self.x = minus(machine.x, person.x)
+        self.y = minus(machine.y, person.y)
         return True
 
     def next_interval(self, end: float) -> cython.bint:
@@ -140,211 +214,110 @@ class EncounterBounds:
         self.upper = middle
         return True
 
-    def look(self, begin: float, end: float) -> cython.int:
-        """Bound distance and speeds from `begin` to `end`, within the stretch."""
+    def closest(self, begin: float, end: float, slope: float, curve: float) -> Closest:
+        """Bound distance − `slope` u − `curve` u² / 2 from `begin` to `end`, u from the middle.
+
+        The interval is within the stretch.
+        """
         half: float = (end - begin) / 2
         middle: float = begin - self.since + half
-        self.person.pace(middle, half)
-        self.machine.pace(middle, half)
-        return self.measure(middle, half, 0.0, 0.0)
+        found: Closest
+        if self.gauges:
+            apart: Range = self._between_surfaces(middle, half, slope, curve)
+            found = Closest(apart.low, apart.high, 0.0)
+        else:
+            found = self._between_centres(middle, half, slope, curve)
+        t: float = self.since + middle + found.t
+        return Closest(found.low, found.high, begin if t < begin else end if t > end else t)
 
-    def apart_over(self, begin: float, end: float, slope: float, curve: float) -> cython.int:
-        """Bound distance − `slope` u − `curve` u² / 2; `offset` is an instant near the least."""
-        half: float = (end - begin) / 2
-        middle: float = begin - self.since + half
-        self.measure(middle, half, slope, curve)
-        t: float = self.since + middle + self.offset
-        self.offset = begin if t < begin else end if t > end else t
-        return 0
-
-    def measure(self, middle: float, half: float, slope: float, curve: float) -> cython.int:
-        """See `apart_over`, for all |u| <= `half`; `offset` is a u.
+    def _between_centres(self, u: float, half: float, slope: float, curve: float) -> Closest:
+        """See `closest`, about the time u since the stretch began, from which its t counts.
 
         About the middle the relative position is r + v u + (a/2) u² + (j/6) u³. What |r + v u| −
         slope u may be is known exactly, for it is convex; the rest of the position can't be longer
         than (a/2) h² + (j/6) h³.
         """
-        if self.gauges:
-            return self.measure_surfaces(middle, half, slope, curve)
-        a1: float = self.x1
-        a2: float = self.x2
-        a3: float = self.x3
-        b1: float = self.y1
-        b2: float = self.y2
-        b3: float = self.y3
-        x: float = self.x0 + middle * (a1 + middle * (a2 + middle * a3))
-        y: float = self.y0 + middle * (b1 + middle * (b2 + middle * b3))
-        self.offset = 0.0
+        x: Cubic = shift(self.x, u)
+        y: Cubic = shift(self.y, u)
         if half == 0.0:
-            self.near = self.far = sqrt(x * x + y * y)
-            return 0
-        vx: float = a1 + middle * (2 * a2 + middle * 3 * a3)
-        vy: float = b1 + middle * (2 * b2 + middle * 3 * b3)
-        ax: float = a2 + 3 * a3 * middle
-        ay: float = b2 + 3 * b3 * middle
-        bend: float = half * half * sqrt(ax * ax + ay * ay)
-        if a3 or b3:
-            bend += half * half * half * sqrt(a3 * a3 + b3 * b3)
-        square: float = vx * vx + vy * vy
-        offset: float = 0.0
-        if square > slope * slope:
-            # With d the distance of the line r + v u from 0, √(d² + v² (u − u₀)²) − slope u is
-            # least where v² (u − u₀) is slope times the root: u − u₀ = d slope / (v √(v² −
-            # slope²)).
-            offset = -(x * vx + y * vy) / square
-            if slope:
-                offset += abs(x * vy - y * vx) / square * (slope / sqrt(square - slope * slope))
-            if offset < -half:
-                offset = -half
-            elif offset > half:
-                offset = half
-        elif slope:
-            # No speed along the line makes up for the slope: the figure falls, or rises, all the
-            # time.
-            offset = copysign(half, slope)
-        px: float = x + vx * offset
-        py: float = y + vy * offset
-        near: float = sqrt(px * px + py * py)
+            return Closest(norm(x.p, y.p), norm(x.p, y.p), 0.0)
+        t: float = _lowest_on_line(x, y, half, slope) if slope else nearest_on_line(x, y, half)
+        near: float = norm(x.p + x.v * t, y.p + y.v * t)
         # A convex function is greatest at an end.
-        px = x - vx * half
-        py = y - vy * half
-        before: float = sqrt(px * px + py * py)
-        px = x + vx * half
-        py = y + vy * half
-        after: float = sqrt(px * px + py * py)
-        self.offset = offset
+        before: float = norm(x.p - x.v * half, y.p - y.v * half)
+        after: float = norm(x.p + x.v * half, y.p + y.v * half)
+        bend: float
         if slope or curve:
             rise: float = slope * half
-            bend = self.bend(x, y, vx, vy, ax, ay, half, curve, bend)
-            self.near = near - slope * offset - bend
-            self.far = max(before + rise, after - rise) + bend
-        else:
-            near -= bend
-            self.near = 0.0 if near < 0.0 else near
-            self.far = (after if after > before else before) + bend
-        return 0
+            bend = _deviation_of_distance(x, y, half, curve)
+            return Closest(near - slope * t - bend, max(before + rise, after - rise) + bend, t)
+        bend = deviation(x, y, half)
+        return Closest(max(near - bend, 0.0), max(before, after) + bend, t)
 
-    def bend(
-        self,
-        x: float,
-        y: float,
-        vx: float,
-        vy: float,
-        ax: float,
-        ay: float,
-        half: float,
-        curve: float,
-        bend: float,
-    ) -> float:
-        """Bound the deviation of distance − curve u² / 2 from that along a line: of third order.
-
-        With n the direction of r, that is (n·a − curve) u² / 2 + (n·j/6) u³, and in addition what
-        is due to n turning, and to the part of the bend across n. `bend` is the length of it all.
-        """
-        # Moving the end of a vector by `bend` changes its length by no more than that.
-        whole: float = bend + abs(curve) / 2 * half * half
-        away: float = sqrt(x * x + y * y)
-        # On the line r + v u nothing is nearer than this, so n turns by |r × v| h / nearest² at
-        # most: r × v is the same for all u, and the rate at which n turns is r × v over the
-        # distance's square.
-        nearest: float = away - sqrt(vx * vx + vy * vy) * half
-        if nearest < _NEAR:
-            return whole
-        along: float = abs((x * ax + y * ay) / away - curve / 2)
-        along += abs(x * self.x3 + y * self.y3) / away * half
-        turn: float = abs(x * vy - y * vx) * half / (nearest * nearest)
-        # √(p² + q²) exceeds p by q² / (2 p) at most: that is the share of a displacement q across
-        # n.
-        return min(along * half * half + bend * (turn + bend / (2 * nearest)), whole)
-
-    def measure_surfaces(
-        self, middle: float, half: float, slope: float, curve: float
-    ) -> cython.int:
-        """See `measure`. Exact to second order in `half`, so it converges as fast."""
-        machine: Follower = self.machine
-        turn: float = machine.r0 + middle * (
-            machine.r1 + middle * (machine.r2 + middle * machine.r3)
-        )
-        cosine: float = cos(turn)
-        sine: float = sin(turn)
-        u: float = middle
+    def _between_surfaces(self, u: float, half: float, slope: float, curve: float) -> Range:
+        """See `closest`. Exact to second order in `half`, so it converges as fast."""
+        x: Cubic = shift(self.x, u)
+        y: Cubic = shift(self.y, u)
+        turn: Cubic = shift(self.machine.rotation, u)
+        c: float = cos(turn.p)
+        s: float = sin(turn.p)
+        # The coefficients are half the acceleration and a sixth of the jerk, so these are the
+        # lengths of the terms of second and third order.
+        jolt: float = half * half * half * norm(x.j, y.j)
+        twist: float = half * half * (abs(turn.a) + half * abs(turn.j))
         # The person as the machine sees them at the middle: the world turned back by its rotation.
-        px: float = -(self.x0 + u * (self.x1 + u * (self.x2 + u * self.x3)))
-        py: float = -(self.y0 + u * (self.y1 + u * (self.y2 + u * self.y3)))
-        x: float = cosine * px + sine * py
-        y: float = cosine * py - sine * px
+        person: RelativeMotion = RelativeMotion(
+            -(c * x.p + s * y.p),
+            s * x.p - c * y.p,
+            -(c * x.v + s * y.v),
+            s * x.v - c * y.v,
+            -(c * x.a + s * y.a),
+            s * x.a - c * y.a,
+            turn.v,
+            half,
+            half * half * norm(x.a, y.a) + jolt,
+            jolt,
+            twist,
+            abs(turn.v) * half + twist,
+        )
+        low: float = INFINITY
+        high: float = INFINITY
         gauge: Gauge
-        self.offset = 0.0
-        self.near = self.far = _INFINITE
-        if half == 0.0:
-            for gauge in self.gauges:
-                self.near = min(self.near, gauge.look(x, y))
-            self.far = self.near
-            return 0
-        vx: float = self.x1 + u * (2 * self.x2 + u * 3 * self.x3)
-        vy: float = self.y1 + u * (2 * self.y2 + u * 3 * self.y3)
-        ax: float = self.x2 + u * 3 * self.x3
-        ay: float = self.y2 + u * 3 * self.y3
-        spin_up: float = machine.r2 + u * 3 * machine.r3
-        c: Course = self.course
-        # x₂ and x₃ are a / 2 and j / 6, so these are the lengths of the terms of second and third
-        # order.
-        c.jolt = half * half * half * sqrt(self.x3 * self.x3 + self.y3 * self.y3)
-        c.twist = half * half * (abs(spin_up) + half * abs(machine.r3))
-        c.x = x
-        c.y = y
-        c.vx = -(cosine * vx + sine * vy)
-        c.vy = sine * vx - cosine * vy
-        c.ax = -(cosine * ax + sine * ay)
-        c.ay = sine * ax - cosine * ay
-        c.spin = machine.r1 + u * (2 * machine.r2 + u * 3 * machine.r3)
-        c.half = half
-        c.bend = half * half * sqrt(ax * ax + ay * ay) + c.jolt
-        c.swing = abs(c.spin) * half + c.twist
         for gauge in self.gauges:
-            gauge.range(c, slope, curve)
-            self.near = min(self.near, gauge.low)
-            self.far = min(self.far, gauge.high)
-        return 0
+            if half == 0.0:
+                low = min(low, gauge.nearest(person.x, person.y).distance)
+                high = low
+            else:
+                apart: Range = gauge.distances(person, slope, curve)
+                low = min(low, apart.low)
+                high = min(high, apart.high)
+        return Range(low, high)
 
-    def close_in(self, begin: float, end: float) -> cython.int:
-        """Bound the rate of half the squared distance of the places, m²/s: `near` and `far`."""
+    def approach(self, begin: float, end: float) -> Range:
+        """Bound the rate of half the squared distance of the places, m²/s."""
         h: float = (end - begin) / 2
-        u: float = begin - self.since + h
-        a1: float = self.x1
-        a2: float = self.x2
-        jx: float = self.x3
-        b1: float = self.y1
-        b2: float = self.y2
-        jy: float = self.y3
-        x: float = self.x0 + u * (a1 + u * (a2 + u * jx))
-        y: float = self.y0 + u * (b1 + u * (b2 + u * jy))
-        vx: float = a1 + u * (2 * a2 + u * 3 * jx)
-        vy: float = b1 + u * (2 * b2 + u * 3 * jy)
-        ax: float = a2 + u * 3 * jx
-        ay: float = b2 + u * 3 * jy
+        x: Cubic = shift(self.x, begin - self.since + h)
+        y: Cubic = shift(self.y, begin - self.since + h)
         # r·v as a polynomial about the middle: its terms one by one, by their greatest size.
-        rate: float = x * vx + y * vy
+        rate: float = x.p * x.v + y.p * y.v
         slack: float = h * (
-            abs(vx * vx + vy * vy + 2 * (x * ax + y * ay))
+            abs(x.v * x.v + y.v * y.v + 2 * (x.p * x.a + y.p * y.a))
             + h
             * (
-                3 * abs(vx * ax + vy * ay + x * jx + y * jy)
+                3 * abs(x.v * x.a + y.v * y.a + x.p * x.j + y.p * y.j)
                 + h
                 * (
-                    abs(2 * (ax * ax + ay * ay) + 4 * (vx * jx + vy * jy))
-                    + h * (5 * abs(ax * jx + ay * jy) + h * 3 * (jx * jx + jy * jy))
+                    abs(2 * (x.a * x.a + y.a * y.a) + 4 * (x.v * x.j + y.v * y.j))
+                    + h * (5 * abs(x.a * x.j + y.a * y.j) + h * 3 * (x.j * x.j + y.j * y.j))
                 )
             )
         )
-        self.near = rate - slack
-        self.far = rate + slack
-        return 0
+        return Range(rate - slack, rate + slack)
 
     # The same for Python.
 
     def come_to(self, begin: float) -> None:
-        """Come to the instant `begin`, before the first stretch."""
+        """Come to the time `begin`, before the first stretch."""
         self.start(begin)
 
     def next_stretch(self, end: float) -> bool:
@@ -359,30 +332,65 @@ class EncounterBounds:
         self, begin: float, end: float
     ) -> tuple[float, float, float, float, float, float]:
         """Return bounds on distance (m), the person's speed and the machine's (m/s)."""
-        self.look(begin, end)
-        return (
-            self.near,
-            self.far,
-            self.person.low,
-            self.person.high,
-            self.machine.low,
-            self.machine.high,
-        )
+        apart: Closest = self.closest(begin, end, 0.0, 0.0)
+        human: Range = self.person.speeds(begin, end)
+        robot: Range = self.machine.speeds(begin, end)
+        return apart.low, apart.high, human.low, human.high, robot.low, robot.high
 
     def bounds_apart(
         self, begin: float, end: float, slope: float, curve: float
     ) -> tuple[float, float, float]:
-        """Return bounds on distance − `slope` u − `curve` u² / 2, and an instant near the least."""
-        self.apart_over(begin, end, slope, curve)
-        return self.near, self.far, self.offset
+        """Return bounds on distance − `slope` u − `curve` u² / 2, and a time near the least."""
+        apart: Closest = self.closest(begin, end, slope, curve)
+        return apart.low, apart.high, apart.t
 
     def bounds_closing(self, begin: float, end: float) -> tuple[float, float]:
         """Return bounds on the rate of half the squared distance of the places (m²/s)."""
-        self.close_in(begin, end)
-        return self.near, self.far
+        rate: Range = self.approach(begin, end)
+        return rate.low, rate.high
 
-    def speed_of(self, machine: bool, begin: float, end: float) -> TaylorModel:
-        """Return the speed of the person or the machine."""
-        figure: TaylorModel = TaylorModel()
-        (self.machine if machine else self.person).speed(begin, end, figure)
-        return figure
+    def speed_of(
+        self, machine: bool, begin: float, end: float
+    ) -> tuple[float, float, float, float]:
+        """Return the numbers of the speed of the person or the machine: a Taylor model."""
+        body: Follower = self.machine if machine else self.person
+        speed: TaylorModel = body.speed_over(begin, end)
+        return speed.value, speed.slope, speed.slack, speed.curve
+
+
+def _lowest_on_line(x: Cubic, y: Cubic, half: float, slope: float) -> float:
+    """Return the u, |u| <= half, at which the tangent's distance from 0, 0 less slope u is least.
+
+    With d the distance of the line r + v u from 0, √(d² + v² (u − u₀)²) − slope u is least where
+    v² (u − u₀) is slope times the root: u − u₀ = d slope / (v √(v² − slope²)).
+    """
+    square: float = x.v * x.v + y.v * y.v
+    if square <= slope * slope:
+        # No speed along the line makes up for the slope: it falls, or rises, all the time.
+        return copysign(half, slope)
+    u: float = -(x.p * x.v + y.p * y.v) / square
+    u += abs(x.p * y.v - y.p * x.v) / square * (slope / sqrt(square - slope * slope))
+    return -half if u < -half else half if u > half else u
+
+
+def _deviation_of_distance(x: Cubic, y: Cubic, half: float, curve: float) -> float:
+    """Bound the deviation of distance − curve u² / 2 from that along a line: of third order.
+
+    With n the direction of r, that is (n·a − curve) u² / 2 + (n·j/6) u³, and in addition what is
+    due to n turning, and to the part of the deviation across n.
+    """
+    bend: float = deviation(x, y, half)
+    # Moving the end of a vector by `bend` changes its length by no more than that.
+    whole: float = bend + abs(curve) / 2 * half * half
+    away: float = norm(x.p, y.p)
+    # On the line r + v u nothing is nearer than this, so n turns by |r × v| h / nearest² at most:
+    # r × v is the same for all u, and the rate at which n turns is r × v over the distance's
+    # square.
+    nearest: float = away - norm(x.v, y.v) * half
+    if nearest < _NEAR:
+        return whole
+    along: float = abs((x.p * x.a + y.p * y.a) / away - curve / 2)
+    along += abs(x.p * x.j + y.p * y.j) / away * half
+    turn: float = abs(x.p * y.v - y.p * x.v) * half / (nearest * nearest)
+    # √(p² + q²) exceeds p by q² / (2 p) at most: that is the share of a displacement q across n.
+    return min(along * half * half + bend * (turn + bend / (2 * nearest)), whole)

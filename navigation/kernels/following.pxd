@@ -1,8 +1,7 @@
-from navigation.kernels.numbers cimport Doubles, Numbers
+from libc.math cimport sqrt
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
-cdef Py_ssize_t _R
-cdef Py_ssize_t _X
-cdef Py_ssize_t _Y
 cdef double _SLOW
 
 cpdef Py_ssize_t followed(
@@ -26,4 +25,3 @@ cpdef Py_ssize_t followed(
 cdef double speed_behind(
     double along, double away, double touch, double walks_on, double gap, double ahead
 ) noexcept
-cdef double _place(Doubles row, Py_ssize_t o, double u) noexcept

@@ -1,17 +1,11 @@
-cimport cython
+from libc.math cimport floor, sqrt
+from navigation.kernels.numbers cimport *
 
-from navigation.kernels.numbers cimport Numbers
-
-cdef Py_ssize_t _STRAIGHT
-cdef Py_ssize_t _ACROSS
-cdef Py_ssize_t _BUCKETS
-cdef Py_ssize_t _SOME
-cdef Py_ssize_t _FAR
+cdef Py_ssize_t _STRAIGHT, _ACROSS, _BUCKETS, _SOME, _FAR
 
 cdef class Cells:
     cdef double width
-    cdef object whole
-    cdef object within
+    cdef object whole, within
     cdef dict known
     cpdef bint has(self, double x, double y) except -1
 
@@ -29,13 +23,6 @@ cpdef Numbers middles(Numbers discs)
 
 cdef Py_ssize_t _estimate(Py_ssize_t cell, Py_ssize_t goal, Py_ssize_t columns) noexcept
 
-@cython.locals(
-    costs="int[::1]",
-    came="int[::1]",
-    tops="int[::1]",
-    above="int[::1]",
-    below="int[::1]",
-)
 cpdef list grid_path(
     bytearray blocked, Py_ssize_t columns, Py_ssize_t start, Py_ssize_t goal
 )

@@ -1,8 +1,7 @@
-"""Cells of a floor: shortest paths round those that are blocked, and those that an area covers."""
+"""Cells of a floor: shortest paths around blocked cells (A*), and cells that an area covers."""
 
 from __future__ import annotations
 
-from array import array
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -14,13 +13,10 @@ else:
 if not cython.compiled:
     from math import floor, sqrt
 
-    from .numbers import Doubles, Numbers, at, room
-else:
-    from cython.cimports.libc.math import floor, sqrt
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
+    from .numbers import *
 
 SOME: int = 2
-"""Answer of who is asked about a cell that an area covers in part."""
+"""Answer for a cell that an area covers in part."""
 
 # Whole numbers, so that costs go into buckets; 7 / 5 is √2 but for 1 %.
 _STRAIGHT: cython.Py_ssize_t = 5  # cost of a step to a neighbour, and of one across a corner
@@ -140,18 +136,23 @@ def grid_path(
     with buckets of whole costs (R. Dial, "Algorithm 360", 1969).
     """
     count: cython.Py_ssize_t = len(blocked)
+    k: cython.Py_ssize_t
     unseen: cython.Py_ssize_t = 100 * count
-    costs: array[int] = array("i", [unseen]) * count
-    came: array[int] = array("i", [-1]) * count
-    # Each bucket is a stack: its top, and for each cell which are above and below it.
-    tops: array[int] = array("i", [-1]) * _BUCKETS
-    above: array[int] = array("i", [-1]) * count
-    below: array[int] = array("i", [-1]) * count
+    # Each bucket is a stack: its top, and for each cell which are above and below it. Of each cell
+    # the cost, the cell before it, and the two of its stack.
+    rows: list[Wholes] = [whole(-1, count) for _ in range(4)]
+    row: Wholes = whole(-1, _BUCKETS)
+    tops: Ints = ints(row)
+    costs: Ints = ints(rows[0])
+    came: Ints = ints(rows[1])
+    above: Ints = ints(rows[2])
+    below: Ints = ints(rows[3])
+    for k in range(count):
+        costs[k] = unseen
     costs[start] = 0
     level: cython.Py_ssize_t = _estimate(start, goal, columns)
     tops[level % _BUCKETS] = start
     empty: cython.Py_ssize_t = 0
-    k: cython.Py_ssize_t
     while empty < _BUCKETS:
         # Of equal estimates the last one found: towards the goal, not across all that are as good.
         bucket: cython.Py_ssize_t = level % _BUCKETS

@@ -1,4 +1,8 @@
-"""Separation laws: what they require at two speeds, and over an interval of an encounter."""
+"""Separation laws: what they require at two speeds, and over an interval of an encounter.
+
+Over an interval the required distance is a Taylor model (see `odometer`). The linear law is that of
+speed and separation monitoring in ISO/TS 15066, 5.5.4.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +14,14 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
+    from .cubics import *
     from .encounter import EncounterBounds
-    from .odometer import PathLength, TaylorModel
-else:
-    from cython.cimports.navigation.kernels.encounter import EncounterBounds
-    from cython.cimports.navigation.kernels.odometer import PathLength, TaylorModel
+    from .odometer import PathLength, radius_of
+    from .uncompiled import TaylorModel
 
 
 class LawEvaluator:
-    """A separation law: `distance` from two speeds, `require` of an encounter, in `out`.
+    """A separation law: `distance` from two speeds, `require` of an encounter.
 
     `of_speeds` is False where two speeds are not all it asks for, and `steady` True where not even
     they matter; `source` is named in messages.
@@ -28,20 +31,19 @@ class LawEvaluator:
         self.of_speeds = of_speeds
         self.steady = steady
         self.source = source
-        self.out = TaylorModel()
 
     def distance(self, human: float, robot: float) -> float:
         return 0.0
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
-        return 0
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
+        return TaylorModel(0.0, 0.0, 0.0, 0.0)
 
     def required(
         self, encounter: EncounterBounds, begin: float, end: float
     ) -> tuple[float, float, float, float]:
         """Return the required distance over an interval: value, slope, slack and curve."""
-        self.require(encounter, begin, end)
-        return self.out.numbers()
+        model: TaylorModel = self.require(encounter, begin, end)
+        return model.value, model.slope, model.slack, model.curve
 
 
 class LinearLaw(LawEvaluator):
@@ -49,7 +51,6 @@ class LinearLaw(LawEvaluator):
 
     def __init__(self, human: float, robot: float, stopping: float, intrusion: float) -> None:
         super().__init__(True, steady=human == 0.0 == robot)
-        self.speeds = TaylorModel(), TaylorModel()
         self.human = human
         self.robot = robot
         self.stopping = stopping
@@ -58,16 +59,13 @@ class LinearLaw(LawEvaluator):
     def distance(self, human: float, robot: float) -> float:
         return human * self.human + robot * self.robot + self.stopping + self.intrusion
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
         fixed: float = self.stopping + self.intrusion
         if self.steady:
-            return self.out.set(fixed, 0.0, 0.0, 0.0)
-        human: TaylorModel
-        robot: TaylorModel
-        human, robot = self.speeds
-        encounter.person.speed(begin, end, human)
-        encounter.machine.speed(begin, end, robot)
-        return self.out.set(
+            return TaylorModel(fixed, 0.0, 0.0, 0.0)
+        human: TaylorModel = encounter.person.speed_over(begin, end)
+        robot: TaylorModel = encounter.machine.speed_over(begin, end)
+        return TaylorModel(
             human.value * self.human + robot.value * self.robot + fixed,
             human.slope * self.human + robot.slope * self.robot,
             human.slack * self.human + robot.slack * self.robot,
@@ -85,25 +83,25 @@ class PathIntegralLaw(LawEvaluator):
         self.stopping = stopping
         self.allowance = allowance
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
         human: PathLength
         robot: PathLength
         human, robot = encounter.paths()
-        human.look_ahead(begin, end, self.t1 + self.t2)
-        robot.look_ahead(begin, end, self.t1)
-        # Enclosures of two figures add up term by term: value, slope, slack and curve.
-        value: float = human.out.value + robot.out.value
-        slope: float = human.out.slope + robot.out.slope
-        slack: float = human.out.slack + robot.out.slack
-        curve: float = human.out.curve + robot.out.curve
+        walked: TaylorModel = human.length_ahead(begin, end, self.t1 + self.t2)
+        driven: TaylorModel = robot.length_ahead(begin, end, self.t1)
+        # Taylor models add up term by term: value, slope, slack and curve.
+        value: float = walked.value + driven.value
+        slope: float = walked.slope + driven.slope
+        slack: float = walked.slack + driven.slack
+        curve: float = walked.curve + driven.curve
         if self.stopping >= 0.0:
-            return self.out.set(value + (self.stopping + self.allowance), slope, slack, curve)
-        robot.look(begin + self.t1, end + self.t1)
+            return TaylorModel(value + (self.stopping + self.allowance), slope, slack, curve)
+        speed: TaylorModel = robot.speed_over(begin + self.t1, end + self.t1)
         half: float = self.t2 / 2
-        return self.out.set(
-            value + robot.out.value * half + self.allowance,
-            slope + robot.out.slope * half,
-            slack + robot.out.slack * half,
+        return TaylorModel(
+            value + speed.value * half + self.allowance,
+            slope + speed.slope * half,
+            slack + speed.slack * half,
             curve,
         )
 
@@ -120,15 +118,13 @@ class ScaledLaw(LawEvaluator):
     def distance(self, human: float, robot: float) -> float:
         return self.factor * min(self.law.distance(human, robot), self.cap)
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
-        self.law.require(encounter, begin, end)
-        whole: TaylorModel = self.law.out
-        half: float = (end - begin) / 2
-        around: float = (abs(whole.slope) + abs(whole.curve) * half / 2) * half + whole.slack
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
+        whole: TaylorModel = self.law.require(encounter, begin, end)
+        around: float = radius_of(whole, (end - begin) / 2)
         # The cap bends the figure. Where it is out of reach nothing changes; else two bounds
         # remain.
         if whole.value + around <= self.cap:
-            return self.out.set(
+            return TaylorModel(
                 whole.value * self.factor,
                 whole.slope * self.factor,
                 whole.slack * self.factor,
@@ -136,7 +132,7 @@ class ScaledLaw(LawEvaluator):
             )
         low: float = self.factor * min(whole.value - around, self.cap)
         high: float = self.factor * self.cap
-        return self.out.set((low + high) / 2, 0.0, (high - low) / 2, 0.0)
+        return TaylorModel((low + high) / 2, 0.0, (high - low) / 2, 0.0)
 
 
 class PythonLaw(LawEvaluator):
@@ -149,13 +145,14 @@ class PythonLaw(LawEvaluator):
     def distance(self, human: float, robot: float) -> float:
         return float(self.source.distance(human, robot))
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
         if self.of_motions:
             required = self.source.required(encounter, begin, end)
-            return self.out.set(required.value, required.slope, required.slack, required.curve)
-        encounter.look(begin, end)
+            return TaylorModel(required.value, required.slope, required.slack, required.curve)
+        human: Range = encounter.person.speeds(begin, end)
+        robot: Range = encounter.machine.speeds(begin, end)
         # A law of two speeds must not ask for less when they grow (`TooClose` checks it), so its
         # bounds are those of the speeds.
-        low: float = self.distance(encounter.person.low, encounter.machine.low)
-        high: float = self.distance(encounter.person.high, encounter.machine.high)
-        return self.out.set((low + high) / 2, 0.0, (high - low) / 2, 0.0)
+        low: float = self.distance(human.low, robot.low)
+        high: float = self.distance(human.high, robot.high)
+        return TaylorModel((low + high) / 2, 0.0, (high - low) / 2, 0.0)

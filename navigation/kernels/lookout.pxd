@@ -1,54 +1,43 @@
 from navigation.kernels.braking cimport Stops
+from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport EncounterBounds
 from navigation.kernels.laws cimport LawEvaluator
-from navigation.kernels.numbers cimport Numbers
-from navigation.kernels.odometer cimport TaylorModel
+from navigation.kernels.numbers cimport *
+from navigation.kernels.odometer cimport PathLength, TaylorModel, radius_of
+from navigation.kernels.pieces cimport instant, rest
+from navigation.kernels.watch cimport ChangeSearch, TooCloseTest
 
-cdef double _INFINITE
-cdef Py_ssize_t _WIDTH
 cdef Py_ssize_t _PERSON
 
+cdef struct SeenPerson:
+    double x, y, top_speed, fixed
+
+ctypedef SeenPerson* SeenPeople
+
+cdef inline SeenPeople _seen(Numbers row) noexcept:
+    return <SeenPerson*> row.data.as_doubles
+
 cdef class Towards(LawEvaluator):
-    cdef TaylorModel pace
     cdef LawEvaluator law
-    cdef double speed
-    cdef double since
-    cdef double fixed
-    cdef double margin
-    cdef int require(self, EncounterBounds encounter, double begin, double end) except? -1
+    cdef double speed, since, fixed, margin
 
 cdef class MotionSpan:
     cdef Numbers table
-    cdef double begin
-    cdef double end
-    cdef double fastest
-    cdef double x
-    cdef double y
-    cdef double last_x
-    cdef double last_y
-    cdef double last_speed
+    cdef double begin, end, fastest, x, y, last_x, last_y, last_speed
 
 cdef class Lookout:
     cdef LawEvaluator law
-    cdef double margin
-    cdef double rounding
-    cdef double resolution
+    cdef double margin, rounding, resolution
     cpdef tuple safe_until(
         self, Numbers motion, Stops stops, list[double] people, double now, double least
     )
     cpdef double lacking(
         self, Numbers motion, Stops stops, list[double] people, double now, double least
     ) except? -1
-    cdef double required(self, list[double] people, Py_ssize_t k, double speed) except? -1
-    cdef bint hinders(
-        self, list[double] people, Py_ssize_t k, MotionSpan on, double since
-    ) except -1
-    cdef bint in_reach(
-        self, list[double] people, Py_ssize_t k, MotionSpan on, double since
-    ) except -1
-    cdef double room(
-        self, list[double] people, Py_ssize_t k, MotionSpan on, double since
-    ) except? -1
+    cdef double required(self, SeenPerson person, double speed) except? -1
+    cdef bint hinders(self, SeenPerson person, MotionSpan on, double since) except -1
+    cdef bint in_reach(self, SeenPerson person, MotionSpan on, double since) except -1
+    cdef double spare(self, SeenPerson person, MotionSpan on, double since) except? -1
 
 cpdef double nearest_on(
     Numbers motion,

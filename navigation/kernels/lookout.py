@@ -1,9 +1,10 @@
 """Until when a machine may follow a motion, if it is to keep its distance from people by stopping.
 
-Of somebody seen at a place no more is known than their top speed: a circle about it that grows.
-People are rows of x, y, top speed (m/s), and what a law that looks ahead asks for from them
-(metres; less than 0 where it depends on the machine's speed). Tables of motions are those of
-`pieces`.
+Of a person seen at a place no more is known than their top speed: a disc about it that grows. A
+motion is safe as long as the machine could stop from it at any time before it is too close, as in
+the passive motion safety of inevitable collision states (S. Bouraine, T. Fraichard and H. Salhi,
+"Provably safe navigation for mobile robots with limited field-of-views in dynamic environments",
+Autonomous Robots 32, 2012). People are rows of numbers as those of `SeenPerson`.
 """
 
 from __future__ import annotations
@@ -11,39 +12,37 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import cython
 else:
     from . import uncompiled as cython
 
-from .odometer import WIDTH
+from .numbers import numbers
 
 if not cython.compiled:
-    from math import sqrt
-
     from .braking import Stops
+    from .cubics import *
     from .encounter import EncounterBounds
     from .laws import LawEvaluator
-    from .numbers import Doubles, Numbers, at
-    from .odometer import PathLength, TaylorModel, row_at
-    from .pieces import rate_at, rest, value_at
+    from .numbers import *
+    from .odometer import PathLength, radius_of
+    from .pieces import instant, rest
+    from .uncompiled import Rows, SeenPerson, TaylorModel
     from .watch import ChangeSearch, TooCloseTest
-else:
-    from cython.cimports.libc.math import sqrt
-    from cython.cimports.navigation.kernels.braking import Stops
-    from cython.cimports.navigation.kernels.encounter import EncounterBounds
-    from cython.cimports.navigation.kernels.laws import LawEvaluator
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at
-    from cython.cimports.navigation.kernels.odometer import PathLength, TaylorModel, row_at
-    from cython.cimports.navigation.kernels.pieces import rate_at, rest, value_at
-    from cython.cimports.navigation.kernels.watch import ChangeSearch, TooCloseTest
 
-_INFINITE: float = float("inf")
-_WIDTH: cython.Py_ssize_t = WIDTH
+    SeenPeople: TypeAlias = "Rows[SeenPerson]"
+
+    def _seen(row: Numbers) -> SeenPeople:
+        """Return people by their numbers."""
+        return Rows(row, SeenPerson, _PERSON)
+
+
 _PERSON: cython.Py_ssize_t = 4  # numbers of a person's row
 
 
 class Towards(LawEvaluator):
-    """What `law` asks for if somebody walks straight at the machine, on their distance at `since`.
+    """What `law` requires if a person walks straight at the machine, of their distance at `since`.
 
     It is `fixed` metres where that is not less than 0; `margin` metres are kept in addition.
     """
@@ -52,26 +51,24 @@ class Towards(LawEvaluator):
         self, law: LawEvaluator, speed: float, since: float, fixed: float, margin: float
     ) -> None:
         super().__init__(False)
-        self.pace = TaylorModel()
         self.law = law
         self.speed = speed
         self.since = since
         self.fixed = fixed
         self.margin = margin
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
         half: float = (end - begin) / 2
         walked: float = self.speed * (begin + half - self.since)
         # Straight towards the machine the distance shrinks by the top speed, which is the same as a
         # person who stands and a requirement that grows by it.
         if self.fixed >= 0.0:
-            return self.out.set(walked + self.fixed, self.speed, 0.0, 0.0)
-        pace: TaylorModel = self.pace
-        encounter.machine.speed(begin, end, pace)
-        around: float = (abs(pace.slope) + abs(pace.curve) * half / 2) * half + pace.slack
+            return TaylorModel(walked + self.fixed, self.speed, 0.0, 0.0)
+        pace: TaylorModel = encounter.machine.speed_over(begin, end)
+        around: float = radius_of(pace, half)
         low: float = self.law.distance(self.speed, max(pace.value - around, 0.0))
         high: float = self.law.distance(self.speed, pace.value + around)
-        return self.out.set(
+        return TaylorModel(
             walked + (low + high) / 2 + self.margin, self.speed, (high - low) / 2, 0.0
         )
 
@@ -81,25 +78,18 @@ class MotionSpan:
 
     def __init__(self, odometer: PathLength, begin: float, end: float) -> None:
         table: Numbers = odometer.table
-        row: Doubles = at(table)
         self.table = table
         self.begin = begin
         self.end = end
-        odometer.look(begin, end)
-        figure: TaylorModel = odometer.out
-        self.fastest = figure.value + abs(figure.slope) * ((end - begin) / 2) + figure.slack
-        rows: cython.Py_ssize_t = len(table) // _WIDTH
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, begin), 0)
-        self.x = value_at(row, o + 2, begin)
-        self.y = value_at(row, o + 6, begin)
-        o = _WIDTH * max(row_at(row, rows, _WIDTH, end), 0)
-        self.last_x = value_at(row, o + 2, end)
-        self.last_y = value_at(row, o + 6, end)
-        self.last_speed = 0.0
-        if row[0] <= end and end < row[len(table) - _WIDTH + 1]:
-            vx: float = rate_at(row, o + 2, end)
-            vy: float = rate_at(row, o + 6, end)
-            self.last_speed = sqrt(vx * vx + vy * vy)
+        pace: TaylorModel = odometer.speed_over(begin, end)
+        self.fastest = pace.value + radius_of(pace, (end - begin) / 2)
+        first: PosePiece = instant(table, begin)
+        self.x = first.x.p
+        self.y = first.y.p
+        last: PosePiece = instant(table, end)
+        self.last_x = last.x.p
+        self.last_y = last.y.p
+        self.last_speed = norm(last.x.v, last.y.v)
 
 
 class Lookout:
@@ -122,9 +112,12 @@ class Lookout:
         """Return an instant until which `motion` may be followed, and the row of who ends it.
 
         It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
-        The row is -1 if nobody ends it before the end of the motion.
+        The row is -1 if no person ends it before the end of the motion.
         """
-        finish: float = at(motion)[len(motion) - _WIDTH + 1]
+        finish: float = end_of(motion)
+        row: Numbers = numbers(people)
+        person: SeenPeople = _seen(row)
+        count: cython.Py_ssize_t = len(row) // _PERSON
         k: cython.Py_ssize_t
         if not people or now >= finish:
             return finish, -1
@@ -132,8 +125,8 @@ class Lookout:
         odometer: PathLength = PathLength(motion)
         whole: MotionSpan = MotionSpan(odometer, now, finish)
         near: cython.bint = False
-        for k in range(len(people) // _PERSON):
-            near = near or self.in_reach(people, k, whole, now)
+        for k in range(count):
+            near = near or self.in_reach(person[k], whole, now)
         if not near:
             return finish, -1
         until: float = now
@@ -145,11 +138,9 @@ class Lookout:
             # time. Doubling asks for as many stops as the logarithm of the time, and finds at least
             # half of it.
             stop: Numbers = stops.table(motion, then)
-            stopping: MotionSpan = MotionSpan(
-                PathLength(stop), then, at(stop)[len(stop) - _WIDTH + 1]
-            )
-            for k in range(len(people) // _PERSON):
-                if self.hinders(people, k, on, now) or self.hinders(people, k, stopping, now):
+            stopping: MotionSpan = MotionSpan(PathLength(stop), then, end_of(stop))
+            for k in range(count):
+                if self.hinders(person[k], on, now) or self.hinders(person[k], stopping, now):
                     return until, k
             until = then
             ahead = 2 * ahead
@@ -162,62 +153,48 @@ class Lookout:
 
         That is after `least` seconds of the motion, or at the end of the stop from there.
         """
-        then: float = min(now + least, at(motion)[len(motion) - _WIDTH + 1])
+        then: float = min(now + least, end_of(motion))
         on: MotionSpan = MotionSpan(PathLength(motion), now, then)
         stop: Numbers = stops.table(motion, then)
-        stopping: MotionSpan = MotionSpan(PathLength(stop), then, at(stop)[len(stop) - _WIDTH + 1])
-        return -min(self.room(people, 0, on, now), self.room(people, 0, stopping, now))
+        stopping: MotionSpan = MotionSpan(PathLength(stop), then, end_of(stop))
+        row: Numbers = numbers(people)
+        first: SeenPerson = _seen(row)[0]
+        return -min(self.spare(first, on, now), self.spare(first, stopping, now))
 
-    def required(self, people: list[float], k: cython.Py_ssize_t, speed: float) -> float:
-        """Return the metres to keep from somebody at their top speed, and at the machine's."""
-        fixed: float = people[k * _PERSON + 3]
-        if fixed >= 0.0:
-            return fixed
-        return self.law.distance(people[k * _PERSON + 2], speed) + self.margin
+    def required(self, person: SeenPerson, speed: float) -> float:
+        """Return the metres to keep from a person at their top speed, and at the machine's."""
+        if person.fixed >= 0.0:
+            return person.fixed
+        return self.law.distance(person.top_speed, speed) + self.margin
 
-    def hinders(
-        self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
-    ) -> cython.bint:
-        """Return whether somebody, seen at `since`, may come too close on a part."""
+    def hinders(self, person: SeenPerson, on: MotionSpan, since: float) -> cython.bint:
+        """Return whether a person, seen at `since`, may come too close on a part."""
         # Two cheap answers first: too close at the end, or out of reach all the while. Only what
         # lies between is searched for in continuous time.
-        if self.room(people, k, on, since) < 0.0:
+        if self.spare(person, on, since) < 0.0:
             return True
-        if not self.in_reach(people, k, on, since):
+        if not self.in_reach(person, on, since):
             return False
-        o: cython.Py_ssize_t = k * _PERSON
-        x: float = people[o]
-        y: float = people[o + 1]
-        # A motion of no length stands for ever where it is.
-        still: Numbers = rest(0.0, 0.0, x, y, 0.0)
-        law: Towards = Towards(self.law, people[o + 2], since, people[o + 3], self.margin)
+        # A motion of no length rests where it is.
+        still: Numbers = rest(0.0, 0.0, person.x, person.y, 0.0)
+        law: Towards = Towards(self.law, person.top_speed, since, person.fixed, self.margin)
         encounter: EncounterBounds = EncounterBounds(still, on.table, [], 0.0)
         judge: TooCloseTest = TooCloseTest(law, self.rounding)
         watch: ChangeSearch = ChangeSearch(judge, encounter, on.begin, on.end, self.resolution)
         return watch.change() is not None
 
-    def in_reach(
-        self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
-    ) -> cython.bint:
+    def in_reach(self, person: SeenPerson, on: MotionSpan, since: float) -> cython.bint:
         """Return whether the two may come too close on a part, whatever they do on the way."""
-        o: cython.Py_ssize_t = k * _PERSON
-        walked: float = people[o + 2] * (on.end - since)
+        walked: float = person.top_speed * (on.end - since)
         reach: float = on.fastest * (on.end - on.begin) + walked
-        reach += self.required(people, k, on.fastest)
-        dx: float = people[o] - on.x
-        dy: float = people[o + 1] - on.y
-        return sqrt(dx * dx + dy * dy) < reach
+        reach += self.required(person, on.fastest)
+        return norm(person.x - on.x, person.y - on.y) < reach
 
-    def room(
-        self, people: list[float], k: cython.Py_ssize_t, on: MotionSpan, since: float
-    ) -> float:
-        """Return the metres left at the end of a part beyond what is asked for there."""
-        o: cython.Py_ssize_t = k * _PERSON
-        asked: float = self.required(people, k, on.last_speed)
-        asked += people[o + 2] * (on.end - since)
-        dx: float = people[o] - on.last_x
-        dy: float = people[o + 1] - on.last_y
-        return sqrt(dx * dx + dy * dy) - asked
+    def spare(self, person: SeenPerson, on: MotionSpan, since: float) -> float:
+        """Return the metres left at the end of a part beyond the required distance there."""
+        required: float = self.required(person, on.last_speed)
+        required += person.top_speed * (on.end - since)
+        return norm(person.x - on.last_x, person.y - on.last_y) - required
 
 
 def nearest_on(
@@ -234,9 +211,7 @@ def nearest_on(
     It is looked for each `step` seconds from `begin` to `end`, and at `end`. Of each of the people
     there are x, y (metres) and their velocity (m/s) at `now`; they keep it for `horizon` seconds.
     """
-    row: Doubles = at(motion)
-    rows: cython.Py_ssize_t = len(motion) // _WIDTH
-    least: float = _INFINITE
+    least: float = INFINITY
     i: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
     t: float = begin
@@ -245,16 +220,13 @@ def nearest_on(
         if t >= end:
             t = end
             over = True
-        # Before the motion begins its first row is held at its beginning.
-        o: cython.Py_ssize_t = _WIDTH * max(row_at(row, rows, _WIDTH, t), 0)
-        x: float = value_at(row, o + 2, t)
-        y: float = value_at(row, o + 6, t)
+        here: PosePiece = instant(motion, t)
         after: float = min(t - now, horizon)
         for k in range(len(people) // _PERSON):
             p: cython.Py_ssize_t = k * _PERSON
-            dx: float = x - (people[p] + after * people[p + 2])
-            dy: float = y - (people[p + 1] + after * people[p + 3])
-            least = min(least, sqrt(dx * dx + dy * dy))
+            dx: float = here.x.p - (people[p] + after * people[p + 2])
+            dy: float = here.y.p - (people[p + 1] + after * people[p + 3])
+            least = min(least, norm(dx, dy))
         i += 1
         t = begin + i * step
     return least
@@ -286,8 +258,8 @@ def most_remote(
     for i in range(len(places) // 2):
         along: float = places[2 * i] - x
         across: float = places[2 * i + 1] - y
-        length: float = sqrt(along * along + across * across)
-        least: float = _INFINITE
+        length: float = norm(along, across)
+        least: float = INFINITY
         for g in range(len(glances)):
             t: float = glances[g]
             share: float = 0.0
@@ -298,7 +270,7 @@ def most_remote(
                 p: cython.Py_ssize_t = k * _PERSON
                 dx: float = x + share * along - (people[p] + people[p + 2] * after)
                 dy: float = y + share * across - (people[p + 1] + people[p + 3] * after)
-                least = min(least, sqrt(dx * dx + dy * dy))
+                least = min(least, norm(dx, dy))
         if i == 0 and least >= enough:
             return 0
         if least > farthest:

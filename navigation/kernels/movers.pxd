@@ -1,4 +1,5 @@
-from navigation.kernels.numbers cimport Doubles, Numbers
+from navigation.kernels.discs cimport first_but, met
+from navigation.kernels.numbers cimport *
 from navigation.kernels.throng cimport Throng
 
 cdef class Movers:
@@ -6,8 +7,7 @@ cdef class Movers:
     cdef readonly double now
     cdef readonly list[Py_ssize_t] indices
     cdef readonly list[Numbers] tables
-    cdef readonly Numbers boxes
-    cdef readonly Numbers radii
+    cdef readonly Numbers boxes, radii
     cdef bytearray among
     cpdef bint meet(self, Py_ssize_t k, Numbers table, Numbers box) noexcept
     cdef double met(

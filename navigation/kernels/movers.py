@@ -1,7 +1,4 @@
-"""Movers: those of a throng who are about to move together, each of whom others may meet.
-
-For the tables see `discs`.
-"""
+"""People who are about to change their motions together, and their conflicts with all others."""
 
 from __future__ import annotations
 
@@ -15,16 +12,8 @@ else:
 from .throng import Throng
 
 if not cython.compiled:
-    from math import inf
-
     from .discs import first_but, met
-    from .numbers import Numbers, at, part, put, room
-
-    INFINITY = inf
-else:
-    from cython.cimports.libc.math import INFINITY
-    from cython.cimports.navigation.kernels.discs import first_but, met
-    from cython.cimports.navigation.kernels.numbers import Numbers, at, part, put, room
+    from .numbers import *
 
 
 class Movers:

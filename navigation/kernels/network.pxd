@@ -1,5 +1,5 @@
-from navigation.kernels.edges cimport Grid
-from navigation.kernels.numbers cimport Doubles, Numbers
+from navigation.kernels.edges cimport Grid, back_through
+from navigation.kernels.numbers cimport *
 
 cdef struct Wedge:
     double right_x, right_y, left_x, left_y
@@ -8,32 +8,28 @@ cdef struct Portal:
     double right_x, right_y, left_x, left_y, off, onto
 
 cdef struct Bend:
-    double x, y, before_x, before_y, after_x, after_y
+    double x, y, before_x, before_y, after_x, after_y, reach
 
 ctypedef Portal* Portals
 ctypedef Bend* Bends
 
-cdef double _SLACK
-cdef double _WIDER
-cdef double _ROUNDING
+cdef double _SLACK, _WIDER, _ROUNDING
 cdef Py_ssize_t _WAITING
 
 cdef inline Portals _portals(Numbers row) noexcept:
     return <Portal*> row.data.as_doubles
 
-cdef inline Bends _bends(Numbers row) noexcept:
+cdef inline Bends bends_of(Numbers row) noexcept:
     return <Bend*> row.data.as_doubles
 
 cdef class Network:
     cdef Py_ssize_t count
     cdef list links
-    cdef Numbers bends
-    cdef Numbers within
-    cdef Numbers portals
-    cdef Py_ssize_t[::1] first_portal
-    cdef Py_ssize_t[::1] triangle
-    cdef Py_ssize_t[::1] first_bend
-    cdef Py_ssize_t[::1] order
+    cdef Numbers bends, within, portals
+    cdef list[Py_ssize_t] first_portal
+    cdef list[Py_ssize_t] triangle
+    cdef list[Py_ssize_t] first_bend
+    cdef list[Py_ssize_t] order
     cdef Grid walls
     cdef double radius
     cdef list[Numbers] gates
@@ -58,7 +54,4 @@ cdef bint _meet(Wedge wedge, Wedge other) noexcept
 cdef Wedge _both(Wedge wedge, Wedge other) noexcept
 cdef bint _has(Wedge wedge, double dx, double dy) noexcept
 cdef double _slack(double dx, double dy, double px, double py) noexcept
-cdef bint _fits(Bend bend, double dx, double dy) noexcept
-cdef bint grazes(
-    double before_x, double before_y, double after_x, double after_y, double dx, double dy
-) noexcept
+cdef bint fits(Bend bend, double dx, double dy) noexcept

@@ -8,7 +8,6 @@ leads to the next triangle. See F. Bungiu, M. Hemmer, J. Hershberger, K. Huang a
 
 from __future__ import annotations
 
-from array import array
 from math import dist
 from typing import TYPE_CHECKING
 
@@ -16,30 +15,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from typing import Any, TypeAlias
+    from typing import TypeAlias
 
     import cython
 else:
     from . import uncompiled as cython
 
+from .numbers import numbers_of
+
 if not cython.compiled:
     from .edges import Grid, back_through
-    from .numbers import Doubles, Numbers, at, cut, grow, room
-    from .uncompiled import Bend, Portal, Wedge
+    from .numbers import *
+    from .uncompiled import Bend, Portal, Rows, Wedge
 
-    Portals: TypeAlias = "list[Portal]"
-    Bends: TypeAlias = "list[Bend]"
+    Portals: TypeAlias = "Rows[Portal]"
+    Bends: TypeAlias = "Rows[Bend]"
 
-    def _portals(row: Portals) -> Portals:
-        """Return what reads portals by their numbers."""
-        return row
+    def _portals(row: Numbers) -> Portals:
+        """Return portals by their numbers."""
+        return Rows(row, Portal, 6)
 
-    def _bends(row: Bends) -> Bends:
-        """Return what reads bends by their numbers."""
-        return row
-else:
-    from cython.cimports.navigation.kernels.edges import Grid, back_through
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, cut, grow, room
+    def bends_of(row: Numbers) -> Bends:
+        """Return bends by their numbers."""
+        return Rows(row, Bend, 7)
+
 
 _SLACK: float = 1e-9  # of a metre and of a line's length; so far a line may enter a corner
 _WIDER: float = 1e-7  # radians; wedges are so much wider: too much is looked at, never too little
@@ -71,22 +70,13 @@ class Network:
         self.links: list[Numbers | None] = [None] * self.count
         order = np.argsort(triangle, kind="stable")
         first_bend = np.searchsorted(triangle[order], np.arange(len(first_portal)))
-        if cython.compiled:
-            self.bends: Any = array("d", bends.tobytes())
-            self.within: Any = array("d", bends[order].tobytes())
-            self.portals: Any = array("d", portals.tobytes())
-            self.first_portal: Any = first_portal
-            self.triangle: Any = triangle
-            self.first_bend: Any = first_bend
-            self.order: Any = order
-        else:
-            self.bends = [Bend(*row) for row in bends.tolist()]
-            self.within = [self.bends[k] for k in order.tolist()]
-            self.portals = [Portal(*row) for row in portals.tolist()]
-            self.first_portal = first_portal.tolist()
-            self.triangle = triangle.tolist()
-            self.first_bend = first_bend.tolist()
-            self.order = order.tolist()
+        self.bends = numbers_of(bends)
+        self.within = numbers_of(bends[order])
+        self.portals = numbers_of(portals)
+        self.first_portal = first_portal.tolist()
+        self.triangle = triangle.tolist()
+        self.first_bend = first_bend.tolist()
+        self.order = order.tolist()
         self.walls = walls
         self.radius = radius
         self.gates = gates
@@ -105,7 +95,7 @@ class Network:
         seen: list[cython.Py_ssize_t] = self._seen(here)
         found: Numbers = room(2 * len(seen))
         link: Doubles = at(found)
-        bend: Bends = _bends(self.bends)
+        bend: Bends = bends_of(self.bends)
         a: Bend = bend[here]
         count: cython.Py_ssize_t = 0
         to: cython.Py_ssize_t
@@ -124,7 +114,7 @@ class Network:
         if back is not None and len(self.gates) == 0:
             return _leads(back, here)
         # A line is looked at in the same direction from either end: links go both ways.
-        bend: Bends = _bends(self.bends)
+        bend: Bends = bends_of(self.bends)
         a: Bend = bend[min(here, to)]
         b: Bend = bend[max(here, to)]
         return not self.walls.touched(a.x, a.y, b.x, b.y, self.radius)
@@ -143,7 +133,7 @@ class Network:
         Some come twice.
         """
         found: list[cython.Py_ssize_t] = []
-        bend: Bend = _bends(self.bends)[here]
+        bend: Bend = bends_of(self.bends)[here]
         # A taut path goes on between the directions before and after the bend, or their opposites.
         clockwise: Wedge = Wedge(bend.after_x, bend.after_y, bend.before_x, bend.before_y)
         self._expand(here, clockwise, found)
@@ -155,7 +145,7 @@ class Network:
         self, here: cython.Py_ssize_t, wedge: Wedge, found: list[cython.Py_ssize_t]
     ) -> cython.int:
         """Add what is seen from a bend within a wedge to what was `found`."""
-        bend: Bend = _bends(self.bends)[here]
+        bend: Bend = bends_of(self.bends)[here]
         triangle: cython.Py_ssize_t = self.triangle[here]
         came: cython.Py_ssize_t = -1
         portal: cython.Py_ssize_t
@@ -177,15 +167,15 @@ class Network:
         self, triangle: cython.Py_ssize_t, wedge: Wedge, here: Bend, found: list[cython.Py_ssize_t]
     ) -> cython.int:
         """Add the bends in a triangle to which a line from a bend grazes at both ends."""
-        bend: Bends = _bends(self.within)
+        bend: Bends = bends_of(self.within)
         k: cython.Py_ssize_t
         for k in range(self.first_bend[triangle], self.first_bend[triangle + 1]):
             to: Bend = bend[k]
             dx: float = to.x - here.x
             dy: float = to.y - here.y
             if (
-                _fits(to, dx, dy)
-                and _fits(here, dx, dy)
+                fits(to, dx, dy)
+                and fits(here, dx, dy)
                 and _has(wedge, dx, dy)
                 and (dx != 0.0 or dy != 0.0)
             ):
@@ -287,19 +277,12 @@ def _both(wedge: Wedge, other: Wedge) -> Wedge:
     return Wedge(right_x, right_y, left_x, left_y)
 
 
-def _fits(bend: Bend, dx: float, dy: float) -> bool:
-    """Return whether a line along d only grazes the corner at a bend."""
-    return grazes(bend.before_x, bend.before_y, bend.after_x, bend.after_y, dx, dy)
-
-
-def grazes(
-    before_x: float, before_y: float, after_x: float, after_y: float, dx: float, dy: float
-) -> bool:
-    """Return whether a line along d only grazes the corner at a bend of these directions.
+def fits(bend: Bend, dx: float, dy: float) -> bool:
+    """Return whether a line along d only grazes the corner at a bend.
 
     A shortest path bends only where it grazes. All other lines would enter the grown corner.
     """
     slack: float = _SLACK * (1.0 + abs(dx) + abs(dy))
-    entering: float = before_x * dy - before_y * dx
-    leaving: float = after_x * dy - after_y * dx
+    entering: float = bend.before_x * dy - bend.before_y * dx
+    leaving: float = bend.after_x * dy - bend.after_y * dx
     return (entering <= slack and leaving >= -slack) or (entering >= -slack and leaving <= slack)

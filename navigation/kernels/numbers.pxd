@@ -1,12 +1,17 @@
-from cpython.array cimport array as Numbers, resize
+from libc.math cimport INFINITY
+from cpython.array cimport array as Numbers, array as Wholes, resize
 from libc.string cimport memcpy
 
 ctypedef double* Doubles
+ctypedef int* Ints
 
 cdef Numbers _NONE
 
 cdef inline Doubles at(Numbers row) noexcept:
     return row.data.as_doubles
+
+cdef inline Ints ints(Wholes row) noexcept:
+    return row.data.as_ints
 
 cdef inline int cut(Numbers row, Py_ssize_t count) except -1:
     return resize(row, count)
@@ -28,6 +33,8 @@ cdef inline bint are_finite(Doubles row, Py_ssize_t o, Py_ssize_t count) noexcep
     return total - total == 0.0
 
 cpdef Numbers room(Py_ssize_t count)
+cdef Wholes whole(int value, Py_ssize_t count)
 cpdef Numbers numbers(values)
 cdef Numbers part(Numbers row, Py_ssize_t begin, Py_ssize_t count)
 cpdef Numbers flat(list places)
+cdef Py_ssize_t row_at(Doubles row, Py_ssize_t rows, Py_ssize_t width, double t) noexcept

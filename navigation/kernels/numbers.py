@@ -1,8 +1,8 @@
-"""Numbers side by side, and where a kernel finds them.
+"""Rows of numbers, from which all tables of the kernels are made.
 
-Where the kernels are compiled they are arrays of doubles, as C has them, and `at` gives a pointer,
-which holds as long as its array is there and keeps its length: it is asked for anew wherever it is
-needed, and never kept. Where they are not, lists are quicker, and `at` gives the list itself.
+If the kernels are compiled, a row is an array of doubles, and `at` returns a pointer. The pointer
+is valid until the array changes its length, so it is taken where it is needed and never stored.
+Otherwise a row is a list, and `at` returns the list itself.
 """
 
 from __future__ import annotations
@@ -15,40 +15,55 @@ if TYPE_CHECKING:
     from typing import TypeAlias
 
     import cython
+    import numpy as np
+    from numpy.typing import NDArray
 else:
     from . import uncompiled as cython
 
 Place = tuple[float, float]
 
+PLANAR_WIDTH = 10
+"""Numbers of a piece of x and y (see `cubics`)."""
+
+POSE_WIDTH = 14
+"""Numbers of a piece of x, y and rotation."""
+
 if not cython.compiled:
+    INFINITY = float("inf")
     Numbers: TypeAlias = MutableSequence[float]
     Doubles: TypeAlias = MutableSequence[float]
+    Wholes: TypeAlias = MutableSequence[int]
+    Ints: TypeAlias = MutableSequence[int]
 
     def at(row: Numbers) -> Doubles:
         """Return what reads and writes a row of numbers by their indices."""
         return row
 
+    def ints(row: Wholes) -> Ints:
+        """Return what reads and writes a row of whole numbers by their indices."""
+        return row
+
     def cut(row: Numbers, count: int) -> None:
-        """Leave the first so many numbers of a row."""
+        """Shorten a row to its first `count` numbers."""
         del row[count:]
 
     def grow(row: Numbers, count: int) -> None:
-        """Make a row so long at least; what is new is to be set."""
+        """Lengthen a row to at least `count` numbers; new ones are to be set."""
         row.extend([0.0] * (count - len(row)))
 
     def put(
         row: Doubles, o: cython.Py_ssize_t, other: Doubles, p: cython.Py_ssize_t, count: int
     ) -> None:
-        """Set so many numbers of a row from `o` on to those of another from `p` on."""
+        """Copy `count` numbers of another row from `p` on to a row from `o` on."""
         row[o : o + count] = other[p : p + count]
 
     def are_finite(row: Doubles, o: cython.Py_ssize_t, count: int) -> bool:
-        """Return whether so many numbers of a row from `o` on are neither infinite nor NaN."""
+        """Return whether `row[o:o + count]` is finite."""
         total = sum(row[o : o + count])
         return total - total == 0.0  # one of them among the numbers makes the sum one
 
     def room(count: int) -> Numbers:
-        """Return room for so many numbers, which are to be set."""
+        """Return a row of `count` numbers, which are to be set."""
         return [0.0] * count
 else:
     from cython.cimports.cpython.array import clone
@@ -59,8 +74,29 @@ else:
         return clone(_NONE, count, False)
 
 
+def row_at(
+    row: Doubles, rows: cython.Py_ssize_t, width: cython.Py_ssize_t, t: float
+) -> cython.Py_ssize_t:
+    """Return the last row that begins by `t`, by bisection, or -1."""
+    low: cython.Py_ssize_t = 0
+    high: cython.Py_ssize_t = rows
+    while low < high:
+        middle: cython.Py_ssize_t = (low + high) // 2
+        if t < row[middle * width]:
+            high = middle
+        else:
+            low = middle + 1
+    return low - 1
+
+
+def whole(value: cython.int, count: cython.Py_ssize_t) -> Wholes:
+    """Return a row of whole numbers that are all `value`."""
+    found: Wholes = array("i", [value]) * count
+    return found
+
+
 def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
-    """Return a copy of so many numbers of a row from `begin` on."""
+    """Return a copy of `row[begin:begin + count]`."""
     found: Numbers = room(count)
     put(at(found), 0, at(row), begin, count)
     return found
@@ -69,6 +105,11 @@ def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Nu
 def numbers(values: Iterable[float]) -> Numbers:
     """Return some `values` as the numbers that kernels read: tables, bounds, edges, and discs."""
     return array("d", values) if cython.compiled else [*map(float, values)]
+
+
+def numbers_of(values: NDArray[np.float64]) -> Numbers:
+    """Return the numbers of an array, row by row."""
+    return array("d", values.tobytes()) if cython.compiled else values.ravel().tolist()
 
 
 def flat(places: list[Place]) -> Numbers:

@@ -1,32 +1,21 @@
-from navigation.kernels.numbers cimport Doubles, Numbers
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
-cdef double _INFINITE
-cdef Py_ssize_t _STRETCH
-cdef Py_ssize_t _WIDTH
-cdef Numbers _NODES
-cdef Numbers _WEIGHTS
+cdef Numbers _NODES, _WEIGHTS
 
-cdef class TaylorModel:
-    cdef double value
-    cdef double slope
-    cdef double slack
-    cdef double curve
-    cdef int set(self, double value, double slope, double slack, double curve) except? -1
+cdef struct TaylorModel:
+    double value, slope, slack, curve
 
-cdef Py_ssize_t row_at(Doubles row, Py_ssize_t rows, Py_ssize_t width, double t) noexcept
+cdef inline double radius_of(TaylorModel model, double half) noexcept:
+    return (abs(model.slope) + abs(model.curve) * half / 2) * half + model.slack
 
-cdef int speed_along(Doubles c, Py_ssize_t row, double begin, double end, TaylorModel figure) except? -1
+cdef TaylorModel speed_along(PosePiece piece, double begin, double end) noexcept
 
 cdef class PathLength:
-    cdef Numbers table
-    cdef Numbers stretches
-    cdef double total
-    cdef double start
-    cdef double finish
-    cdef TaylorModel out
-    cdef TaylorModel near
+    cdef Numbers table, stretches, before
+    cdef double total, start, finish
     cpdef double reading(self, double t) except? -1
-    cdef int look_ahead(self, double begin, double end, double seconds) except? -1
-    cdef int look(self, double begin, double end) except? -1
+    cdef TaylorModel length_ahead(self, double begin, double end, double seconds) except *
+    cdef TaylorModel speed_over(self, double begin, double end) noexcept
 
-cpdef double length(Numbers table, Py_ssize_t row, double u) except? -1
+cpdef double length(Numbers stretches, Py_ssize_t k, double u) noexcept

@@ -1,13 +1,20 @@
-from navigation.kernels.numbers cimport Doubles, Numbers
+from libc.math cimport atan2, sqrt
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
 
-cdef Py_ssize_t _R
-cdef Py_ssize_t _PIECE
-cdef Py_ssize_t _LEG
-cdef Py_ssize_t _PHASES
-cdef double _SHORT
-cdef double _DEVIATION
-cdef double _HAIR
-cdef double _ROUNDING
+cdef Py_ssize_t _ROW, _WIDTH, _PHASES
+cdef double _SHORT, _DEVIATION, _HAIR, _ROUNDING
+
+cdef struct PathLeg:
+    double x, y, c, s, length, top, first
+
+cdef struct Pace:
+    double start, initial_speed, max_speed, acceleration
+
+ctypedef PathLeg* PathLegs
+
+cdef inline PathLegs _legs(Numbers table, Py_ssize_t o) noexcept:
+    return <PathLeg*> (table.data.as_doubles + o)
 
 cpdef Numbers walk_table(
     Numbers corners,
@@ -32,31 +39,23 @@ cdef Py_ssize_t draw(
     Numbers table,
 ) except -1
 cpdef Numbers turned(Numbers table, double heading)
-cdef double bend_speed(double cosine, double shorter, double acceleration) noexcept
-cdef Py_ssize_t _plan(
-    Doubles corner,
+cdef Py_ssize_t draw_walk(
+    Numbers corners,
     Py_ssize_t count,
     Numbers tops,
-    double initial_speed,
-    double max_speed,
-    double acceleration,
-    Doubles leg,
-    Py_ssize_t i,
+    Pace pace,
+    double since,
+    Numbers lead,
+    Numbers table,
+) except -1
+cdef PlanarPiece _rest_from(double t, double x, double y) noexcept
+cdef Py_ssize_t _plan(
+    Numbers corners, Py_ssize_t count, Numbers tops, Pace pace, PathLegs leg
 ) noexcept
+cdef double bend_speed(double cosine, double shorter, double acceleration) noexcept
 cdef Py_ssize_t _walk(
-    Doubles row,
-    Py_ssize_t o,
-    Py_ssize_t i,
-    double u,
-    double w,
-    double acceleration,
+    PlanarPieces row, Py_ssize_t k, PathLeg leg, double u, double w, double acceleration
 ) noexcept
-cdef Py_ssize_t _phase(
-    Doubles row,
-    Py_ssize_t o,
-    Py_ssize_t i,
-    double gone,
-    double duration,
-    double v,
-    double acceleration,
+cdef Py_ssize_t _add_phase(
+    PlanarPieces row, Py_ssize_t k, PathLeg leg, double duration, Cubic way
 ) noexcept

@@ -11,38 +11,31 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import cython
 else:
     from . import uncompiled as cython
 
-from .discs import ROW
-from .odometer import WIDTH
+from .numbers import PLANAR_WIDTH
 from .walks import DEVIATION, NOWHERE
 
 if not cython.compiled:
-    from math import atan2, inf, sqrt
+    from math import atan2, sqrt
 
-    from .discs import stand
-    from .numbers import Doubles, Numbers, at, cut, grow, put, room
+    from .cubics import *
+    from .numbers import *
+    from .uncompiled import Pace, PathLeg, Rows
 
-    INFINITY = inf
-else:
-    from cython.cimports.libc.math import INFINITY, atan2, sqrt
-    from cython.cimports.navigation.kernels.discs import stand
-    from cython.cimports.navigation.kernels.numbers import (
-        Doubles,
-        Numbers,
-        at,
-        cut,
-        grow,
-        put,
-        room,
-    )
+    PathLegs: TypeAlias = "Rows[PathLeg]"
 
-_R: cython.Py_ssize_t = ROW
-_PIECE: cython.Py_ssize_t = WIDTH
-# Numbers of a leg: x and y, direction, length, top speed, the highest speed at its beginning.
-_LEG: cython.Py_ssize_t = 7
+    def _legs(table: Numbers, o: int) -> PathLegs:
+        """Return the legs of a path that are stored from a number of a table on."""
+        return Rows(table, PathLeg, _WIDTH, o)
+
+
+_ROW: cython.Py_ssize_t = PLANAR_WIDTH
+_WIDTH: cython.Py_ssize_t = 7  # numbers of a leg
 _PHASES: cython.Py_ssize_t = 4  # of a leg, at most
 _SHORT: float = NOWHERE
 _DEVIATION: float = DEVIATION
@@ -69,19 +62,8 @@ def walk_table(
     rest, or slow down enough for a corner.
     """
     table: Numbers = room(0)
-    end: cython.Py_ssize_t = draw(
-        corners,
-        len(corners),
-        tops,
-        since,
-        start,
-        initial_speed,
-        max_speed,
-        acceleration,
-        lead,
-        table,
-    )
-    cut(table, end)
+    pace: Pace = Pace(start, initial_speed, max_speed, acceleration)
+    cut(table, draw_walk(corners, len(corners), tops, pace, since, lead, table))
     return table
 
 
@@ -97,123 +79,122 @@ def draw(
     lead: Numbers,
     table: Numbers,
 ) -> cython.Py_ssize_t:
+    """See `draw_walk`."""
+    pace: Pace = Pace(start, initial_speed, max_speed, acceleration)
+    return draw_walk(corners, count, tops, pace, since, lead, table)
+
+
+def draw_walk(
+    corners: Numbers,
+    count: cython.Py_ssize_t,
+    tops: Numbers,
+    pace: Pace,
+    since: float,
+    lead: Numbers,
+    table: Numbers,
+) -> cython.Py_ssize_t:
     """Draw up a `walk_table` of the first `count` numbers of `corners`; return its length, or 0.
 
     It is at the beginning of `table`, which is made longer where it is too short.
     """
-    o: cython.Py_ssize_t = len(lead)
-    # The legs are noted behind all rows that there may be.
-    plan: cython.Py_ssize_t = o + _R * (_PHASES * (count // 2) + 2)
-    grow(table, plan + _LEG * (count // 2 + 1))
-    row: Doubles = at(table)
-    corner: Doubles = at(corners)
-    legs: cython.Py_ssize_t = _plan(
-        corner, count, tops, initial_speed, max_speed, acceleration, row, plan
-    )
+    rows: cython.Py_ssize_t = planar_count(lead)
+    # The legs are noted behind all pieces that there may be.
+    plan: cython.Py_ssize_t = _ROW * (rows + _PHASES * (count // 2) + 2)
+    grow(table, plan + _WIDTH * (count // 2 + 1))
+    leg: PathLegs = _legs(table, plan)
+    row: PlanarPieces = planar(table)
+    legs: cython.Py_ssize_t = _plan(corners, count, tops, pace, leg)
     if legs == 0:
         return 0
-    put(row, 0, at(lead), 0, o)
-    if since < start:
-        stand(row, o, since, start, corner[0], corner[1])
-        o += _R
-    row[o] = start
-    u: float = initial_speed
-    w: float
+    put(at(table), 0, at(lead), 0, len(lead))
+    corner: Doubles = at(corners)
+    if since < pace.start:
+        row[rows] = PlanarPiece(since, pace.start, constant(corner[0]), constant(corner[1]))
+        rows += 1
+    row[rows] = _rest_from(pace.start, corner[0], corner[1])
+    u: float = pace.initial_speed
     k: cython.Py_ssize_t
     for k in range(legs):
-        i: cython.Py_ssize_t = plan + _LEG * k
         # Forwards: nor faster than one can have become. Both together are the fastest.
-        w = min(row[i + _LEG + 6], sqrt(u * u + 2 * acceleration * row[i + 4]))
-        o = _walk(row, o, i, u, w, acceleration)
+        w: float = min(leg[k + 1].first, sqrt(u * u + 2 * pace.acceleration * leg[k].length))
+        rows = _walk(row, rows, leg[k], u, w, pace.acceleration)
         u = w
-    stand(row, o, row[o], INFINITY, corner[count - 2], corner[count - 1])
-    return o + _R
+    row[rows] = _rest_from(row[rows].begin, corner[count - 2], corner[count - 1])
+    return _ROW * (rows + 1)
+
+
+def _rest_from(t: float, x: float, y: float) -> PlanarPiece:
+    """Return a rest for good at `x`, `y` (metres) from `t` (seconds) on."""
+    return PlanarPiece(t, INFINITY, constant(x), constant(y))
 
 
 def _plan(
-    corner: Doubles,
-    count: cython.Py_ssize_t,
-    tops: Numbers,
-    initial_speed: float,
-    max_speed: float,
-    acceleration: float,
-    leg: Doubles,
-    i: cython.Py_ssize_t,
+    corners: Numbers, count: cython.Py_ssize_t, tops: Numbers, pace: Pace, leg: PathLegs
 ) -> cython.Py_ssize_t:
-    """Note the legs of a walk from `i` on; return how many there are, 0 where it can't be."""
+    """Note the legs of a walk; return how many there are, 0 if there is no such walk."""
+    corner: Doubles = at(corners)
     top_of: Doubles = at(tops)
     each: cython.Py_ssize_t = 1 if len(tops) > 1 else 0
-    gain: float = 2 * acceleration
-    gone: float = 0.0
+    gain: float = 2 * pace.acceleration
+    walked: float = 0.0
     c: float = 0.0
     s: float = 0.0
     length: float = 0.0
     top: float = INFINITY
-    first: cython.Py_ssize_t = i
+    legs: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
     for k in range(0, count - 2, 2):
         dx: float = corner[k + 2] - corner[k]
         dy: float = corner[k + 3] - corner[k + 1]
         before: float = length
-        length = sqrt(dx * dx + dy * dy)
+        length = norm(dx, dy)
         if length <= _SHORT:
             length = before
             continue
         dx /= length
         dy /= length
-        cap: float = initial_speed
-        if i > first:
+        cap: float = pace.initial_speed
+        if legs > 0:
             # One who sets out too fast for a leg can't be asked for less than what braking leaves
             # there.
-            slowed: float = sqrt(max(initial_speed * initial_speed - gain * gone, 0.0))
-            cap = min(max_speed, max(min(top, top_of[k // 2 * each]), slowed))
+            square: float = pace.initial_speed * pace.initial_speed - gain * walked
+            slowed: float = sqrt(max(square, 0.0))
+            cap = min(pace.max_speed, max(min(top, top_of[k // 2 * each]), slowed))
             shorter: float = before if before < length else length
-            cap = min(cap, bend_speed(c * dx + s * dy, shorter, acceleration))
+            cap = min(cap, bend_speed(c * dx + s * dy, shorter, pace.acceleration))
         c = dx
         s = dy
         top = top_of[k // 2 * each]
-        gone += length
-        leg[i] = corner[k]
-        leg[i + 1] = corner[k + 1]
-        leg[i + 2] = c
-        leg[i + 3] = s
-        leg[i + 4] = length
-        leg[i + 5] = top
-        leg[i + 6] = cap
-        i += _LEG
-    legs: cython.Py_ssize_t = (i - first) // _LEG
+        walked += length
+        leg[legs] = PathLeg(corner[k], corner[k + 1], c, s, length, top, cap)
+        legs += 1
     if legs == 0:
         return 0
     # Backwards: nowhere faster than what lets one slow down for all that comes.
     after: float = 0.0
-    leg[i + 6] = after
+    leg[legs] = PathLeg(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, after)
     for k in range(legs - 1, -1, -1):
-        i = first + _LEG * k
-        after = min(leg[i + 6], sqrt(after * after + gain * leg[i + 4]))
-        leg[i + 6] = after
-    return legs if after >= initial_speed - _HAIR else 0
+        p: PathLeg = leg[k]
+        after = min(p.first, sqrt(after * after + gain * p.length))
+        leg[k] = PathLeg(p.x, p.y, p.c, p.s, p.length, p.top, after)
+    return legs if after >= pace.initial_speed - _HAIR else 0
 
 
 def turned(table: Numbers, heading: float) -> Numbers:
-    """Return the table of the motion along a walk: turned to where it goes, standing left out.
+    """Return the table of the motion along a walk: turned to where it goes, final rest left out.
 
-    Its rows are those of `pieces`; until it goes anywhere it is turned by `heading` (radians).
+    Until it goes anywhere it is turned by `heading` (radians).
     """
-    count: cython.Py_ssize_t = len(table) // _R - 1
-    found: Numbers = room(_PIECE * count)
-    row: Doubles = at(table)
-    piece: Doubles = at(found)
+    count: cython.Py_ssize_t = planar_count(table) - 1
+    found: Numbers = pose_room(count)
     k: cython.Py_ssize_t
     for k in range(count):
-        o: cython.Py_ssize_t = k * _R
-        p: cython.Py_ssize_t = k * _PIECE
-        if row[o + 3] != 0.0 or row[o + 7] != 0.0:
-            heading = atan2(row[o + 7], row[o + 3])
-        elif row[o + 4] != 0.0 or row[o + 8] != 0.0:
-            heading = atan2(row[o + 8], row[o + 4])
-        put(piece, p, row, o, _R)
-        piece[p + 10] = heading
-        piece[p + 11] = piece[p + 12] = piece[p + 13] = 0.0
+        p: PlanarPiece = planar(table)[k]
+        if p.x.v != 0.0 or p.y.v != 0.0:
+            heading = atan2(p.y.v, p.x.v)
+        elif p.x.a != 0.0 or p.y.a != 0.0:
+            heading = atan2(p.y.a, p.x.a)
+        poses(found)[k] = PosePiece(p.begin, p.end, p.x, p.y, constant(heading))
     return found
 
 
@@ -232,67 +213,55 @@ def bend_speed(cosine: float, shorter: float, acceleration: float) -> float:
 
 
 def _walk(
-    row: Doubles,
-    o: cython.Py_ssize_t,
-    i: cython.Py_ssize_t,
+    row: PlanarPieces,
+    k: cython.Py_ssize_t,
+    leg: PathLeg,
     u: float,
     w: float,
     acceleration: float,
 ) -> cython.Py_ssize_t:
-    """Add the rows of the leg at `i` from speed `u` to `w` at `o`; return where the next one is.
+    """Add the pieces of a leg from speed `u` to `w` from the k-th on; return which comes next.
 
-    When it begins stands there already, and when it is over then stands there.
+    That one has its begin already, before and after.
     """
-    length: float = row[i + 4]
-    top: float = row[i + 5]
-    gone: float = 0.0
+    top: float = leg.top
+    walked: float = 0.0
     level: float = max(top, w)
     if u > level:  # still slowing down
         duration: float = (u - level) / acceleration
-        o = _phase(row, o, i, gone, duration, u, -acceleration)
-        gone = duration * (u + level) / 2
+        k = _add_phase(row, k, leg, duration, Cubic(walked, u, -acceleration / 2, 0.0))
+        walked = duration * (u + level) / 2
         u = level
     if level > top:
         top = level
-    left: float = max(length - gone, 0.0)
+    left: float = max(leg.length - walked, 0.0)
     # Up to the peak and down again on what is left of the leg, if its top speed allows.
     peak: float = sqrt(max((2 * acceleration * left + u * u + w * w) / 2, 0.0))
     peak = max(max(min(peak, top), u), w)
     rising: float = (peak - u) / acceleration
     falling: float = (peak - w) / acceleration
-    o = _phase(row, o, i, gone, rising, u, acceleration)
-    gone += rising * (u + peak) / 2
+    k = _add_phase(row, k, leg, rising, Cubic(walked, u, acceleration / 2, 0.0))
+    walked += rising * (u + peak) / 2
     slowing: float = falling * (peak + w) / 2
-    cruise: float = max((length - gone - slowing) / peak, 0.0)
-    o = _phase(row, o, i, gone, cruise, peak, 0.0)
-    gone += cruise * peak
-    return _phase(row, o, i, gone, falling, peak, -acceleration)
+    cruise: float = max((leg.length - walked - slowing) / peak, 0.0)
+    k = _add_phase(row, k, leg, cruise, Cubic(walked, peak, 0.0, 0.0))
+    walked += cruise * peak
+    return _add_phase(row, k, leg, falling, Cubic(walked, peak, -acceleration / 2, 0.0))
 
 
-def _phase(
-    row: Doubles,
-    o: cython.Py_ssize_t,
-    i: cython.Py_ssize_t,
-    gone: float,
-    duration: float,
-    v: float,
-    acceleration: float,
+def _add_phase(
+    row: PlanarPieces, k: cython.Py_ssize_t, leg: PathLeg, duration: float, way: Cubic
 ) -> cython.Py_ssize_t:
-    """Add the row of a phase that begins `gone` metres along a leg, as `_walk`, if it lasts."""
-    end: float = row[o] + duration
-    if end <= row[o]:
-        return o
-    c: float = row[i + 2]
-    s: float = row[i + 3]
-    half: float = acceleration / 2
-    row[o + 1] = end
-    row[o + 2] = row[i] + gone * c
-    row[o + 3] = v * c
-    row[o + 4] = half * c
-    row[o + 5] = 0.0
-    row[o + 6] = row[i + 1] + gone * s
-    row[o + 7] = v * s
-    row[o + 8] = half * s
-    row[o + 9] = 0.0
-    row[o + _R] = end
-    return o + _R
+    """Add a phase as the k-th piece, as `_walk`, if it lasts; return which comes next.
+
+    `way` is the distance along the leg.
+    """
+    begin: float = row[k].begin
+    end: float = begin + duration
+    if end <= begin:
+        return k
+    x: Cubic = Cubic(leg.x + way.p * leg.c, way.v * leg.c, way.a * leg.c, 0.0)
+    y: Cubic = Cubic(leg.y + way.p * leg.s, way.v * leg.s, way.a * leg.s, 0.0)
+    row[k] = PlanarPiece(begin, end, x, y)
+    row[k + 1] = _rest_from(end, 0.0, 0.0)
+    return k + 1

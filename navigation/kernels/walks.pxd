@@ -1,9 +1,8 @@
-cdef Py_ssize_t _WIDTH
-cdef double _NOWHERE
-cdef double _DEVIATION
-cdef double _HAIR
-cdef double _STANDS
-cdef double _STRAIGHT
+from libc.math cimport M_PI as pi, atan2, cos, isfinite, sin, sqrt, tan
+from navigation.kernels.cubics cimport *
+from navigation.kernels.numbers cimport *
+
+cdef double _NOWHERE, _DEVIATION, _HAIR, _STANDS, _STRAIGHT
 
 cpdef bint is_place(object point) except -1
 cdef bint _apart(tuple a, tuple b, double least) except -1

@@ -1,6 +1,8 @@
 """Walks along corners in plain numbers: bends, the speeds at them, and braking on the path.
 
-For the tables see `pieces`.
+Speeds follow from a backward and a forward pass over the corners, as in time-optimal path tracking
+(J. E. Bobrow, S. Dubowsky and J. S. Gibson, "Time-optimal control of robotic manipulators along
+specified paths", International Journal of Robotics Research 4, 1985).
 """
 
 from __future__ import annotations
@@ -13,31 +15,13 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .odometer import WIDTH
-
 if not cython.compiled:
-    from math import atan2, cos, inf, isfinite, pi, sin, sqrt, tan
+    from math import atan2, cos, isfinite, pi, sin, sqrt, tan
 
-    from .numbers import Doubles, Numbers, at, room
-
-    INFINITY = inf
-    M_PI = pi
-else:
-    from cython.cimports.libc.math import (
-        INFINITY,
-        M_PI,
-        atan2,
-        cos,
-        isfinite,
-        sin,
-        sqrt,
-        tan,
-    )
-    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, room
+    from .cubics import *
+    from .numbers import *
 
 # Of `dist`, `hypot` and `pow`, Python's are taken: compilers' may have other last bits.
-
-_WIDTH: cython.Py_ssize_t = WIDTH
 
 NOWHERE = 1e-9
 """Metres (or radians, of moves). Shorter legs and moves are none."""
@@ -94,7 +78,7 @@ def distinct(points: list[Corner], least: float) -> list[Corner]:
 def _apart(a: Corner, b: Corner, least: float) -> bool:
     dx: float = b[0] - a[0]
     dy: float = b[1] - a[1]
-    return sqrt(dx * dx + dy * dy) > least
+    return norm(dx, dy) > least
 
 
 def is_place(point: object) -> TypeGuard[Corner]:
@@ -127,7 +111,7 @@ def corner_speed(before: Corner, corner: Corner, after: Corner, acceleration: fl
     turn: float = abs(atan2(ux * wy - uy * wx, ux * wx + uy * wy))
     if turn < 1e-9:
         return INFINITY
-    if turn > M_PI - 1e-9:
+    if turn > pi - 1e-9:
         return 0.0
     # An arc of radius r inside a corner leaves it by r (1 / cos(turn / 2) − 1), and takes r
     # tan(turn / 2) of both legs; 1 − cos φ is 2 sin² (φ / 2), which loses nothing for small φ.
@@ -167,15 +151,12 @@ def corner_speeds(
 def ends_after(table: Numbers, t: float) -> list[Corner]:
     """Return where the pieces of a motion end that are not over at `t` (seconds)."""
     ends: list[Corner] = []
-    c: Doubles = at(table)
     k: cython.Py_ssize_t
-    for k in range(len(table) // _WIDTH):
-        o: cython.Py_ssize_t = k * _WIDTH
-        u: float = c[o + 1] - c[o]
-        if c[o + 1] > t:
-            x: float = c[o + 2] + u * (c[o + 3] + u * (c[o + 4] + u * c[o + 5]))
-            y: float = c[o + 6] + u * (c[o + 7] + u * (c[o + 8] + u * c[o + 9]))
-            ends.append((x, y))
+    for k in range(pose_count(table)):
+        piece: PosePiece = poses(table)[k]
+        u: float = piece.end - piece.begin
+        if piece.end > t:
+            ends.append((value(piece.x, u), value(piece.y, u)))
     return ends
 
 
@@ -183,40 +164,34 @@ def leg_before(
     table: Numbers, since: float, t: float, before_x: float, before_y: float
 ) -> tuple[float, float]:
     """Return the straight leg on which a body comes to where it is at `t` (s); see `leg_to`."""
-    c: Doubles = at(table)
-    k: cython.Py_ssize_t = len(table) // _WIDTH - 1
-    while k > 0 and c[k * _WIDTH] >= t:
+    row: PosePieces = poses(table)
+    k: cython.Py_ssize_t = pose_count(table) - 1
+    while k > 0 and row[k].begin >= t:
         k -= 1
-    o: cython.Py_ssize_t = k * _WIDTH
-    if not c[o] < t <= c[o + 1]:
+    piece: PosePiece = row[k]
+    if not piece.begin < t <= piece.end:
         return 0.0, 0.0
-    u: float = t - c[o]
-    vx: float = c[o + 3] + u * (2 * c[o + 4] + u * 3 * c[o + 5])
-    vy: float = c[o + 7] + u * (2 * c[o + 8] + u * 3 * c[o + 9])
-    speed: float = sqrt(vx * vx + vy * vy)
+    u: float = t - piece.begin
+    vx: float = slope(piece.x, u)
+    vy: float = slope(piece.y, u)
+    speed: float = norm(vx, vy)
     if speed < _STANDS:
         return 0.0, 0.0
     end: float = t
     length: float = 0.0
     while k >= 0 and end > since and length < speed:
-        o = k * _WIDTH
-        begin: float = c[o] if c[o] > since else since
-        u = (begin + end) / 2 - c[o]
-        wx: float = c[o + 3] + u * (2 * c[o + 4] + u * 3 * c[o + 5])
-        wy: float = c[o + 7] + u * (2 * c[o + 8] + u * 3 * c[o + 9])
-        if not _same_way(wx, wy, vx, vy):
+        piece = row[k]
+        begin: float = piece.begin if piece.begin > since else since
+        u = (begin + end) / 2 - piece.begin
+        if not _same_way(slope(piece.x, u), slope(piece.y, u), vx, vy):
             break
-        u = begin - c[o]
-        w: float = end - c[o]
-        x: float = w * (c[o + 3] + w * (c[o + 4] + w * c[o + 5]))
-        x -= u * (c[o + 3] + u * (c[o + 4] + u * c[o + 5]))
-        y: float = w * (c[o + 7] + w * (c[o + 8] + w * c[o + 9]))
-        y -= u * (c[o + 7] + u * (c[o + 8] + u * c[o + 9]))
-        length += sqrt(x * x + y * y)
+        u = begin - piece.begin
+        w: float = end - piece.begin
+        length += norm(gain(piece.x, w) - gain(piece.x, u), gain(piece.y, w) - gain(piece.y, u))
         end = begin
         k -= 1
     if end <= since and _same_way(before_x, before_y, vx, vy):
-        length += sqrt(before_x * before_x + before_y * before_y)
+        length += norm(before_x, before_y)
     share: float = min(length / speed, 1.0)
     return share * vx, share * vy
 
@@ -251,9 +226,7 @@ def braking(corners: list[Corner], lengths: list[float], speed: float, start: fl
 
     At one deceleration, from the first to a rest at the last. `lengths` are those of the legs.
     """
-    table: Numbers = room(_WIDTH * len(lengths))
-    row: Doubles = at(table)
-    o: cython.Py_ssize_t = 0
+    table: Numbers = pose_room(len(lengths))
     left: float = sum(lengths)
     # What the legs' rounded lengths leave: it comes to rest at their end, neither before nor after.
     deceleration: float = pow(speed, 2) / (2 * left)
@@ -261,31 +234,21 @@ def braking(corners: list[Corner], lengths: list[float], speed: float, start: fl
     for k in range(len(lengths)):
         a: Corner = corners[k]
         b: Corner = corners[k + 1]
-        x: float = a[0]
-        y: float = a[1]
-        dx: float = b[0] - x
-        dy: float = b[1] - y
+        dx: float = b[0] - a[0]
+        dy: float = b[1] - a[1]
         left -= lengths[k]
         slower: float = 0.0
         if k + 1 < len(lengths):
             slower = sqrt(max(2 * deceleration * left, 0.0))
         end: float = start + (speed - slower) / deceleration
-        half: float = -deceleration / 2
-        c: float = dx / lengths[k]
-        s: float = dy / lengths[k]
-        row[o] = start
-        row[o + 1] = end
-        row[o + 2] = x + 0.0 * c
-        row[o + 3] = speed * c
-        row[o + 4] = half * c
-        row[o + 5] = 0.0 * c
-        row[o + 6] = y + 0.0 * s
-        row[o + 7] = speed * s
-        row[o + 8] = half * s
-        row[o + 9] = 0.0 * s
-        row[o + 10] = atan2(dy, dx)
-        row[o + 11] = row[o + 12] = row[o + 13] = 0.0
-        o += _WIDTH
+        way: Cubic = Cubic(0.0, speed, -deceleration / 2, 0.0)
+        poses(table)[k] = PosePiece(
+            start,
+            end,
+            along(a[0], dx / lengths[k], way),
+            along(a[1], dy / lengths[k], way),
+            constant(atan2(dy, dx)),
+        )
         start = end
         speed = slower
     return table

@@ -1,9 +1,11 @@
-from navigation.kernels.encounter cimport EncounterBounds
-from navigation.kernels.follower cimport Follower
+from libc.math cimport cos, sin
+from navigation.kernels.cubics cimport *
+from navigation.kernels.encounter cimport Closest, EncounterBounds
 from navigation.kernels.gauge cimport Gauge
 from navigation.kernels.laws cimport LawEvaluator
+from navigation.kernels.numbers cimport *
+from navigation.kernels.odometer cimport TaylorModel
 
-cdef double _INFINITE
 cdef list[Gauge] _NO_GAUGES
 cdef int UNDECIDED
 cdef double _SURE
@@ -14,57 +16,42 @@ cdef class IntervalTest:
 cdef class TooCloseTest(IntervalTest):
     cdef LawEvaluator law
     cdef double rounding
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
     cdef int short_of(self, EncounterBounds encounter, double begin, double end) except -2
 
-cdef int margin_bounds(LawEvaluator law, EncounterBounds encounter, double begin, double end) except? -1
+cdef Closest margin_over(
+    LawEvaluator law, EncounterBounds encounter, double begin, double end
+) except *
 
 cdef class MovingTest(IntervalTest):
     cdef double limit
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class ApproachingTest(IntervalTest):
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
+    pass
 
 cdef class ApartTest(IntervalTest):
     cdef double metres
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class OverlappingTest(IntervalTest):
-    cdef double along
-    cdef double across
-    cdef double other_along
-    cdef double other_across
-    cdef double depth
-    cdef double reach
-    cdef double other_reach
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
+    cdef double along, across, other_along, other_across, depth, reach, other_reach
 
-cdef double turned(Follower body, double u, double half) noexcept
+cdef double swing_of(Cubic turn, double half) noexcept
 
 cdef class NotTest(IntervalTest):
     cdef IntervalTest other
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class BothTest(IntervalTest):
     cdef IntervalTest first
     cdef IntervalTest second
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class CustomTest(IntervalTest):
     cdef object condition
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
 
 cdef class ChangeSearch:
     cdef IntervalTest judge
     cdef EncounterBounds encounter
-    cdef double end
-    cdef double resolution
-    cdef bint held
-    cdef bint over
+    cdef double end, resolution
+    cdef bint held, over
 
 cdef double next_change(
     IntervalTest judge, EncounterBounds encounter, double end, double resolution, bint held
 ) except? -1
-
-cdef int margin_over(LawEvaluator law, EncounterBounds encounter, double begin, double end) except? -1

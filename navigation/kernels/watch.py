@@ -1,6 +1,7 @@
-"""Search for the instants at which a condition on two motions begins and ceases to hold.
+"""Search for the times at which a condition on two motions begins and ceases to hold.
 
-Intervals that a condition leaves undecided are halved.
+Intervals that a condition leaves undecided are halved: interval bisection (R. E. Moore, "Interval
+Analysis", 1966). The least margin is found by branch and bound over the same intervals.
 """
 
 from __future__ import annotations
@@ -13,24 +14,14 @@ else:
     from . import uncompiled as cython
 
 if not cython.compiled:
-    from math import cos, sin, sqrt
+    from math import cos, sin
 
+    from .cubics import *
     from .encounter import EncounterBounds
-    from .follower import Follower
     from .gauge import Gauge
     from .laws import LawEvaluator
-    from .numbers import Numbers
-    from .odometer import TaylorModel
-else:
-    from cython.cimports.libc.math import cos, sin, sqrt
-    from cython.cimports.navigation.kernels.encounter import EncounterBounds
-    from cython.cimports.navigation.kernels.follower import Follower
-    from cython.cimports.navigation.kernels.gauge import Gauge
-    from cython.cimports.navigation.kernels.laws import LawEvaluator
-    from cython.cimports.navigation.kernels.numbers import Numbers
-    from cython.cimports.navigation.kernels.odometer import TaylorModel
-
-_INFINITE: float = float("inf")
+    from .numbers import *
+    from .uncompiled import Closest, TaylorModel
 
 _NO_GAUGES: list[Gauge] = []
 
@@ -62,58 +53,57 @@ class TooCloseTest(IntervalTest):
         law: LawEvaluator = self.law
         if not law.of_speeds:
             return self.short_of(encounter, begin, end)
-        person: Follower = encounter.person
-        machine: Follower = encounter.machine
-        if law.steady:
-            encounter.apart_over(begin, end, 0.0, 0.0)
-            person.low = person.high = machine.low = machine.high = 0.0
-        else:
-            encounter.look(begin, end)
-        near: float = encounter.near
-        far: float = encounter.far
-        most: float = law.distance(person.high, machine.high)
+        apart: Closest = encounter.closest(begin, end, 0.0, 0.0)
+        human: Range = Range(0.0, 0.0)
+        robot: Range = Range(0.0, 0.0)
+        if not law.steady:
+            human = encounter.person.speeds(begin, end)
+            robot = encounter.machine.speeds(begin, end)
+        most: float = law.distance(human.high, robot.high)
         # The second limit is below the first, so that rounding can't leave a tie undecided.
-        if near + encounter.slack >= most:
+        if apart.low + encounter.slack >= most:
             return 0
-        least: float = law.distance(person.low, machine.low)
-        if far + encounter.slack / 2 < least:
+        least: float = law.distance(human.low, robot.low)
+        if apart.high + encounter.slack / 2 < least:
             return 1
         # Written so that NaN, which compares with nothing, is refused as well.
         if not least <= most:
             raise ValueError(
-                f"{law.source} requires {least} m at speeds of {person.low:g} and"
-                f" {machine.low:g} m/s, but {most} m at {person.high:g} and {machine.high:g} m/s;"
+                f"{law.source} requires {least} m at speeds of {human.low:g} and"
+                f" {robot.low:g} m/s, but {most} m at {human.high:g} and {robot.high:g} m/s;"
                 " a law must not ask for less when speeds grow"
             )
         return UNDECIDED
 
     def short_of(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
-        margin_bounds(self.law, encounter, begin, end)
-        if encounter.near >= -self.rounding:
+        margin: Closest = margin_over(self.law, encounter, begin, end)
+        if margin.low >= -self.rounding:
             return 0
-        if encounter.far < -self.rounding / 2:
+        if margin.high < -self.rounding / 2:
             return 1
-        if not encounter.near <= encounter.far:
-            raise ValueError(f"a law requires {self.law.out.value} m from t = {begin} s to {end} s")
+        if not margin.low <= margin.high:
+            required: TaylorModel = self.law.require(encounter, begin, end)
+            raise ValueError(f"a law requires {required.value} m from t = {begin} s to {end} s")
         return UNDECIDED
 
 
-def margin_bounds(
-    law: LawEvaluator, encounter: EncounterBounds, begin: float, end: float
-) -> cython.int:
-    """Bound distance − required: `near`, `far` of the encounter; `offset` is near the least."""
-    law.require(encounter, begin, end)
-    out: TaylorModel = law.out
+def margin_over(
+    law: LawEvaluator | None, encounter: EncounterBounds, begin: float, end: float
+) -> Closest:
+    """Bound distance − required, or the distance without a law."""
+    if law is None:
+        return encounter.closest(begin, end, 0.0, 0.0)
+    required: TaylorModel = law.require(encounter, begin, end)
+    apart: Closest
     if begin == end:
-        encounter.measure(begin - encounter.since, 0.0, 0.0, 0.0)
-        encounter.near -= out.value
-        encounter.far = encounter.near
-        encounter.offset = begin
-        return 0
-    encounter.apart_over(begin, end, out.slope, out.curve)
-    encounter.near = encounter.near - out.value - out.slack
-    encounter.far = encounter.far - out.value + out.slack
-    return 0
+        apart = encounter.closest(begin, begin, 0.0, 0.0)
+        return Closest(apart.low - required.value, apart.low - required.value, begin)
+    apart = encounter.closest(begin, end, required.slope, required.curve)
+    return Closest(
+        apart.low - required.value - required.slack,
+        apart.high - required.value + required.slack,
+        apart.t,
+    )
 
 
 class MovingTest(IntervalTest):
@@ -123,22 +113,20 @@ class MovingTest(IntervalTest):
         self.limit = limit
 
     def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
-        half: float = (end - begin) / 2
-        machine: Follower = encounter.machine
-        machine.pace(begin - encounter.since + half, half)
-        if machine.high <= self.limit:
+        speed: Range = encounter.machine.speeds(begin, end)
+        if speed.high <= self.limit:
             return 0
-        return 1 if machine.low > self.limit else UNDECIDED
+        return 1 if speed.low > self.limit else UNDECIDED
 
 
 class ApproachingTest(IntervalTest):
     """The places of the two come closer to each other."""
 
     def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
-        encounter.close_in(begin, end)
-        if encounter.near >= 0.0:
+        rate: Range = encounter.approach(begin, end)
+        if rate.low >= 0.0:
             return 0
-        return 1 if encounter.far < 0.0 else UNDECIDED
+        return 1 if rate.high < 0.0 else UNDECIDED
 
 
 class ApartTest(IntervalTest):
@@ -148,10 +136,10 @@ class ApartTest(IntervalTest):
         self.metres = metres
 
     def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
-        encounter.apart_over(begin, end, 0.0, 0.0)
-        if encounter.far + encounter.slack / 2 < self.metres:
+        apart: Closest = encounter.closest(begin, end, 0.0, 0.0)
+        if apart.high + encounter.slack / 2 < self.metres:
             return 0
-        return 1 if encounter.near + encounter.slack >= self.metres else UNDECIDED
+        return 1 if apart.low + encounter.slack >= self.metres else UNDECIDED
 
 
 class OverlappingTest(IntervalTest):
@@ -176,50 +164,40 @@ class OverlappingTest(IntervalTest):
         self.other_along = other_along
         self.other_across = other_across
         self.depth = depth
-        self.reach = sqrt(along * along + across * across)
-        self.other_reach = sqrt(other_along * other_along + other_across * other_across)
+        self.reach = norm(along, across)
+        self.other_reach = norm(other_along, other_across)
 
     def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
-        one: Follower = encounter.person
-        other: Follower = encounter.machine
         half: float = (end - begin) / 2
         u: float = begin - encounter.since + half
-        x2: float = encounter.x2
-        x3: float = encounter.x3
-        y2: float = encounter.y2
-        y3: float = encounter.y3
-        # About the middle, the other's place from the one, and its velocity; the terms of second
-        # and third order are the accelerations (halved) and the jerks (a sixth).
-        x: float = encounter.x0 + u * (encounter.x1 + u * (x2 + u * x3))
-        y: float = encounter.y0 + u * (encounter.y1 + u * (y2 + u * y3))
-        vx: float = encounter.x1 + u * (2 * x2 + u * 3 * x3)
-        vy: float = encounter.y1 + u * (2 * y2 + u * 3 * y3)
-        ax: float = x2 + 3 * x3 * u
-        ay: float = y2 + 3 * y3 * u
-        swing: float = turned(one, u, half)
-        other_swing: float = turned(other, u, half)
-        turn: float = one.r0 + u * (one.r1 + u * (one.r2 + u * one.r3))
-        other_turn: float = other.r0 + u * (other.r1 + u * (other.r2 + u * other.r3))
-        c: float = cos(turn)
-        s: float = sin(turn)
-        other_c: float = cos(other_turn)
-        other_s: float = sin(other_turn)
+        # About the middle, the other's place from the one, its velocity, half its acceleration and
+        # a sixth of its jerk.
+        x: Cubic = shift(encounter.x, u)
+        y: Cubic = shift(encounter.y, u)
+        turn: Cubic = shift(encounter.person.rotation, u)
+        other_turn: Cubic = shift(encounter.machine.rotation, u)
+        swing: float = swing_of(turn, half)
+        other_swing: float = swing_of(other_turn, half)
+        c: float = cos(turn.p)
+        s: float = sin(turn.p)
+        other_c: float = cos(other_turn.p)
+        other_s: float = sin(other_turn.p)
         # How far apart they are at least throughout, and at most, along the best of the normals.
-        low: float = -_INFINITE
-        high: float = -_INFINITE
+        low: float = -INFINITY
+        high: float = -INFINITY
         normal: cython.Py_ssize_t
         for normal in range(4):
             nx: float = c if normal < 2 else other_c
             ny: float = s if normal < 2 else other_s
             if normal % 2:
                 nx, ny = -ny, nx
-            apart: float = abs(nx * x + ny * y)
+            apart: float = abs(nx * x.p + ny * y.p)
             apart -= self.along * abs(nx * c + ny * s) + self.across * abs(ny * c - nx * s)
             apart -= self.other_along * abs(nx * other_c + ny * other_s)
             apart -= self.other_across * abs(ny * other_c - nx * other_s)
             moved: float = half * (
-                abs(nx * vx + ny * vy)
-                + half * (abs(nx * ax + ny * ay) + half * abs(nx * x3 + ny * y3))
+                abs(nx * x.v + ny * y.v)
+                + half * (abs(nx * x.a + ny * y.a) + half * abs(nx * x.j + ny * y.j))
             )
             low = max(low, apart - moved)
             high = max(high, apart + moved)
@@ -229,16 +207,14 @@ class OverlappingTest(IntervalTest):
             return 0
         # Those of the most turn with the bodies, which are no farther from each other than this.
         if swing > 0.0 or other_swing > 0.0:
-            away: float = sqrt(x * x + y * y) + half * sqrt(vx * vx + vy * vy)
-            away += half * half * (sqrt(ax * ax + ay * ay) + half * sqrt(x3 * x3 + y3 * y3))
+            away: float = norm(x.p, y.p) + half * norm(x.v, y.v) + deviation(x, y, half)
             high += (away + self.reach + self.other_reach) * (swing + other_swing)
         return 1 if high < -self.depth - _SURE / 2 else UNDECIDED
 
 
-def turned(body: Follower, u: float, half: float) -> float:
-    """Bound the angle by which a body turns within `half` seconds of `u`, from that at `u`."""
-    rate: float = abs(body.r1 + u * (2 * body.r2 + u * 3 * body.r3))
-    return half * (rate + half * (abs(body.r2 + 3 * body.r3 * u) + half * abs(body.r3)))
+def swing_of(turn: Cubic, half: float) -> float:
+    """Bound the angle by which a body turns within `half` seconds, from that at 0."""
+    return gain(Cubic(0.0, abs(turn.v), abs(turn.a), abs(turn.j)), half)
 
 
 class NotTest(IntervalTest):
@@ -309,7 +285,7 @@ class ChangeSearch:
         if self.over:
             return None
         t: float = next_change(self.judge, self.encounter, self.end, self.resolution, self.held)
-        if t == _INFINITE:
+        if t == INFINITY:
             self.over = True
             return self.end if self.held else None
         self.held = not self.held
@@ -346,7 +322,7 @@ def next_change(
                     holds = 1
         if (holds == 1) != held:
             return t
-    return _INFINITE
+    return INFINITY
 
 
 def first_change(
@@ -361,7 +337,7 @@ def first_change(
     encounter: EncounterBounds = EncounterBounds(person, machine, _NO_GAUGES, 0.0)
     encounter.start(begin)
     t: float = next_change(judge, encounter, end, resolution, False)
-    return None if t == _INFINITE else t
+    return None if t == INFINITY else t
 
 
 def first_interval(
@@ -390,11 +366,8 @@ def least(
 
     Without a law nothing is required. Exact to `tolerance` metres.
     """
-    best: float = _INFINITE
+    best: float = INFINITY
     when: float = 0.0
-    low: float
-    high: float
-    candidate: float
     k: cython.Py_ssize_t
     encounter.start(begin)
     while encounter.next_interval(end):
@@ -403,31 +376,19 @@ def least(
         while True:
             lower: float = encounter.lower
             upper: float = encounter.upper
-            margin_over(law, encounter, lower, upper)
-            low = encounter.near
-            high = encounter.far
-            candidate = encounter.offset
-            if low >= best - tolerance:
+            margin: Closest = margin_over(law, encounter, lower, upper)
+            if margin.low >= best - tolerance:
                 break
             # Only NaN differs from itself, and no comparison with it would ever end the search.
-            if (low + high) != (low + high):
+            if (margin.low + margin.high) != (margin.low + margin.high):
                 raise ValueError(f"the law asks for no finite distance from {lower} s to {upper} s")
             for k in range(3):
-                t: float = lower if k == 0 else candidate if k == 1 else upper
-                margin_over(law, encounter, t, t)
+                t: float = lower if k == 0 else margin.t if k == 1 else upper
+                at_once: Closest = margin_over(law, encounter, t, t)
                 # The first of several that are equal but for rounding is kept.
-                if encounter.near < best - 1e-12:
+                if at_once.low < best - 1e-12:
                     when = t
-                    best = encounter.near
-            if low >= best - tolerance or not encounter.halve():
+                    best = at_once.low
+            if margin.low >= best - tolerance or not encounter.halve():
                 break
     return float(when), float(best)
-
-
-def margin_over(
-    law: LawEvaluator | None, encounter: EncounterBounds, begin: float, end: float
-) -> cython.int:
-    """See `margin_bounds`; without a law, bound the distance."""
-    if law is None:
-        return encounter.apart_over(begin, end, 0.0, 0.0)
-    return margin_bounds(law, encounter, begin, end)

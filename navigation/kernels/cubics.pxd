@@ -1,0 +1,163 @@
+from libc.math cimport sqrt
+from navigation.kernels.numbers cimport Numbers, at, cut, room, row_at
+
+cdef struct Cubic:
+    double p, v, a, j
+
+cdef struct Range:
+    double low, high
+
+cdef struct Box:
+    double low_x, low_y, high_x, high_y
+
+cdef struct PlanarPiece:
+    double begin, end
+    Cubic x, y
+
+cdef struct PosePiece:
+    double begin, end
+    Cubic x, y, rotation
+
+cdef struct Phase:
+    double duration
+    Cubic c
+
+ctypedef Box* Boxes
+ctypedef PlanarPiece* PlanarPieces
+ctypedef PosePiece* PosePieces
+ctypedef Phase* Phases
+
+cdef inline Boxes boxes_of(Numbers row) noexcept:
+    return <Box*> row.data.as_doubles
+
+cdef inline Py_ssize_t box_count(Numbers row) noexcept:
+    return len(row) // 4
+
+cdef inline PlanarPieces planar(Numbers table) noexcept:
+    return <PlanarPiece*> table.data.as_doubles
+
+cdef inline PosePieces poses(Numbers table) noexcept:
+    return <PosePiece*> table.data.as_doubles
+
+cdef inline Phases phases(Numbers table) noexcept:
+    return <Phase*> table.data.as_doubles
+
+cdef inline Py_ssize_t planar_count(Numbers table) noexcept:
+    return len(table) // 10
+
+cdef inline Py_ssize_t pose_count(Numbers table) noexcept:
+    return len(table) // 14
+
+cdef inline Cubic constant(double p) noexcept:
+    return Cubic(p, 0.0, 0.0, 0.0)
+
+cdef inline double value(Cubic c, double u) noexcept:
+    return c.p + u * (c.v + u * (c.a + u * c.j))
+
+cdef inline double gain(Cubic c, double u) noexcept:
+    return u * (c.v + u * (c.a + u * c.j))
+
+cdef inline double slope(Cubic c, double u) noexcept:
+    return c.v + u * (2 * c.a + u * 3 * c.j)
+
+cdef inline double second_slope(Cubic c, double u) noexcept:
+    return 2 * c.a + 6 * u * c.j
+
+cdef inline Cubic shift(Cubic c, double u) noexcept:
+    return Cubic(value(c, u), slope(c, u), c.a + u * 3 * c.j, c.j)
+
+cdef inline Cubic minus(Cubic c, Cubic d) noexcept:
+    return Cubic(c.p - d.p, c.v - d.v, c.a - d.a, c.j - d.j)
+
+cdef inline double norm(double x, double y) noexcept:
+    return sqrt(x * x + y * y)
+
+cdef inline Cubic along(double x, double c, Cubic way) noexcept:
+    return Cubic(x + way.p * c, way.v * c, way.a * c, way.j * c)
+
+cdef inline double speed(Cubic x, Cubic y, double u) noexcept:
+    return norm(slope(x, u), slope(y, u))
+
+cdef inline bint is_straight(Cubic x, Cubic y) noexcept:
+    return x.a == 0.0 and y.a == 0.0 and x.j == 0.0 and y.j == 0.0
+
+cdef inline bint is_at_rest(Cubic x, Cubic y) noexcept:
+    return is_straight(x, y) and x.v == 0.0 and y.v == 0.0
+
+cdef inline double deviation(Cubic x, Cubic y, double half) noexcept:
+    return half * half * (norm(x.a, y.a) + half * norm(x.j, y.j))
+
+cdef inline double held(double begin, double end, double t) noexcept:
+    return min(max(t, begin), end) - begin
+
+cdef inline Py_ssize_t phase_count(Numbers table) noexcept:
+    return len(table) // 5
+
+cdef inline Numbers planar_room(Py_ssize_t count):
+    return room(10 * count)
+
+cdef inline Numbers pose_room(Py_ssize_t count):
+    return room(14 * count)
+
+cdef inline Numbers phase_room(Py_ssize_t count):
+    return room(5 * count)
+
+cdef inline int planar_cut(Numbers table, Py_ssize_t count) except -1:
+    return cut(table, 10 * count)
+
+cdef inline int pose_cut(Numbers table, Py_ssize_t count) except -1:
+    return cut(table, 14 * count)
+
+cdef inline int phase_cut(Numbers table, Py_ssize_t count) except -1:
+    return cut(table, 5 * count)
+
+cdef inline Py_ssize_t pose_at(Numbers table, double t) noexcept:
+    return row_at(at(table), pose_count(table), 14, t)
+
+cdef inline double end_of(Numbers table) noexcept:
+    return poses(table)[pose_count(table) - 1].end
+
+cdef inline Py_ssize_t planar_at(Numbers table, double t) noexcept:
+    return row_at(at(table), planar_count(table), 10, t)
+
+cdef inline Py_ssize_t planar_from(Numbers table, Py_ssize_t k, double t) noexcept:
+    while planar(table)[k].end <= t:
+        k += 1
+    return k
+
+cdef inline Range bounds(Cubic c, double u) noexcept:
+    cdef double last = value(c, u)
+    cdef double low = min(c.p, last)
+    cdef double high = max(c.p, last)
+    cdef double third, one, two
+    if c.j != 0.0 or (c.a != 0.0 and c.v * (c.v + 2 * c.a * u) < 0.0):
+        third = u * c.v / 3
+        one = c.p + third
+        two = c.p + 2 * third + u * u * c.a / 3
+        low = min(low, min(one, two))
+        high = max(high, max(one, two))
+    return Range(low, high)
+
+cdef inline double nearest_on_line(Cubic x, Cubic y, double half) noexcept:
+    cdef double square = x.v * x.v + y.v * y.v
+    cdef double u
+    if square == 0.0:
+        return 0.0
+    u = -(x.p * x.v + y.p * y.v) / square
+    return -half if u < -half else half if u > half else u
+
+cdef inline Box united(Box a, Box b) noexcept:
+    return Box(
+        min(a.low_x, b.low_x),
+        min(a.low_y, b.low_y),
+        max(a.high_x, b.high_x),
+        max(a.high_y, b.high_y),
+    )
+
+cdef inline bint are_within(Box a, Box b, double least) noexcept:
+    return (
+        a.low_x - b.high_x < least
+        and b.low_x - a.high_x < least
+        and a.low_y - b.high_y < least
+        and b.low_y - a.high_y < least
+    )
