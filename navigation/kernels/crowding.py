@@ -73,7 +73,7 @@ class DiscWindow:
         for i in range(len(self.tables)):
             table: Numbers = self.tables[i]
             row: cython.Py_ssize_t = self.rows[i]
-            box: Box = Box(INFINITY, INFINITY, -INFINITY, -INFINITY)
+            box: BoundingBox = BoundingBox(INFINITY, INFINITY, -INFINITY, -INFINITY)
             for k in range(width):
                 row = planar_from(table, row, t[k])
                 piece: PlanarPiece = planar(table)[row]
@@ -81,7 +81,7 @@ class DiscWindow:
                 n: cython.Py_ssize_t = i * width + k
                 x[n] = value(piece.x, u)
                 y[n] = value(piece.y, u)
-                box = united(box, Box(x[n], y[n], x[n], y[n]))
+                box = united(box, BoundingBox(x[n], y[n], x[n], y[n]))
             boxes_of(self.boxes)[i] = box
             self.rows[i] = row
 
@@ -154,8 +154,8 @@ class DiscWindow:
 
     def _between(self, i: cython.Py_ssize_t, j: cython.Py_ssize_t) -> float:
         """Return the distance between two discs by the bounds of their centres, metres."""
-        a: Box = boxes_of(self.boxes)[i]
-        b: Box = boxes_of(self.boxes)[j]
+        a: BoundingBox = boxes_of(self.boxes)[i]
+        b: BoundingBox = boxes_of(self.boxes)[j]
         dx: float = max(a.low_x - b.high_x, max(b.low_x - a.high_x, 0.0))
         dy: float = max(a.low_y - b.high_y, max(b.low_y - a.high_y, 0.0))
         least: float = at(self.radii)[i] + at(self.radii)[j]

@@ -7,7 +7,7 @@ cdef struct Cubic:
 cdef struct Range:
     double low, high
 
-cdef struct Box:
+cdef struct BoundingBox:
     double low_x, low_y, high_x, high_y
 
 cdef struct PlanarPiece:
@@ -22,13 +22,13 @@ cdef struct Phase:
     double duration
     Cubic c
 
-ctypedef Box* Boxes
+ctypedef BoundingBox* Boxes
 ctypedef PlanarPiece* PlanarPieces
 ctypedef PosePiece* PosePieces
 ctypedef Phase* Phases
 
 cdef inline Boxes boxes_of(Numbers row) noexcept:
-    return <Box*> row.data.as_doubles
+    return <BoundingBox*> row.data.as_doubles
 
 cdef inline Py_ssize_t box_count(Numbers row) noexcept:
     return len(row) // 4
@@ -146,15 +146,15 @@ cdef inline double nearest_on_line(Cubic x, Cubic y, double half) noexcept:
     u = -(x.p * x.v + y.p * y.v) / square
     return -half if u < -half else half if u > half else u
 
-cdef inline Box united(Box a, Box b) noexcept:
-    return Box(
+cdef inline BoundingBox united(BoundingBox a, BoundingBox b) noexcept:
+    return BoundingBox(
         min(a.low_x, b.low_x),
         min(a.low_y, b.low_y),
         max(a.high_x, b.high_x),
         max(a.high_y, b.high_y),
     )
 
-cdef inline bint are_within(Box a, Box b, double least) noexcept:
+cdef inline bint are_within(BoundingBox a, BoundingBox b, double least) noexcept:
     return (
         a.low_x - b.high_x < least
         and b.low_x - a.high_x < least

@@ -36,7 +36,7 @@ class Range(NamedTuple):
     high: float
 
 
-class Box(NamedTuple):
+class BoundingBox(NamedTuple):
     """Axis-aligned bounds (metres)."""
 
     low_x: float
@@ -71,7 +71,7 @@ class Phase(NamedTuple):
     c: Cubic
 
 
-Boxes: TypeAlias = "Rows[Box]"
+Boxes: TypeAlias = "Rows[BoundingBox]"
 PlanarPieces: TypeAlias = "Rows[PlanarPiece]"
 PosePieces: TypeAlias = "Rows[PosePiece]"
 Phases: TypeAlias = "Rows[Phase]"
@@ -91,7 +91,7 @@ def _phase(duration: float, *c: float) -> Phase:
 
 def boxes_of(row: Numbers) -> Boxes:
     """Return the boxes of a row."""
-    return Rows(row, Box, 4)
+    return Rows(row, BoundingBox, 4)
 
 
 def box_count(row: Numbers) -> int:
@@ -277,13 +277,13 @@ def nearest_on_line(x: Cubic, y: Cubic, half: float) -> float:
     return -half if u < -half else half if u > half else u
 
 
-def united(a: Box, b: Box) -> Box:
+def united(a: BoundingBox, b: BoundingBox) -> BoundingBox:
     """Return the bounds of two boxes."""
     low_x, low_y = min(a.low_x, b.low_x), min(a.low_y, b.low_y)
-    return Box(low_x, low_y, max(a.high_x, b.high_x), max(a.high_y, b.high_y))
+    return BoundingBox(low_x, low_y, max(a.high_x, b.high_x), max(a.high_y, b.high_y))
 
 
-def are_within(a: Box, b: Box, least: float) -> bool:
+def are_within(a: BoundingBox, b: BoundingBox, least: float) -> bool:
     """Return whether two boxes are nearer to each other than `least` along both axes."""
     return (
         a.low_x - b.high_x < least

@@ -41,12 +41,12 @@ def within_bounds(
 ) -> list[cython.Py_ssize_t]:
     """Return the indices of the boxes, `but` one, that overlap the given bounds.
 
-    `boxes` are rows as those of `Box`.
+    `boxes` are rows as those of `BoundingBox`.
     """
     found: list[cython.Py_ssize_t] = []
     k: cython.Py_ssize_t
     for k in range(box_count(boxes)):
-        b: Box = boxes_of(boxes)[k]
+        b: BoundingBox = boxes_of(boxes)[k]
         if (
             b.low_x < high_x
             and b.high_x > low_x
@@ -68,7 +68,7 @@ def swept(pieces: Numbers, begin: float, since: float, x: float, y: float, box: 
     table: Numbers = planar_room(pose_count(pieces) + 1)
     row: PlanarPieces = planar(table)
     piece: PosePieces = poses(pieces)
-    extent: Box = Box(x, y, x, y)
+    extent: BoundingBox = BoundingBox(x, y, x, y)
     k: cython.Py_ssize_t
     for k in range(pose_count(pieces)):
         p: PosePiece = piece[k]
@@ -77,7 +77,7 @@ def swept(pieces: Numbers, begin: float, since: float, x: float, y: float, box: 
             count += 1
             across: Range = bounds(p.x, p.end - p.begin)
             up: Range = bounds(p.y, p.end - p.begin)
-            extent = united(extent, Box(across.low, up.low, across.high, up.high))
+            extent = united(extent, BoundingBox(across.low, up.low, across.high, up.high))
     boxes_of(box)[0] = extent
     row[count] = PlanarPiece(since, INFINITY, constant(x), constant(y))
     planar_cut(table, count + 1)
@@ -147,7 +147,7 @@ def first_but(
     """
     first: float = INFINITY
     who: cython.Py_ssize_t = -1
-    a: Box = boxes_of(box)[0]
+    a: BoundingBox = boxes_of(box)[0]
     k: cython.Py_ssize_t
     for k in range(len(radii)):
         if are_within(a, boxes_of(boxes)[k], own + at(radii)[k]) and not apart[k]:

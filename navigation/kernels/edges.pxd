@@ -54,7 +54,7 @@ cpdef bint touches(
 ) except -1
 cpdef list come_into(Numbers bounds, list route, double radius)
 cdef bint _comes_into(
-    Box box, double ax, double ay, double bx, double by, double radius
+    BoundingBox box, double ax, double ay, double bx, double by, double radius
 ) noexcept
 cpdef bint back_through(
     Numbers line, double ax, double ay, double bx, double by

@@ -284,7 +284,9 @@ def come_into(bounds: Numbers, route: list[Place], radius: float) -> list[tuple[
     return found
 
 
-def _comes_into(box: Box, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
+def _comes_into(
+    box: BoundingBox, ax: float, ay: float, bx: float, by: float, radius: float
+) -> bool:
     """Return whether a disc comes into a box on the segment from a to b.
 
     A segment whose ends are both beyond one side of the box is beyond it as a whole.

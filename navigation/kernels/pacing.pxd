@@ -8,7 +8,7 @@ cdef double _SHORT, _DEVIATION, _HAIR, _ROUNDING
 cdef struct PathLeg:
     double x, y, c, s, length, top, first
 
-cdef struct Pace:
+cdef struct SpeedLimits:
     double start, initial_speed, max_speed, acceleration
 
 ctypedef PathLeg* PathLegs
@@ -43,14 +43,14 @@ cdef Py_ssize_t draw_walk(
     Numbers corners,
     Py_ssize_t count,
     Numbers tops,
-    Pace pace,
+    SpeedLimits pace,
     double since,
     Numbers lead,
     Numbers table,
 ) except -1
 cdef PlanarPiece _rest_from(double t, double x, double y) noexcept
 cdef Py_ssize_t _plan(
-    Numbers corners, Py_ssize_t count, Numbers tops, Pace pace, PathLegs leg
+    Numbers corners, Py_ssize_t count, Numbers tops, SpeedLimits pace, PathLegs leg
 ) noexcept
 cdef double bend_speed(double cosine, double shorter, double acceleration) noexcept
 cdef Py_ssize_t _walk(

@@ -25,7 +25,7 @@ if not cython.compiled:
 
     from .cubics import *
     from .numbers import *
-    from .uncompiled import Pace, PathLeg, Rows
+    from .uncompiled import SpeedLimits, PathLeg, Rows
 
     PathLegs: TypeAlias = "Rows[PathLeg]"
 
@@ -62,7 +62,7 @@ def walk_table(
     rest, or slow down enough for a corner.
     """
     table: Numbers = room(0)
-    pace: Pace = Pace(start, initial_speed, max_speed, acceleration)
+    pace: SpeedLimits = SpeedLimits(start, initial_speed, max_speed, acceleration)
     cut(table, draw_walk(corners, len(corners), tops, pace, since, lead, table))
     return table
 
@@ -80,7 +80,7 @@ def draw(
     table: Numbers,
 ) -> cython.Py_ssize_t:
     """See `draw_walk`."""
-    pace: Pace = Pace(start, initial_speed, max_speed, acceleration)
+    pace: SpeedLimits = SpeedLimits(start, initial_speed, max_speed, acceleration)
     return draw_walk(corners, count, tops, pace, since, lead, table)
 
 
@@ -88,7 +88,7 @@ def draw_walk(
     corners: Numbers,
     count: cython.Py_ssize_t,
     tops: Numbers,
-    pace: Pace,
+    pace: SpeedLimits,
     since: float,
     lead: Numbers,
     table: Numbers,
@@ -129,7 +129,7 @@ def _rest_from(t: float, x: float, y: float) -> PlanarPiece:
 
 
 def _plan(
-    corners: Numbers, count: cython.Py_ssize_t, tops: Numbers, pace: Pace, leg: PathLegs
+    corners: Numbers, count: cython.Py_ssize_t, tops: Numbers, pace: SpeedLimits, leg: PathLegs
 ) -> cython.Py_ssize_t:
     """Note the legs of a walk; return how many there are, 0 if there is no such walk."""
     corner: Doubles = at(corners)

@@ -6,25 +6,25 @@ from navigation.kernels.numbers cimport *
 cdef Py_ssize_t _BEND, _ENTRY, _SOME, _LONG
 cdef double _BESIDE
 
-cdef struct Entry:
+cdef struct SearchEntry:
     double bound, so_far
     Py_ssize_t here, there
 
-ctypedef Entry* Entries
+ctypedef SearchEntry* Entries
 
 cdef inline Entries _entries(Numbers row) noexcept:
-    return <Entry*> row.data.as_doubles
+    return <SearchEntry*> row.data.as_doubles
 
 
 cdef class Heap:
     cdef Numbers entries
     cdef readonly Py_ssize_t count
     cdef int clear(self) except -1
-    cdef int push(self, Entry entry) except -1
-    cdef Entry pop(self) noexcept
-    cdef int _rise(self, Py_ssize_t place, Entry entry) noexcept
+    cdef int push(self, SearchEntry entry) except -1
+    cdef SearchEntry pop(self) noexcept
+    cdef int _rise(self, Py_ssize_t place, SearchEntry entry) noexcept
 
-cdef bint _precedes(Entry entry, Entry other) noexcept
+cdef bint _precedes(SearchEntry entry, SearchEntry other) noexcept
 
 cdef class Search:
     cdef Network network

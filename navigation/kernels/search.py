@@ -26,13 +26,13 @@ if not cython.compiled:
     from .edges import Room
     from .network import Bends, Network, bends_of, fits
     from .numbers import *
-    from .uncompiled import Bend, Entry, Rows
+    from .uncompiled import Bend, SearchEntry, Rows
 
-    Entries: TypeAlias = "Rows[Entry]"
+    Entries: TypeAlias = "Rows[SearchEntry]"
 
     def _entries(row: Numbers) -> Entries:
         """Return entries by their numbers."""
-        return Rows(row, Entry, _ENTRY)
+        return Rows(row, SearchEntry, _ENTRY)
 
 
 _BEND: cython.Py_ssize_t = 7  # numbers of a bend
@@ -57,17 +57,17 @@ class Heap:
         self.count = 0
         return 0
 
-    def push(self, entry: Entry) -> cython.int:
+    def push(self, entry: SearchEntry) -> cython.int:
         """Add an entry."""
         if _ENTRY * (self.count + 1) > len(self.entries):
             grow(self.entries, 2 * len(self.entries))
         self.count += 1
         return self._rise(self.count - 1, entry)
 
-    def pop(self) -> Entry:
+    def pop(self) -> SearchEntry:
         """Remove the least entry, and return it."""
         row: Entries = _entries(self.entries)
-        least: Entry = row[0]
+        least: SearchEntry = row[0]
         self.count -= 1
         # The lesser children move up to the bottom, as the last entry is seldom a small one.
         last: cython.Py_ssize_t = self.count
@@ -82,7 +82,7 @@ class Heap:
         self._rise(place, row[last])
         return least
 
-    def _rise(self, place: cython.Py_ssize_t, entry: Entry) -> cython.int:
+    def _rise(self, place: cython.Py_ssize_t, entry: SearchEntry) -> cython.int:
         """Put an entry where it belongs on the path from `place` up to the top."""
         row: Entries = _entries(self.entries)
         while place > 0:
@@ -95,7 +95,7 @@ class Heap:
         return 0
 
 
-def _precedes(entry: Entry, other: Entry) -> bool:
+def _precedes(entry: SearchEntry, other: SearchEntry) -> bool:
     """Return whether an entry is less than another."""
     if entry.bound != other.bound:
         return entry.bound < other.bound
@@ -167,7 +167,7 @@ class Search:
             while True:
                 if queue.count == 0:
                     return None
-                entry: Entry = queue.pop()
+                entry: SearchEntry = queue.pop()
                 so_far = entry.so_far
                 here = entry.here
                 there = entry.there
@@ -260,7 +260,7 @@ class Search:
         """Queue a link; whether it is clear is asked when it is taken."""
         then: float = so_far + length
         if then < at(self.best)[to] and then <= at(self.sure)[to]:
-            self.queue.push(Entry(then + self._bound(to), then, here, to))
+            self.queue.push(SearchEntry(then + self._bound(to), then, here, to))
         return 0
 
     def _push_known(
@@ -272,7 +272,7 @@ class Search:
             return 0
         if self.alone or self._clear(here, to, False):
             at(self.sure)[to] = then
-            self.queue.push(Entry(then + self._bound(to), then, here, to))
+            self.queue.push(SearchEntry(then + self._bound(to), then, here, to))
         return 0
 
     def _bound(self, place: cython.Py_ssize_t) -> float:

@@ -129,7 +129,7 @@ class RelativeMotion(NamedTuple):
     swing: float
 
 
-class Entry(NamedTuple):
+class SearchEntry(NamedTuple):
     """Entry of a search: lower bound of a path's length, its length so far, and its last link."""
 
     bound: float
@@ -153,7 +153,7 @@ class PathLeg(NamedTuple):
     first: float
 
 
-class Pace(NamedTuple):
+class SpeedLimits(NamedTuple):
     """When a person starts (seconds), how fast (m/s), and how fast they may become (m/s, m/s²)."""
 
     start: float
