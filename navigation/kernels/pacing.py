@@ -25,7 +25,7 @@ if not cython.compiled:
 
     from .cubics import *
     from .numbers import *
-    from .uncompiled import SpeedLimits, PathLeg, Rows
+    from .uncompiled import PathLeg, Rows, SpeedLimits
 
     PathLegs: TypeAlias = "Rows[PathLeg]"
 

@@ -26,7 +26,7 @@ if not cython.compiled:
     from .edges import Room
     from .network import Bends, Network, bends_of, fits
     from .numbers import *
-    from .uncompiled import Bend, SearchEntry, Rows
+    from .uncompiled import Bend, Rows, SearchEntry
 
     Entries: TypeAlias = "Rows[SearchEntry]"
 
