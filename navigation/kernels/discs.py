@@ -316,8 +316,12 @@ def _least_on_leaving(x: Cubic, y: Cubic, width: float) -> float:
         return 0.0
     nx: float = x.p / away
     ny: float = y.p / away
-    along: Cubic = Cubic(away, nx * x.v + ny * y.v, nx * x.a + ny * y.a, nx * x.j + ny * y.j)
-    return bounds(along, width).low
+    # The control points' distances from the beginning.
+    one: float = width * (nx * x.v + ny * y.v)
+    two: float = width * width * (nx * x.a + ny * y.a)
+    three: float = width * width * width * (nx * x.j + ny * y.j)
+    nearer: float = min(one / 3, min((2 * one + two) / 3, one + two + three))
+    return away + min(nearer, 0.0)
 
 
 def _entry(x: Cubic, y: Cubic, duration: float, least: float) -> float:
