@@ -101,14 +101,14 @@ def trial(scene: Scene) -> sim.Trial:
 
 def _entry(k: int, one: Walker) -> sim.PersonEntry:
     if not one.goals:
-        still = sim.PersonEntry(f"p{k}", bdi.parse("stands."), at=one.at)
+        still = sim.PersonEntry(f"p{k}", personality=bdi.parse("stands."), at=one.at)
         return replace(still, manners=replace(still.manners, steps_aside=False))
     heads = ["+human_start", *(f"+work_completed({n})" for n in range(len(one.goals) - 1))]
     legs = [f"{head} <- move({x}, {y}, 0)." for head, (x, y) in zip(heads, one.goals, strict=True)]
     source = Source(one.at, rate=1e3, start=one.enters) if one.enters else None
     return sim.PersonEntry(
         f"p{k}",
-        bdi.parse("\n".join(legs)),
+        personality=bdi.parse("\n".join(legs)),
         start=sim.Start(one.sets_out),
         at=None if source else one.at,
         source=source,

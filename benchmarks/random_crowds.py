@@ -131,7 +131,7 @@ def trial(number: int) -> sim.Trial:
         seed=number,
         rules=sim.RULE_SETS["observe"],
         people=tuple(
-            sim.PersonEntry(f"p{k}", errands(ways), at=at)
+            sim.PersonEntry(f"p{k}", personality=errands(ways), at=at)
             for k, (at, *ways) in enumerate(zip(starts, *goals, strict=True))
         ),
     )

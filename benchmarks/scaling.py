@@ -98,7 +98,7 @@ def strollers(count: int) -> sim.Trial:
             at = anywhere()
             if 2.0 < math.dist(at, goals[-1]) < 8.0:
                 goals.append(at)
-        crowd.append(sim.PersonEntry(f"p{k}", errands(goals[1:]), at=start))
+        crowd.append(sim.PersonEntry(f"p{k}", personality=errands(goals[1:]), at=start))
     floor = f"boundary: [[0, 0], [{side}, 0], [{side}, {side}], [0, {side}]]"
     return sim.Trial(
         floorplan.parse(floor),
