@@ -46,7 +46,15 @@ def test_the_pictures_are_those_that_the_script_makes(tmp_path):
     script = (DOCS / "make_screens.py").read_text(encoding="utf-8")
     screens = re.findall(r'^    "([\w-]+\.png)":', script, re.M)
     scenes = [f"{name}.png" for name in re.findall(r'^    "(\w+)": [\d.]+,$', script, re.M)]
-    others = {*screens, *scenes, "competitor.png", "literature.svg", "scaling.svg", "cost.svg"}
+    others = {
+        *screens,
+        *scenes,
+        "competitor.png",
+        "literature.svg",
+        "scaling.svg",
+        "cost.svg",
+        "film.gif",
+    }
     assert made == {path.name for path in (DOCS / "images").iterdir()} - others
 
 
