@@ -101,13 +101,6 @@ def polygons_of(outlines: Sequence[Floats]) -> NDArray[np.object_]:
     return polygons
 
 
-def paths_of(lines: Sequence[Floats]) -> NDArray[np.object_]:
-    """Return `lines`, each of (N, 2) with N of 2 or more, in metres, as line strings."""
-    corners, of = _joined(lines)
-    paths: NDArray[np.object_] = shapely.linestrings(corners, indices=of)
-    return paths
-
-
 def _joined(lines: Sequence[Floats]) -> tuple[Floats, NDArray[np.intp]]:
     """Return the corners of all `lines` (N, 2), and of which line each is (N,)."""
     return np.concatenate(lines), np.repeat(np.arange(len(lines)), [len(line) for line in lines])

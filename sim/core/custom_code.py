@@ -216,11 +216,11 @@ def _importing_from(folder: Path, top: str) -> Iterator[None]:
         for name, module in modules.items():
             if sys.modules.get(name) is module:
                 del sys.modules[name]
-    own = _imported.setdefault(folder, {})
-    sys.modules.update({name: own[name] for name in own if name not in sys.modules})
     elsewhere = {} if _stands_in(folder, top) else _modules_of(top)
     for name in elsewhere:
         del sys.modules[name]
+    own = _imported.setdefault(folder, {})
+    sys.modules.update({name: own[name] for name in own if name not in sys.modules})
     before = {*sys.modules}
     sys.path.insert(0, str(folder))
     importlib.invalidate_caches()
