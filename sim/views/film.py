@@ -42,6 +42,9 @@ MARGIN = 24
 SAMPLES = 12
 """Pictures, spread over a film, from which the colours of a GIF are chosen."""
 
+SETTLED = 4
+"""Equal pictures in succession after which a page of a new size counts as shown."""
+
 Picture = NDArray[np.uint8]
 """(height, width, 3): red, green and blue of every pixel, from the upper left corner on."""
 
@@ -116,6 +119,7 @@ def render(
             file.write_text(render_page(replay_data(run)), encoding="utf-8")
             page = open_page(browser, file, size=size, dark=dark)
         page.evaluate("look => floorwalker.film(look)", look)
+        _settle(page)
         write(page, times, unfinished, fps, progress)
 
     with writing(path), replacing(path) as unfinished:
@@ -165,6 +169,18 @@ def _size(run: Outcome, width: int, view: View) -> tuple[int, int]:
     if view == "2d":
         height = width * (north - south) / (east - west) + 2 * MARGIN
     return 2 * (width // 2), 2 * round(min(height, 2 * width) / 2)
+
+
+def _settle(page: Page) -> None:
+    """Wait until the browser shows the page's new size.
+
+    Its compositor works beside the page: the first pictures after a change of size may lack the
+    canvas although it is drawn.
+    """
+    latest: list[bytes] = []
+    while len(latest) < SETTLED or len(set(latest[-SETTLED:])) > 1:
+        page.evaluate(_DRAWN)
+        latest.append(page.screenshot())
 
 
 def _pictures(page: Page, times: Sequence[float]) -> Iterator[Picture]:
