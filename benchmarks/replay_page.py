@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import floorplan
 import sim
 from sim.core.recorder import DECIMALS
-from sim.views.browser import in_browser, open_page
+from sim.views.film import in_browser, open_page
 from sim.views.replay import render
 from sim.views.replay_data import replay_data
 

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import sim
 from sim.studies.running import figures_of
-from sim.trials.trial import lasting
+from sim.trials.building import lasting
 
 HALL = Path(__file__).resolve().parents[1] / "examples" / "picking_hall" / "shift.trial.yaml"
 

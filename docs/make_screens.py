@@ -16,8 +16,7 @@ from PIL import Image
 from playwright.sync_api import Browser
 
 import sim
-from sim.views.browser import in_browser
-from sim.views.film import render as render_film
+from sim.views.film import in_browser, render as render_film
 from sim.views.replay import render
 from sim.views.replay_data import replay_data
 

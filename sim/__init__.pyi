@@ -10,7 +10,6 @@ from .core.entries import (
     Start,
 )
 from .core.events import EventKind
-from .core.output import OutputError
 from .core.recorder import Listener
 from .core.rules import (
     PAPER,
@@ -37,6 +36,7 @@ from .machines.gantry.controllers import (
 )
 from .machines.gantry.robot import GantryRobot
 from .machines.kinds import KINDS
+from .record.output import OutputError
 from .record.social_metrics import metrics
 from .runs.recording import (
     Recording,
@@ -53,8 +53,8 @@ from .studies import (
     run_study,
     safety_report,
 )
-from .trials.loading import Trial, builtin_trials
 from .trials.rules_file import load_rules
+from .trials.trial import Trial, builtin_trials
 from .views import plots
 
 __all__ = [

@@ -119,7 +119,7 @@ def pytest_runtest_makereport(
 @pytest.fixture
 def ariac_cell(request: pytest.FixtureRequest) -> Trial:
     """The ARIAC 2023 floor for 120 s: an indifferent operator, a gantry that carries parts."""
-    from .trials.loading import Trial
+    from .trials.trial import Trial
 
     own_code = _own_code(request.config)
     folder = request.path.parent
@@ -149,7 +149,7 @@ def run_trial(
 
     def run(chosen: Trial | str | Path = trial) -> Run:
         from .testing.variations import find_trial
-        from .trials.loading import Trial
+        from .trials.trial import Trial
 
         __tracebackhide__ = True
         if not isinstance(chosen, Trial):

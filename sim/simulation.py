@@ -48,7 +48,7 @@ from .safety.proximity import Collisions
 from .safety.referee import Referee
 from .trials.checks import check, check_own_events
 from .trials.feasibility import command_faults
-from .trials.loading import Trial
+from .trials.trial import Trial
 
 BY_COMMAND = "command"
 """The reason for which a machine is held by command."""

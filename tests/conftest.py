@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, settings
 
 from floorwalker import main
 from sim.core.events import EVENT_KINDS
-from sim.views.browser import installed_chromium
+from sim.views.film import installed_chromium
 
 ALWAYS = {
     "deadline": None,

@@ -33,7 +33,8 @@ ROOMS = (
     ("trials", "views", "exports"),
     ("runs",),
     ("simulation",),
-    ("live", "studies", "bridge", "testing"),
+    ("live", "studies", "testing"),
+    ("bridge",),
     ("commands",),
     ("cli", "pytest_plugin"),
 )

@@ -18,7 +18,7 @@ from websockets.frames import DATA_OPCODES, Frame
 from websockets.http11 import Request, Response
 from websockets.protocol import State
 
-from ..core.origins import Origins
+from ..live.page_server import Origins
 from .client import Client
 from .exchange import Exchange
 from .protocol import LONGEST_MESSAGE, Account, Ledger

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from floorplan import UserError
 
 from ..core.clock import Tempo, checked_speed
-from ..core.origins import Origins
+from ..live.page_server import Origins
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
 from .client import Client

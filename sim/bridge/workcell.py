@@ -24,7 +24,7 @@ from ..people.minds import Outside
 from ..people.person import Person
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
-from ..trials.loading import Trial
+from ..trials.trial import Trial
 from .client import Client
 from .exchange import Admit, Exchange, RefusedError, Values
 from .machine_topics import AgvTopics, GantryTopics

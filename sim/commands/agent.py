@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from . import completion
+from .arguments import complete_program
 from .terminal import say
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def agent(
         typer.Argument(
             metavar="FILE.asl",
             help="The program, or a built-in personality.",
-            autocompletion=completion.program,
+            autocompletion=complete_program,
         ),
     ],
     belief: Annotated[

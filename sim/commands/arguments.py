@@ -1,20 +1,143 @@
-"""Arguments and options that several commands take."""
+"""Arguments and options that several commands take, and their completion in the shell.
+
+Names are found without loading what they name: the shell asks on every Tab.
+"""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from . import completion
+CONTROLLERS = ("avoiding", "external", "oblivious", "parked", "pausing")
+RULE_SETS = ("ariac2023", "observe", "paper", "protective_stop")
+PLANNERS = (
+    *("Roadmap", "AORRTC", "BFMT", "BITstar", "BKPIECE1", "FMT", "InformedRRTstar", "KPIECE1"),
+    *("LBKPIECE1", "PRM", "PRMstar", "RRT", "RRTConnect", "RRTstar", "SORRTstar"),
+)
+PEERS = ("JuPedSim", "extremitypathfinder", "pyastar2d", "scikit-image", "PRM-of-corners")
+BACKENDS = ("loky", "dask", "threading", "sequential")
+YAML = (".yaml", ".yml")
+FLOORS = (*YAML, ".wkt", ".dxf", ".map")
+
+
+def complete_trial(incomplete: str) -> list[str]:
+    """A built-in trial, or a file; among the folders, runs."""
+    return _offer(incomplete, _data("sim", "data/trials/*.yaml"), YAML)
+
+
+def complete_study(incomplete: str) -> list[str]:
+    """A study's file."""
+    return _offer(incomplete, (), YAML)
+
+
+def complete_floor(incomplete: str) -> list[str]:
+    """A built-in floorplan, or a file with one."""
+    return _offer(incomplete, _floors(), FLOORS)
+
+
+def complete_program(incomplete: str) -> list[str]:
+    """A personality, or an AgentSpeak program."""
+    return _offer(incomplete, _personalities(), (".asl",))
+
+
+def complete_rules(incomplete: str) -> list[str]:
+    """A built-in rule set, or a file with one."""
+    return _offer(incomplete, RULE_SETS, YAML)
+
+
+def complete_controller(incomplete: str) -> list[str]:
+    """A built-in controller of the gantry; one's own is for the user to type."""
+    return _offer(incomplete, CONTROLLERS)
+
+
+def complete_planner(incomplete: str) -> list[str]:
+    """A planner that every supported OMPL has, or our own."""
+    return _offer(incomplete, PLANNERS)
+
+
+def complete_contender(incomplete: str) -> list[str]:
+    """A planner, or one of another package."""
+    return _offer(incomplete, (*PLANNERS, *PEERS))
+
+
+def complete_questions(incomplete: str) -> list[str]:
+    """A file with questions for planners."""
+    return _offer(incomplete, (), (".csv", ".scen"))
+
+
+def complete_backend(incomplete: str) -> list[str]:
+    """A backend on which the rows of a study can run."""
+    return _offer(incomplete, BACKENDS)
+
+
+def complete_floor_source(incomplete: str) -> list[str]:
+    """A floorplan, a trial, or a run's folder."""
+    names = {*_floors(), *_data("sim", "data/trials/*.yaml")}
+    return _offer(incomplete, sorted(names), FLOORS)
+
+
+def complete_checked(incomplete: str) -> list[str]:
+    """Anything that `floorwalker check` reads."""
+    names = {*_floors(), *_personalities(), *RULE_SETS, *_data("sim", "data/trials/*.yaml")}
+    return _offer(incomplete, sorted(names), (*FLOORS, ".asl"))
+
+
+def _floors() -> list[str]:
+    return _data("floorplan", "data/*.yaml")
+
+
+def _personalities() -> list[str]:
+    return [name for name in _data("bdi", "personalities/*.asl") if name not in ("patrol", "group")]
+
+
+def _data(package: str, pattern: str) -> list[str]:
+    """Return the names of a package's data files; the package is not imported for it."""
+    spec = find_spec(package)
+    folders = spec.submodule_search_locations if spec is not None else None
+    return sorted(file.stem for folder in folders or () for file in Path(folder).glob(pattern))
+
+
+def _offer(incomplete: str, names: Iterable[str], endings: tuple[str, ...] = ()) -> list[str]:
+    begun = [name for name in names if name.startswith(incomplete)]
+    return [*begun, *_files(incomplete, endings)] if endings else begun
+
+
+def _files(incomplete: str, endings: tuple[str, ...], *, deeper: bool = True) -> list[str]:
+    """Return the folders, and files with one of `endings`, that `incomplete` is the beginning of.
+
+    Where only one folder is left, what is in it is offered: shells would put a blank after the
+    folder. For the same reason names with blanks are left to be typed.
+    """
+    parent, _, beginning = incomplete.rpartition("/")
+    above = f"{parent}/" if "/" in incomplete else ""
+    try:
+        entries = sorted(os.scandir(above or "."), key=lambda entry: entry.name)
+    except OSError:
+        return []
+    found = [
+        f"{above}{entry.name}/" if entry.is_dir() else f"{above}{entry.name}"
+        for entry in entries
+        if entry.name.startswith(beginning)
+        and entry.name.startswith(".") == beginning.startswith(".")
+        and (entry.is_dir() or entry.name.endswith(endings))
+        and not any(map(str.isspace, entry.name))
+    ]
+    if deeper and len(found) == 1 and found[0].endswith("/"):
+        return _files(found[0], endings, deeper=False) or found
+    return found
+
 
 TrialName = Annotated[
     str,
     typer.Argument(
         metavar="TRIAL",
         help="A file, or the name of a built-in trial.",
-        autocompletion=completion.trial,
+        autocompletion=complete_trial,
     ),
 ]
 Source = Annotated[
@@ -22,7 +145,7 @@ Source = Annotated[
     typer.Argument(
         metavar="SOURCE",
         help="A run's folder, or a trial (which is run).",
-        autocompletion=completion.trial,
+        autocompletion=complete_trial,
     ),
 ]
 Floor = Annotated[
@@ -30,7 +153,7 @@ Floor = Annotated[
     typer.Argument(
         metavar="FLOOR",
         help="A floorplan, a trial, or a run's folder.",
-        autocompletion=completion.floor_source,
+        autocompletion=complete_floor_source,
     ),
 ]
 StartX = Annotated[float, typer.Argument(help="The start, in metres.")]
@@ -43,14 +166,14 @@ Personality = Annotated[
     str | None,
     typer.Option(
         help="Of everybody in the trial: a name, or an .asl file.",
-        autocompletion=completion.program,
+        autocompletion=complete_program,
     ),
 ]
 Duration = Annotated[float | None, typer.Option(help="Seconds to simulate.")]
 Seed = Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")]
 Rules = Annotated[
     str | None,
-    typer.Option(help="Rule set: a name, or a YAML file.", autocompletion=completion.rules),
+    typer.Option(help="Rule set: a name, or a YAML file.", autocompletion=complete_rules),
 ]
 NoOwnCode = Annotated[
     bool,

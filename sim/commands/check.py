@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from . import completion
-from .arguments import NoOwnCode
+from .arguments import NoOwnCode, complete_checked, complete_floor
 from .terminal import print_floor_notices, print_notices, say
 
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ def check(
         typer.Argument(
             metavar="FILE...",
             help="Floorplans, trials, studies, rule sets, .asl programs; names work too.",
-            autocompletion=completion.checked,
+            autocompletion=complete_checked,
         ),
     ],
     no_own_code: NoOwnCode = False,
@@ -64,8 +63,8 @@ def _read(file: str, own_code: bool) -> str:
     import bdi
     import floorplan
 
-    from ..trials.loading import Trial
     from ..trials.rules_file import RuleKeys, load_rules
+    from ..trials.trial import Trial
     from .sources import outermost_keys
 
     path = Path(file)
@@ -90,7 +89,7 @@ def _built_in(name: str) -> Iterator[str]:
     import floorplan
 
     from ..core.rules import RULE_SETS
-    from ..trials.loading import Trial, builtin_trials
+    from ..trials.trial import Trial, builtin_trials
 
     if name in builtin_trials():
         yield _trial(Trial.load(name), name)
@@ -183,7 +182,7 @@ def convert(
     source: Annotated[
         str,
         typer.Argument(
-            metavar="IN", help="A built-in name, or a file.", autocompletion=completion.floor
+            metavar="IN", help="A built-in name, or a file.", autocompletion=complete_floor
         ),
     ],
     target: Annotated[
@@ -227,7 +226,7 @@ def list_all() -> None:
 
     from ..core.rules import RULE_SETS
     from ..machines.gantry.controllers import CONTROLLERS
-    from ..trials.loading import BUILT_IN, builtin_trials
+    from ..trials.trial import BUILT_IN, builtin_trials
 
     sections = {
         "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},

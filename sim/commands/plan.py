@@ -9,9 +9,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..core.output import replacing, writing
-from . import completion
-from .arguments import Coordinate, GoalX, Radius, StartX
+from ..record.output import replacing, writing
+from .arguments import (
+    Coordinate,
+    GoalX,
+    Radius,
+    StartX,
+    complete_contender,
+    complete_floor,
+    complete_planner,
+    complete_questions,
+)
 from .terminal import plain_console, progress_bars, say
 
 if TYPE_CHECKING:
@@ -26,7 +34,7 @@ if TYPE_CHECKING:
 def plan(
     floorplan: Annotated[
         str,
-        typer.Argument(help="A built-in name, or a file.", autocompletion=completion.floor),
+        typer.Argument(help="A built-in name, or a file.", autocompletion=complete_floor),
     ],
     x0: StartX,
     y0: Coordinate,
@@ -36,7 +44,7 @@ def plan(
         str | None,
         typer.Option(
             help='Its name, or "BITstar: {samples_per_batch: 50}"; `floorwalker list` has all.',
-            autocompletion=completion.planner,
+            autocompletion=complete_planner,
         ),
     ] = None,
     parameter: Annotated[
@@ -155,7 +163,7 @@ def benchmark(
         typer.Option(
             help="A built-in name or a file; again for more. All built-in by default, or the map"
             " that the questions are about.",
-            autocompletion=completion.floor,
+            autocompletion=complete_floor,
         ),
     ] = None,
     planner: Annotated[
@@ -164,7 +172,7 @@ def benchmark(
             help="A planner's name, or 'NAME: {parameter: value}'; again for more. All by default."
             " Peers where installed: JuPedSim, extremitypathfinder, pyastar2d, scikit-image."
             " PRM-of-corners is OMPL's own roadmap.",
-            autocompletion=completion.contender,
+            autocompletion=complete_contender,
         ),
     ] = None,
     queries: Annotated[
@@ -175,7 +183,7 @@ def benchmark(
         Path | None,
         typer.Option(
             help="A CSV file (x0, y0, x1, y1, and AGVs), or a MovingAI .scen.",
-            autocompletion=completion.questions,
+            autocompletion=complete_questions,
         ),
     ] = None,
     runs: Annotated[int, typer.Option(min=1, help="Times that each question is asked.")] = 1,

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from . import completion
-from .arguments import Coordinate, Floor, GoalX, NoOwnCode, Radius, Source, StartX
+from .arguments import Coordinate, Floor, GoalX, NoOwnCode, Radius, Source, StartX, complete_trial
 from .terminal import plain_console, progress_bars, say
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ Sources = Annotated[
     typer.Argument(
         metavar="SOURCE...",
         help="Runs' folders, or trials (which are run); all in one map.",
-        autocompletion=completion.trial,
+        autocompletion=complete_trial,
     ),
 ]
 

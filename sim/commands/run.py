@@ -15,9 +15,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..core.output import folder_for, write_whole, writing
-from . import completion
-from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules, Seed, TrialName
+from ..record.output import folder_for, write_whole, writing
+from .arguments import (
+    Duration,
+    NoOwnCode,
+    Personality,
+    RecordingFolder,
+    Rules,
+    Seed,
+    TrialName,
+    complete_controller,
+    complete_planner,
+)
 from .terminal import (
     count_floor_notices,
     open_in_browser,
@@ -46,14 +55,14 @@ def run(
         str | None,
         typer.Option(
             help="Of the gantry: a built-in one, or package.module:name.",
-            autocompletion=completion.controller,
+            autocompletion=complete_controller,
         ),
     ] = None,
     planner: Annotated[
         str | None,
         typer.Option(
             help='Of everybody\'s paths: its name, or "BITstar: {samples_per_batch: 50}".',
-            autocompletion=completion.planner,
+            autocompletion=complete_planner,
         ),
     ] = None,
     duration: Duration = None,
@@ -90,7 +99,7 @@ def run(
 
     The recording has its summary, events, motions, trajectory, and a page that replays it.
     """
-    from ..trials.loading import Trial
+    from ..trials.trial import Trial
 
     if speed is not None and not watch:
         raise typer.BadParameter("needs --watch", param_hint="--speed")
@@ -165,10 +174,10 @@ def changed(
 
     from ..machines.gantry.controllers import controller_source
     from ..people.programs import with_planner
+    from ..trials.building import lasting
     from ..trials.checks import check
     from ..trials.keys import commanded
     from ..trials.rules_file import find_rules
-    from ..trials.trial import lasting
 
     if personality is not None:
         path = Path(personality)

@@ -12,9 +12,9 @@ from floorplan.files.reading import is_file
 from ..runs.recording import load_run
 from ..runs.run import Recorded
 from ..simulation import run
+from ..trials.building import lasting
 from ..trials.checks import check
-from ..trials.loading import Trial, builtin_trials
-from ..trials.trial import lasting
+from ..trials.trial import Trial, builtin_trials
 
 
 def run_from(

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..core.output import folder_for
-from . import completion
-from .arguments import NoOwnCode
+from ..record.output import folder_for
+from .arguments import NoOwnCode, complete_backend, complete_study, complete_trial
 from .run import INTERRUPTED
 from .terminal import plain_console, progress_bars, say, visible
 
@@ -28,7 +27,7 @@ BESIDE = 3
 def study(
     file: Annotated[
         str,
-        typer.Argument(metavar="STUDY.yaml", help="A study file.", autocompletion=completion.study),
+        typer.Argument(metavar="STUDY.yaml", help="A study file.", autocompletion=complete_study),
     ],
     jobs: Annotated[
         int | None, typer.Option(min=1, help="Processes to run on; all cores by default.")
@@ -37,7 +36,7 @@ def study(
         str,
         typer.Option(
             help="Where: a joblib backend, or dask for a Dask cluster.",
-            autocompletion=completion.backend,
+            autocompletion=complete_backend,
         ),
     ] = "loky",
     out: Annotated[
@@ -163,7 +162,7 @@ def report(
             metavar="SOURCE",
             help="A run's folder, a trial (which is run), or a study file (of which is run what"
             " is not done yet).",
-            autocompletion=completion.trial,
+            autocompletion=complete_trial,
         ),
     ],
     out: Annotated[Path, typer.Option(help="The report: .html, or .pdf where there is Chromium.")],

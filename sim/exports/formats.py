@@ -13,8 +13,8 @@ from floorplan import UserError
 from floorplan.files.problems import suggestion
 from floorplan.files.values import require
 
-from ..core.output import OutputError, replacing, writing
 from ..record.outcome import Outcome
+from ..record.output import OutputError, replacing, writing
 from ..record.sampling import require_instants, require_rate
 
 DEFAULT_RATE = 20.0

@@ -2,19 +2,25 @@
 
 The messages of the stream are server-sent events, as HTML defines them: plain HTTP, which a browser
 resumes from the last message that it has seen. Requests are posts of JSON.
+
+Without these checks any page that is open in a browser on this machine could drive the person: a
+browser lets pages of all hosts open websockets, and post, to all hosts, the loopback included.
 """
 
 from __future__ import annotations
 
+import ipaddress
 import json
+import re
 import secrets
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
+from urllib.parse import urlsplit
 
-from ..core.origins import is_own, names_this_machine
+from floorplan import UserError
 
 HOST = "127.0.0.1"
 LONGEST_REQUEST = 65_536
@@ -208,3 +214,70 @@ class _Handler(BaseHTTPRequestHandler):
         for message in stream.messages(int(last) + 1 if last.isdecimal() else 0):
             self.wfile.write(message)
             self.wfile.flush()
+
+
+_LOOPBACK = re.compile(r"https?://(localhost|127(\.\d{1,3}){3}|\[::1\])(:\d{1,5})?")
+_ORIGIN = re.compile(r"null|[a-z][a-z0-9+.-]*://[^\s/?#@,]*")
+_USUAL_PORTS = {"http": ":80", "https": ":443"}
+
+
+def names_this_machine(host: str) -> bool:
+    """Return whether a Host header names this machine as such, not by a name that leads to it."""
+    return _LOOPBACK.fullmatch(f"http://{host}") is not None
+
+
+def is_own(origin: str, host: str) -> bool:
+    """Return whether an origin ("" for no page) is that of a page which `host` itself has sent."""
+    return origin in ("", f"http://{host}")
+
+
+class OriginError(UserError):
+    """A text that is no origin of a web page."""
+
+
+class Origins:
+    """Trusts clients that are no web pages, pages of this machine, and those of `named` origins.
+
+    An origin is as `http://host:port`, or `null`: that is sent for a page from a file, and for
+    any page that hides where it comes from. `OriginError` where something else is named.
+    """
+
+    def __init__(self, named: Iterable[str] = ()) -> None:
+        self._named = set()
+        for origin in named:
+            normal = _normal(origin)
+            if not _ORIGIN.fullmatch(normal):
+                raise OriginError(
+                    f"{origin!r} is no origin of a page; one looks like http://host:8080"
+                )
+            self._named.add(normal)
+
+    def trust(self, origin: str, host: str) -> bool:
+        """Return whether a client of `origin` may take part; `host` is its name for the server.
+
+        Some clients that are no browsers send the server's own address, and old ones leave out the
+        scheme, which browsers don't. With an IP address that is safe, since no page comes from
+        here. A name may be an attacker's, who has it lead to this machine once the page is loaded
+        (DNS rebinding).
+        """
+        normal = _normal(origin)
+        if "://" not in normal and normal != "null":
+            normal = f"http://{normal}"
+        if normal in self._named or _LOOPBACK.fullmatch(normal):
+            return True
+        return _is_number(host) and normal in (_normal(f"{s}://{host}") for s in _USUAL_PORTS)
+
+
+def _normal(origin: str) -> str:
+    """Return an origin as browsers send it: in lower case, without the default port."""
+    origin = origin.lower()
+    return origin.removesuffix(_USUAL_PORTS.get(origin.partition("://")[0], "/"))
+
+
+def _is_number(host: str) -> bool:
+    """Whether a Host header has an IP address, not a name."""
+    try:
+        ipaddress.ip_address(urlsplit(f"//{host}").hostname or "")
+    except ValueError:
+        return False
+    return True

@@ -10,7 +10,7 @@ from floorplan.files.documents import Document
 from floorplan.files.problems import Place, suggestion
 
 from ..core.scenario import KittingTask, Order, PartType, Workload
-from . import layout
+from .inventory import errands, lacking
 from .schema import AriacTrialFile, Challenge, OrderEntry, StartCondition, angle
 
 
@@ -52,7 +52,7 @@ def conditions(file: AriacTrialFile) -> Iterator[tuple[Place, StartCondition]]:
 def _floor_problems(file: AriacTrialFile, plan: Floorplan, document: Document) -> Iterator[Problem]:
     if plan.gantry is None:
         yield document.problem(f"the floorplan {plan.name} has no gantry to work on orders")
-    missing = layout.lacking(plan, belt=_has_belt(file))
+    missing = lacking(plan, belt=_has_belt(file))
     if missing:
         yield document.problem(
             f"the floorplan {plan.name} has no {', '.join(missing)} to work on orders with"
@@ -100,7 +100,7 @@ def _reach_problems(file: AriacTrialFile, plan: Floorplan, document: Document) -
     middles = {obstacle.name: obstacle.footprint.centroid for obstacle in plan.obstacles}
     reported: set[str] = set()
     bins = (file.parts and file.parts.bins) or {}
-    for name, (dx, dy) in layout.errands(plan, bins, belt=_has_belt(file)):
+    for name, (dx, dy) in errands(plan, bins, belt=_has_belt(file)):
         if name not in middles or name in reported:
             continue
         target = (middles[name].x + dx, middles[name].y + dy, plan.gantry.start[2])

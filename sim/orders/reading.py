@@ -35,7 +35,7 @@ from ..core.scenario import (
 )
 from ..machines.gantry.robot import GANTRY
 from .checks import agv_name, notices, problems
-from .layout import BELT_REACH
+from .inventory import BELT_REACH
 from .schema import (
     AgvLoad,
     AgvPart,

@@ -15,9 +15,21 @@ from ..core.events import PartFaulty
 from ..core.recorder import Record
 from ..core.scenario import AssemblyTask, CombinedTask, Item, KittingTask, Load, Order, PartType
 from ..machines.gantry.tasks import Handling, Step, Task
-from . import layout
-from .inventory import Fleet, Inventory
-from .layout import DISPOSAL_BINS, QUADRANTS, assembly_table
+from .inventory import (
+    BELT,
+    DISPOSAL_BINS,
+    QUADRANTS,
+    TABLES,
+    Fleet,
+    Inventory,
+    Offset,
+    assembly_table,
+    bin_slot,
+    quadrant_on,
+    tool_stand,
+    tray_on,
+    tray_slot,
+)
 from .scoring import assembly_score, kitting_score
 
 Found = tuple[Item, Step]
@@ -164,9 +176,9 @@ class Work(ABC):
     def _from_bin(self, bin: str, slot: int, item: Item) -> Step:
         """Taking an item from its bin, and turning it over if it is flipped."""
         seconds = self._picking(item)
-        if bin == layout.BELT:
+        if bin == BELT:
             return self._cell.inventory.belt.step(slot, seconds)
-        return Step("pick", seconds=seconds, place=bin, offset=layout.bin_slot(slot))
+        return Step("pick", seconds=seconds, place=bin, offset=bin_slot(slot))
 
     def _from_agv(self, agv: str, quadrant: int, item: Item) -> Step:
         return Step(
@@ -181,8 +193,8 @@ class Work(ABC):
             offset=self._quadrant(agv, quadrant),
         )
 
-    def _quadrant(self, agv: str, quadrant: int) -> layout.Offset:
-        return layout.quadrant_on(self._cell.fleet.lane(agv), quadrant)
+    def _quadrant(self, agv: str, quadrant: int) -> Offset:
+        return quadrant_on(self._cell.fleet.lane(agv), quadrant)
 
     def _picking(self, item: Item) -> float:
         handling = self._cell.handling
@@ -191,12 +203,12 @@ class Work(ABC):
     def _fetch_tray(self, agv: str, tray: int, slot: int) -> Task:
         """Change the gripper, put the tray on the AGV, and change the gripper back."""
         handling, lane = self._cell.handling, self._cell.fleet.lane(agv)
-        table, at = layout.tray_slot(slot)
-        nearest = self._cell.nearest(layout.TABLES, self._cell.home(agv))
+        table, at = tray_slot(slot)
+        nearest = self._cell.nearest(TABLES, self._cell.home(agv))
         steps = (
             _change_tool(table, "trays", handling),
             Step("pick_tray", seconds=handling.pick_tray, place=table, offset=at),
-            Step("place_tray", seconds=handling.place_tray, place=agv, offset=layout.tray_on(lane)),
+            Step("place_tray", seconds=handling.place_tray, place=agv, offset=tray_on(lane)),
             _change_tool(nearest, "parts", handling),
         )
         done = partial(self._cell.inventory.lay_tray, agv, tray)
@@ -208,7 +220,7 @@ def _change_tool(table: str, tool: str, handling: Handling) -> Step:
         "change_tool",
         seconds=handling.change_tool,
         place=table,
-        offset=layout.tool_stand(table, tool),
+        offset=tool_stand(table, tool),
     )
 
 

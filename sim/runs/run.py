@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from ..record.outcome import Outcome
 from ..record.summary import figures_in_words
 from ..trials.expectations import verdicts
-from ..trials.loading import Trial
 from ..trials.timeline import Verdict
+from ..trials.trial import Trial
 from ..views.replay import render
 from ..views.replay_data import replay_data
 

@@ -24,7 +24,7 @@ from floorplan.files.reading import is_there
 
 from ..core.entries import is_number
 from ..trials.checks import LARGEST_SEED, faults, name_fault
-from ..trials.loading import Trial
+from ..trials.trial import Trial
 from .variables import Value, Variable, reordered, variable
 
 SIGMAS = 3.0

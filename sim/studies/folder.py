@@ -24,7 +24,6 @@ from floorplan.files.reading import read_text
 from floorplan.model import LEFT_OUT_IF_EMPTY
 
 from ..core.entries import RecordedTrack
-from ..core.output import OutputError, replacing, write_whole, writing
 from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
 from ..machines.kinds import is_own, own_kind
@@ -32,8 +31,9 @@ from ..people.programs import load_program, modules_of, planner_of, planner_sour
 from ..people.steering.own_steering import steering_source
 from ..people.tracks.recorded_walks import files_of
 from ..record.outcome import csv_line
+from ..record.output import OutputError, replacing, write_whole, writing
 from ..record.scene_file import LARGEST_OF_ALL, parse_json
-from ..trials.loading import Trial
+from ..trials.trial import Trial
 from .design import Study
 
 

@@ -20,12 +20,12 @@ from floorplan import UserError
 from floorplan.files.values import require
 
 from ..core.custom_code import DEFECT, is_ours
-from ..core.output import folder_for
 from ..record.figures import FIGURES
+from ..record.output import folder_for
 from ..record.social_metrics import metrics
 from ..runs.run import Run
 from ..simulation import run
-from ..trials.loading import Trial
+from ..trials.trial import Trial
 from .comparison import StudyResults
 from .design import Row, Study
 from .folder import RESULTS, Record, StudyFolder, read_table, write_parquet, writing_to

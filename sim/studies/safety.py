@@ -17,7 +17,6 @@ from floorplan.files.values import require
 from navigation.benchmark.reports import share
 from navigation.separation import AnyLaw
 
-from ..core.output import writing
 from ..core.recorder import Scene
 from ..record.incidents import (
     RISKS,
@@ -30,15 +29,15 @@ from ..record.incidents import (
     time_too_close,
     worst_first,
 )
+from ..record.output import writing
 from ..record.sampling import CellArray
 from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
-from ..trials.loading import Trial
+from ..trials.trial import Trial
 from ..views.report_page import figure
-from ..views.safety_report.assumptions import about, laws_of
 from ..views.safety_report.findings import Picture, exposure, risk_pictures, run_pictures
 from ..views.safety_report.page import clock, counted, require_writable, write_safety_page
-from ..views.safety_report.run_report import run_report, software
+from ..views.safety_report.run_report import about, laws_of, run_report, software
 from .comparison import Comparison, Measure, StudyResults, Trend, sensitivities, spread
 from .design import Study
 from .folder import RESULTS, identity

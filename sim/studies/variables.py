@@ -20,9 +20,9 @@ from ..core.stage import MachineEntry
 from ..machines.gantry.controllers import controller_source
 from ..machines.kinds import keys_of
 from ..people.programs import planner_source
-from ..trials.loading import Trial
+from ..trials.building import lasting
 from ..trials.rules_file import find_rules
-from ..trials.trial import lasting
+from ..trials.trial import Trial
 
 ROOTS = ("rules", "people", "gantry", "machines", "floorplan")
 """First parts of a path."""

@@ -13,16 +13,16 @@ import pytest
 from floorplan.files.documents import Document, read_yaml
 
 from ..core.custom_code import is_ours
-from ..core.output import write_whole
 from ..core.scenario import TrialError
+from ..record.output import write_whole
 from ..record.summary import trial_figures_in_words
 from ..record.words import told_apart
 from ..runs.run import Run
 from ..simulation import Simulation
-from ..trials.loading import Trial
+from ..trials.building import build
 from ..trials.names import in_words
 from ..trials.timeline import Verdict
-from ..trials.trial import build
+from ..trials.trial import Trial
 from ..views.replay import render
 from ..views.replay_data import replay_data
 

@@ -17,8 +17,8 @@ from floorplan import UserError
 from ..core.rules import RULE_SETS, RuleSet
 from ..machines.gantry.controllers import CONTROLLERS, controller_source
 from ..people.programs import EXTERNAL, find_program
-from ..trials.loading import Trial, builtin_trials
 from ..trials.rules_file import find_rules
+from ..trials.trial import Trial, builtin_trials
 
 FIXTURE = "_floorwalker_variation"
 """The fixture that gets a `Variation`."""

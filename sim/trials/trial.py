@@ -1,334 +1,110 @@
-"""Trials as their files have them: build, shorten, and warn about likely mistakes."""
+"""Trials: load, parse and save them. What reads their files is imported when one is read."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
 
 import bdi
-import floorplan
-from floorplan import Floorplan, Problem
-from floorplan.files.documents import Document, read_yaml
-from floorplan.files.problems import Fault, Place, suggestion
+from floorplan import Problem
+from floorplan.files.documents import parse_yaml, read_yaml
+from floorplan.files.problems import suggestion
 from floorplan.files.reading import is_there
-from floorplan.loading import build as build_floor
 
-from ..core.custom_code import OwnCodeError
-from ..core.scenario import PersonEntry, Scenario, TrialError, spot
-from ..core.schedule import DoorTimes, Interval
-from ..core.stage import MachineEntry
-from ..machines.agv.model import MOST_MOVES, number_of
-from ..machines.gantry.controllers import ControllerError, controller_source
-from ..machines.gantry.robot import GANTRY
-from ..machines.kinds import KINDS, far_laws, is_own
-from ..people.programs import load_program, modules_of
-from .checks import faults
-from .feasibility import people_fault
-from .keys import TrialKeys, begins_in, commanded
-from .rules_file import build_rules
-from .writing import out_of_reach
+from ..core.scenario import Scenario, TrialError
+from ..record.output import write_whole
 
-_Made = TypeVar("_Made", bound=Scenario)
+BUILT_IN = Path(__file__).parents[1] / "data" / "trials"
+"""Folder of the trials that come with Floorwalker."""
+
+MOST_NAMED = 5
+"""Most people whom a trial names as it is shown."""
 
 
-def lasting(trial: _Made, seconds: float) -> _Made:
-    """Return the trial with this duration; what would begin after its end is left out."""
-    if seconds >= trial.duration:
-        return replace(trial, duration=seconds, until_submitted=False)
-    timed = ((one, _begun(one.there, seconds)) for one in trial.obstacles)
-    return replace(
-        trial,
-        duration=seconds,
-        until_submitted=False,
-        people=tuple(_of_person(person, seconds) for person in trial.people),
-        work={
-            name: replace(held, tasks=tuple(task for task in held.tasks if task.time < seconds))
-            for name, held in trial.work.items()
-        },
-        doors={name: _of_door(times, seconds) for name, times in trial.doors.items()},
-        obstacles=tuple(replace(one, there=there) for one, there in timed if there),
-    )
+def builtin_trials() -> tuple[str, ...]:
+    """Return the names of the trials that come with Floorwalker, sorted."""
+    return tuple(sorted(path.stem for path in BUILT_IN.glob("*.yaml")))
 
 
-def _of_person(person: PersonEntry, end: float) -> PersonEntry:
-    return replace(
-        person,
-        schedule=tuple(task for task in person.schedule if task.time < end),
-        breaks=tuple(task for task in person.breaks if task.time < end),
-        shifts=_begun(person.shifts, end),
-    )
+class Trial(Scenario):
+    """Everything that decides a run, as a `Scenario` has it; it can be loaded and saved."""
 
+    def __repr__(self) -> str:
+        people = ", ".join(person.name for person in self.people[:MOST_NAMED]) or "nobody"
+        more = len(self.people) - MOST_NAMED
+        people += f" and {more} more" if more > 0 else ""
+        about = f"{self.duration:g} s on {self.floorplan.name!r} with {people}, seed {self.seed}"
+        return f"<{type(self).__name__} {self.name!r}: {about}>"
 
-def _of_door(times: DoorTimes, end: float) -> DoorTimes:
-    closed, opened = (
-        None if given is None else _begun(given, end) for given in (times.closed, times.open)
-    )
-    return DoorTimes(closed, opened)
+    @classmethod
+    def load(cls, source: str | Path, *, own_code: bool = True) -> Trial:
+        """The built-in trial called `source`, or the one in the YAML file at `source`.
 
+        Python of the user's own that it names (a controller, a law) has to stand beside it. It is
+        read, but not imported before the trial is run; without `own_code` it is refused.
+        Raises `TrialError` (or `FloorplanError`, `bdi.ProgramError` for what it names) with
+        everything that is wrong, each with its place.
+        """
+        from .building import build
 
-def _begun(intervals: tuple[Interval, ...], end: float) -> tuple[Interval, ...]:
-    return tuple(one for one in intervals if one[0] < end)
+        name = str(source)
+        if name in builtin_trials():
+            text = (BUILT_IN / f"{name}.yaml").read_text(encoding="utf-8")
+            return cls.parse(text, file=name, own_code=own_code)
+        path = Path(source)
+        if not path.suffix and not is_there(path):
+            message = f"no such file, nor a built-in trial; {suggestion(name, builtin_trials())}"
+            raise TrialError(name, [Problem(message)])
+        if path.suffix == ".asl":
+            message = "is a program, not a trial; a trial names it as a `personality`"
+            raise TrialError(name, [Problem(message)])
+        return build(cls, read_yaml(path, TrialError), path.parent, own_code)
 
+    @classmethod
+    def parse(
+        cls,
+        text: str,
+        *,
+        file: str = "<text>",
+        folder: str | Path = ".",
+        own_code: bool = True,
+    ) -> Trial:
+        """The trial in `text`, as if it stood in `folder`; errors call it `file`.
 
-FASTEST = 4.0
-"""m/s. Whoever is faster runs."""
+        `own_code` is as of `load`.
+        """
+        from .building import build
 
-VISITOR = "visitor"
-"""The built-in personality that goes to its sink."""
+        return build(cls, parse_yaml(text, file, TrialError), Path(folder), own_code)
 
+    def to_yaml(self, folder: str | Path = ".") -> str:
+        """The text of a trial file that stands in `folder`, to be read as the same trial.
 
-def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
-    """Return a notice on each likely slip: a name that is nobody's, an idle sink, an odd figure.
+        A floor that came from no file is written into it. `ValueError` if its orders, a law or a
+        program came from no file, if the floor is not sound, or if it names code of the user's own
+        that stands neither in `folder` nor above it.
+        """
+        from .writing import to_yaml
 
-    Names in rule sets and floors of files of their own may be those of other trials: they are left
-    out.
-    """
-    faults = [*_laws(trial, document.data.get("rules")), *_places(trial, document.data)]
-    entries = document.data.get("people") or ()
-    faults += [*_sinks(trial, entries), *_speeds(entries), *_far_laws(trial)]
-    return tuple(document.problem(message, *place) for message, place in faults)
+        return to_yaml(self, Path(folder))
 
+    def save(self, path: str | Path) -> None:
+        """Write the trial into the file at `path`, from where its files are found as well."""
+        path = Path(path)
+        write_whole(path, self.to_yaml(path.parent))
 
-def _laws(trial: Scenario, rules: Any) -> Iterator[Fault]:
-    """Yield the laws for machines, or kinds of them, that are not there."""
-    if not isinstance(rules, dict) or any(is_own(entry) for entry in trial.machines.values()):
-        return  # code of one's own says itself of what kind its machine is
-    lanes = [lane.name for lane in trial.floorplan.lanes]
-    machines = [*([GANTRY] if trial.floorplan.gantry else []), *lanes, *trial.machines]
-    known = dict.fromkeys((*machines, *KINDS))
-    for name in rules.get("laws", ()):
-        if name not in known:
-            hint = suggestion(name, known)
-            yield f"no machine and no kind is called {name!r}; {hint}", ("rules", "laws", name)
+    def with_personality(self, personality: str | bdi.Program) -> Trial:
+        """Return the same trial in which everybody has this personality all along.
 
+        It is as in `PersonEntry`. `TrialError` if there is none of that name, `bdi.ProgramError`
+        if there is something wrong in it.
+        """
+        from ..people.programs import load_program, modules_of
 
-def _speeds(entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
-    """Yield the walking speeds at which nobody walks."""
-    for k, keys in enumerate(entries):
-        speed = keys.get("max_speed")
-        if isinstance(speed, int | float) and speed > FASTEST:
-            message = f"{speed:g} m/s are {3.6 * speed:g} km/h, and nobody walks so fast"
-            yield message, ("people", k, "max_speed")
-
-
-def _far_laws(trial: Scenario) -> Iterator[Fault]:
-    """Yield the laws that nobody can keep on a floor so small."""
-    for key, metres in far_laws(trial).items():
-        message = f"{key} asks for {metres:,.0f} m, far more than the floor is long"
-        yield f"{message}; its terms are in seconds and metres", ("rules", *key.split("."))
-
-
-def _sinks(trial: Scenario, entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
-    """Yield the sinks of those who walk the stations, where there is none."""
-    stations = {station.position for station in trial.floorplan.patrolled}
-    for k, keys in enumerate(entries):
-        personality = keys.get("personality", PersonEntry.personality)
-        if "sink" not in keys or personality == VISITOR or personality not in bdi.programs():
-            continue
-        if spot(trial.floorplan, keys["sink"]) not in stations:
-            message = f"no station is there, and {personality} people go to no other place"
-            yield f"{message}; those of the personality {VISITOR} do", ("people", k, "sink")
-
-
-def _places(trial: Scenario, data: dict[str, Any]) -> Iterator[Fault]:
-    """Yield the zones and gates that concern, by a name or pattern, nobody who is there."""
-    floor = data["floorplan"]
-    if not isinstance(floor, dict):
-        return
-    bodies = [person.name for person in trial.people]
-    bodies += [lane.name for lane in trial.floorplan.lanes] + [*trial.machines]
-    for key, places in (("zones", trial.floorplan.zones), ("gates", trial.floorplan.gates)):
-        for place in places:
-            if place.name not in floor.get(key, ()):
-                continue
-            for k, pattern in enumerate(place.concerns):
-                alone = replace(place, concerns=(pattern,))
-                if bodies and not any(map(alone.is_about, bodies)):
-                    message = f"nobody is called {pattern!r}; {suggestion(pattern, bodies)}"
-                    yield message, ("floorplan", key, place.name, "concerns", k)
-
-
-def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -> _Made:
-    """Return the trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
-    if is_ariac(document):
-        from ..orders import reading
-
-        return replace(reading.build(form, document, folder), own_code=own_code)
-    if other := _something_else(document):
-        raise TrialError(document.file, [Problem(f"is {other}")])
-    schema = document.checked(TrialKeys, TrialError, {"begins": begins_in(document.data)})
-    _refuse_crowds(schema, document)
-    home, folder = folder, folder / schema.folder
-    name = Path(document.file).name.split(".")[0] if schema.name is None else schema.name
-    plan = _floorplan(schema.floorplan, folder, document, name)
-    lanes = {lane.name: lane for lane in plan.lanes}
-    moves = sum(number_of(agv.moves, schema.duration) for agv in schema.agvs.values())
-    if moves > MOST_MOVES:
-        lanes = {}  # so that they stay as given, to be refused
-    rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
-    trial = form(
-        floorplan=plan,
-        name=name,
-        duration=schema.duration,
-        seed=schema.seed,
-        rules=rules,
-        planner=schema.planner,
-        people=people_of(schema, folder),
-        steering=schema.steering,
-        actions=schema.actions,
-        gantry=schema.gantry,
-        agvs={
-            name: agv.moves_until(schema.duration, lanes.get(name))
-            for name, agv in schema.agvs.items()
-        },
-        yielding=frozenset(name for name, agv in schema.agvs.items() if agv.yields),
-        machines={name: _machine(keys) for name, keys in schema.machines.items()},
-        expect=schema.expect,
-        folder=folder,
-        floorplan_source=schema.floorplan if isinstance(schema.floorplan, str) else "",
-        until_submitted=bool(schema.until_submitted),
-        own_code=own_code,
-        work=schema.work,
-        doors=schema.doors,
-        obstacles=tuple(keys.value(name) for name, keys in schema.obstacles.items()),
-        blackouts=schema.blackouts,
-        commands=() if isinstance(schema.commands, str) else schema.commands,
-        sources=schema.sources,
-    )
-    if schema.ariac is not None:
-        trial = _with_orders(trial, schema, schema.ariac, document)
-    if isinstance(schema.commands, str):
-        trial = commanded(trial, _named_file(folder, schema.commands, document, "commands"))
-    problems = [*rule_problems, *_problems(trial, document)]
-    if fault := out_of_reach(trial, home):
-        problems.append(document.problem(fault, "folder"))
-    if problems:
-        raise TrialError(document.file, problems)
-    return replace(trial, notices=(*trial.notices, *likely_slips(trial, document)))
-
-
-ARIAC_KEYS = {"time_limit", "kitting_trays", "parts", "orders"}
-"""Keys that only a trial file of the ARIAC competition has."""
-
-
-def is_ariac(document: Document) -> bool:
-    """Return True if a document is a trial file as the ARIAC competition writes them."""
-    data = document.data
-    return isinstance(data, dict) and "floorplan" not in data and not ARIAC_KEYS.isdisjoint(data)
-
-
-def _refuse_crowds(schema: TrialKeys, document: Document) -> None:
-    """Raise `TrialError` where there are more people than the budget has, before they are made."""
-    if found := people_fault(person.many or 1 for person in schema.people):
-        k, message = found
-        person = schema.people[k]
-        key = ("count",) if person.count else ("source", "count") if person.source else ()
-        raise TrialError(document.file, [document.problem(message, "people", k, *key)])
-
-
-def _something_else(document: Document) -> str:
-    """Return what a file is by its keys, if it is no trial, and how a trial is about it."""
-    keys = {*document.data} if isinstance(document.data, dict) else set()
-    if "floorplan" in keys:
-        return ""
-    if "trials" in keys:
-        return "a study, not a trial; `floorwalker study` runs it"
-    if keys & {"boundary", "base", "image"}:
-        return "a floorplan, not a trial; a trial names it as its `floorplan`"
-    return ""
-
-
-def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document) -> _Made:
-    """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
-    from ..orders import reading
-
-    orders = read_yaml(_named_file(trial.folder, name, document, "ariac"), TrialError)
-    workload, notices = reading.read_workload(orders, trial.floorplan)
-    given = schema.model_fields_set
-    until_submitted = schema.until_submitted
-    return replace(
-        trial,
-        workload=replace(workload, source=name),
-        notices=notices,
-        people=trial.people if "people" in given else reading.people_of(workload),
-        duration=trial.duration if "duration" in given else reading.duration_of(workload),
-        until_submitted="duration" not in given if until_submitted is None else until_submitted,
-    )
-
-
-def people_of(schema: TrialKeys, folder: Path) -> tuple[PersonEntry, ...]:
-    """Return the people, with the programs found from `folder`; one that isn't there is left open.
-
-    Each program is read once, however many people run it.
-    """
-    people = tuple(person for keys in schema.people for person in keys.values())
-    named = [
-        (personality, keys.actions)
-        for keys in schema.people
-        for personality in (keys.personality, *(change.personality for change in keys.changes))
-    ]
-    for personality, actions in dict.fromkeys(named):
-        # One that isn't there is reported together with everything else that is wrong.
-        with suppress(TrialError, OwnCodeError):
-            load_program(personality, folder, modules_of(actions, schema.actions))
-    return people
-
-
-def _machine(keys: dict[str, Any]) -> MachineEntry:
-    return MachineEntry(str(keys.get("kind", "")), {k: v for k, v in keys.items() if k != "kind"})
-
-
-def _named_file(folder: Path, name: str, document: Document, key: str) -> Path:
-    """Return the path of a file that a key names; `TrialError` if there is none."""
-    path = folder / name
-    if not is_there(path):
-        raise TrialError(document.file, [document.problem(f"no such file: {name!r}", key)])
-    return path
-
-
-def _floorplan(
-    name: str | dict[str, Any], folder: Path, document: Document, trial: str
-) -> Floorplan:
-    if not isinstance(name, str):
-        return build_floor(document.part("floorplan"), folder, trial)
-    if name in floorplan.builtin():
-        return floorplan.load(name)
-    path = folder / name
-    if not is_there(path):
-        message = (
-            f"no such file, nor a built-in floorplan: {name!r};"
-            f" {suggestion(name, floorplan.builtin())}"
+        for actions in dict.fromkeys(person.actions for person in self.people):
+            modules = modules_of(actions, self.actions)
+            load_program(personality, self.folder, modules, own_code=self.own_code)
+        people = tuple(
+            replace(person, personality=personality, changes=()) for person in self.people
         )
-        raise TrialError(document.file, [document.problem(message, "floorplan")])
-    return floorplan.load(path)
-
-
-def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
-    """Yield what keys and types can't show: that something a trial names isn't there."""
-    found = (document.problem(text, *_in_file(at, document.data)) for text, at in faults(trial))
-    yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
-    if trial.floorplan.gantry is not None:
-        try:
-            controller_source(trial.gantry.controller, trial.folder, own_code=trial.own_code)
-        except ControllerError as why:
-            yield document.problem(str(why), "gantry", "controller")
-
-
-def _in_file(place: Place, data: Any) -> Place:
-    """Return the place in the file: moves and tasks may have a key, and an entry be many people."""
-    match place:
-        case ("agvs", name, int(k), key) if not isinstance(data["agvs"][name], list):
-            return ("agvs", name, "moves", k, key)
-        case ("work", name, "tasks", *key) if isinstance(data["work"][name], list):
-            return ("work", name, *key)
-        case ("people", int(k), *key) if isinstance(data.get("people"), list):
-            counts = [
-                entry.get("count") or (entry.get("source") or {}).get("count") or 1
-                for entry in data["people"]
-            ]
-            owners = [n for n, count in enumerate(counts) for _ in range(count)]
-            return ("people", owners[k], *key)
-    return place
+        return replace(self, people=people)

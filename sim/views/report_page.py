@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from floorplan import UserError
 
-from ..core.output import OutputError, write_whole
+from ..record.output import OutputError, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from hypothesis import given, strategies as st
 
 import floorplan
 from sim import orders as ariac
-from sim.orders import layout
+from sim.orders.inventory import TABLES, bin_slot, quadrant_on, tool_stand, tray_on, tray_slot
 from sim.orders.schema import angle
 
 COLORS = ("blue", "green", "orange", "purple", "red")
@@ -92,18 +92,18 @@ def test_what_is_where_is_the_competitions():
         middle = plan.obstacle(obstacle).footprint.centroid
         return pytest.approx((middle.x + offset[0], middle.y + offset[1]), abs=1e-9)
 
-    assert world("bin1", layout.bin_slot(1)) == (-2.08, 3.195)
-    assert world("bin1", layout.bin_slot(3)) == (-2.08, 3.555)
-    assert world("bin1", layout.bin_slot(7)) == (-1.72, 3.195)
-    assert world(*layout.tray_slot(1)) == (-0.87, -5.84)
-    assert world(*layout.tray_slot(6)) == (-0.87, 5.84)
-    tables = layout.TABLES
-    assert world(tables[0], layout.tool_stand(tables[0], "trays")) == (-1.5, -5.38)
-    assert world(tables[1], layout.tool_stand(tables[1], "parts")) == (-1.5, 5.38)
+    assert world("bin1", bin_slot(1)) == (-2.08, 3.195)
+    assert world("bin1", bin_slot(3)) == (-2.08, 3.555)
+    assert world("bin1", bin_slot(7)) == (-1.72, 3.195)
+    assert world(*tray_slot(1)) == (-0.87, -5.84)
+    assert world(*tray_slot(6)) == (-0.87, 5.84)
+    tables = TABLES
+    assert world(tables[0], tool_stand(tables[0], "trays")) == (-1.5, -5.38)
+    assert world(tables[1], tool_stand(tables[1], "parts")) == (-1.5, 5.38)
     lane = plan.lane("agv2")
-    assert layout.tray_on(lane) == pytest.approx((0.2, 0.0))
-    assert layout.quadrant_on(lane, 1) == pytest.approx((0.0725, -0.0925))
-    assert layout.quadrant_on(lane, 4) == pytest.approx((0.3275, 0.0925))
+    assert tray_on(lane) == pytest.approx((0.2, 0.0))
+    assert quadrant_on(lane, 1) == pytest.approx((0.0725, -0.0925))
+    assert quadrant_on(lane, 4) == pytest.approx((0.3275, 0.0925))
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ from run_events import record
 
 import sim
 from sim.commands.terminal import plain_console, visible
-from sim.core.output import replacing, write_whole
 from sim.exports.ros_bag import topic_names
+from sim.record.output import replacing, write_whole
 
 TRIAL = "floorplan: ariac2023\nduration: 3.0\npeople: [{name: ada}]\n"
 

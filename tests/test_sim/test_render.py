@@ -14,12 +14,12 @@ from sim.cli import main
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("playwright")
-from sim.views import browser as chromium, plots
+from sim.views import film, plots
 
 images = pytest.importorskip("PIL.Image")
 
 needs_browser = pytest.mark.skipif(
-    chromium.installed_chromium() is None, reason="no Chromium on this machine"
+    film.installed_chromium() is None, reason="no Chromium on this machine"
 )
 
 TRIAL = """
@@ -144,7 +144,7 @@ def test_a_missing_package_is_named_with_its_extra(run, tmp_path, monkeypatch, p
 def test_a_film_without_a_browser_is_rejected(run, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CHROMIUM", raising=False)
-    monkeypatch.setattr(chromium, "PLACES", ())
+    monkeypatch.setattr(film, "PLACES", ())
     with pytest.raises(plots.MissingExtraError, match="needs Chromium or Chrome"):
         plots.render(run, tmp_path / "run.gif", view="3d")
 

@@ -11,7 +11,7 @@ import sim
 from sim.record.incidents import incidents, risk, time_on_floor, time_too_close
 from sim.studies.comparison import sensitivities
 from sim.studies.safety import MARGIN, TOO_NEAR, VIOLATIONS, findings, with_findings
-from sim.views import browser as chromium
+from sim.views import film
 
 TRIAL = on_floor(
     """\
@@ -189,8 +189,8 @@ def test_the_command_says_at_once_what_it_can_not(floorwalker, tmp_path):
 
 def test_a_pdf_needs_a_browser(run, tmp_path, monkeypatch):
     monkeypatch.delenv("CHROMIUM", raising=False)
-    monkeypatch.setattr(chromium, "NAMES", ("no_such_browser",))
-    monkeypatch.setattr(chromium, "PLACES", ())
+    monkeypatch.setattr(film, "NAMES", ("no_such_browser",))
+    monkeypatch.setattr(film, "PLACES", ())
     with pytest.raises(ImportError, match="a PDF needs Chromium or Chrome"):
         sim.safety_report(run, tmp_path / "report.pdf")
 
@@ -198,7 +198,7 @@ def test_a_pdf_needs_a_browser(run, tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_a_pdf_is_printed_where_there_is_a_browser(run, tmp_path):
     pytest.importorskip("playwright")
-    if chromium.installed_chromium() is None:
+    if film.installed_chromium() is None:
         pytest.skip("no Chromium on this machine")
     sim.safety_report(run, tmp_path / "report.pdf")
     printed = (tmp_path / "report.pdf").read_bytes()

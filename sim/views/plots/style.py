@@ -28,9 +28,9 @@ from floorplan import Obstacle, Point, UserError
 from navigation import Motion
 
 from ...core.body import Category
-from ...core.output import replacing, writing
 from ...machines.gantry.robot import GANTRY
 from ...record.outcome import Outcome
+from ...record.output import replacing, writing
 from ...record.sampling import Span
 from ..report_page import (
     BLACK,

@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...core.output import replacing, writing
 from ...record.incidents import CELL, Incident
+from ...record.output import replacing, writing
 from ...record.sampling import MOMENT
-from ..browser import in_browser, open_page, require_browser
+from ..film import in_browser, open_page, require_browser
 from ..report_page import figure, minus, require_place, signed, write_report_page
 
 if TYPE_CHECKING:

@@ -1,20 +1,315 @@
-"""Safety report of a single run: the figures that its template shows."""
+"""Safety report of a single run: its assumptions, and the figures that its template shows."""
 
 from __future__ import annotations
 
+import math
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
+from floorplan import Floorplan, Zone
+from navigation import Motion
 from navigation.kernels import COMPILED
+from navigation.separation import AnyLaw
 
-from ...core.scenario import Scenario
+from ...core.body import MachineShape
+from ...core.entries import COMMANDS, Start
+from ...core.recorder import Scene
+from ...core.rules import RuleSet
+from ...core.scenario import ASSUMED, PersonEntry, Scenario
+from ...core.schedule import Drawn, Duration, WorkTask, as_given
+from ...machines.kinds import in_words, models_of, on_floor, short_laws
 from ...record.incidents import RISKS, incidents, risk, time_on_floor, time_too_close, worst_first
 from ...record.outcome import Outcome
 from ...record.summary import figures_in_words
-from .assumptions import about, laws_of
-from .findings import MOST_INCIDENTS, exposure, risk_pictures, run_pictures, together
+from ..report_page import minus
+from .findings import MOST_INCIDENTS, exposure, floor_picture, risk_pictures, run_pictures, together
+from .page import counted, listed, plain
+
+NO_SOURCE = "no source given"
+
+Row = tuple[str, ...]
+
+
+def about(scene: Scene, scenario: Scenario | None) -> dict[str, Any]:
+    """Return what was assumed, as the macros of `safety_parts.html` take it.
+
+    `scenario` is the trial, None where only a recording is left.
+    """
+    plan = scene.floorplan
+    there = {
+        "obstacle": len(plan.obstacles),
+        "station": len(plan.stations),
+        "door": len(plan.doors),
+        "zone": len(plan.zones),
+        "AGV lane": len(plan.lanes),
+        "gantry": int(plan.gantry is not None),
+    }
+    shared: dict[str, Any] = {
+        "name": scene.trial,
+        "plan": plan,
+        "on_floor": ", ".join(counted(n, what) for what, n in there.items() if n),
+        "picture": floor_picture(plan),
+        "zones": [_zone(zone) for zone in plan.zones],
+        "machines": list(_machines(scene, scenario)),
+    }
+    if scenario is None:
+        return {**shared, "bodies": _bodies(scene)}
+    sources = _sources(scenario)
+    return {
+        **shared,
+        "people": _people(scenario),
+        "work": list(_work(scenario)),
+        "changes": list(_changes(scenario)),
+        "sources": [(name, text or NO_SOURCE) for name, text in sources.items()],
+        "without_source": [name for name, text in sources.items() if not text],
+        "short_stops": in_words(short) if (short := short_laws(scenario)) else "",
+        "has_recorded": any(one.recorded is not None for one in scenario.people),
+    }
+
+
+def _zone(zone: Zone) -> Row:
+    concerned = "everybody" if zone.concerns == ("*",) else ", ".join(zone.concerns)
+    return (zone.name, f"{zone.area.area:,.1f}", ", ".join(_rules(zone)), concerned)
+
+
+def _rules(zone: Zone) -> Iterator[str]:
+    if zone.forbidden:
+        yield "forbidden"
+    if zone.max_speed is not None:
+        yield f"at most {zone.max_speed:g} m/s"
+    if zone.one_way is not None:
+        yield minus("one way, towards ({:g}, {:g})".format(*zone.one_way))
+
+
+def _machines(scene: Scene, scenario: Scenario | None) -> Iterator[Row]:
+    """Yield sizes, top speeds and stops of machines; a line for those that differ in name alone."""
+    models = on_floor(Scenario(scene.floorplan)) if scenario is None else models_of(scenario)
+    groups: dict[Row, list[str]] = {}
+    for shape in scene.machines:
+        model = models.get(shape.name)
+        stop = None if model is None else model.longest_stop(scene.floorplan)
+        line: Row = (
+            shape.kind,
+            f"{shape.length:g} × {shape.width:g}, from {shape.bottom:g} to {shape.top:g} high",
+            f"{shape.top_speed:.2f}",
+            "not known" if stop is None else f"{stop[0]:.2f} s, {stop[1]:.2f} m",
+            scene.rules.law_and_key_of(shape)[0],
+        )
+        groups.setdefault(line, []).append(shape.name)
+    for line, names in groups.items():
+        yield (listed(names), *line)
+
+
+def laws_of(rules: RuleSet, machines: Iterable[MachineShape]) -> list[tuple[str, AnyLaw]]:
+    """Return the laws that hold for some machines, each with its keys and machines in words."""
+    found: list[tuple[AnyLaw, dict[str, list[str]]]] = []
+    for machine in machines:
+        key, law = rules.law_and_key_of(machine)
+        known = next((keys for other, keys in found if other == law), None)
+        if known is None:
+            found.append((law, known := {}))
+        known.setdefault(key, []).append(machine.name)
+    return [
+        ("; ".join(f"{key}: {listed(names)}" for key, names in keys.items()), law)
+        for law, keys in found
+    ]
+
+
+def _sources(scenario: Scenario) -> dict[str, str]:
+    """Return the source of each assumption that needs one, empty if it has none, and of others."""
+    given = {**scenario.sources}
+    if scenario.floorplan.source:
+        given.setdefault("floorplan", scenario.floorplan.source)
+    return {name: given.get(name, "") for name in _assumed(scenario)} | given
+
+
+def _assumed(scenario: Scenario) -> list[str]:
+    """Return the keys of what a trial assumes, and whose source a reader will ask for."""
+    people = scenario.people
+    there = {
+        "floorplan": True,
+        "rules": True,
+        "machines": bool(scenario.floorplan.lanes or scenario.floorplan.gantry),
+        "radius": bool(people),
+        "max_speed": any(one.recorded is None for one in people),
+        "field_of_view": any(one.noticing.field_of_view is not None for one in people),
+        "reaction_time": any(one.noticing.reaction_time is not None for one in people),
+        "personality": any(one.recorded is None for one in people),
+        "work": scenario.has_work,
+        "recorded": any(one.recorded is not None for one in people),
+    }
+    return [name for name in ASSUMED if there[name]]
+
+
+def _drawn(value: Drawn | None, otherwise: str = "–") -> str:
+    """Return a figure, or the distribution it is drawn from, in words."""
+    if value is None:
+        return otherwise
+    if isinstance(value, Duration):
+        return _distribution(value)
+    if isinstance(value, tuple):
+        return f"uniform, {value[0]:g} … {value[1]:g}"
+    return plain(value)
+
+
+def _distribution(value: Duration) -> str:
+    """Return a distribution in words."""
+    figures = [plain(one) for one in value.values]
+    match value.kind:
+        case "fixed":
+            return figures[0]
+        case "uniform":
+            return f"uniform, {figures[0]} … {figures[1]}"
+        case "triangular":
+            return f"triangular, {figures[0]} … {figures[2]}, mostly {figures[1]}"
+        case "normal":
+            return f"normal, mean {figures[0]}, standard deviation {figures[1]}"
+        case "lognormal":
+            return f"lognormal, median {figures[0]}, sd of the logarithm {figures[1]}"
+        case _:
+            return f"exponential, mean {figures[0]}"
+
+
+def span(begin: float, end: float) -> str:
+    """Return an interval of time as the trial has it."""
+    return f"{as_given(begin)} – {'the end' if end == math.inf else as_given(end)}"
+
+
+def _bodies(scene: Scene) -> list[Row]:
+    groups: dict[Row, list[str]] = {}
+    for one in scene.people:
+        line = (Path(one.personality).stem, f"{one.radius:g}", f"{one.height:g}")
+        groups.setdefault(line, []).append(one.name)
+    return [(listed(names), *line) for line, names in groups.items()]
+
+
+_HEADS = {
+    "who": "who",
+    "personality": "personality",
+    "radius": "radius, m",
+    "speed": "top speed, m/s",
+    "acceleration": "acceleration, m/s²",
+    "sight": "field of view, °",
+    "occlusion": "things hide others",
+    "reaction": "reaction, s",
+    "lag": "lag of the agent, s",
+    "start": "from",
+    "work": "work",
+}
+
+
+def _people(scenario: Scenario) -> dict[str, Sequence[Any]]:
+    """Return a line for all people who differ in name alone, without columns that are empty."""
+    groups: dict[Row, list[str]] = {}
+    for one in scenario.people:
+        line = tuple(_about(one, scenario.floorplan).values())
+        groups.setdefault(line, []).append(one.name)
+    rows = [(listed(names), *line) for line, names in groups.items()]
+    heads = [*_HEADS.values()]
+    kept = [k for k in range(len(heads)) if {row[k] for row in rows} - {"–"}]
+    return {"heads": [heads[k] for k in kept], "rows": [[row[k] for k in kept] for row in rows]}
+
+
+def _about(one: PersonEntry, plan: Floorplan) -> Mapping[str, str]:
+    human = plan.human
+    recorded = one.recorded
+    if recorded is not None:
+        where = "a motion" if isinstance(recorded, Motion) else recorded.file
+        none = ("speed", "acceleration", "sight", "occlusion", "reaction", "lag")
+        return {
+            "personality": f"recorded: {where}",
+            "radius": plain(one.radius or human.radius),
+            **dict.fromkeys(none, "–"),
+            "start": _start(one.start),
+            "work": "–",
+        }
+    changes = "".join(f", then {Path(c.personality_name).stem}" for c in one.changes)
+    return {
+        "personality": Path(one.personality_name).stem + changes,
+        "radius": plain(one.radius or human.radius),
+        "speed": _drawn(one.max_speed, plain(human.max_speed)),
+        "acceleration": plain(one.max_acceleration or human.max_acceleration),
+        "sight": _drawn(one.noticing.field_of_view),
+        "occlusion": "yes" if one.noticing.occlusion else "–",
+        "reaction": _drawn(one.noticing.reaction_time),
+        "lag": _drawn(one.agent_lag),
+        "start": _start(one.start) if one.source is None else f"comes in, {one.source.rate:g}/s",
+        "work": "; ".join(_duties(one)) or "–",
+    }
+
+
+def _start(start: Start) -> str:
+    if start.time is not None:
+        return f"{start.time:g} s" if start.time else "–"
+    if start.order_submitted is not None:
+        return f"order {start.order_submitted}"
+    if start.part_placed is not None:
+        return "a part is placed"
+    return f"event {start.event}"
+
+
+def _duties(one: PersonEntry) -> Iterator[str]:
+    yield from one.work
+    if one.schedule:
+        yield f"{len(one.schedule)} on a schedule of their own"
+    for begin, end in one.shifts:
+        yield f"shift {span(begin, end)}"
+    for each in one.breaks:
+        yield f"break at {as_given(each.time)}"
+
+
+def _work(scenario: Scenario) -> Iterator[Row]:
+    alike: dict[tuple[str, str, str, bool], list[WorkTask]] = {}
+    for name, held in scenario.work.items():
+        for task in held.tasks:
+            key = (name, task.name or "–", _distribution(task.duration), task.every is not None)
+            alike.setdefault(key, []).append(task)
+    for (name, task_name, length, _), tasks in alike.items():
+        stations = listed([*dict.fromkeys(task.at for task in tasks)])
+        when = _often(tasks, scenario.work[name].repeat)
+        yield name, task_name, stations, length, when, _range([task.priority for task in tasks])
+
+
+def _often(tasks: Sequence[WorkTask], repeat: bool) -> str:
+    """Return when some tasks are there, and when they come again."""
+    words = []
+    if any(task.time for task in tasks):
+        words.append(f"from {_range([task.time for task in tasks])} s on")
+    intervals = [task.every for task in tasks if task.every is not None]
+    if intervals:
+        words.append(f"every {_range(intervals)} s")
+    counts = [task.count for task in tasks if task.count is not None]
+    if counts:
+        words.append(f"{_range(counts)} times")
+    if repeat and not intervals:
+        words.append("again as soon as done")
+    return ", ".join(words) or "once"
+
+
+def _range(figures: Sequence[float]) -> str:
+    """Return the least and the most of some figures."""
+    low, high = min(figures), max(figures)
+    return plain(low) if low == high else f"{plain(low)} … {plain(high)}"
+
+
+def _changes(scenario: Scenario) -> Iterator[Row]:
+    """Yield what changes on the floor in the course of a trial."""
+    for name, times in scenario.doors.items():
+        how = "open" if times.closed is None else "closed"
+        yield from ((name, how, span(*interval)) for interval in times.intervals)
+    for one in scenario.obstacles:
+        yield from ((one.obstacle.name, "is there", span(*interval)) for interval in one.there)
+    for each in scenario.every_blackout:
+        begins = f"{each.start.time:g} s" if each.start.time is not None else "an event"
+        yield each.machine, f"sees nobody for {each.seconds:g} s", f"from {begins} on"
+    for command in scenario.commands:
+        wanted = ((key, getattr(command, key)) for key in COMMANDS)
+        key, given = next((key, one) for key, one in wanted if one is not None)
+        yield str(getattr(given, "name", given)), f"command: {key}", f"{command.time:g} s"
+
 
 LIBRARIES = ("numpy", "shapely", "ompl", "python-fcl", "ruckig", "simpy")
 """Packages that figures may depend on in their last digits."""
