@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import takewhile
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from shapely.geometry import Polygon
 
@@ -36,7 +36,6 @@ from .core.stage import Closures, Stage, Triggers
 from .machines.agv.agv import Agv
 from .machines.gantry.robot import GantryRobot
 from .machines.kinds import made_by, models_of
-from .orders import Dispatcher
 from .people.person import Person, speed_of, with_figures
 from .people.population import Population
 from .people.tracks.recorded_walks import RecordedWalk, recorded_walks
@@ -49,6 +48,9 @@ from .safety.referee import Referee
 from .trials.checks import check, check_own_events
 from .trials.feasibility import command_faults
 from .trials.trial import Trial
+
+if TYPE_CHECKING:
+    from .orders.dispatcher import Dispatcher
 
 BY_COMMAND = "command"
 """The reason for which a machine is held by command."""
@@ -358,6 +360,8 @@ class Simulation(InProgress):
         workload, gantry = self.trial.workload, self.gantry
         if workload is None or gantry is None:
             return None
+        from .orders.dispatcher import Dispatcher  # most trials have no orders
+
         return Dispatcher(self._stage, workload, gantry, self._work_is_done, self.trial.seed)
 
     def _end_with_jobs(self) -> None:
