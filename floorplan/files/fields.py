@@ -97,6 +97,16 @@ class Reads:
         return dict(self._schema)
 
 
+class Judged:
+    """Annotation whose `fault` says why a value that was given in Python is out of range.
+
+    It returns an empty text for values that can be. How a file is read stays as it is.
+    """
+
+    def __init__(self, fault: Callable[[Any], str]) -> None:
+        self.fault = fault
+
+
 _NUMBER = float_schema(strict=True, ge=-LARGEST, le=LARGEST, allow_inf_nan=False)
 _POSITIVE = float_schema(strict=True, gt=0, le=LARGEST, allow_inf_nan=False)
 _NOT_NEGATIVE = float_schema(strict=True, ge=0, le=LARGEST, allow_inf_nan=False)

@@ -27,7 +27,7 @@ import numpy as np
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from .fields import Keyed, Reads
+from .fields import Judged, Keyed, Reads
 from .problems import Fault, field_name, shown, suggestion
 
 
@@ -228,9 +228,9 @@ def _faults(value: object, hint: Any) -> Iterator[Fault]:
 
 
 def range_faults(value: Keyed) -> Iterator[Fault]:
-    """Yield the numbers in a value, and in those within it, that its annotations exclude.
+    """Yield what in a value, and in those within it, is excluded by its annotations.
 
-    Fields of the types in `floorplan.files.fields` have ranges.
+    Fields of the types in `floorplan.files.fields` have ranges; of a `Literal` there are few.
     """
     kind: type = type(value)
     for name, hint in _ranged_fields(kind):
@@ -247,7 +247,9 @@ def _ranged_fields(kind: type) -> tuple[tuple[str, Any], ...]:
 
 
 def _has_range(hint: Any) -> bool:
-    if isinstance(hint, Reads) or (isinstance(hint, type) and issubclass(hint, Keyed)):
+    if isinstance(hint, Reads | Judged) or get_origin(hint) is Literal:
+        return True
+    if isinstance(hint, type) and issubclass(hint, Keyed):
         return True
     return any(map(_has_range, get_args(hint)))
 
@@ -257,13 +259,20 @@ def _out_of_range(value: Any, hint: Any) -> Iterator[Fault]:
         return
     inner = get_args(hint)
     if get_origin(hint) is Annotated:
-        number = isinstance(value, Real)
-        ranges = [one for one in inner[1:] if number and isinstance(one, Reads)]
+        judges = Reads | Judged if isinstance(value, Real) else Judged
+        ranges = [one for one in inner[1:] if isinstance(one, judges)]
         yield from ((fault, ()) for one in ranges if (fault := one.fault(value)))
         yield from _out_of_range(value, inner[0])
     elif get_origin(hint) in (Union, types.UnionType):
         for option in inner:
             yield from _out_of_range(value, option)
+    elif get_origin(hint) is Literal:
+        if value not in inner:
+            yield f"must be one of {', '.join(map(str, inner))}, not {value!r}", ()
+    elif isinstance(value, Mapping):
+        for key, one in value.items():
+            for message, rest in _out_of_range(one, inner[-1]):
+                yield message, (key, *rest)
     elif get_origin(hint) is tuple and inner[-1] is Ellipsis:
         for k, one in enumerate(value):
             for message, rest in _out_of_range(one, inner[0]):

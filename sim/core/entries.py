@@ -13,7 +13,9 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from floorplan import Obstacle, Point, UserError
 from floorplan.files.fields import (
+    LARGEST,
     Flag,
+    Judged,
     Keyed,
     NotNegative,
     Number,
@@ -87,6 +89,13 @@ AT_ONCE = Start()
 """The beginning of the trial."""
 
 
+def _view_fault(view: Any) -> str:
+    """Return why a field of view (degrees) is too large, or an empty text."""
+    widest = max(view) if isinstance(view, tuple) else view
+    too_large = isinstance(widest, float | int) and widest > 360.0
+    return f"must be at most 360 degrees, not {view!r}" if too_large else ""
+
+
 @dataclass(frozen=True, kw_only=True)
 class NoticingEntry(Keyed):
     """How somebody notices machines; what is None is as if they had eyes all round.
@@ -96,7 +105,7 @@ class NoticingEntry(Keyed):
     something `reaction_time` seconds after they have seen it.
     """
 
-    field_of_view: Drawn | None = None
+    field_of_view: Annotated[Drawn | None, Judged(_view_fault)] = None
     occlusion: Flag = False
     reaction_time: Drawn | None = None
 
@@ -113,11 +122,23 @@ def drawn_figure(value: Drawn, seed: int, what: str) -> float:
     return random.uniform(*value) if isinstance(value, tuple) else value
 
 
-Spread = Annotated[float | tuple[float, float], Written(NotNegative | Range)]
+def _at_least(least: float) -> Judged:
+    """Return the annotation of a figure, or of two that rise, from `least` on."""
+
+    def fault(value: float | tuple[float, float]) -> str:
+        low, high = value if isinstance(value, tuple) else (value, value)
+        if least <= low <= high <= LARGEST:
+            return ""
+        return f"must be {least:g} or more, or [least, most] of that, not {value!r}"
+
+    return Judged(fault)
+
+
+Spread = Annotated[float | tuple[float, float], Written(NotNegative | Range), _at_least(0.0)]
 """A figure, or the least and the most between which each person has one of their own."""
 
 PositiveSpread = Annotated[float | tuple[float, float], Written(Positive | Range)]
-"""The same, of figures above 0."""
+"""The same in a file, of figures above 0."""
 
 Side = Literal["right", "left"]
 
@@ -132,9 +153,9 @@ class MannersEntry(Keyed):
 
     comfort: Spread | None = None
     time_gap: Spread | None = None
-    foresight: PositiveSpread | None = None
+    foresight: Annotated[PositiveSpread | None, _at_least(0.5)] = None
     reaction_time: Spread | None = None
-    patience: PositiveSpread | None = None
+    patience: Annotated[PositiveSpread | None, _at_least(0.0)] = None
     passing_side: Side | None = None
     steps_aside: Flag | None = None
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator
 
 from floorplan import Point, UserError
+from floorplan.files.fields import LARGEST, Judged, Keyed, NotNegative, Number, Positive
 from floorplan.files.problems import suggestion
 from navigation import Condition, FixedDistance, Moving, Scaled, SeparationLaw, TooClose
 from navigation.separation import AnyLaw
@@ -24,8 +27,29 @@ NO_TIME = "must be more than 0; for violations that leave the machine alone say 
 """The fault of a rule set that disables the gantry for no time."""
 
 
+def _lasting(seconds: float) -> float:
+    if seconds == 0:
+        raise UserError(NO_TIME)
+    return seconds
+
+
+Lasting = Annotated[
+    NotNegative, AfterValidator(_lasting), Judged(lambda seconds: "" if seconds else NO_TIME)
+]
+"""Time for which a machine is disabled, seconds."""
+
+Offset = Annotated[
+    Number,
+    Judged(lambda x: "" if abs(x) <= LARGEST else f"must be a length in metres, not {x!r}"),
+]
+"""Place along a lane, metres; it may lie behind."""
+
+Parting = Annotated[float, Judged(lambda x: "" if x > 0 else f"must be more than 0, not {x!r}")]
+"""Distance at which two have parted, metres; it may be infinite."""
+
+
 @dataclass(frozen=True, kw_only=True)
-class Notice:
+class Notice(Keyed):
     """Rule of noticing: a person notices the gantry inside `law` and approaching.
 
     A person notices once per approach. The approach is over when the two have parted by
@@ -34,13 +58,13 @@ class Notice:
     """
 
     law: Scaled
-    parting: float = 1.0
-    every: float | None = None
-    silent: float = 0.0
+    parting: Parting = 1.0
+    every: Positive | None = None
+    silent: NotNegative = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class RuleSet:
+class RuleSet(Keyed):
     """The figures of a competition or a standard; times in seconds, lengths in metres.
 
     A violation is a person nearer to a robot than `gantry_law` requires, or nearer to a vehicle
@@ -72,18 +96,18 @@ class RuleSet:
     summary: str = field(default="", compare=False)
     gantry_law: AnyLaw
     agv_law: AnyLaw
-    agv_offset: float = 0.0
+    agv_offset: Offset = 0.0
     notice: Notice
     machine: MachineMeasure = "disable"
     person: PersonMeasure = "teleport"
-    gantry_disabled: float = 8.0
-    grace: float = 0.0
-    report_every: float | None = None
-    pause_after_violation: float = 8.0
-    pause_after_agv: float = 8.0
+    gantry_disabled: Lasting = 8.0
+    grace: NotNegative = 0.0
+    report_every: Positive | None = None
+    pause_after_violation: NotNegative = 8.0
+    pause_after_agv: NotNegative = 8.0
     laws: Mapping[str, AnyLaw] = field(default_factory=dict, hash=False)
-    between_people: float | None = None
-    reactions: Mapping[str, float] = field(default_factory=dict, hash=False)
+    between_people: Positive | None = None
+    reactions: Mapping[str, NotNegative] = field(default_factory=dict, hash=False)
 
     def law_of(self, machine: MachineShape) -> AnyLaw:
         """Return the law that holds between people and `machine`.

@@ -24,12 +24,16 @@ from typing_extensions import Self
 
 from floorplan import Obstacle, UserError
 from floorplan.files.fields import (
+    LARGEST,
+    SMALLEST,
     Flag,
+    Judged,
     Keyed,
     NotNegative,
     Number,
     Positive,
     Range,
+    size_fault,
     whole,
 )
 from floorplan.files.problems import Written
@@ -197,6 +201,21 @@ def _form(value: Any) -> str:
     return "range" if isinstance(value, list | tuple) else "figure"
 
 
+def _drawn_fault(value: float | tuple[float, float] | Duration) -> str:
+    """Return why a figure can't be drawn so, or an empty text."""
+    if isinstance(value, tuple):
+        fits = SMALLEST <= value[0] <= value[1] <= LARGEST
+        return "" if fits else f"must be [least, most], above 0, not {[*value]}"
+    if isinstance(value, Duration):
+        fits = bool(value.values) and all(0 <= one <= LARGEST for one in value.values)
+        return (
+            ""
+            if fits
+            else f"must be drawn from figures from 0 to {LARGEST:g}, not {value.values!r}"
+        )
+    return size_fault(value)
+
+
 Drawn = Annotated[
     float | tuple[float, float] | Duration,
     Written(
@@ -207,6 +226,7 @@ Drawn = Annotated[
             Discriminator(_form),
         ]
     ),
+    Judged(_drawn_fault),
 ]
 """A figure; the least and the most, between which it is drawn evenly; or a distribution."""
 

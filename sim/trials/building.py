@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -169,35 +169,26 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
     if moves > MOST_MOVES:
         lanes = {}  # so that they stay as given, to be refused
     rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
-    trial = form(
-        floorplan=plan,
-        name=name,
-        duration=schema.duration,
-        seed=schema.seed,
-        rules=rules,
-        planner=schema.planner,
-        people=people_of(schema, folder),
-        steering=schema.steering,
-        actions=schema.actions,
-        gantry=schema.gantry,
-        agvs={
+    alike = {key.name for key in fields(Scenario)} & TrialKeys.model_fields.keys()
+    given: dict[str, Any] = {name: getattr(schema, name) for name in alike}
+    given |= {
+        "floorplan": plan,
+        "name": name,
+        "rules": rules,
+        "people": people_of(schema, folder),
+        "agvs": {
             name: agv.moves_until(schema.duration, lanes.get(name))
             for name, agv in schema.agvs.items()
         },
-        yielding=frozenset(name for name, agv in schema.agvs.items() if agv.yields),
-        machines={name: _machine(keys) for name, keys in schema.machines.items()},
-        expect=schema.expect,
-        folder=folder,
-        floorplan_source=schema.floorplan if isinstance(schema.floorplan, str) else "",
-        until_submitted=bool(schema.until_submitted),
-        own_code=own_code,
-        work=schema.work,
-        doors=schema.doors,
-        obstacles=tuple(keys.value(name) for name, keys in schema.obstacles.items()),
-        blackouts=schema.blackouts,
-        commands=() if isinstance(schema.commands, str) else schema.commands,
-        sources=schema.sources,
-    )
+        "yielding": frozenset(name for name, agv in schema.agvs.items() if agv.yields),
+        "machines": {name: _machine(keys) for name, keys in schema.machines.items()},
+        "folder": folder,
+        "floorplan_source": schema.floorplan if isinstance(schema.floorplan, str) else "",
+        "until_submitted": bool(schema.until_submitted),
+        "obstacles": tuple(keys.value(name) for name, keys in schema.obstacles.items()),
+        "commands": () if isinstance(schema.commands, str) else schema.commands,
+    }
+    trial = form(**given, own_code=own_code)
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
     if isinstance(schema.commands, str):

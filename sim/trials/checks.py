@@ -7,22 +7,20 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import replace
-from typing import get_args
 
 import shapely
 
 import bdi
 from floorplan import Point, UserError
 from floorplan.checks import starting_fault
-from floorplan.files.fields import LARGEST, SMALLEST, size_fault, time_fault
+from floorplan.files.fields import size_fault
 from floorplan.files.problems import Fault, Place, refuse, suggestion
 from floorplan.files.values import range_faults, require_fields
 from navigation import PlannerError
 from navigation.catalog import PlannerChoice
 
 from ..core.custom_code import OwnCodeError
-from ..core.entries import AT_ONCE, CONDITIONS, MannersEntry, Side, Spread, Start
-from ..core.rules import NO_TIME, MachineMeasure, PersonMeasure, RuleSet
+from ..core.entries import AT_ONCE, CONDITIONS, Start
 from ..core.scenario import (
     ANYWHERE,
     NAME,
@@ -32,7 +30,6 @@ from ..core.scenario import (
     TrialError,
     spot,
 )
-from ..core.schedule import Drawn, Duration
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
@@ -116,7 +113,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         larger = isinstance(trial.seed, int) and trial.seed > 0
         found = "a larger one" if larger else repr(trial.seed)
         yield f"must be a whole number from 0 to 2**63 - 1, not {found}", ("seed",)
-    yield from _below(_rule_faults(trial.rules), "rules")
+    yield from _below(range_faults(trial.rules), "rules")
     yield from _planner_faults(trial.planner, trial, "planner")
     taken = {GANTRY, *(lane.name for lane in trial.floorplan.lanes), *trial.machines}
     for k, person in enumerate(trial.people):
@@ -176,47 +173,6 @@ def _size(value: float | None, *place: str | int) -> Iterator[Fault]:
         yield fault, place
 
 
-def _plain(value: Drawn | None) -> float:
-    return float(value) if isinstance(value, float | int) else 0.0
-
-
-def _drawn_faults(value: Drawn | None, *place: str | int) -> Iterator[Fault]:
-    """Yield what can't be about a figure that may be drawn."""
-    if isinstance(value, tuple):
-        if not SMALLEST <= value[0] <= value[1] <= LARGEST:
-            yield f"must be [least, most], above 0, not {[*value]}", place
-    elif isinstance(value, Duration):
-        if not value.values or not all(0 <= one <= LARGEST for one in value.values):
-            yield f"must be drawn from figures from 0 to {LARGEST:g}, not {value.values!r}", place
-    else:
-        yield from _size(value, *place)
-
-
-def _time(value: float, *place: str | int) -> Iterator[Fault]:
-    if fault := time_fault(value):
-        yield fault, place
-
-
-def _rule_faults(rules: RuleSet) -> Iterator[Fault]:
-    for name in ("gantry_disabled", "grace", "pause_after_violation", "pause_after_agv"):
-        yield from _time(getattr(rules, name), name)
-    for name, seconds in rules.reactions.items():
-        yield from _time(seconds, "reactions", name)
-    if rules.gantry_disabled == 0:
-        yield NO_TIME, ("gantry_disabled",)
-    for name, known in (("machine", MachineMeasure), ("person", PersonMeasure)):
-        if (value := getattr(rules, name)) not in get_args(known):
-            yield f"must be one of {', '.join(get_args(known))}, not {value!r}", (name,)
-    if not abs(rules.agv_offset) <= LARGEST:
-        yield f"must be a length in metres, not {rules.agv_offset!r}", ("agv_offset",)
-    yield from _size(rules.report_every, "report_every")
-    yield from _size(rules.between_people, "between_people")
-    yield from _time(rules.notice.silent, "notice", "silent")
-    if not rules.notice.parting > 0:
-        yield f"must be more than 0, not {rules.notice.parting!r}", ("notice", "parting")
-    yield from _size(rules.notice.every, "notice", "every")
-
-
 # ---- people
 
 
@@ -226,19 +182,11 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         yield message, ("name",)
     yield from _personality_faults(person, trial)
     yield from range_faults(person)
-    yield from _drawn_faults(person.max_speed, "max_speed")
-    for name in ("field_of_view", "reaction_time"):
-        yield from _drawn_faults(getattr(person.noticing, name), "noticing", name)
-    view = person.noticing.field_of_view
-    if max(view if isinstance(view, tuple) else (_plain(view),)) > 360.0:
-        yield f"must be at most 360 degrees, not {view!r}", ("noticing", "field_of_view")
     if person.recorded is None:
         yield from _place_faults(person, trial)
     for message in track_faults(person, trial):
         yield message, ("recorded",)
     yield from _coming_faults(person, trial)
-    yield from _below(_manners_faults(person.manners), "manners")
-    yield from _spread_faults(person.agent_lag, 0, "agent_lag")
     if person.agent_lag is not None and person.personality == EXTERNAL:
         message = "a person commanded from outside has no agent of its own; leave it out"
         yield message, ("agent_lag",)
@@ -319,22 +267,6 @@ def _group_faults(trial: Scenario) -> Iterator[Fault]:
             least, most = min(GROUPS), max(GROUPS)
             message = f"a group has from {least} to {most} people, and {group!r} has {count}"
             yield message, ("people", groups.index(group), "group")
-
-
-_LEAST_MANNERS = {"comfort": 0, "time_gap": 0, "foresight": 0.5, "reaction_time": 0, "patience": 0}
-
-
-def _spread_faults(value: Spread | None, least: float, name: str) -> Iterator[Fault]:
-    low, high = value if isinstance(value, tuple) else (value, value)
-    if low is not None and high is not None and not least <= low <= high <= LARGEST:
-        yield f"must be {least} or more, or [least, most] of that, not {value!r}", (name,)
-
-
-def _manners_faults(manners: MannersEntry) -> Iterator[Fault]:
-    for name, least in _LEAST_MANNERS.items():
-        yield from _spread_faults(getattr(manners, name), least, name)
-    if manners.passing_side not in (None, *get_args(Side)):
-        yield f"must be right or left, not {manners.passing_side!r}", ("passing_side",)
 
 
 def _crowding(trial: Scenario) -> Iterator[Fault]:

@@ -38,7 +38,7 @@ from ..core.schedule import DoorTimes, Intervals, Length, TimedObstacle, WorkLis
 from ..machines.agv.model import AgvKeys
 from .checks import LARGEST_SEED
 from .feasibility import command_faults
-from .rules_file import RuleKeys
+from .rules_file import RuleForm, RuleKeys
 
 _Made = TypeVar("_Made", bound=Scenario)
 
@@ -218,7 +218,7 @@ class TrialKeys(Strictly):
     folder: str = "."
     duration: Length = 275.0
     seed: Annotated[int, whole(0, LARGEST_SEED)] = 0
-    rules: RuleKeys = RuleKeys.model_validate(PAPER.name)
+    rules: Annotated[RuleKeys, Written(RuleForm)] = RuleKeys.model_validate(PAPER.name)
     planner: Planner = USUAL_PLANNER
     people: list[PersonKeys] = []
     steering: str | None = None

@@ -10,13 +10,13 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, fields, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any, get_type_hints
 
-from pydantic import AfterValidator, model_validator
+from pydantic import create_model, model_validator
 
 from floorplan import InputError, Problem, UserError
 from floorplan.files.documents import Document, read_yaml
-from floorplan.files.fields import LARGEST, NotNegative, Number, Positive, Strictly
+from floorplan.files.fields import LARGEST, NotNegative, Positive, Strictly
 from floorplan.files.problems import suggestion
 from floorplan.files.reading import is_file
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
@@ -24,12 +24,11 @@ from navigation.separation import AnyLaw
 
 from ..core.custom_code import find_code
 from ..core.rules import (
-    NO_TIME,
     PAPER,
     RULE_SETS,
+    Lasting,
     MachineMeasure,
     Notice,
-    PersonMeasure,
     RuleSet,
     rule_set,
 )
@@ -143,16 +142,6 @@ class RulesError(InputError):
     """A file that holds no rule set."""
 
 
-def _lasting(seconds: float) -> float:
-    if seconds == 0:
-        raise UserError(NO_TIME)
-    return seconds
-
-
-Lasting = Annotated[NotNegative, AfterValidator(_lasting)]
-"""Time for which a machine is disabled, seconds."""
-
-
 class NoticeKeys(Strictly):
     """Terms of noticing the gantry; what is left out is as in the rule set it is based on."""
 
@@ -173,7 +162,8 @@ class Disable(Strictly):
 class RuleKeys(Strictly):
     """A rule set; what is left out is as in the one it is based on.
 
-    Or only text: the name of a built-in one, or a file (`source`).
+    Or only text: the name of a built-in one, or a file (`source`). These are the keys that are
+    more, or something else, than the fields of a `RuleSet`: `RuleForm` has all.
     """
 
     source: str | None = None
@@ -182,16 +172,7 @@ class RuleKeys(Strictly):
     gantry_law: Terms | None = None
     agv_law: Terms | None = None
     laws: dict[str, Terms] = {}
-    agv_offset: Number | None = None
     notice: NoticeKeys = NoticeKeys()
-    machine: MachineMeasure | Disable | None = None
-    person: PersonMeasure | None = None
-    gantry_disabled: Lasting | None = None
-    grace: NotNegative | None = None
-    report_every: Positive | None = None
-    pause_after_violation: NotNegative | None = None
-    pause_after_agv: NotNegative | None = None
-    between_people: Positive | None = None
     reactions: dict[str, NotNegative] = {}
 
     @model_validator(mode="before")
@@ -204,6 +185,18 @@ class RuleKeys(Strictly):
         return value
 
 
+_HINTS = get_type_hints(RuleSet, include_extras=True) | {"machine": MachineMeasure | Disable}
+_ALIKE: dict[str, Any] = {
+    key.name: (_HINTS[key.name] | None, None)
+    for key in fields(RuleSet)
+    if key.compare and key.name not in RuleKeys.model_fields
+}
+"""Keys whose values are those of the fields of the same name, with their types and defaults."""
+
+RuleForm = create_model("RuleForm", __base__=RuleKeys, **_ALIKE)
+"""All keys of a rule set in a file."""
+
+
 def load_rules(path: str | Path, *, own_code: bool = True) -> RuleSet:
     """Return the rule set in the YAML file at `path`; laws of one's own stand beside it.
 
@@ -212,7 +205,7 @@ def load_rules(path: str | Path, *, own_code: bool = True) -> RuleSet:
     """
     path = Path(path)
     document = read_yaml(path, RulesError)
-    keys = document.checked(RuleKeys, RulesError)
+    keys = document.checked(RuleForm, RulesError)
     rules, problems = build_rules(keys, document, path.parent, own_code=own_code)
     if problems:
         raise RulesError(document.file, problems)
@@ -282,20 +275,11 @@ def build_rules(
 
 def _plain(keys: RuleKeys) -> dict[str, Any]:
     """Return what the keys say as it stands; what is left out or null is as in the base."""
-    given = {key: getattr(keys, key) for key in _PLAIN if key in keys.model_fields_set}
-    if isinstance(keys.machine, Disable):
-        given |= {"machine": "disable", "gantry_disabled": keys.machine.disable}
+    given = {key: getattr(keys, key) for key in _ALIKE if key in keys.model_fields_set}
+    if isinstance(measure := given.get("machine"), Disable):
+        given |= {"machine": "disable", "gantry_disabled": measure.disable}
     may_be_none = "report_every"
     return {key: value for key, value in given.items() if value is not None or key == may_be_none}
-
-
-_PLAIN = [
-    name
-    for name in RuleKeys.model_fields
-    if name in {field.name for field in fields(RuleSet)}
-    and name not in ("name", "gantry_law", "agv_law", "laws", "notice", "reactions")
-]
-"""Keys whose values are those of the fields of the same name."""
 
 
 def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:
@@ -336,7 +320,7 @@ def written_rules(rules: RuleSet) -> str | dict[str, Any]:
         },
         **{
             key: value
-            for key in _PLAIN
+            for key in _ALIKE
             for value in (getattr(rules, key),)
             if value is not None or key != "between_people"
         },

@@ -18,7 +18,7 @@ from floorplan.files.problems import form_keys, forms
 from sim.core.schedule import DoorTimes
 from sim.machines.gantry.controllers import CONTROLLERS
 from sim.trials.keys import PersonKeys, TrialKeys
-from sim.trials.rules_file import RuleKeys
+from sim.trials.rules_file import RuleForm
 from sim.trials.writing import own_names
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -229,7 +229,7 @@ def keys_in(form, written):
 def forms_below(form):
     """The form, and all those in its keys."""
     inner = {one for _, annotation in form_keys(form) for one in forms(annotation)}
-    return {form}.union(*map(forms_below, inner - {RuleKeys}))  # see test_rules_file.py
+    return {form}.union(*map(forms_below, inner - {RuleForm}))  # see test_rules_file.py
 
 
 def test_every_key_is_read_and_written(tmp_path):
