@@ -170,14 +170,13 @@ class Simulation(InProgress):
         self._stage = Stage(
             floorplan=trial.floorplan,
             rules=trial.rules,
-            folder=trial.folder,
+            code_folder=trial.code_folder,
             end=trial.duration,
             clock=self.clock,
             record=recording_to(self._listener, lambda: self.clock.now),
             triggers=triggers,
             world=CollisionWorld(trial.floorplan),
             fastest=_fastest(people, walks),
-            own_code=trial.own_code,
             closures=closures,
         )
         self.world = self._stage.world

@@ -110,9 +110,10 @@ def _study(path: Path, own_code: bool) -> str:
 def _program(file: str) -> str:
     import bdi
 
+    from ..core.custom_code import CodeFolder
     from ..people.programs import load_program
 
-    program = load_program(file, Path())
+    program = load_program(file, CodeFolder())
     assert program is not None  # it is no name of somebody outside
     _print_doubts(bdi.doubts(program))
     return f"a program of {_number(len(program.plans), 'plan')}"

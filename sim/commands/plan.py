@@ -69,6 +69,7 @@ def plan(
     import navigation
     from navigation.catalog import PlannerChoice
 
+    from ..core.custom_code import CodeFolder
     from ..people.programs import find_planner
 
     world = navigation.CollisionWorld(floors.load(floorplan))
@@ -76,7 +77,7 @@ def plan(
         _move(world, name, place)
     parameters = {name: _value(text) for name, text in _pairs(parameter or [], "--parameter")}
     choice = PlannerChoice() if planner is None else PlannerChoice.of(planner)
-    seeker = navigation.PathPlanner(world, radius, planner=find_planner(choice, Path()))
+    seeker = navigation.PathPlanner(world, radius, planner=find_planner(choice, CodeFolder()))
     begin = time.process_time()
     planned = seeker.plan((x0, y0), (x1, y1), parameters=parameters, seed=seed)
     cpu_seconds = time.process_time() - begin
@@ -293,6 +294,7 @@ def _planner(text: str) -> str | PlannerChoice:
     from navigation.benchmark import PEERS
     from navigation.catalog import PlannerChoice
 
+    from ..core.custom_code import CodeFolder
     from ..people.programs import find_planner
 
     if text in PEERS:
@@ -300,7 +302,7 @@ def _planner(text: str) -> str | PlannerChoice:
     choice = None
     try:
         choice = PlannerChoice.of(text)
-        return find_planner(choice, Path.cwd())
+        return find_planner(choice, CodeFolder())
     except UserError as why:
         known = [info.name for info in planners()]
         unknown = choice is not None and not choice.is_own and choice.name not in known

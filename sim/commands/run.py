@@ -172,6 +172,7 @@ def changed(
     """Return the trial as the options change it; `TrialError` if it can't be run so."""
     from floorplan.files.reading import is_file
 
+    from ..core.custom_code import CodeFolder
     from ..machines.gantry.controllers import controller_source
     from ..people.programs import with_planner
     from ..trials.building import lasting
@@ -183,7 +184,7 @@ def changed(
         path = Path(personality)
         trial = trial.with_personality(str(path.resolve()) if is_file(path) else personality)
     if controller is not None:
-        controller_source(controller, trial.folder, own_code=trial.own_code)
+        controller_source(controller, trial.code_folder)
         trial = replace(trial, gantry=replace(trial.gantry, controller=controller))
     if planner is not None:
         trial = with_planner(trial, planner)
@@ -192,7 +193,7 @@ def changed(
     if seed is not None:
         trial = replace(trial, seed=seed)
     if rules is not None:
-        trial = replace(trial, rules=find_rules(rules, own_code=trial.own_code))
+        trial = replace(trial, rules=find_rules(rules, CodeFolder(allowed=trial.own_code)))
     if commands is not None:
         trial = commanded(trial, commands)
     check(trial)

@@ -111,61 +111,63 @@ class CustomCode:
         return _fault(self.kind, self.name, message)
 
 
-def find_code(name: str, folder: Path, kind: Kind, *, own_code: bool = True) -> CustomCode:
-    """Return the definition of `package.module:name`, a module or package right in `folder`.
+@dataclass(frozen=True)
+class CodeFolder:
+    """Folder in which custom code stands; unless it is `allowed` there, all of it is refused."""
 
-    Nothing is imported. The error of the `kind` is raised if there is no such file, if it cannot
-    be parsed, if it defines no class or function of that name at its top level, or without
-    `own_code`.
-    """
-    module, colon, attribute = name.partition(":")
-    if not colon and kind.builtin:
-        raise kind.error(
-            f"no {kind.noun} is called {name!r}; {suggestion(name, kind.builtin)};"
-            " your own is package.module:name"
-        )
-    if not (colon and _is_name(attribute)):
-        raise _fault(kind, name, "is not of the form package.module:name")
-    found = _located(name, module, attribute, folder, kind, own_code)
-    definitions = found.definitions()
-    if attribute not in definitions:
-        hint = f"; {suggestion(attribute, definitions)}" if definitions else ""
-        raise _fault(
-            kind,
-            name,
-            f"can't be found: {found.file.name} defines no class or function {attribute!r} at its"
-            f" top level{hint}",
-        )
-    return replace(found, line=definitions[attribute].lineno)
+    path: Path = Path()
+    allowed: bool = True
 
+    def find(self, name: str, kind: Kind) -> CustomCode:
+        """Return the definition of `package.module:name`, a module or package right in the folder.
 
-def find_module(name: str, folder: Path, kind: Kind, *, own_code: bool = True) -> CustomCode:
-    """Return the module called `name` in `folder`. Errors are as of `find_code`."""
-    return _located(name, name, "", folder, kind, own_code)
+        Nothing is imported. The error of the `kind` is raised if there is no such file, if it
+        cannot be parsed, if it defines no class or function of that name at its top level, or if
+        it is refused.
+        """
+        module, colon, attribute = name.partition(":")
+        if not colon and kind.builtin:
+            raise kind.error(
+                f"no {kind.noun} is called {name!r}; {suggestion(name, kind.builtin)};"
+                " your own is package.module:name"
+            )
+        if not (colon and _is_name(attribute)):
+            raise _fault(kind, name, "is not of the form package.module:name")
+        found = self._located(name, module, attribute, kind)
+        definitions = found.definitions()
+        if attribute not in definitions:
+            hint = f"; {suggestion(attribute, definitions)}" if definitions else ""
+            raise _fault(
+                kind,
+                name,
+                f"can't be found: {found.file.name} defines no class or function {attribute!r} at"
+                f" its top level{hint}",
+            )
+        return replace(found, line=definitions[attribute].lineno)
 
+    def find_module(self, name: str, kind: Kind) -> CustomCode:
+        """Return the module called `name` in the folder. Errors are as of `find`."""
+        return self._located(name, name, "", kind)
 
-def _located(
-    name: str, module: str, attribute: str, folder: Path, kind: Kind, own_code: bool
-) -> CustomCode:
-    parts = module.split(".")
-    if not all(map(_is_name, parts)):
-        raise _fault(kind, name, "is not of the form package.module:name")
-    if not own_code:
-        raise kind.error(f"the {kind.noun} {name!r}: {REFUSED}")
-    path = folder.resolve().joinpath(*parts)
-    file = next(filter(is_file, (path / "__init__.py", path.parent / f"{path.name}.py")), None)
-    if file is None:
-        hint = "code of your own stands beside the file that names it"
-        if parts[-1] == "py":
-            hint = f"a module is named without its ending: {'.'.join(parts[:-1])}:{attribute}"
-        where = f"there is no {'/'.join(parts)}.py in {folder.resolve()}"
-        raise _fault(kind, name, f"can't be found: {where}; {hint}")
-    if parts[0] in sys.stdlib_module_names:
-        message = f"Python itself has a module {parts[0]!r}; give yours another name"
-        raise _fault(kind, name, f"can't be imported: {message}")
-    return CustomCode(
-        folder=folder.resolve(), module=module, file=file, kind=kind, attribute=attribute
-    )
+    def _located(self, name: str, module: str, attribute: str, kind: Kind) -> CustomCode:
+        parts = module.split(".")
+        if not all(map(_is_name, parts)):
+            raise _fault(kind, name, "is not of the form package.module:name")
+        if not self.allowed:
+            raise kind.error(f"the {kind.noun} {name!r}: {REFUSED}")
+        folder = self.path.resolve()
+        path = folder.joinpath(*parts)
+        file = next(filter(is_file, (path / "__init__.py", path.parent / f"{path.name}.py")), None)
+        if file is None:
+            hint = "code of your own stands beside the file that names it"
+            if parts[-1] == "py":
+                hint = f"a module is named without its ending: {'.'.join(parts[:-1])}:{attribute}"
+            where = f"there is no {'/'.join(parts)}.py in {folder}"
+            raise _fault(kind, name, f"can't be found: {where}; {hint}")
+        if parts[0] in sys.stdlib_module_names:
+            message = f"Python itself has a module {parts[0]!r}; give yours another name"
+            raise _fault(kind, name, f"can't be imported: {message}")
+        return CustomCode(folder=folder, module=module, file=file, kind=kind, attribute=attribute)
 
 
 def _fault(kind: Kind, name: str, message: str) -> UserError:

@@ -29,6 +29,7 @@ from floorplan.files.problems import Written
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
+from .custom_code import CodeFolder
 from .entries import (
     ALL_ROUND,
     AS_USUAL,
@@ -535,6 +536,11 @@ class Scenario:
     blackouts: tuple[Blackout, ...] = ()
     commands: tuple[Command, ...] = ()
     sources: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def code_folder(self) -> CodeFolder:
+        """The folder in which the code stands that it names."""
+        return CodeFolder(self.folder, self.own_code)
 
     def leader(self, person: PersonEntry) -> PersonEntry | None:
         """Return whom somebody walks with: the first of their group, None for that one."""

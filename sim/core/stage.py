@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
 from pydantic import ConfigDict, TypeAdapter
@@ -19,6 +18,7 @@ from navigation.machines import Stop
 
 from .body import Body, Category, Machine, MachineShape
 from .clock import Clock, InProgress
+from .custom_code import CodeFolder
 from .entries import Start
 from .events import DoorClosed, DoorOpened, EventKind, ObstacleCame, ObstacleWent
 from .recorder import Event, Record
@@ -178,14 +178,13 @@ class Stage(InProgress):
 
     floorplan: Floorplan
     rules: RuleSet
-    folder: Path
+    code_folder: CodeFolder
     end: float
     clock: Clock
     record: Record
     triggers: Triggers
     world: CollisionWorld
     fastest: float
-    own_code: bool = True
     people: Sequence[Bystander] = ()
     machines: dict[str, Machine] = field(default_factory=dict)
     on_rest: list[Callable[[Machine], None]] = field(default_factory=list)

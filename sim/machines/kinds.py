@@ -7,7 +7,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, is_dataclass
-from pathlib import Path
 
 from pydantic import ValidationError
 
@@ -17,7 +16,7 @@ from navigation import IntegralLaw, SeparationLaw
 from navigation.separation import required_at_speeds
 
 from ..core.body import Category, Machine, MachineShape
-from ..core.custom_code import CustomCode, Kind, find_code
+from ..core.custom_code import CodeFolder, CustomCode, Kind
 from ..core.scenario import AgvMove, GantryEntry, Scenario
 from ..core.stage import MachineEntry, MachineModel, Stage
 from ..safety.laws import OwnLaw
@@ -124,7 +123,7 @@ def keys_of(entry: MachineEntry, scenario: Scenario) -> list[str] | None:
     `MachineError` if there is no such kind.
     """
     if is_own(entry):
-        own_kind(entry, scenario.folder, own_code=scenario.own_code)
+        own_kind(entry, scenario.code_folder)
         return None
     kind = entry.kind if isinstance(entry.kind, type) else KINDS[entry.kind]
     return [name for name, _ in form_keys(kind.key_schema or kind)]
@@ -152,7 +151,7 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
             yield f"another machine is called {name!r} already", (name,)
         try:
             if is_own(entry):
-                own_kind(entry, scenario.folder, own_code=scenario.own_code)
+                own_kind(entry, scenario.code_folder)
                 continue
             kind = _kind(name, entry, scenario)
             model = kind.read(name, entry.keys)
@@ -181,9 +180,9 @@ def moves_of(scenario: Scenario) -> Iterator[tuple[Place, Sequence[AgvMove]]]:
                     yield ("machines", name), model.moves
 
 
-def own_kind(entry: MachineEntry, folder: Path, *, own_code: bool = True) -> CustomCode:
+def own_kind(entry: MachineEntry, folder: CodeFolder) -> CustomCode:
     """Return the source of a machine's own kind, which is not imported; `MachineError` if none."""
-    return find_code(str(entry.kind), folder, MODEL, own_code=own_code)
+    return folder.find(str(entry.kind), MODEL)
 
 
 def _vehicles(scenario: Scenario) -> set[str]:
@@ -196,7 +195,7 @@ def _kind(name: str, entry: MachineEntry, scenario: Scenario) -> type[MachineMod
     if entry.kind in KINDS:
         return KINDS[entry.kind]
     try:
-        source = own_kind(entry, scenario.folder, own_code=scenario.own_code)
+        source = own_kind(entry, scenario.code_folder)
         found: type[MachineModel] = source.load()
     except MachineError as why:
         raise MachineError(f"the machine {name!r}: {why}") from why

@@ -268,8 +268,7 @@ def doubts_in(scenario: Scenario) -> tuple[bdi.ProgramProblem, ...]:
         for personality in (person.personality, *(one.personality for one in person.changes))
     }
     programs = [
-        load_program(personality, scenario.folder, modules, own_code=scenario.own_code)
-        for personality, modules in used
+        load_program(personality, scenario.code_folder, modules) for personality, modules in used
     ]
     found = (doubt for one in programs if one is not None for doubt in doubts_of(one))
     return tuple(dict.fromkeys(found))

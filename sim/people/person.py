@@ -315,7 +315,7 @@ class Person:
         if not isinstance(self.mind, bdi.Agent):
             raise UserError(f"{self.name} is told from outside what to do")
         if not isinstance(personality, bdi.Program):
-            personality = bdi.load(find_program(str(personality), self._stage.folder))
+            personality = bdi.load(find_program(str(personality), self._stage.code_folder.path))
         change = partial(self._become, personality)
         self._clock.call_at(self._clock.now, change, Turn.NOTICE)
 

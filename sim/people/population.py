@@ -158,7 +158,7 @@ class Population:
         stage, name = self._stage, self._scenario.steering
         if name is None:
             return Crowd(stage)
-        return Crowd(stage, find_steering(name, stage.folder, own_code=stage.own_code))
+        return Crowd(stage, find_steering(name, stage.code_folder))
 
     @property
     def deadlocks(self) -> int:
@@ -171,7 +171,7 @@ class Population:
         known = self._planners.get((world, radius, choice))
         if known is None:
             stage, seed = self._stage, self._scenario.seed % SEEDS
-            found = find_planner(choice, stage.folder, own_code=stage.own_code)
+            found = find_planner(choice, stage.code_folder)
             known = PathPlanner(world, radius, planner=found, seed=seed, keep=MOST_PATHS)
             self._planners[world, radius, choice] = known
         return known

@@ -22,12 +22,11 @@ from navigation import PlannerError
 from navigation.catalog import PlannerChoice
 
 from ..core.custom_code import (
+    CodeFolder,
     CustomCode,
     Definition,
     Kind,
     OwnCodeError,
-    find_code,
-    find_module,
 )
 from ..core.scenario import PersonEntry, Scenario, TrialError
 
@@ -63,7 +62,7 @@ def modules_of(of_person: str | None, of_trial: str | None) -> tuple[str, ...]:
 
 
 def sources_of(
-    personality: str | bdi.Program | Path, modules: Sequence[str], folder: Path, *, own_code: bool
+    personality: str | bdi.Program | Path, modules: Sequence[str], folder: CodeFolder
 ) -> list[CustomCode]:
     """Return the modules with the actions that a person's program may use; none is imported.
 
@@ -72,20 +71,17 @@ def sources_of(
     `OwnCodeError` says what is missing, or that own code is refused.
     """
 
-    def found_in(place: Path, module: str) -> CustomCode:
-        return find_module(module, place, ACTIONS, own_code=own_code)
-
-    found = [found_in(folder, module) for module in modules]
+    found = [folder.find_module(module, ACTIONS) for module in modules]
     for source in found:
         if not _names_in(source):
             raise OwnCodeError(f"{source.name!r} has no {ACTIONS.words}")
-    program = _file_of(personality, folder)
+    program = _file_of(personality, folder.path)
     if program is not None and program.parent.name == program.stem:
         place = program.parent
         for file in sorted(place.glob("*.py")):
             source = CustomCode(folder=place, module=file.stem, file=file, kind=ACTIONS)
             if _names_in(source):
-                found.append(found_in(place, file.stem))
+                found.append(replace(folder, path=place).find_module(file.stem, ACTIONS))
     return found
 
 
@@ -149,10 +145,8 @@ def find_program(personality: str, folder: Path) -> str | Path:
 
 def load_program(
     personality: str | bdi.Program,
-    folder: Path,
+    folder: CodeFolder,
     modules: Sequence[str] = (),
-    *,
-    own_code: bool = True,
 ) -> bdi.Program | None:
     """Return the program of a personality; None for somebody who runs none (`EXTERNAL`).
 
@@ -162,8 +156,8 @@ def load_program(
     if personality == EXTERNAL:
         return None
     if isinstance(personality, str):
-        personality = bdi.load(find_program(personality, folder))
-    _try_out(personality, names_of(sources_of(personality, modules, folder, own_code=own_code)))
+        personality = bdi.load(find_program(personality, folder.path))
+    _try_out(personality, names_of(sources_of(personality, modules, folder)))
     return personality
 
 
@@ -208,12 +202,12 @@ class Programs:
     def _loaded(
         self, personality: str | bdi.Program, actions: str | None, is_led: bool
     ) -> tuple[bdi.Program, bdi.InternalActions | None]:
-        folder, own_code = self._scenario.folder, self._scenario.own_code
+        folder = self._scenario.code_folder
         modules = modules_of(actions, self._scenario.actions)
-        program = load_program(personality, folder, modules, own_code=own_code)
+        program = load_program(personality, folder, modules)
         if program is None:
             raise UserError(f"who is {personality!r} runs no program")
-        own = sources_of(program, modules, folder, own_code=own_code)
+        own = sources_of(program, modules, folder)
         return in_group(program) if is_led else program, import_actions(own) if own else None
 
 
@@ -262,23 +256,21 @@ def planner_of(entry: PersonEntry, scenario: Scenario) -> PlannerChoice:
 def with_planner(scenario: _Made, planner: PlannerChoice | str) -> _Made:
     """Return the same scenario in which everybody has this planner."""
     choice = PlannerChoice.of(planner)
-    planner_source(choice, scenario.folder, own_code=scenario.own_code)
+    planner_source(choice, scenario.code_folder)
     people = tuple(replace(person, planner=None) for person in scenario.people)
     return replace(scenario, planner=choice, people=people)
 
 
-def find_planner(choice: PlannerChoice, folder: Path, *, own_code: bool = True) -> PlannerChoice:
+def find_planner(choice: PlannerChoice, folder: CodeFolder) -> PlannerChoice:
     """Return `choice`, ready to be asked: one of the user's own, in `folder`, is imported.
 
-    Without `own_code` that is refused. `PlannerError` says what is missing.
+    `PlannerError` says what is missing.
     """
-    source = planner_source(choice, folder, own_code=own_code)
+    source = planner_source(choice, folder)
     return choice if source is None else _checked(replace(choice, kind=source.load()))
 
 
-def planner_source(
-    choice: PlannerChoice, folder: Path, *, own_code: bool = True
-) -> CustomCode | None:
+def planner_source(choice: PlannerChoice, folder: CodeFolder) -> CustomCode | None:
     """Return the source of a planner of the user's own, which is not imported; None for others.
 
     `PlannerError` if it is not there, or if its parameters are none that every planner has.
@@ -286,7 +278,7 @@ def planner_source(
     _checked(choice)
     if not choice.is_own or choice.kind is not None:
         return None
-    return find_code(choice.name, folder, PLANNER, own_code=own_code)
+    return folder.find(choice.name, PLANNER)
 
 
 def _checked(choice: PlannerChoice) -> PlannerChoice:

@@ -25,7 +25,7 @@ from navigation import (
 from navigation.separation import AnyLaw, is_of_motions, required_along
 
 from ..core.body import Plans
-from ..core.custom_code import Kind, argument_fault, find_code, in_words, line_in
+from ..core.custom_code import CodeFolder, Kind, argument_fault, in_words, line_in
 from ..core.rules import RuleSet
 
 _Answer = TypeVar("_Answer")
@@ -103,7 +103,7 @@ class OwnLaw:
         return self.name, self.terms, self.folder
 
     def _make(self) -> None:
-        source = find_code(self.name, self.folder, LAW)
+        source = CodeFolder(self.folder).find(self.name, LAW)
         form = source.load()
         if fault := argument_fault(form, self.terms):
             raise LawError(f"the law {self}: {fault}")

@@ -28,7 +28,7 @@ from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
 from ..machines.kinds import is_own, own_kind
 from ..people.programs import load_program, modules_of, planner_of, planner_source, sources_of
-from ..people.steering.own_steering import steering_source
+from ..people.steering.own_steering import STEERING
 from ..people.tracks.recorded_walks import files_of
 from ..record.outcome import csv_line
 from ..record.output import OutputError, replacing, write_whole, writing
@@ -69,10 +69,10 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
         modules = modules_of(person.actions, trial.actions)
         named: list[PersonEntry | PersonalityChange] = [person, *person.changes]
         for one in named:
-            program = load_program(one.personality, trial.folder, modules, own_code=trial.own_code)
+            program = load_program(one.personality, trial.code_folder, modules)
             yield f"the program {one.personality_name}", _digest(str(program))
             if program is not None:
-                for module in sources_of(program, modules, trial.folder, own_code=True):
+                for module in sources_of(program, modules, trial.code_folder):
                     text = module.file.read_text(encoding="utf-8")
                     yield f"the actions {module.module}", _digest(text)
         if isinstance(person.recorded, RecordedTrack):
@@ -81,23 +81,24 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
                 track.update(part.read_bytes())
             yield f"the track {person.recorded.file}", track.hexdigest()[:16]
         choice = planner_of(person, trial)
-        source = planner_source(choice, trial.folder)
+        source = planner_source(choice, trial.code_folder)
         if source is not None:
             yield f"the planner {choice.name}", _digest(source.file.read_text(encoding="utf-8"))
     if trial.steering is not None:
-        source = steering_source(trial.steering, trial.folder)
+        source = trial.code_folder.find(trial.steering, STEERING)
         yield f"the steering {trial.steering}", _digest(source.file.read_text(encoding="utf-8"))
     if trial.workload is not None:
         yield f"the orders of {trial.name}", _digest(repr(trial.workload))
     controller = trial.gantry.controller
-    own = controller_source(controller, trial.folder)
-    file = own.file if own else inspect.getsourcefile(find_controller(controller, trial.folder))
+    folder = trial.code_folder
+    own = controller_source(controller, folder)
+    file = own.file if own else inspect.getsourcefile(find_controller(controller, folder))
     if file is not None:
         name = trial.gantry.controller_name
         yield f"the controller {name}", _digest(Path(file).read_text(encoding="utf-8"))
     for name, entry in trial.machines.items():
         if is_own(entry):
-            kind = own_kind(entry, trial.folder).file.read_text(encoding="utf-8")
+            kind = own_kind(entry, trial.code_folder).file.read_text(encoding="utf-8")
             yield f"the machine {name}", _digest(kind)
 
 

@@ -14,6 +14,7 @@ from floorplan.files.reading import is_file
 from floorplan.files.values import require_fields
 from navigation.catalog import PlannerChoice
 
+from ..core.custom_code import CodeFolder
 from ..core.entries import Start, is_number
 from ..core.scenario import Job, PersonEntry
 from ..core.stage import MachineEntry
@@ -177,7 +178,7 @@ def _personality(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 
 def _planner(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
     choice = PlannerChoice.of(_text(value))
-    planner_source(choice, trial.folder, own_code=trial.own_code)
+    planner_source(choice, trial.code_folder)
     return _people(trial, whose, lambda person: replace(person, planner=choice))
 
 
@@ -198,7 +199,7 @@ def _start_time(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 
 
 def _controller(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
-    controller_source(_text(value), trial.folder, own_code=trial.own_code)
+    controller_source(_text(value), trial.code_folder)
     return replace(trial, gantry=replace(trial.gantry, controller=value))
 
 
@@ -238,7 +239,7 @@ def _agv_delay(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 
 
 def _rules(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
-    rules = find_rules(_text(value), folder, own_code=trial.own_code)
+    rules = find_rules(_text(value), CodeFolder(folder, trial.own_code))
     return replace(trial, rules=rules)
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from floorplan.files.documents import Document, read_yaml
 
-from ..core.custom_code import is_ours
+from ..core.custom_code import CodeFolder, is_ours
 from ..core.scenario import TrialError
 from ..record.output import write_whole
 from ..record.summary import trial_figures_in_words
@@ -128,7 +128,7 @@ class TrialFile(pytest.File):
         try:
             document = read_yaml(self.path, TrialError)
             own_code = not self.config.getoption("--no-own-code")
-            trial = build(Trial, document, self.path.parent, own_code)
+            trial = build(Trial, document, CodeFolder(self.path.parent, own_code))
             if "expect" in document.data:
                 yield TrialItem.from_parent(self, name=trial.name, trial=trial, document=document)
         except Exception as why:

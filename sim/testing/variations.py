@@ -14,6 +14,7 @@ import pytest
 import bdi
 from floorplan import UserError
 
+from ..core.custom_code import CodeFolder
 from ..core.rules import RULE_SETS, RuleSet
 from ..machines.gantry.controllers import CONTROLLERS, controller_source
 from ..people.programs import EXTERNAL, find_program
@@ -48,7 +49,7 @@ def vary(metafunc: pytest.Metafunc) -> None:
     """Run a test once for every combination of what its markers give."""
     choices = []
     own_code = not metafunc.config.getoption("--no-own-code")
-    place = _Place(metafunc.definition.path.parent, own_code)
+    place = CodeFolder(metafunc.definition.path.parent, own_code)
     for marker, option in _OPTIONS.items():
         mark = metafunc.definition.get_closest_marker(marker)
         if mark is not None:
@@ -78,14 +79,6 @@ def find_trial(source: str | Path, folder: Path, *, own_code: bool) -> Trial:
 
 
 @dataclass(frozen=True)
-class _Place:
-    """The folder of a test, from which its files are seen; and if it may name code there."""
-
-    folder: Path
-    own_code: bool
-
-
-@dataclass(frozen=True)
 class _Option:
     """Values of a marker: all there are by the word "all", or by a pattern; what is made of one.
 
@@ -93,7 +86,7 @@ class _Option:
     """
 
     every: Iterable[str]
-    read: Callable[[Any, _Place], Trial | Change]
+    read: Callable[[Any, CodeFolder], Trial | Change]
 
 
 def _variation(made: Iterable[Trial | Change]) -> Variation:
@@ -108,7 +101,7 @@ def _variation(made: Iterable[Trial | Change]) -> Variation:
 
 
 def _choices(
-    marker: str, mark: pytest.Mark, option: _Option, place: _Place
+    marker: str, mark: pytest.Mark, option: _Option, place: CodeFolder
 ) -> list[tuple[str, Trial | Change]]:
     """Every value that a marker gives: its name, and what is made of it."""
     values: list[Any] = []
@@ -148,42 +141,39 @@ def _text(value: Any) -> str:
     return str(value)
 
 
-def _trial(value: Any, place: _Place) -> Trial:
+def _trial(value: Any, place: CodeFolder) -> Trial:
     if isinstance(value, Trial):
         return value
-    return find_trial(_text(value), place.folder, own_code=place.own_code)
+    return find_trial(_text(value), place.path, own_code=place.allowed)
 
 
-def _personality(value: Any, place: _Place) -> Change:
+def _personality(value: Any, place: CodeFolder) -> Change:
     name = _text(value)
-    path = place.folder / name
+    path = place.path / name
     chosen = str(path) if path.suffix == ".asl" or path.is_dir() else name
     if chosen != EXTERNAL:
-        find_program(chosen, place.folder)
+        find_program(chosen, place.path)
     return lambda trial: trial.with_personality(chosen)
 
 
-def _controller(value: Any, place: _Place) -> Change:
+def _controller(value: Any, place: CodeFolder) -> Change:
     given = value if callable(value) else _text(value)
-    controller_source(given, place.folder, own_code=place.own_code)
+    controller_source(given, place)
 
     def change(trial: Trial) -> Trial:
         # One that is named is looked up beside the test, as trials look beside themselves.
-        home = trial.folder if callable(given) or given in CONTROLLERS else place.folder
+        home = trial.folder if callable(given) or given in CONTROLLERS else place.path
         return replace(trial, folder=home, gantry=replace(trial.gantry, controller=given))
 
     return change
 
 
-def _rules(value: Any, place: _Place) -> Change:
-    if isinstance(value, RuleSet):
-        rules = value
-    else:
-        rules = find_rules(_text(value), place.folder, own_code=place.own_code)
+def _rules(value: Any, place: CodeFolder) -> Change:
+    rules = value if isinstance(value, RuleSet) else find_rules(_text(value), place)
     return lambda trial: replace(trial, rules=rules)
 
 
-def _seed(seed: Any, _: _Place) -> Change:
+def _seed(seed: Any, _: CodeFolder) -> Change:
     if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
         raise UserError(f"expected whole numbers of at least 0, found {seed!r}")
     return lambda trial: replace(trial, seed=seed)

@@ -16,7 +16,7 @@ from floorplan.files.problems import Fault, Place, suggestion
 from floorplan.files.reading import is_there
 from floorplan.loading import build as build_floor
 
-from ..core.custom_code import OwnCodeError
+from ..core.custom_code import CodeFolder, OwnCodeError
 from ..core.scenario import PersonEntry, Scenario, TrialError, spot
 from ..core.schedule import DoorTimes, Interval
 from ..core.stage import MachineEntry
@@ -151,24 +151,24 @@ def _places(trial: Scenario, data: dict[str, Any]) -> Iterator[Fault]:
                     yield message, ("floorplan", key, place.name, "concerns", k)
 
 
-def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -> _Made:
-    """Return the trial in `document`, which stands in `folder`. Errors as of `Trial.load`."""
+def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
+    """Return the trial in `document`, which stands in that folder. Errors as of `Trial.load`."""
     if is_ariac(document):
         from ..orders import reading
 
-        return replace(reading.build(form, document, folder), own_code=own_code)
+        return replace(reading.build(form, document, code.path), own_code=code.allowed)
     if other := _something_else(document):
         raise TrialError(document.file, [Problem(f"is {other}")])
     schema = document.checked(TrialKeys, TrialError, {"begins": begins_in(document.data)})
     _refuse_crowds(schema, document)
-    home, folder = folder, folder / schema.folder
+    folder = code.path / schema.folder
     name = Path(document.file).name.split(".")[0] if schema.name is None else schema.name
     plan = _floorplan(schema.floorplan, folder, document, name)
     lanes = {lane.name: lane for lane in plan.lanes}
     moves = sum(number_of(agv.moves, schema.duration) for agv in schema.agvs.values())
     if moves > MOST_MOVES:
         lanes = {}  # so that they stay as given, to be refused
-    rules, rule_problems = build_rules(schema.rules, document, folder, "rules", own_code=own_code)
+    rules, rule_problems = build_rules(schema.rules, document, replace(code, path=folder), "rules")
     alike = {key.name for key in fields(Scenario)} & TrialKeys.model_fields.keys()
     given: dict[str, Any] = {name: getattr(schema, name) for name in alike}
     given |= {
@@ -188,13 +188,13 @@ def build(form: type[_Made], document: Document, folder: Path, own_code: bool) -
         "obstacles": tuple(keys.value(name) for name, keys in schema.obstacles.items()),
         "commands": () if isinstance(schema.commands, str) else schema.commands,
     }
-    trial = form(**given, own_code=own_code)
+    trial = form(**given, own_code=code.allowed)
     if schema.ariac is not None:
         trial = _with_orders(trial, schema, schema.ariac, document)
     if isinstance(schema.commands, str):
         trial = commanded(trial, _named_file(folder, schema.commands, document, "commands"))
     problems = [*rule_problems, *_problems(trial, document)]
-    if fault := out_of_reach(trial, home):
+    if fault := out_of_reach(trial, code.path):
         problems.append(document.problem(fault, "folder"))
     if problems:
         raise TrialError(document.file, problems)
@@ -264,7 +264,7 @@ def people_of(schema: TrialKeys, folder: Path) -> tuple[PersonEntry, ...]:
     for personality, actions in dict.fromkeys(named):
         # One that isn't there is reported together with everything else that is wrong.
         with suppress(TrialError, OwnCodeError):
-            load_program(personality, folder, modules_of(actions, schema.actions))
+            load_program(personality, CodeFolder(folder), modules_of(actions, schema.actions))
     return people
 
 
@@ -303,7 +303,7 @@ def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
     yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
     if trial.floorplan.gantry is not None:
         try:
-            controller_source(trial.gantry.controller, trial.folder, own_code=trial.own_code)
+            controller_source(trial.gantry.controller, trial.code_folder)
         except ControllerError as why:
             yield document.problem(str(why), "gantry", "controller")
 

@@ -34,7 +34,7 @@ from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
 from ..people.programs import EXTERNAL, find_program, modules_of, planner_source, sources_of
-from ..people.steering.own_steering import SteeringError, steering_source
+from ..people.steering.own_steering import STEERING, SteeringError
 from ..people.tracks.recorded_walks import track_faults
 from .expectations import expectation_problems
 from .feasibility import (
@@ -123,11 +123,11 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         taken.add(person.name)
     if trial.steering is not None:
         try:
-            steering_source(trial.steering, trial.folder, own_code=trial.own_code)
+            trial.code_folder.find(trial.steering, STEERING)
         except SteeringError as why:
             yield str(why), ("steering",)
     try:
-        sources_of(EXTERNAL, modules_of(None, trial.actions), trial.folder, own_code=trial.own_code)
+        sources_of(EXTERNAL, modules_of(None, trial.actions), trial.code_folder)
     except OwnCodeError as why:
         yield str(why), ("actions",)
     yield from _overlaps(trial)
@@ -300,7 +300,7 @@ def _personality_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]
         try:
             given = one.personality
             modules = modules_of(person.actions, None)
-            sources_of(given, modules, trial.folder, own_code=trial.own_code)
+            sources_of(given, modules, trial.code_folder)
         except OwnCodeError as why:
             yield str(why), ("actions",)
 
@@ -348,7 +348,7 @@ def _place_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
 
 def _planner_faults(choice: PlannerChoice, trial: Scenario, *place: str) -> Iterator[Fault]:
     try:
-        planner_source(choice, trial.folder, own_code=trial.own_code)
+        planner_source(choice, trial.code_folder)
     except PlannerError as why:
         yield str(why), place
 

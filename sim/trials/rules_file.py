@@ -22,7 +22,7 @@ from floorplan.files.reading import is_file
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 from navigation.separation import AnyLaw
 
-from ..core.custom_code import find_code
+from ..core.custom_code import CodeFolder
 from ..core.rules import (
     PAPER,
     RULE_SETS,
@@ -54,13 +54,11 @@ class WrittenLawError(UserError):
         self.place = place
 
 
-def read_law(
-    terms: Mapping[str, Any], folder: Path, *, own_code: bool = True, place: str = ""
-) -> AnyLaw:
+def read_law(terms: Mapping[str, Any], folder: CodeFolder, place: str = "") -> AnyLaw:
     """Return the law that is written as `terms`; `WrittenLawError` says what is wrong with it.
 
     Laws of one's own stand in `folder`, and are not imported yet: what only that can show they say
-    when they are first asked, with their `place`. Without `own_code` they are refused.
+    when they are first asked, with their `place`.
     """
     if len(terms) != 1:
         raise WrittenLawError(
@@ -80,7 +78,7 @@ def read_law(
             f"expected the terms of the law with their values, found {given!r}", name
         )
     if ":" in name:
-        return _own_law(name, given, folder, own_code, place)
+        return _own_law(name, given, folder, place)
     form = LAWS[name]
     known = {term.name: term for term in fields(form)}
     for term, value in given.items():
@@ -95,14 +93,12 @@ def read_law(
         raise WrittenLawError(str(why), name, *([at] if at else [])) from why
 
 
-def _own_law(
-    name: str, given: Mapping[str, Any], folder: Path, own_code: bool, place: str
-) -> AnyLaw:
+def _own_law(name: str, given: Mapping[str, Any], folder: CodeFolder, place: str) -> AnyLaw:
     try:
-        find_code(name, folder, LAW, own_code=own_code)
+        folder.find(name, LAW)
     except LawError as why:
         raise WrittenLawError(str(why), name) from why
-    return OwnLaw(name, given, folder, place)
+    return OwnLaw(name, given, folder.path, place)
 
 
 def _no_term(law: str, term: str, known: Iterable[str]) -> WrittenLawError:
@@ -206,26 +202,25 @@ def load_rules(path: str | Path, *, own_code: bool = True) -> RuleSet:
     path = Path(path)
     document = read_yaml(path, RulesError)
     keys = document.checked(RuleForm, RulesError)
-    rules, problems = build_rules(keys, document, path.parent, own_code=own_code)
+    rules, problems = build_rules(keys, document, CodeFolder(path.parent, own_code))
     if problems:
         raise RulesError(document.file, problems)
     return rules if keys.name else replace(rules, name=path.name.split(".")[0])
 
 
-def find_rules(source: str, folder: Path = Path(), *, own_code: bool = True) -> RuleSet:
+def find_rules(source: str, folder: CodeFolder) -> RuleSet:
     """Return the built-in rule set called `source`, or the one in a file seen from `folder`.
 
-    `own_code` is as of `load_rules`. `RulesError` for a file that holds none, `ValueError` if
-    there is neither.
+    `RulesError` for a file that holds none, `ValueError` if there is neither.
     """
-    path = folder / source
+    path = folder.path / source
     if source not in RULE_SETS and is_file(path):
-        return load_rules(path, own_code=own_code)
+        return load_rules(path, own_code=folder.allowed)
     return rule_set(source)
 
 
 def build_rules(
-    keys: RuleKeys, document: Document, folder: Path, *place: str, own_code: bool = True
+    keys: RuleKeys, document: Document, folder: CodeFolder, *place: str
 ) -> tuple[RuleSet, list[Problem]]:
     """Return the rule set that `keys` describe, which stand at `place` in `document`.
 
@@ -233,7 +228,7 @@ def build_rules(
     """
     if keys.source is not None:
         try:
-            return find_rules(keys.source, folder, own_code=own_code), []
+            return find_rules(keys.source, folder), []
         except RulesError:
             raise
         except UserError as why:
@@ -250,7 +245,7 @@ def build_rules(
             return None
         at = f"{document.file}: {document.problem('', *place, *key)}".removesuffix(": ")
         try:
-            return read_law(terms, folder, own_code=own_code, place=at)
+            return read_law(terms, folder, at)
         except WrittenLawError as why:
             problems.append(document.problem(str(why), *place, *key, *why.place))
             return None

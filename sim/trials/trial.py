@@ -11,6 +11,7 @@ from floorplan.files.documents import parse_yaml, read_yaml
 from floorplan.files.problems import suggestion
 from floorplan.files.reading import is_there
 
+from ..core.custom_code import CodeFolder
 from ..core.scenario import Scenario, TrialError
 from ..record.output import write_whole
 
@@ -58,7 +59,7 @@ class Trial(Scenario):
         if path.suffix == ".asl":
             message = "is a program, not a trial; a trial names it as a `personality`"
             raise TrialError(name, [Problem(message)])
-        return build(cls, read_yaml(path, TrialError), path.parent, own_code)
+        return build(cls, read_yaml(path, TrialError), CodeFolder(path.parent, own_code))
 
     @classmethod
     def parse(
@@ -75,7 +76,7 @@ class Trial(Scenario):
         """
         from .building import build
 
-        return build(cls, parse_yaml(text, file, TrialError), Path(folder), own_code)
+        return build(cls, parse_yaml(text, file, TrialError), CodeFolder(Path(folder), own_code))
 
     def to_yaml(self, folder: str | Path = ".") -> str:
         """The text of a trial file that stands in `folder`, to be read as the same trial.
@@ -103,7 +104,7 @@ class Trial(Scenario):
 
         for actions in dict.fromkeys(person.actions for person in self.people):
             modules = modules_of(actions, self.actions)
-            load_program(personality, self.folder, modules, own_code=self.own_code)
+            load_program(personality, self.code_folder, modules)
         people = tuple(
             replace(person, personality=personality, changes=()) for person in self.people
         )

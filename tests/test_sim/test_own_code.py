@@ -5,6 +5,7 @@ import sys
 import pytest
 
 import sim
+from sim.core.custom_code import CodeFolder
 from sim.machines.gantry.controllers import controller_source, find_controller
 
 CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"
@@ -12,7 +13,7 @@ CTL = "from .words import WORD\n\n\ndef go(gantry=None):\n    yield WORD\n"
 
 def said(name, folder):
     """The first thing that the controller of that name yields."""
-    return next(find_controller(name, folder)(None))
+    return next(find_controller(name, CodeFolder(folder))(None))
 
 
 @pytest.fixture
@@ -46,8 +47,9 @@ def test_packages_of_one_name_beside_two_trials(package, regular):
     ca, cb = (package(name, regular=one) for name, one in zip(("ca", "cb"), regular, strict=True))
     found = [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)]
     assert found == ["ca", "cb", "ca", "cb"]
-    assert controller_source("pk.ctl:go", cb).file == cb / "pk" / "ctl.py"
-    assert find_controller("pk.ctl:go", ca) is find_controller("pk.ctl:go", ca)
+    assert controller_source("pk.ctl:go", CodeFolder(cb)).file == cb / "pk" / "ctl.py"
+    first, second = (find_controller("pk.ctl:go", CodeFolder(ca)) for _ in range(2))
+    assert first is second
 
 
 def test_a_package_itself_has_what_is_named(package):
@@ -55,7 +57,7 @@ def test_a_package_itself_has_what_is_named(package):
     for folder in (ca, cb):
         (folder / "pk" / "__init__.py").write_text(CTL)
     assert [said("pk:go", folder) for folder in (ca, cb, ca)] == ["ca", "cb", "ca"]
-    assert controller_source("pk:go", cb).file == cb / "pk" / "__init__.py"
+    assert controller_source("pk:go", CodeFolder(cb)).file == cb / "pk" / "__init__.py"
 
 
 def test_modules_beside_one_another_import_each_other(tmp_path):
@@ -77,18 +79,18 @@ def test_what_others_imported_stays_theirs(package, monkeypatch):
     for _ in range(2):
         assert said("pk.ctl:go", cb) == "cb"
         assert {name: sys.modules[name] for name in theirs} == theirs
-    assert find_controller("pk.ctl:go", ca) is pk.ctl.go
+    assert find_controller("pk.ctl:go", CodeFolder(ca)) is pk.ctl.go
 
 
 def test_what_is_importable_but_stands_elsewhere_is_refused(package, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(package("ca", regular=True))
     for name in ("pk.ctl:go", "subprocess:check_output", "os.path:join"):
         with pytest.raises(sim.ControllerError, match=r"there is no [\w/]+\.py in"):
-            find_controller(name, tmp_path)
+            find_controller(name, CodeFolder(tmp_path))
     (tmp_path / "pk").mkdir()
     (tmp_path / "pk" / "ctl.py").write_text(CTL)  # a namespace is found after a package
     with pytest.raises(sim.ControllerError, match=r"Python finds pk\.ctl in .*ca"):
-        find_controller("pk.ctl:go", tmp_path)
+        find_controller("pk.ctl:go", CodeFolder(tmp_path))
 
 
 def test_what_fails_in_a_package_is_reported_with_its_line(package):
@@ -97,7 +99,7 @@ def test_what_fails_in_a_package_is_reported_with_its_line(package):
     for _ in range(2):
         message = r"'pk.ctl:go' can't be imported \(ctl.py, line 2\)"
         with pytest.raises(sim.ControllerError, match=message):
-            find_controller("pk.ctl:go", ca)
+            find_controller("pk.ctl:go", CodeFolder(ca))
         assert said("pk.ctl:go", cb) == "cb"
 
 
@@ -106,7 +108,7 @@ def test_what_fails_in_a_package_is_reported_with_its_line(package):
 )
 def test_odd_names_are_reported(tmp_path, name):
     with pytest.raises(sim.ControllerError, match="is not of the form package"):
-        find_controller(name, tmp_path)
+        find_controller(name, CodeFolder(tmp_path))
 
 
 NO_CONTROLLERS = """
@@ -168,12 +170,12 @@ if True:
 def test_only_a_controller_that_is_defined_there_is_one(tmp_path, name, message, is_there):
     (tmp_path / "m.py").write_text(NO_CONTROLLERS)
     with pytest.raises(sim.ControllerError, match=message):
-        find_controller(f"m:{name}", tmp_path)
+        find_controller(f"m:{name}", CodeFolder(tmp_path))
     if is_there:
-        assert controller_source(f"m:{name}", tmp_path).attribute == name
+        assert controller_source(f"m:{name}", CodeFolder(tmp_path)).attribute == name
     else:
         with pytest.raises(sim.ControllerError, match=message):
-            controller_source(f"m:{name}", tmp_path)
+            controller_source(f"m:{name}", CodeFolder(tmp_path))
 
 
 @pytest.mark.parametrize(
@@ -190,10 +192,10 @@ def test_only_a_controller_that_is_defined_there_is_one(tmp_path, name, message,
 def test_a_source_that_cannot_be_read_is_reported(tmp_path, source, message):
     (tmp_path / "m.py").write_bytes(source)
     if not message:  # a doubtful escape is told by Python, once it is imported
-        assert controller_source("m:go", tmp_path).line == 2
+        assert controller_source("m:go", CodeFolder(tmp_path)).line == 2
         return
     with pytest.raises(sim.ControllerError, match=message) as told:
-        controller_source("m:go", tmp_path)
+        controller_source("m:go", CodeFolder(tmp_path))
     assert len(str(told.value)) < 1000
 
 
@@ -201,7 +203,7 @@ def test_a_source_that_cannot_be_read_is_reported(tmp_path, source, message):
 def test_a_module_of_pythons_own_name_is_refused(tmp_path, name):
     (tmp_path / f"{name}.py").write_text("def go(gantry):\n    yield\n")
     with pytest.raises(sim.ControllerError, match=f"Python itself has a module '{name}'"):
-        controller_source(f"{name}:go", tmp_path)
+        controller_source(f"{name}:go", CodeFolder(tmp_path))
     assert name != "wave" or name not in sys.modules
 
 

@@ -18,7 +18,7 @@ from simpy.exceptions import Interrupt
 
 from floorplan import UserError
 
-from ...core.custom_code import CustomCode, Kind, find_code, in_words, line_in
+from ...core.custom_code import CodeFolder, CustomCode, Kind, in_words, line_in
 from .avoidance import Caution, avoiding
 from .drive import Steps
 from .robot import GantryRobot
@@ -84,22 +84,20 @@ CONTROLLER = Kind(
 """The kind of function or class that a trial names as its controller."""
 
 
-def find_controller(name: str | Controller, folder: Path, *, own_code: bool = True) -> Controller:
+def find_controller(name: str | Controller, folder: CodeFolder) -> Controller:
     """Return the built-in controller of that name, or the one at `package.module:name`.
 
-    That one stands in `folder` and is imported; without `own_code` it is refused. A controller
-    itself is returned as it is. `ControllerError` says what is missing.
+    That one stands in `folder` and is imported. A controller itself is returned as it is.
+    `ControllerError` says what is missing.
     """
-    source = controller_source(name, folder, own_code=own_code)
+    source = controller_source(name, folder)
     if source is not None:
         found: Controller = source.load()
         return found
     return CONTROLLERS[name] if isinstance(name, str) else name
 
 
-def controller_source(
-    name: str | Controller, folder: Path, *, own_code: bool = True
-) -> CustomCode | None:
+def controller_source(name: str | Controller, folder: CodeFolder) -> CustomCode | None:
     """Return the source of the controller at `package.module:name`, which is not imported.
 
     None for a built-in one, and for a controller itself. `ControllerError` if it is not there.
@@ -107,7 +105,7 @@ def controller_source(
     if isinstance(name, str):
         if name in CONTROLLERS:
             return None
-        return find_code(name, folder, CONTROLLER, own_code=own_code)
+        return folder.find(name, CONTROLLER)
     if callable(name):
         return None
     raise ControllerError(

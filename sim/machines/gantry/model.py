@@ -61,7 +61,7 @@ class GantryModel(MachineModel):
     def make(self, name: str, stage: Stage) -> GantryRobot:
         """Return the robot; `ControllerError` if its controller can't be found."""
         entry = self.entry
-        found = find_controller(entry.controller, stage.folder, own_code=stage.own_code)
+        found = find_controller(entry.controller, stage.code_folder)
         controller = partial(supervised, entry.controller_name, found)
         return GantryRobot(stage, self._on(stage.floorplan), entry, name, controller=controller)
 

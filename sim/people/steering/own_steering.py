@@ -5,13 +5,12 @@ from __future__ import annotations
 import inspect
 from collections.abc import Sequence
 from math import dist
-from pathlib import Path
 
 from floorplan import Problem, UserError
 from floorplan.files.values import require
 from navigation import Motion
 
-from ...core.custom_code import CustomCode, Kind, argument_fault, find_code, in_words, own_line
+from ...core.custom_code import CodeFolder, Kind, argument_fault, in_words, own_line
 from ...core.scenario import TrialError
 from .outlook import Outlook
 from .steering import Steering
@@ -34,18 +33,10 @@ STEERING = Kind(
 """The kind of class that a trial names as its steering."""
 
 
-def steering_source(name: str, folder: Path, *, own_code: bool = True) -> CustomCode:
-    """Return the source of the steering `name`, a class beside the trial; it is not imported.
-
-    `SteeringError` says what is missing; without `own_code` it is refused.
-    """
-    return find_code(name, folder, STEERING, own_code=own_code)
-
-
-def find_steering(name: str, folder: Path, *, own_code: bool = True) -> Steering:
+def find_steering(name: str, folder: CodeFolder) -> Steering:
     """Return a new steering of the class `name`; `TrialError` if there is none."""
     try:
-        made = steering_source(name, folder, own_code=own_code).load()
+        made = folder.find(name, STEERING).load()
     except SteeringError as why:
         raise TrialError("steering", [Problem(str(why))]) from why
     if fault := argument_fault(made, {}):
