@@ -1,4 +1,4 @@
-"""Full disks, and a browser for pages, where there is one."""
+"""The run of a module, full disks, and a browser for pages, where there is one."""
 
 import sys
 import threading
@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from replay_viewer import Viewer
 from waiting import HANG
+
+import sim
 
 ARGUMENTS = [
     "--no-sandbox",
@@ -33,6 +35,12 @@ def no_thread_stays():
             continue
         thread.join(HANG)
         assert not thread.is_alive(), f"{thread} is still running"
+
+
+@pytest.fixture(scope="module")
+def run(request):
+    """The run of a module's `TRIAL`, at which all of its tests look."""
+    return sim.run(sim.Trial.parse(request.module.TRIAL))
 
 
 @pytest.fixture

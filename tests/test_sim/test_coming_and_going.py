@@ -15,7 +15,7 @@ from run_events import events
 import navigation
 import sim
 
-HALL = """
+TRIAL = """
 floorplan:
   name: hall
   boundary: [[0, 0], [12, 0], [12, 6], [0, 6]]
@@ -31,11 +31,6 @@ people:
     beliefs: ["calls(1)"]
 expect: {entered: 5, left: 5, overlaps: 0}
 """
-
-
-@pytest.fixture(scope="module")
-def run() -> sim.Run:
-    return sim.run(sim.Trial.parse(HALL))
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +107,7 @@ def test_a_recording_and_its_exports_have_them_only_while_they_are_there(run, gu
 
 def test_who_finds_no_room_to_come_in_waits_outside():
     """Somebody stands on the entrance for ever: nobody comes in."""
-    text = HALL.replace(
+    text = TRIAL.replace(
         "{name: host, personality: external}",
         "{name: host, personality: external, at: [1, 1], radius: 0.9}",
     )
@@ -122,7 +117,7 @@ def test_who_finds_no_room_to_come_in_waits_outside():
 
 
 def test_a_trial_is_written_and_read_back():
-    trial = sim.Trial.parse(HALL)
+    trial = sim.Trial.parse(TRIAL)
     assert [person.name for person in trial.people] == ["host", *(f"guest{k}" for k in range(1, 6))]
     assert sim.Trial.parse(trial.to_yaml()) == trial
 
@@ -145,7 +140,7 @@ def test_a_trial_is_written_and_read_back():
 )
 def test_what_can_not_be_is_said_before_the_run(change, message):
     with pytest.raises(sim.TrialError, match=message):
-        sim.Trial.parse(HALL.replace(*change))
+        sim.Trial.parse(TRIAL.replace(*change))
 
 
 DOORS = """
@@ -323,7 +318,7 @@ people:
 )
 def test_only_those_on_the_floor_are_near_each_other(people, between):
     """The absent stand 10 m from each other: on a large floor that is nearer than anybody else."""
-    run = sim.run(sim.Trial.parse(f"{HALL.split('people:')[0]}people:\n  - {people}\n"))
+    run = sim.run(sim.Trial.parse(f"{TRIAL.split('people:')[0]}people:\n  - {people}\n"))
     nearest = run.summary["nearest_people"]
     assert run.summary["overlaps"] == 0
     if between is None:

@@ -25,11 +25,6 @@ agvs: {agv1: [{time: 30.0, to: assembly_front}]}
 """
 
 
-@pytest.fixture(scope="module")
-def run():
-    return sim.run(sim.Trial.parse(TRIAL))
-
-
 def verdict(run, text):
     """The verdict on one expectation of a run that was made without any."""
     trial = sim.Trial.parse(TRIAL + "expect:\n" + text)

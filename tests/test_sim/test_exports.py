@@ -38,13 +38,6 @@ FIGURES = ["x", "y", "rotation", "vx", "vy"]
 ENDINGS = [".csv", ".parquet", ".mcap", ".sqlite", ""]
 
 
-@pytest.fixture(scope="module")
-def run():
-    run = sim.run(sim.Trial.parse(TRIAL))
-    assert run.motions["ada"].jumps, "somebody is put into the safe zone"
-    return run
-
-
 def at(run, body, t):
     """x, y, rotation, vx, vy of a body, from its motion alone."""
     state = run.motions[body].state(t)

@@ -45,11 +45,6 @@ agvs:
 """
 
 
-@pytest.fixture(scope="module")
-def run():
-    return sim.run(sim.Trial.parse(TRIAL))
-
-
 def curve(axes, label):
     (line,) = [line for line in axes.lines if line.get_label() == label]
     return np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)

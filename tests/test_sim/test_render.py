@@ -10,17 +10,15 @@ from processes import in_a_process
 from run_events import record
 
 import sim
-from sim.cli import main
+from floorwalker import main
 
 pytest.importorskip("matplotlib")
 pytest.importorskip("playwright")
-from sim.views import film, plots
+from sim import plots
 
 images = pytest.importorskip("PIL.Image")
 
-needs_browser = pytest.mark.skipif(
-    film.installed_chromium() is None, reason="no Chromium on this machine"
-)
+needs_browser = pytest.mark.usefixtures("chromium")
 
 TRIAL = """
 floorplan: ariac2023
@@ -29,11 +27,6 @@ people: [{name: ada, personality: antagonistic}]
 gantry: {controller: parked, at: [-5.0, 2.5, 0.0]}
 agvs: {agv1: [{time: 2.0, to: assembly_front}]}
 """
-
-
-@pytest.fixture(scope="module")
-def run():
-    return sim.run(sim.Trial.parse(TRIAL))
 
 
 def pictures_in(path):
@@ -144,7 +137,7 @@ def test_a_missing_package_is_named_with_its_extra(run, tmp_path, monkeypatch, p
 def test_a_film_without_a_browser_is_rejected(run, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CHROMIUM", raising=False)
-    monkeypatch.setattr(film, "PLACES", ())
+    monkeypatch.setattr("sim.views.film.PLACES", ())
     with pytest.raises(plots.MissingExtraError, match="needs Chromium or Chrome"):
         plots.render(run, tmp_path / "run.gif", view="3d")
 

@@ -31,11 +31,6 @@ expect: {zones.corner.entries: 0, zones.middle.entries: ">= 2"}
 )
 
 
-@pytest.fixture(scope="module")
-def run():
-    return sim.run(sim.Trial.parse(TRIAL))
-
-
 def test_exposure_in_zones_is_the_time_in_them(run):
     assert run.unmet == []
     area = run.floorplan.zones["middle"].area

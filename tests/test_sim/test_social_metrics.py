@@ -23,11 +23,6 @@ agvs: {agv2: [{time: 30.0, to: as1}]}
 
 
 @pytest.fixture(scope="module")
-def run():
-    return sim.run(sim.Trial.parse(TRIAL))
-
-
-@pytest.fixture(scope="module")
 def figures(run):
     return sim.metrics(run)
 
