@@ -29,6 +29,7 @@ from floorplan.files.problems import Written
 from .schedule import Drawn, Duration
 
 Pose = tuple[Number, Number, Number]
+"""x, y in metres, rotation in radians."""
 
 Place = Annotated[Point | str, Written(Pair | str)]
 """A position (x, y in metres), or the name of a station or a door."""

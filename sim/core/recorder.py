@@ -13,11 +13,9 @@ from floorplan import Floorplan, Obstacle
 from navigation import Motion
 
 from .body import PERSON, Body, MachineShape
+from .entries import Pose
 from .events import EventKind, has_form
 from .rules import RuleSet
-
-Pose = tuple[float, float, float]
-"""x, y in metres, rotation in radians."""
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import lru_cache
 from itertools import accumulate, count, islice
 from pathlib import Path
@@ -541,6 +541,10 @@ class Scenario:
     def code_folder(self) -> CodeFolder:
         """The folder in which the code stands that it names."""
         return CodeFolder(self.folder, self.own_code)
+
+    def with_people(self, change: Callable[[PersonEntry], PersonEntry]) -> Self:
+        """Return the same scenario with the people that `change` returns for its own."""
+        return replace(self, people=tuple(map(change, self.people)))
 
     def leader(self, person: PersonEntry) -> PersonEntry | None:
         """Return whom somebody walks with: the first of their group, None for that one."""

@@ -13,7 +13,7 @@ from floorplan import UserError
 from floorplan.files.problems import suggestion
 from floorplan.files.values import require
 
-from ..record.outcome import Outcome
+from ..record.outcome import Outcome, write_trajectory
 from ..record.output import OutputError, replacing, writing
 from ..record.sampling import require_instants, require_rate
 
@@ -29,20 +29,21 @@ class Format:
     """A format: its name and title, the suffix of its files, and what has to be installed for it.
 
     `parts` are the packages that its writer imports, `extra` the extra of Floorwalker that
-    brings them. A format without a suffix is a folder.
+    brings them. `source` is the writer as `module:function`. A format without a suffix is a folder.
     """
 
     name: str
     title: str
     suffix: str
-    module: str
+    source: str
     parts: tuple[str, ...] = ()
     extra: str = ""
 
     def writer(self) -> Writer:
         """Return the function that writes it; `ValueError` that says what to install for it."""
         try:
-            module = import_module(f".{self.module}", __package__)
+            module, _, function = self.source.partition(":")
+            return cast(Writer, getattr(import_module(f".{module}", __package__), function))
         except ImportError as why:
             if (why.name or "").partition(".")[0] not in self.parts:
                 raise
@@ -50,17 +51,20 @@ class Format:
                 f"{why.name} writes {self.title} and is missing;"
                 f" pip install 'floorwalker[{self.extra}]'"
             ) from None
-        return cast(Writer, module.write)
 
 
 FORMATS = {
     entry.name: entry
     for entry in (
-        Format("csv", "CSV tables", ".csv", "csv_file"),
-        Format("parquet", "Parquet tables", ".parquet", "parquet_file", ("pyarrow",), "export"),
-        Format("mcap", "MCAP files for Foxglove", ".mcap", "mcap_file", ("foxglove",), "export"),
-        Format("rosbag", "ROS 2 bags", "", "ros_bag", ("rosbags",), "export"),
-        Format("jupedsim", "JuPedSim trajectories", ".sqlite", "jupedsim_file"),
+        Format("csv", "CSV tables", ".csv", "formats:write_csv"),
+        Format(
+            "parquet", "Parquet tables", ".parquet", "parquet_file:write", ("pyarrow",), "export"
+        ),
+        Format(
+            "mcap", "MCAP files for Foxglove", ".mcap", "mcap_file:write", ("foxglove",), "export"
+        ),
+        Format("rosbag", "ROS 2 bags", "", "ros_bag:write", ("rosbags",), "export"),
+        Format("jupedsim", "JuPedSim trajectories", ".sqlite", "jupedsim_file:write"),
     )
 }
 
@@ -100,6 +104,12 @@ class Export:
                     self.format.writer()(run, unfinished, self.rate)
                 except sqlite3.Error as why:
                     raise OSError(str(why)) from None
+
+
+def write_csv(run: Outcome, path: Path, rate: float) -> None:
+    """Write `run` to `path` at `rate` (Hz); see `write_trajectory`."""
+    with path.open("w", encoding="utf-8", newline="\n") as file:
+        write_trajectory(run, file, rate)
 
 
 def export(

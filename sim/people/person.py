@@ -47,8 +47,7 @@ _Made = TypeVar("_Made", bound=Scenario)
 
 def with_figures(scenario: _Made) -> _Made:
     """Return the scenario in which every figure of its people is a number."""
-    people = tuple(_with_figures(entry, scenario.seed) for entry in scenario.people)
-    return scenario if people == scenario.people else replace(scenario, people=people)
+    return scenario.with_people(lambda entry: _with_figures(entry, scenario.seed))
 
 
 def _with_figures(entry: PersonEntry, seed: int) -> PersonEntry:

@@ -257,8 +257,7 @@ def with_planner(scenario: _Made, planner: PlannerChoice | str) -> _Made:
     """Return the same scenario in which everybody has this planner."""
     choice = PlannerChoice.of(planner)
     planner_source(choice, scenario.code_folder)
-    people = tuple(replace(person, planner=None) for person in scenario.people)
-    return replace(scenario, planner=choice, people=people)
+    return replace(scenario, planner=choice).with_people(lambda one: replace(one, planner=None))
 
 
 def find_planner(choice: PlannerChoice, folder: CodeFolder) -> PlannerChoice:

@@ -27,7 +27,8 @@ from floorplan.model import LEFT_OUT_IF_EMPTY
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
 from ..core.body import MachineShape
-from ..core.recorder import Figure, Pose, Scene
+from ..core.entries import Pose
+from ..core.recorder import Figure, Scene
 from ..core.rules import Notice, RuleSet
 from ..machines.kinds import machines_on
 from ..safety.laws import OwnLaw

@@ -26,9 +26,9 @@ from navigation import Motion, Piece, join, standing, when
 
 from ..core.body import Body, Plans
 from ..core.clock import InProgress
-from ..core.entries import written_command
+from ..core.entries import Pose, written_command
 from ..core.events import EVENT_KINDS, Commanded, Form, has_form
-from ..core.recorder import Event, Listener, Pose, Scene, Thought, rounded
+from ..core.recorder import Event, Listener, Scene, Thought, rounded
 from ..record.outcome import WholeLines, write_trajectory
 from ..record.output import OutputError, replacing
 from ..record.scene_file import (

@@ -35,8 +35,16 @@ from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
 from ..trials.trial import Trial
 from ..views.report_page import figure
-from ..views.safety_report.findings import Picture, exposure, risk_pictures, run_pictures
-from ..views.safety_report.page import clock, counted, require_writable, write_safety_page
+from ..views.safety_report.page import (
+    Picture,
+    clock,
+    counted,
+    exposure,
+    require_writable,
+    risk_pictures,
+    run_pictures,
+    write_safety_page,
+)
 from ..views.safety_report.run_report import about, laws_of, run_report, software
 from .comparison import Comparison, Measure, StudyResults, Trend, sensitivities, spread
 from .design import Study

@@ -296,10 +296,7 @@ def _people(trial: Trial, whose: str, change: Callable[[PersonEntry], PersonEntr
     names = [person.name for person in trial.people]
     if whose not in ("", *names):
         raise UserError(f"no person in it is called {whose!r}; {suggestion(whose, names)}")
-    people = tuple(
-        change(person) if whose in ("", person.name) else person for person in trial.people
-    )
-    return replace(trial, people=people)
+    return trial.with_people(lambda one: change(one) if whose in ("", one.name) else one)
 
 
 def _spared(trial: Trial, changed: Trial, names: set[str]) -> Trial:

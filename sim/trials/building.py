@@ -40,10 +40,9 @@ def lasting(trial: _Made, seconds: float) -> _Made:
         return replace(trial, duration=seconds, until_submitted=False)
     timed = ((one, _begun(one.there, seconds)) for one in trial.obstacles)
     return replace(
-        trial,
+        trial.with_people(lambda person: _of_person(person, seconds)),
         duration=seconds,
         until_submitted=False,
-        people=tuple(_of_person(person, seconds) for person in trial.people),
         work={
             name: replace(held, tasks=tuple(task for task in held.tasks if task.time < seconds))
             for name, held in trial.work.items()

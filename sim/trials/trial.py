@@ -105,7 +105,4 @@ class Trial(Scenario):
         for actions in dict.fromkeys(person.actions for person in self.people):
             modules = modules_of(actions, self.actions)
             load_program(personality, self.code_folder, modules)
-        people = tuple(
-            replace(person, personality=personality, changes=()) for person in self.people
-        )
-        return replace(self, people=people)
+        return self.with_people(lambda one: replace(one, personality=personality, changes=()))

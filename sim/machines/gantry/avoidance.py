@@ -14,10 +14,11 @@ from navigation import GantryPlanner, Motion, PlanningError
 from navigation.kernels.lookout import most_remote, nearest_on
 from navigation.motion import State
 
+from ...core.entries import Pose
 from ...safety.stopping_check import Pedestrian, Stoppable, StoppingCheck
 from .drive import Steps
 from .robot import GantryRobot, Sighting
-from .tasks import Pose, Task
+from .tasks import Task
 from .worksites import REACH
 
 SHARES = (1.0, 0.5, 0.25, 0.1)

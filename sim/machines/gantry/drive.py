@@ -20,9 +20,9 @@ from navigation.motion import State
 
 from ...core.body import Body
 from ...core.clock import Alarm, Clock, Turn, then
+from ...core.entries import Pose
 from ...core.events import GantryDisabled, GantryEnabled, RobotMalfunction
 from ...core.recorder import Record
-from .tasks import Pose
 
 Steps = Generator[Event, Any, Any]
 """Steps of a controller: a generator of events to wait for, in SimPy's manner."""

@@ -15,12 +15,13 @@ from navigation.motion import State
 
 from ...core.body import Machine, MachineShape
 from ...core.clock import MOMENT, Turn
+from ...core.entries import Pose
 from ...core.events import EventKind, JobDone, JobStarted, OrderSubmitted, PartDropped
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ...safety.proximity import ApproachMonitor
 from .drive import Drive, Interruption, Interrupts, Steps
-from .tasks import Gripper, Handling, Passing, Pose, Step, Task, Tasks, tasks_of
+from .tasks import Gripper, Handling, Passing, Step, Task, Tasks, tasks_of
 from .worksites import Worksites
 
 GANTRY = "gantry"

@@ -14,10 +14,8 @@ from floorplan import Point, UserError
 from navigation import Motion
 
 from ...core.clock import Alarm, Clock, Turn
+from ...core.entries import Pose
 from ...core.scenario import Drop, Job
-
-Pose = tuple[float, float, float]
-"""x, y in metres, rotation in radians."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,9 +8,10 @@ from floorplan import Floorplan, Gantry, Point, UserError
 from navigation import Motion
 
 from ...core.clock import MOMENT
+from ...core.entries import Pose
 from ...core.stage import Stage
 from .drive import Drive
-from .tasks import Passing, Pose, Step
+from .tasks import Passing, Step
 
 AHEAD = 0.2
 """Seconds that the gantry is to be at a place before something comes by that it picks there.

@@ -4,6 +4,13 @@
 as its result. Importing this needs the extra `plot`: `MissingExtraError` without it.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...record.incidents import Risk
+from ...record.outcome import Outcome
+from ...record.sampling import Span
 from ..report_page import MissingExtraError
 
 try:
@@ -13,11 +20,12 @@ except ImportError:
         "pictures need matplotlib, which is missing: pip install 'floorwalker[plot]'"
     ) from None
 
+from matplotlib.figure import Figure
+
 from ..film import ENDINGS, render, require_renderable
 from .floor import floorplan
-from .maps import density_map, heat_map, risk_map
+from .maps import Of, density_map, heat_map, risk_map
 from .paths import path, trails
-from .run_plots import RunPlots
 from .style import FORMATS, Width, require_savable, save
 from .time_series import separation, space_time
 
@@ -40,3 +48,51 @@ __all__ = [
     "space_time",
     "trails",
 ]
+
+
+class RunPlots:
+    """Draws a run; every method returns a figure.
+
+    `within` is the stretch of time to draw (from, to in seconds), the whole run by default;
+    `width` is the number of columns of a paper that the picture takes.
+    """
+
+    def __init__(self, run: Outcome) -> None:
+        self._run = run
+
+    def separation(
+        self,
+        person: str | Sequence[str] | None = None,
+        machine: str | None = None,
+        *,
+        within: Span | None = None,
+        width: Width = "double",
+    ) -> Figure:
+        """The distance of people to a machine over time, and the required distance.
+
+        Of many people those with the least margin, unless they are named: `person` is a name, or
+        several.
+        """
+        return separation(self._run, person, machine, within=within, width=width)
+
+    def space_time(self, *, within: Span | None = None, width: Width = "double") -> Figure:
+        """x and y of all that moves, over time."""
+        return space_time(self._run, within=within, width=width)
+
+    def trails(self, *, within: Span | None = None, width: Width = "double") -> Figure:
+        """The paths of people and machines on the floor."""
+        return trails(self._run, within=within, width=width)
+
+    def heat_map(self, *, width: Width = "double") -> Figure:
+        """The time for which each spot was occupied by people."""
+        return heat_map(self._run, width=width)
+
+    def density_map(
+        self, *, of: Of = "density", within: Span | None = None, width: Width = "double"
+    ) -> Figure:
+        """The mean density of people over the floor, or their mean speed."""
+        return density_map(self._run, of=of, within=within, width=width)
+
+    def risk_map(self, *, of: Risk = "margin", width: Width = "double") -> Figure:
+        """The least margin at each spot, the time nearer than required, or the speed meanwhile."""
+        return risk_map(self._run, of=of, width=width)

@@ -1,22 +1,29 @@
-"""Page of a safety report: its sections, tables and charts, as HTML or PDF."""
+"""Pages of safety reports: figures in words, pictures of findings, and the file as HTML or PDF."""
 
 from __future__ import annotations
 
 import math
 import re
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...record.incidents import CELL, Incident
+from floorplan import Floorplan
+
+from ...record.incidents import CELL, Incident, Risk
+from ...record.outcome import Outcome
 from ...record.output import replacing, writing
-from ...record.sampling import MOMENT
+from ...record.sampling import MOMENT, CellArray
+from ...record.words import told_apart
 from ..film import in_browser, open_page, require_browser
-from ..report_page import figure, minus, require_place, signed, write_report_page
+from ..report_page import MissingExtraError, figure, minus, require_place, signed, write_report_page
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from playwright.sync_api import Browser
+
+    from ...core.body import MachineShape
 
 
 def listed(names: Sequence[str]) -> str:
@@ -134,3 +141,180 @@ def _anchor(title: str) -> str:
 def _in_css(text: str) -> str:
     """Return a text as it stands in quotes in a style sheet."""
     return "".join(one if one.isalnum() or one in " -_.,:" else f"\\{ord(one):x} " for one in text)
+
+
+Picture = dict[str, str]
+"""A picture of a report: its `title`, the `words` below it, and the SVG `element`."""
+
+INSTANTS = 3
+"""So many of the worst violations are shown at the instant of their least margin."""
+
+MOST_PANELS = 4
+"""Distances of so many people are drawn over time."""
+
+LONG = 4000
+"""Pieces of motion from which on the paths of a run would cover each other."""
+
+_MAPS: dict[Risk, tuple[str, str]] = {
+    "margin": (
+        "Least margin",
+        "How much further apart than required people and machines were, at the worst: below 0 it"
+        " was too near.",
+    ),
+    "time": (
+        "Time nearer than required",
+        "How long somebody was at each spot while too near to a machine.",
+    ),
+    "severity": (
+        "Severity",
+        "The highest speed of person and machine relative to each other while they were too near.",
+    ),
+}
+
+
+def floor_picture(plan: Floorplan) -> list[Picture]:
+    """Return the floor with everything that has a name."""
+
+    def draw() -> Figure:
+        from ..plots import floorplan
+
+        return floorplan(plan)
+
+    words = "Obstacles are the darker the higher they are; zones are dashed, lanes dotted."
+    return list(_drawn("The floor from above", words, "floor", draw))
+
+
+def risk_pictures(
+    plan: Floorplan,
+    machines: Sequence[MachineShape],
+    maps: Mapping[Risk, CellArray],
+    name: str = "",
+) -> list[Picture]:
+    """Return the maps of risk; of time and severity only if somebody was too near for a time."""
+    parts: list[Picture] = []
+    for of, found in maps.items():
+        if of != "margin" and not found.any():
+            continue
+
+        def draw(of: Risk = of, found: CellArray = found) -> Figure:
+            from ..plots.maps import drawn_risk
+
+            return drawn_risk(plan, machines, found, of=of)
+
+        parts += _drawn(*_MAPS[of], f"risk {of} {name}", draw)
+    return parts
+
+
+def run_pictures(run: Outcome, worst: Sequence[Incident], name: str = "") -> list[Picture]:
+    """Return where everybody went in a run, the distances of the worst pairs, and instants."""
+    parts: list[Picture] = []
+    dense = sum(len(motion.pieces) for motion in run.motions.values()) > LONG
+
+    def paths() -> Figure:
+        from ..plots import heat_map, trails
+
+        return heat_map(run) if dense else trails(run)
+
+    if run.scene.people:
+        title, words = (
+            ("Where people were", "The time for which each spot was under somebody's body.")
+            if dense
+            else ("Paths", "Where people and machines went, and where somebody was too close.")
+        )
+        parts += _drawn(title, words, f"paths {name}", paths)
+    pairs = list(dict.fromkeys((one.person, one.machine) for one in worst))
+    for person, machine in pairs[:MOST_PANELS]:
+        parts += _distance(run, person, machine, name)
+    parts += _instants(run, worst[:INSTANTS], name)
+    return parts
+
+
+def _distance(run: Outcome, person: str, machine: str, name: str) -> Iterator[Picture]:
+    def draw() -> Figure:
+        from ..plots import separation
+
+        return separation(run, person, machine)
+
+    title = f"Distance of {person} to {machine}"
+    words = "Over time, beside what the law required; where it was less is shaded."
+    yield from _drawn(title, words, f"separation {person} {machine} {name}", draw)
+
+
+def _instants(run: Outcome, worst: Sequence[Incident], name: str) -> Iterator[Picture]:
+    """Yield the floor at the instants at which violations began."""
+    for k, one in enumerate(worst):
+        title = f"{one.person} and {one.machine} at {clock(one.worst_at)}"
+        # An instant before, since a person may be put elsewhere at once.
+        before = max(0.0, one.worst_at - 1e-6)
+        if one.worst_at - one.begin < 1e-6:
+            distance, required = told_apart(one.distance, one.required)
+            words = (
+                f"As the violation at t = {one.begin:.2f} s begins: {distance} m apart where"
+                f" {required} m are required."
+            )
+        else:
+            apart = float(run.distance(one.person, one.machine, before))
+            words = (
+                f"The violation from t = {one.begin:.2f} s on at its worst, at t ="
+                f" {one.worst_at:.2f} s: {apart:.2f} m apart, {-one.margin:.2f} m less than"
+                " required."
+            )
+
+        def draw(one: Incident = one, before: float = before) -> Figure:
+            from ..plots.paths import moment
+
+            return moment(run, before, one.person, one.machine)
+
+        yield from _drawn(title, words, f"moment {k} {name}", draw)
+
+
+def _drawn(title: str, words: str, name: str, draw: Callable[[], Figure]) -> Iterator[Picture]:
+    """Yield a picture, or nothing where there is no matplotlib."""
+    try:
+        from ..plots.style import figure_element
+
+        element = figure_element(draw(), name, f"{title}. {words}")
+        yield {"title": title, "words": words, "element": element}
+    except MissingExtraError:
+        return
+
+
+MOST_INCIDENTS = 40
+"""Violations that are listed one by one."""
+
+
+def together(found: Iterable[Incident]) -> list[tuple[str, str]]:
+    """Return what followed from violations, and how often."""
+    counts: dict[str, int] = {}
+    for one in found:
+        for consequence in one.led_to or ("nothing",):
+            kind = consequence.partition(" for ")[0].partition(" of ")[0]
+            counts[kind] = counts.get(kind, 0) + 1
+    return [(kind, counted(n, "time")) for kind, n in counts.items()]
+
+
+def exposure(
+    plan: Floorplan, zones: Mapping[str, Mapping[str, float]], on_floor: float, near: float
+) -> dict[str, Any]:
+    """Return how long people were in each zone, and how long nearer to a machine than required.
+
+    `zones` has the figures of each by its name; `on_floor` and `near` (seconds) are those of all
+    people on the whole floor.
+    """
+    rows = [
+        (
+            name,
+            clock(one["time_occupied"]),
+            _share(one["time_occupied"], on_floor),
+            f"{one['entries']:,.0f}",
+            f"{one['time_too_close']:,.2f}",
+            _share(one["time_too_close"], one["time_occupied"]),
+        )
+        for name, one in zones.items()
+    ]
+    rows.append(("whole floor", clock(on_floor), "", "", f"{near:,.2f}", _share(near, on_floor)))
+    return {"rows": rows, "has_zones": bool(plan.zones)}
+
+
+def _share(part: float, whole: float) -> str:
+    return f"{100 * part / whole:.2f} %" if whole > 0 else "–"

@@ -25,8 +25,17 @@ from ...record.incidents import RISKS, incidents, risk, time_on_floor, time_too_
 from ...record.outcome import Outcome
 from ...record.summary import figures_in_words
 from ..report_page import minus
-from .findings import MOST_INCIDENTS, exposure, floor_picture, risk_pictures, run_pictures, together
-from .page import counted, listed, plain
+from .page import (
+    MOST_INCIDENTS,
+    counted,
+    exposure,
+    floor_picture,
+    listed,
+    plain,
+    risk_pictures,
+    run_pictures,
+    together,
+)
 
 NO_SOURCE = "no source given"
 
