@@ -49,12 +49,9 @@ class ActionError(Exception):
 class InternalAction:
     """Internal action of a program.
 
-    Attributes:
-        function: takes a `Call` and the arguments; returns whether the action holds, a unifier
-            with which it does, or an iterator of unifiers.
-        least: smallest number of arguments.
-        most: largest number of arguments, or None for any number.
-        in_context: True if contexts and queries may use it.
+    `function` is called with a `Call` and the arguments. It returns whether the action holds, a
+    unifier, or an iterator of unifiers. `least` and `most` limit the number of arguments, and
+    `in_context` allows the action in contexts and queries.
     """
 
     function: InternalFunction
@@ -63,11 +60,7 @@ class InternalAction:
     in_context: bool = True
 
     def check(self, name: str, count: int) -> None:
-        """Check the number of arguments with which `name` is called.
-
-        Raises:
-            ActionError: the action does not take a `count` of arguments.
-        """
+        """Check the number of arguments of a call. Raises `ActionError` if it is invalid."""
         if self.least <= count and (self.most is None or count <= self.most):
             return
         if self.least != self.most:
@@ -83,15 +76,25 @@ class InternalAction:
 
 
 class InternalActions(dict[str, InternalAction]):
-    """Internal actions of your own, given to agents as `actions=`.
+    """Custom internal actions, passed to agents as `actions`.
 
-    ```python
-    actions = bdi.InternalActions()
+    Parameters
+    ----------
+    *given : mapping, optional
+        Initial actions by name.
 
-    @actions.add("floor.distance")
-    def distance(call, x, y, result):
-        return call.unify(result, math.hypot(x, y))
-    ```
+    Attributes
+    ----------
+    functions : dict
+        Arithmetic functions by name.
+
+    Examples
+    --------
+    >>> import math
+    >>> actions = bdi.InternalActions()
+    >>> @actions.add("floor.distance")
+    ... def distance(call, x, y, result):
+    ...     return call.unify(result, math.hypot(x, y))
     """
 
     def __init__(self, *given: Mapping[str, InternalAction]) -> None:
@@ -103,13 +106,22 @@ class InternalActions(dict[str, InternalAction]):
         return f"<InternalActions {', '.join([*self, *self.functions]) or 'none'}>"
 
     def function(self, name: str) -> Callable[[Callable[..., float]], Callable[..., float]]:
-        """Register a function of numbers, `my.half(X)`, for terms and comparisons.
+        """Register an arithmetic function for terms and comparisons, such as `my.half(X)`.
 
-        Args:
-            name: its name in programs, with a dot in it.
+        Parameters
+        ----------
+        name : str
+            Name in programs. It must contain a dot.
 
-        Raises:
-            ValueError: the name has no dot or is taken.
+        Returns
+        -------
+        callable
+            Decorator for a function that takes and returns numbers.
+
+        Raises
+        ------
+        ValueError
+            If the name contains no dot or is taken.
         """
         if "." not in name:
             raise ValueError(f"the name of a function has a dot in it, and '{name}' none")
@@ -125,16 +137,31 @@ class InternalActions(dict[str, InternalAction]):
     def add(
         self, name: str, *, least: int = 0, most: int | None = None, in_context: bool = True
     ) -> Callable[[InternalFunction], InternalFunction]:
-        """Register a function under a name with a dot in it, as `floor.distance`.
+        """Register an internal action, such as `floor.distance`.
 
-        Args:
-            name: its name in programs.
-            least: smallest number of arguments.
-            most: largest number of arguments; None for any number.
-            in_context: False to keep it out of contexts and queries.
+        The function is called with a `Call` and the arguments. It returns True, False, None, a
+        unifier or an iterator of unifiers.
 
-        Raises:
-            ValueError: the name has no dot or is taken.
+        Parameters
+        ----------
+        name : str
+            Name in programs. It must contain a dot.
+        least : int, optional
+            Minimum number of arguments.
+        most : int, optional
+            Maximum number of arguments. The default is no limit.
+        in_context : bool, optional
+            Whether contexts and queries may use the action.
+
+        Returns
+        -------
+        callable
+            Decorator for the function.
+
+        Raises
+        ------
+        ValueError
+            If the name contains no dot or is taken.
         """
         if "." not in name:
             raise ValueError(f"the name of an internal action has a dot in it, and '{name}' none")
@@ -154,12 +181,10 @@ class InternalActions(dict[str, InternalAction]):
 def check_actions(
     program: Program, actions: Mapping[str, object], *, strict: bool
 ) -> tuple[ProgramProblem, ...]:
-    """Check that the internal actions of a program exist and are allowed where they stand.
+    """Return a problem for each call of an unknown internal action.
 
-    Return the calls of those that do not exist, unless that is an error.
-
-    Raises:
-        ProgramError: some are not allowed or, if `strict`, do not exist; it has all of them.
+    Raises `ProgramError` with all problems if a call is not allowed in its place, or if an action
+    is unknown and `strict` is True.
     """
     problems: dict[ProgramProblem, None] = {}
     unknown: dict[ProgramProblem, None] = {}
@@ -180,7 +205,7 @@ def check_actions(
 
 @made_once
 def _calls(program: Program) -> tuple[tuple[Place, Literal, bool], ...]:
-    """Return each call with its place, and True if it stands in a context or query."""
+    """Return each call with its place, and whether it is in a context or query."""
     rules = (clause for clause in program.beliefs if isinstance(clause, Rule))
     in_rules = (call for rule in rules for call in _at(rule.place, rule.body))
     return (*in_rules, *_in_plans(program.plans))
@@ -217,7 +242,7 @@ def _in_body(body: Body) -> Iterator[tuple[Place, Literal, bool]]:
 
 
 def _in_formula(formula: Term) -> Iterator[tuple[Literal, bool]]:
-    """Yield each call in a formula, and True for those that are not in a body in braces."""
+    """Yield each call in a formula, and False for those inside a body in braces."""
     pending = [formula]
     while pending:
         part = pending.pop()

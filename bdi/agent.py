@@ -38,7 +38,7 @@ from .society import Message, Society
 
 
 class ReasoningCycle:
-    """Runs the cycles of one agent."""
+    """Reasoning cycles of one agent."""
 
     def __init__(self, state: AgentState, max_cycles: int) -> None:
         self._state = state
@@ -47,14 +47,14 @@ class ReasoningCycle:
 
     @property
     def next_wakeup(self) -> float | None:
-        """Time at which there is something to do without anything new from outside (s), or None."""
+        """Time in seconds of the next activity without external input, or None."""
         if not self._has_begun or self._state.mailbox:
             return self._state.now
         due = self._state.alarms.next
         return None if due is None else due / SECOND
 
     def advance(self, time: float) -> None:
-        """Run until nothing is left to do at `time` (s); raise as `Agent.advance`."""
+        """Run until there is nothing left to do at `time` (s). Raises as `Agent.advance`."""
         state = self._state
         clock = nanoseconds(time)
         if clock < state.clock:
@@ -89,7 +89,7 @@ class ReasoningCycle:
             percepts.at_once = False
 
     def problem(self, message: str) -> ProgramProblem:
-        """Return a problem of the plan that is being carried out or looked for."""
+        """Return a problem of the plan that is being carried out or selected."""
         state, circumstance = self._state, self._state.circumstance
         selected, event = circumstance.selected, circumstance.selected_event
         if selected is not None and selected.stack:
@@ -107,7 +107,7 @@ class ReasoningCycle:
         return ProgramProblem(file=state.program.source, message=message)
 
     def _run_until(self, clock: int) -> None:
-        """Run all that is due before a time (ns), each at its own."""
+        """Run all activities due before a time (ns), each at its own time."""
         state = self._state
         due = state.alarms.next
         while due is not None and due < clock:
@@ -116,10 +116,9 @@ class ReasoningCycle:
             due = state.alarms.next
 
     def _run_instant(self) -> None:
-        """Run cycles until nothing is left to do at the present time.
+        """Run cycles until there is nothing left to do at the current time.
 
-        Raises:
-            EndlessProgramError: that takes more cycles than one instant may have.
+        Raises `EndlessProgramError` if that takes more than the maximum number of cycles.
         """
         state = self._state
         circumstance, logic, percepts, plans = (
@@ -178,7 +177,7 @@ class ReasoningCycle:
             raise EndlessProgramError([self.problem(f"{limit}: this plan does not end")])
 
     def _goes_on(self) -> bool:
-        """Return True if there is work, or a plan may be called because there is none."""
+        """Return True if there is work, or if a plan for idle agents may apply."""
         state, circumstance = self._state, self._state.circumstance
         if state.percepts.changed or state.tasks or state.mailbox:
             return True
@@ -215,7 +214,7 @@ class ReasoningCycle:
             state.circumstance.states.post()
 
     def _fall_asleep_or_wake(self) -> None:
-        """Raise the event of having nothing to do, or of having something again."""
+        """Raise the event of becoming idle or of having work again."""
         state, circumstance = self._state, self._state.circumstance
         is_idle = not (state.mailbox or state.tasks or circumstance.feedback)
         if circumstance.atomic is None or not circumstance.atomic_waits:
@@ -254,48 +253,77 @@ class ReasoningCycle:
 
 
 class Agent:
-    """Runs one program.
+    """BDI agent that runs one program.
 
-    Args:
-        program: its beliefs, goals and plans at the start.
-        beliefs: more initial beliefs, as text or terms; they come before the program's.
-        act: carries out an external action; returns True when it is done, False when it
-            failed, or `PENDING` when its outcome comes later, by `finish`. Without it every
-            action succeeds.
-        name: answer of `.my_name`, and sender of its messages.
-        seed: seed of the agent's random numbers. Of the agents of a society with the same seed,
-            the first draws from it alone, each other one from it and its name.
-        start: time at which it begins (s), by default that of its society.
-        print: takes the lines of `.print`. Without it they go to standard output.
-        on_event: takes an `Entry` for everything that happens inside, as `entries.append` does for
-            `entries = collections.deque(maxlen=10_000)`.
-        kinds: the kinds of entries that `on_event` takes; all by default.
-        live: beliefs that are asked for and not stored, by functor and arity: each a function
-            that returns the arguments of what holds when it is called, as often as a query comes
-            to it. They have the source `percept`, raise no events and are not in `beliefs`.
-        actions: further internal actions, by name (see `InternalActions`).
-        strict: True to refuse a program that calls internal actions that do not exist. Otherwise
-            each is a warning, and the plans that call it fail.
-        society: the agents it can send messages to; without it it can send to itself alone.
-        max_cycles: largest number of cycles at one instant; at more the agent is stopped.
-        max_goals: largest number of goals tried in one cycle: by default seconds of work,
-            where a handful is usual.
-        max_depth: largest number of plans in an intention.
-        max_intentions: largest number of intentions at once.
+    Parameters
+    ----------
+    program : Program
+        Initial beliefs, initial goals and plans.
+    beliefs : iterable of str or Literal, optional
+        Further initial beliefs. They precede those of the program.
+    act : callable, optional
+        Function that carries out an external action, given as a `Literal`. It returns True if the
+        action was done, False or `Refused` if it failed, or `PENDING` if the outcome follows by
+        `finish`. By default every action succeeds.
+    name : str, optional
+        Answer of `.my_name` and sender of messages.
+    seed : int, optional
+        Random seed. If agents of a society have the same seed, the random numbers of all but the
+        first also depend on their names.
+    start : float, optional
+        Start time in seconds. Defaults to the time of the society.
+    print : callable, optional
+        Function called with each line of `.print`. By default lines go to standard output.
+    on_event : callable, optional
+        Function called with an `Entry` for each internal event, such as the `append` of
+        `collections.deque(maxlen=10_000)`.
+    kinds : collection of str, optional
+        Kinds of entries passed to `on_event`. Defaults to all kinds.
+    live : mapping, optional
+        Functions that answer queries instead of stored beliefs, by (functor, arity). Each returns
+        the argument tuples that hold at the time of the query. These beliefs have the source
+        `percept`, raise no events, and are not part of `beliefs`.
+    actions : mapping, optional
+        Further internal actions by name. See `InternalActions`.
+    strict : bool, optional
+        Reject programs that call unknown internal actions. By default such a call causes a warning,
+        and the plan that contains it fails.
+    society : Society, optional
+        Agents that can exchange messages with this one. By default an agent can only send messages
+        to itself.
+    max_cycles : int, optional
+        Maximum number of reasoning cycles at one time.
+    max_goals : int, optional
+        Maximum number of goals tried in one cycle.
+    max_depth : int, optional
+        Maximum number of plans in an intention.
+    max_intentions : int, optional
+        Maximum number of simultaneous intentions.
 
-    Attributes:
-        name: its name.
-        program: the program with which it started.
-        actions: its internal actions by name.
-        beliefs: its belief base; iterating over it gives the beliefs.
-        plans: its plan library.
+    Attributes
+    ----------
+    beliefs : BeliefBase
+        Belief base. Iteration yields the beliefs.
+    plans : PlanLibrary
+        Plan library.
 
-    Raises:
-        ProgramError: the program uses internal actions where they are not allowed, or, if
-            `strict`, that do not exist, or one label twice; or a belief that is given as text
-            cannot be read.
-        TypeError: `program` is none, as where it is the name of a file.
-        ValueError: an agent of that name is in the society already.
+    Raises
+    ------
+    ProgramError
+        If the program uses an internal action where it is not allowed, uses a label twice or, if
+        `strict`, calls an unknown internal action. Also if the text of a belief is invalid.
+    TypeError
+        If `program` is not a `Program`.
+    ValueError
+        If the society already has an agent of that name.
+
+    Examples
+    --------
+    >>> lines = []
+    >>> agent = bdi.Agent(bdi.parse("!greet. +!greet <- .print(hello)."), print=lines.append)
+    >>> agent.advance(0.0)
+    >>> lines
+    ['hello']
     """
 
     def __init__(
@@ -371,27 +399,31 @@ class Agent:
 
     @property
     def now(self) -> float:
-        """Time up to which it has run (s)."""
+        """Time in seconds to which the agent has advanced."""
         return self._state.now
 
     @property
     def next_wakeup(self) -> float | None:
-        """Time at which it has something to do without anything new from outside (s), or None."""
+        """Time in seconds of the next activity without external input, or None."""
         return self._cycle.next_wakeup
 
     def advance(self, time: float) -> None:
-        """Run until nothing is left to do at `time`, in seconds.
+        """Run reasoning cycles until there is nothing left to do at `time`.
 
-        Everything due before that is done at its own time, in order. Percepts and outcomes that
-        came since the last call count at `time`.
+        Activities due earlier take place at their own times, in order. Percepts and outcomes that
+        arrived since the last call count at `time`.
 
-        Args:
-            time: the instant up to which it runs (s).
+        Parameters
+        ----------
+        time : float
+            Time in seconds, at least `now`.
 
-        Raises:
-            ValueError: the time is before `now`, or not finite.
-            EndlessProgramError: a plan does not end at one instant, or there are too many
-                intentions.
+        Raises
+        ------
+        ValueError
+            If the time is before `now` or not finite.
+        EndlessProgramError
+            If the agent exceeds its maximum number of cycles, goals, plans or intentions.
         """
         self._cycle.advance(time)
 
@@ -399,51 +431,67 @@ class Agent:
 
     @property
     def percepts(self) -> list[Literal]:
-        """The percepts that hold now, in the order in which they came."""
+        """Current percepts in order of arrival."""
         return self._state.percepts.current
 
     def add_percept(self, percept: str | Literal) -> None:
-        """Add a percept from the time of the next `advance` on.
+        """Add a percept at the time of the next `advance`.
 
-        While the agent runs, as in `act`, it is added at once.
+        While the agent runs, for example in `act`, the percept is added immediately.
 
-        Args:
-            percept: a literal, or its text; it is believed with the source `percept`.
+        Parameters
+        ----------
+        percept : str or Literal
+            Percept. The agent believes it with the source `percept`.
 
-        Raises:
-            ProgramError: the text is not one literal.
+        Raises
+        ------
+        ProgramError
+            If the text is not one literal.
         """
         literal = percept if percept.__class__ is Literal else _as_literal(percept)
         self._state.percepts.queue((True, literal))
 
     def remove_percept(self, percept: str | Literal) -> None:
-        """Remove a percept from the time of the next `advance` on, or at once as `add_percept`.
+        """Remove a percept at the time of the next `advance`.
 
-        Args:
-            percept: a literal, or its text; one that is not there makes no difference.
+        While the agent runs, the percept is removed immediately. Unknown percepts are ignored.
 
-        Raises:
-            ProgramError: the text is not one literal.
+        Parameters
+        ----------
+        percept : str or Literal
+            Percept.
+
+        Raises
+        ------
+        ProgramError
+            If the text is not one literal.
         """
         literal = percept if percept.__class__ is Literal else _as_literal(percept)
         self._state.percepts.queue((False, literal))
 
     @property
     def pending_actions(self) -> dict[int, Literal]:
-        """The external actions whose outcome is open, by number."""
+        """External actions without an outcome yet, by number."""
         pending = self._state.circumstance.pending_actions.values()
         return {one.number: one.action for one in pending}
 
     def finish(self, action: int | str | Literal, success: bool = True) -> None:
-        """Report the outcome of an action for which `act` has returned PENDING.
+        """Report the outcome of an action for which `act` returned `PENDING`.
 
-        Args:
-            action: its number (see `pending_actions`) or the action itself.
-            success: True if it was done; its plan fails otherwise.
+        Parameters
+        ----------
+        action : int, str or Literal
+            The action or its number (see `pending_actions`).
+        success : bool, optional
+            Whether the action was done. Otherwise the plan that contains it fails.
 
-        Raises:
-            ValueError: no such action is open.
-            ProgramError: the text of the action is not one literal.
+        Raises
+        ------
+        ValueError
+            If no such action is pending.
+        ProgramError
+            If the text of the action is not one literal.
         """
         wanted = action if isinstance(action, int) else _as_literal(action)
         if not self._state.circumstance.report(wanted, success):
@@ -451,50 +499,82 @@ class Agent:
 
     @property
     def has_mail(self) -> bool:
-        """True if it has messages to read."""
+        """Whether there are unread messages."""
         return bool(self._state.mailbox)
 
     def receive(self, message: Message) -> None:
-        """Put a message into the mailbox, from which each cycle reads one."""
+        """Add a message to the mailbox. Each cycle reads one.
+
+        Parameters
+        ----------
+        message : Message
+            Message to this agent.
+        """
         self._state.mailbox.append(message)
 
     # ---- its mind
 
     def problem(self, message: str) -> ProgramProblem:
-        """Return a problem, said in `message`, at the step that it carries out just now.
+        """Return a problem located at the step that is being carried out.
 
-        So `act` can say where in the program an action stands that makes no sense.
+        With it, `act` can report the line of an invalid action.
+
+        Parameters
+        ----------
+        message : str
+            Description of the problem.
+
+        Returns
+        -------
+        ProgramProblem
+            Problem with file and line.
         """
         return self._cycle.problem(message)
 
     @property
     def intentions(self) -> list[Intention]:
-        """Its intentions: each a stack of plans, the one being carried out last."""
+        """Current intentions. Each is a stack of plans, the active plan last."""
         return list(self._state.circumstance.intentions())
 
     @property
     def is_stopped(self) -> bool:
-        """True if the program has ended itself by `.stopMAS`."""
+        """Whether the program has ended by `.stopMAS`."""
         return self._state.is_stopped
 
     def add_program(self, program: Program) -> None:
-        """Add plans after those there are, then beliefs and goals, which raise events.
+        """Add plans after the existing ones, then beliefs and goals, which raise events.
 
-        Args:
-            program: what it is to believe, want and know besides.
+        Parameters
+        ----------
+        program : Program
+            Program to add.
 
-        Raises:
-            ProgramError: it uses internal actions where they are not allowed, or, if it is
-                strict, that do not exist, or a label that is taken.
+        Raises
+        ------
+        ProgramError
+            If the program uses an internal action where it is not allowed, uses a label twice or,
+            if `strict`, calls an unknown internal action.
         """
         load_program(self._state, program)
 
     def believe(self, literal: Literal) -> None:
-        """Add a belief, with source `self` if it names none, and raise its event."""
+        """Add a belief and raise its event.
+
+        Parameters
+        ----------
+        literal : Literal
+            Belief. Its source is `self` unless it has one.
+        """
         self._state.believe(literal)
 
     def disbelieve(self, literal: Literal) -> None:
-        """Remove a belief, that of source `self` if it names none, and raise the event."""
+        """Remove a belief and raise its event.
+
+        Parameters
+        ----------
+        literal : Literal
+            Belief. Its source is `self` unless it has one.
+        """
         self._state.disbelieve(literal)
 
 

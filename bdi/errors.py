@@ -6,21 +6,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 MOST_SHOWN = 20
-"""Number of problems in the text of an error; of the others it gives the number."""
+"""Maximum number of problems in the text of an error. The text then gives the number of others."""
 
 LONGEST = 600
-"""Number of characters of a problem in the text of an error."""
+"""Maximum number of characters of a problem in the text of an error."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProgramProblem:
-    """One mistake and its place.
+    """One error in a program, with its location.
 
-    Attributes:
-        file: file, or name of the text.
-        line: line, from 1; 0 for none.
-        column: column, from 1; 0 for none.
-        message: what is wrong, and what would be right.
+    Parameters
+    ----------
+    file : str
+        File, or name of the text.
+    line : int, optional
+        Line, counted from 1, or 0 if unknown.
+    column : int, optional
+        Column, counted from 1, or 0 if unknown.
+    message : str
+        What is wrong and what would be right.
     """
 
     file: str
@@ -34,12 +39,23 @@ class ProgramProblem:
 
 
 def clipped(text: str) -> str:
-    """Return a text, cut off where it is too long to be read: names and terms may be endless."""
+    """Return a text shortened to `LONGEST`, because names and terms may be very long."""
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
 class ProgramError(ValueError):
-    """Program that cannot be loaded or cannot go on; `problems` are all its mistakes."""
+    """Error of a program that cannot be loaded or continued.
+
+    Parameters
+    ----------
+    problems : sequence of ProgramProblem
+        All problems of the program.
+
+    Attributes
+    ----------
+    problems : tuple of ProgramProblem
+        All problems of the program.
+    """
 
     def __init__(self, problems: Sequence[ProgramProblem]) -> None:
         self.problems = tuple(problems)
@@ -49,13 +65,13 @@ class ProgramError(ValueError):
         super().__init__("\n".join(lines))
 
     def __reduce__(self) -> tuple[type[ProgramError], tuple[tuple[ProgramProblem, ...]]]:
-        """Return how to make a copy: of the problems, not of the text that is made of them."""
+        """Return how to copy the problems, because the text is derived from them."""
         return type(self), (self.problems,)
 
 
 class EndlessProgramError(ProgramError):
-    """Agent that was stopped: it exceeded its budget of cycles, goals, depth or intentions."""
+    """Error of an agent that exceeded its maximum number of cycles, goals, plans or intentions."""
 
 
 class TooDeepError(Exception):
-    """More goals, terms or intentions than are allowed; reported as EndlessProgramError."""
+    """More goals, terms or intentions than allowed. It is reported as `EndlessProgramError`."""

@@ -1,4 +1,4 @@
-"""Doubts about a program: what runs, but probably not as its author meant it."""
+"""Warnings about programs that are valid but probably wrong."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .language.program import Belief, Goal, Program, all_plans
 from .language.terms import Literal
 
 LIKE = 0.85
-"""Likeness (of `difflib`) from which the name of an event is taken for another one, misspelt."""
+"""Minimum similarity (of `difflib`) of the name of an event to a known one to be a misspelling."""
 
 CHANGES_PLANS = frozenset({".add_plan", ".include", ".relevant_plans", ".send", ".broadcast"})
-"""Internal actions by which a program may have plans that are not written in it."""
+"""Internal actions that can add plans to a program."""
 
 
 def doubts(
@@ -25,17 +25,26 @@ def doubts(
     actions: Mapping[str, tuple[int, int]] | None = None,
     events: Iterable[str] = (),
 ) -> tuple[ProgramProblem, ...]:
-    """Return what is doubtful in a program, each with its place.
+    """Return warnings about a valid program, in order of their locations.
 
-    These are goals for which there is no plan, and internal actions that don't take as many
-    arguments, or are called without their dot.
+    Warnings concern goals without a plan, and internal actions that are called without their dot or
+    with a wrong number of arguments.
 
-    Args:
-        program: the program, with all that it includes.
-        actions: the external actions that there are, each with the least and the largest number of
-            its arguments; others are doubtful. Not looked at by default.
-        events: names of beliefs from outside. A plan for one that is spelt nearly the same, and
-            that the program itself does not believe, is doubtful.
+    Parameters
+    ----------
+    program : Program
+        Program with all its included files.
+    actions : mapping, optional
+        Minimum and maximum number of arguments of each external action, by name. Calls of other
+        actions cause warnings. By default external actions are not checked.
+    events : iterable of str, optional
+        Names of percepts. A plan for a belief that is spelt similarly, and that the program does
+        not add itself, causes a warning.
+
+    Returns
+    -------
+    tuple of ProgramProblem
+        Warnings.
     """
     steps = [
         step
@@ -60,12 +69,12 @@ def doubts(
 
 
 def _name(step: Achieve | Act | Update) -> str:
-    """Return the name of the action in a step, or nothing."""
+    """Return the name of the action in a step, or an empty text."""
     return step.action.functor if isinstance(step, Act) and isinstance(step.action, Literal) else ""
 
 
 def _no_plan(goal: Event, program: Program) -> str:
-    """Return the message that no plan achieves a goal, or nothing."""
+    """Return the warning that no plan achieves a goal, or an empty text."""
     if not isinstance(goal, Literal) or "::" in goal.functor:
         return ""
     known: list[str] = []
@@ -81,7 +90,7 @@ def _no_plan(goal: Event, program: Program) -> str:
 
 
 def _wrong_action(action: Literal, actions: Mapping[str, tuple[int, int]] | None) -> str:
-    """Return what is wrong with the call of an action, or nothing."""
+    """Return the warning about the call of an action, or an empty text."""
     name, count = action.functor, len(action.args)
     if action.is_internal_action:
         try:
@@ -105,7 +114,7 @@ def _wrong_action(action: Literal, actions: Mapping[str, tuple[int, int]] | None
 def _misspelt(
     program: Program, steps: list[Achieve | Act | Update], events: list[str]
 ) -> Iterator[tuple[Place, str]]:
-    """Yield the plans for beliefs that nothing adds, spelt nearly as one of `events`."""
+    """Yield plans for beliefs that nothing adds and that are spelt similarly to one of `events`."""
     changed = (step.belief for step in steps if isinstance(step, Update))
     believed = {belief.functor for belief in changed if isinstance(belief, Literal)}
     believed |= {one.belief.functor for one in program.beliefs if isinstance(one, Belief)}

@@ -16,14 +16,21 @@ from .language.terms import Literal, Term
 class Message:
     """Message from one agent to another.
 
-    Attributes:
-        sender: name of the agent that sends it.
-        force: its illocutionary force: tell, untell, achieve, unachieve, askOne, askAll, tellHow,
-            untellHow, askHow, signal, or one that plans of the receiver know.
-        content: literal, formula or answer.
-        question: its number, 0 if it has none.
-        reply_to: number of the question that it answers, else 0.
-        is_awaited: True if the one who asks waits for the answer.
+    Parameters
+    ----------
+    sender : str
+        Name of the sender.
+    force : str
+        Illocutionary force: tell, untell, achieve, unachieve, askOne, askAll, tellHow, untellHow,
+        askHow, signal, or a custom one that plans of the receiver handle.
+    content : Term
+        Literal, formula or answer.
+    question : int, optional
+        Number of the question, or 0.
+    reply_to : int, optional
+        Number of the question that this message answers, or 0.
+    is_awaited : bool, optional
+        Whether the sender waits for the answer.
     """
 
     sender: str
@@ -35,34 +42,34 @@ class Message:
 
 
 class Member(Protocol):
-    """Member of a society; `Agent` is one."""
+    """Interface of the members of a society, such as `Agent`."""
 
     name: str
 
     @property
     def now(self) -> float:
-        """Time up to which it has advanced (s)."""
+        """Time in seconds to which the member has advanced."""
 
     @property
     def next_wakeup(self) -> float | None:
-        """Time at which it has something to do (s), or None."""
+        """Time in seconds of the next activity, or None."""
 
     def advance(self, time: float) -> None:
-        """Run until nothing is left to do at `time` (s)."""
+        """Run until there is nothing left to do at `time` (s)."""
 
     def receive(self, message: Message) -> None:
-        """Take a message, to be read in a later cycle."""
+        """Add a message that a later cycle reads."""
 
 
 class Directory:
-    """Services that agents of a society offer, and those who want to know of them."""
+    """Services that agents of a society offer, with their subscribers."""
 
     def __init__(self) -> None:
         self._offers: dict[tuple[str, str], list[str]] = {}
         self._wanted: dict[tuple[str, str], list[str]] = {}
 
     def register(self, agent: str, service: str, kind: str) -> list[str]:
-        """Note that an agent offers a service; return those who want to know of it."""
+        """Register a service of an agent and return its subscribers."""
         offers = self._offers.setdefault((service, kind), [])
         if agent in offers:
             return []
@@ -70,34 +77,56 @@ class Directory:
         return list(self._wanted.get((service, kind), ()))
 
     def deregister(self, agent: str, service: str, kind: str) -> None:
-        """Forget that an agent offers a service."""
+        """Remove a service of an agent."""
         offers = self._offers.get((service, kind), [])
         if agent in offers:
             offers.remove(agent)
 
     def search(self, service: str, kind: str) -> list[str]:
-        """Return the agents that offer a service, in the order in which they registered."""
+        """Return the agents that offer a service, in the order of registration."""
         return list(self._offers.get((service, kind), ()))
 
     def subscribe(self, agent: str, service: str, kind: str) -> list[str]:
-        """Note that an agent wants to know of a service; return those who offer it already."""
+        """Subscribe an agent to a service and return the agents that offer it already."""
         wanted = self._wanted.setdefault((service, kind), [])
         if agent not in wanted:
             wanted.append(agent)
         return self.search(service, kind)
 
     def leave(self, agent: str) -> None:
-        """Forget an agent."""
+        """Remove an agent with its services and subscriptions."""
         for entries in (*self._offers.values(), *self._wanted.values()):
             if agent in entries:
                 entries.remove(agent)
 
 
 class Society:
-    """The agents of a run by name, between which messages are carried.
+    """Agents that exchange messages, by name.
 
-    A message is read by its receiver in the next cycle it runs. Advance all agents together with
-    `advance`, or each on its own: the `next_wakeup` of one that has mail is now.
+    A message is read in the receiver's next cycle. Advance all agents together with `advance`, or
+    each on its own. The `next_wakeup` of an agent with unread messages is its current time.
+
+    Attributes
+    ----------
+    now : float
+        Time in seconds to which the agents were advanced.
+    awaited : set of int
+        Numbers of the questions whose answers are awaited.
+    directory : Directory
+        Services that the agents offer.
+
+    Examples
+    --------
+    >>> society = bdi.Society()
+    >>> lines = []
+    >>> program = bdi.parse("+ready[source(A)] <- .print(A).")
+    >>> receiver = bdi.Agent(program, name="receiver", society=society, print=lines.append)
+    >>> sender = bdi.Agent(
+    ...     bdi.parse("!go. +!go <- .send(receiver, tell, ready)."), name="sender", society=society
+    ... )
+    >>> society.advance(1.0)
+    >>> lines
+    ['sender']
     """
 
     def __init__(self) -> None:
@@ -117,22 +146,48 @@ class Society:
         return f"<Society of {', '.join(self._members) or 'nobody'}>"
 
     def join(self, agent: Member) -> None:
-        """Add an agent.
+        """Add an agent. `Agent` calls this itself.
 
-        Raises:
-            ValueError: the name is taken.
+        Parameters
+        ----------
+        agent : Agent
+            Agent to add.
+
+        Raises
+        ------
+        ValueError
+            If another agent has the same name.
         """
         if agent.name in self._members:
             raise ValueError(f"two agents have the name '{agent.name}'")
         self._members[agent.name] = agent
 
     def leave(self, name: str) -> None:
-        """Remove the agent of that name, if there is one: another may take the name."""
+        """Remove an agent, so that another one may take its name.
+
+        Parameters
+        ----------
+        name : str
+            Name of the agent. Unknown names are ignored.
+        """
         self._members.pop(name, None)
         self.directory.leave(name)
 
     def own_seed(self, name: str, seed: int) -> int | str:
-        """Return the seed with which the agent of a name begins, no two of them the same."""
+        """Return the seed with which an agent initializes its random numbers.
+
+        Parameters
+        ----------
+        name : str
+            Name of the agent.
+        seed : int
+            Seed given to the agent.
+
+        Returns
+        -------
+        int or str
+            `seed` for the first agent that has it, otherwise a text that includes the name.
+        """
         first = self._seeds.setdefault(seed, name)
         return seed if first == name else f"{seed} {name}"
 
@@ -141,17 +196,25 @@ class Society:
         return list(self._members)
 
     def next_question(self) -> int:
-        """Return a number that no question has had yet."""
+        """Return an unused number for a question."""
         return next(self._numbers)
 
     def advance(self, time: float) -> None:
-        """Advance all agents to `time` (s), each wake-up and message in its order.
+        """Advance all agents to `time`, with wake-ups and messages in order of time.
 
-        An agent that is further already stays where it is.
+        An agent that has advanced further is left where it is.
 
-        Raises:
-            ValueError: the time is not finite.
-            EndlessProgramError: an agent does not end at one instant.
+        Parameters
+        ----------
+        time : float
+            Time in seconds.
+
+        Raises
+        ------
+        ValueError
+            If the time is not finite.
+        EndlessProgramError
+            If an agent exceeds its maximum number of cycles, goals, plans or intentions.
         """
         if not math.isfinite(time):
             raise ValueError(f"expected a time in seconds, found {time}")
@@ -176,10 +239,19 @@ class Society:
         return agent.now <= time and wakeup is not None and wakeup <= time
 
     def deliver(self, name: str, message: Message) -> None:
-        """Give `message` to the agent called `name`.
+        """Deliver a message to the agent called `name`.
 
-        Raises:
-            ActionError: there is no such agent.
+        Parameters
+        ----------
+        name : str
+            Name of the receiver.
+        message : Message
+            Message.
+
+        Raises
+        ------
+        ActionError
+            If there is no such agent.
         """
         if name not in self._members:
             missing = Literal("agent_not_found", (Literal(name),))

@@ -138,14 +138,9 @@ def answers(agent: AgentState, asked: Term, u: Unifier) -> Iterator[Term]:
 class AwaitedAnswer:
     """Question for whose answers an intention waits.
 
-    Args:
-        agent: state of the agent.
-        intention: the intention.
-        number: number of the question.
-        pattern: term with which the answer has to unify, or the list of answers if several are
-            asked.
-        receivers: number of agents asked, or None for one agent and no list.
-        timeout: longest time (ms), if any.
+    `number` is that of the question. The answer must unify with `pattern`, as must the list of
+    answers if several agents are asked. `receivers` is their number, or None for a single agent.
+    `timeout` is the maximum waiting time (ms), if any.
     """
 
     def __init__(

@@ -57,7 +57,7 @@ def replace(call: Call, whole: Term, pattern: Term, by: Term, result: Term) -> o
 
 
 def _groups(replacement: str) -> str:
-    """Return a replacement with Python's `\\1` for Java's `$1`."""
+    r"""Return a replacement with Python's `\1` for Java's `$1`."""
     return re.sub(r"\$(\d)", r"\\\1", replacement)
 
 

@@ -23,15 +23,10 @@ from .registry import STANDARD, a_number, a_trigger, wrong
 
 
 class ActiveWait:
-    """One `.wait` under way. The constructor leaves the suspension of the intention to the caller.
+    """One active `.wait`. The caller of the constructor suspends the intention.
 
-    Args:
-        agent: state of the agent.
-        intention: the intention that waits.
-        trigger: event that ends the wait, if any.
-        condition: formula that ends the wait when it holds, if any.
-        timeout: longest time (ms), if any.
-        elapsed: term to unify with the time waited (ms); without it a timeout is a failure.
+    The event `trigger`, the formula `condition` or the `timeout` (ms) ends the wait. `elapsed` is a
+    term to unify with the waiting time (ms). Without it, a timeout is a failure.
     """
 
     def __init__(

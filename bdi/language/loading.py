@@ -45,10 +45,27 @@ def _wrong_part(source: str, expected: str) -> ProgramError:
 
 
 def parse_literal(source: str) -> Literal:
-    """Return the belief, goal or percept in `source`, as `gantry_detected(3)[source(percept)]`.
+    """Return the literal in `source`, such as `gantry_detected(3)[source(percept)]`.
 
-    Raises:
-        ProgramError: `source` is not one literal.
+    Parameters
+    ----------
+    source : str
+        Belief, goal or percept in AgentSpeak.
+
+    Returns
+    -------
+    Literal
+        The literal.
+
+    Raises
+    ------
+    ProgramError
+        If `source` is not one literal.
+
+    Examples
+    --------
+    >>> bdi.parse_literal("at(station2)").functor
+    'at'
     """
     clause = _parse_part(source)
     if isinstance(clause, Belief):
@@ -57,11 +74,7 @@ def parse_literal(source: str) -> Literal:
 
 
 def parse_term(source: str) -> Term:
-    """Return the term or formula in `source`.
-
-    Raises:
-        ProgramError: `source` is not one term.
-    """
+    """Return the term or formula in `source`. Raises `ProgramError` if it is not one term."""
     clause = _parse_part(source, "term :- ")
     if isinstance(clause, Rule):
         return clause.body
@@ -69,7 +82,7 @@ def parse_term(source: str) -> Term:
 
 
 def parse_trigger(source: str) -> TriggerTerm:
-    """Return the event in `source`, as `+work_completed(_)`."""
+    """Return the event in `source`, such as `+work_completed(_)`."""
     clause = _parse_part(source)
     if isinstance(clause, Plan):
         return TriggerTerm(clause.trigger.sort, clause.trigger.literal)
@@ -90,14 +103,13 @@ _Pattern: TypeAlias = Callable[[Directive, Sequence[Clause]], Clauses]
 
 
 class WrongPatternError(Exception):
-    """Pattern that cannot be applied, with what would be right."""
+    """Invalid use of a goal pattern."""
 
 
 def apply_pattern(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """Return the clauses of a pattern over those inside it.
+    """Return the clauses that a pattern makes of `inner`.
 
-    Raises:
-        WrongPatternError: its arguments are wrong.
+    Raises `WrongPatternError` if the arguments of the pattern are invalid.
     """
     return PATTERNS[directive.name](directive, inner)
 
@@ -175,7 +187,7 @@ def _exclusive(directive: Directive, inner: Sequence[Clause]) -> Clauses:
 
 
 def _within(directive: Directive, inner: Sequence[Clause], pattern: str) -> Clauses:
-    """Return the clauses of the pattern that an argument names, or else of the usual one."""
+    """Return the clauses of the pattern named by an argument, by default `pattern`."""
     goal = _goal(directive)
     chosen = directive.args[1] if len(directive.args) > 1 else Literal(pattern, (goal,))
     if not isinstance(chosen, Literal) or chosen.functor not in PATTERNS:
@@ -184,7 +196,7 @@ def _within(directive: Directive, inner: Sequence[Clause], pattern: str) -> Clau
 
 
 def _blind(directive: Directive, inner: Sequence[Clause]) -> Clauses:
-    """bc(g, pattern): g is pursued for ever."""
+    """bc(g, pattern): g is pursued forever."""
     goal = _goal(directive)
     return [*_within(directive, inner, "bdg"), _plan(f"+!{goal} <- !{goal}", directive.place)]
 
@@ -265,24 +277,30 @@ PATTERNS: Mapping[str, _Pattern] = MappingProxyType(
         "sga": _sequenced,
     }
 )
-"""The patterns by the names of their directives."""
+"""Patterns by the names of their directives."""
 
 
 MAX_TEXT = 4_000_000
-"""Length of the longest program that is read (characters); it takes about a minute."""
+"""Maximum length of a program in characters. Reading such a program takes about a minute."""
 
 _HANDED_OVER = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
-"""Files that a shell passes, as for `<(command)`: read though they are not regular files."""
+"""Files passed by a shell, as for `<(command)`. They are read although they are not regular."""
 
 _TOO_LONG = f"is longer than {MAX_TEXT:,} characters, the most that is read"
 
 
 INCLUDED_ONLY = ("group.asl", "patrol.asl")
-"""Programs that are parts of others, and no personalities."""
+"""Programs that are parts of others and not personalities."""
 
 
 def programs() -> dict[str, Path]:
-    """Return the built-in personalities: their names and files."""
+    """Return the files of the built-in personalities, by name.
+
+    Returns
+    -------
+    dict of str to Path
+        Files by name.
+    """
     found = _built_in().items()
     return {name.removesuffix(".asl"): path for name, path in found if name not in INCLUDED_ONLY}
 
@@ -295,10 +313,22 @@ def _built_in() -> dict[str, Path]:
 
 
 def load(name: str | Path) -> Program:
-    """Return the built-in personality called `name`, or the program in the file of that name.
+    """Return a built-in personality or the program in a file.
 
-    Raises:
-        ProgramError: the program cannot be read or has mistakes.
+    Parameters
+    ----------
+    name : str or Path
+        Name of a personality (see `programs`) or path of a file.
+
+    Returns
+    -------
+    Program
+        The program.
+
+    Raises
+    ------
+    ProgramError
+        If the file cannot be read or contains errors.
     """
     file = _built_in().get(f"{name}.asl") if isinstance(name, str) else None
     return parse_file(name) if file is None else _load_built_in(file)
@@ -306,19 +336,31 @@ def load(name: str | Path) -> Program:
 
 @cache
 def _load_built_in(file: Path) -> Program:
-    """Return a program in the package, where nothing changes: it is read once."""
+    """Return a program of the package. Each is read once, because these files do not change."""
     return parse_file(file)
 
 
 def parse_file(path: str | Path, *, namespace: str = "default") -> Program:
-    """Read the program at `path`; files it includes are in its folder, below it, or built in.
+    """Read the program in a file.
 
-    Args:
-        path: the file.
-        namespace: the namespace into which it is read.
+    The files that it includes must be in its folder, in a folder below, or built in.
 
-    Raises:
-        ProgramError: the file cannot be read or has mistakes; it has all of them.
+    Parameters
+    ----------
+    path : str or Path
+        File.
+    namespace : str, optional
+        Namespace of its names.
+
+    Returns
+    -------
+    Program
+        The program.
+
+    Raises
+    ------
+    ProgramError
+        If the file cannot be read or contains errors. All errors are reported together.
     """
     path = Path(path)
     source = _read(path)
@@ -330,13 +372,30 @@ def parse_file(path: str | Path, *, namespace: str = "default") -> Program:
 def parse(source: str, name: str = "<text>", *, folder: str | Path | None = None) -> Program:
     """Read a program from a text.
 
-    Args:
-        source: AgentSpeak.
-        name: name of the text in messages.
-        folder: folder of the files it includes; without it only built-in ones are found.
+    Parameters
+    ----------
+    source : str
+        Program in AgentSpeak.
+    name : str, optional
+        Name of the text in messages.
+    folder : str or Path, optional
+        Folder of the files that it includes. By default it can only include built-in files.
 
-    Raises:
-        ProgramError: the text has mistakes; it has all of them.
+    Returns
+    -------
+    Program
+        The program.
+
+    Raises
+    ------
+    ProgramError
+        If the text contains errors. All errors are reported together.
+
+    Examples
+    --------
+    >>> program = bdi.parse("open(door1). !walk. +!walk : open(D) <- .print(D).")
+    >>> len(program.plans)
+    1
     """
     return _parse(source, name, None if folder is None else Path(folder))
 
@@ -363,7 +422,7 @@ def _parse(source: str, name: str, folder: Path | None, namespace: str = "defaul
 
 
 _READ: WeakValueDictionary[tuple[object, ...], Program] = WeakValueDictionary()
-"""Programs that somebody has, by their name, folder and clauses, which live as long."""
+"""Programs that are in use, by name, folder and clauses."""
 
 
 def _read_all(
@@ -382,7 +441,7 @@ def _read_all(
 
 
 class _FileReader:
-    """Reading of one file: carries out its directives."""
+    """Reader of one file, which carries out its directives."""
 
     def __init__(
         self,

@@ -46,9 +46,7 @@ _RESERVED = frozenset(
 class Namespace:
     """Namespace of a part of a file.
 
-    Args:
-        name: its name, `default` for none.
-        local: for each name of a local namespace, the unique name it stands for.
+    `local` maps each name of a local namespace to the unique name that replaces it.
     """
 
     def __init__(self, name: str = "default", local: Mapping[str, str] | None = None) -> None:

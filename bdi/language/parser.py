@@ -382,10 +382,9 @@ _remembered_clauses = lru_cache(maxsize=64)(_read_clauses)
 
 
 def parse_part(source: str, before: str = "") -> Any:
-    """Return the clause of `before`, a part of a clause, and a full stop.
+    """Return the clause that consists of `before`, a part of a clause, and a full stop.
 
-    Raises:
-        ProgramError: they make no clause.
+    Raises `ProgramError` if this is not a clause.
     """
     first = list(tokenize(before)) if before else []
     previous = str(first[-1]) if first else ""

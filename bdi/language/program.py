@@ -30,7 +30,7 @@ class Trigger:
 
     @property
     def sort(self) -> str:
-        """Operator and kind together: `+!`, `-`, `+?` …"""
+        """Operator and kind together, such as `+!`, `-` or `+?`."""
         return self.operator + self.kind
 
     def __str__(self) -> str:
@@ -66,16 +66,16 @@ def are_apart(args: Iterable[Term]) -> bool:
 
 @dataclass(frozen=True, repr=False)
 class _Picklable:
-    """Base of values that keep what has been worked out from them."""
+    """Base of values that cache derived values."""
 
     def __getstate__(self) -> dict[str, object]:
-        """Leave that behind: functions can't be sent, and hashes hold in one process alone."""
+        """Return the fields without the cache: functions cannot be pickled, and hashes vary."""
         return {name: vars(self)[name] for name in self.__dataclass_fields__}
 
 
 @dataclass(frozen=True, repr=False)
 class Clause(_Picklable):
-    """Base of what a program consists of."""
+    """Base of the parts of a program."""
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self}>"
@@ -84,7 +84,7 @@ class Clause(_Picklable):
     def functions(self) -> frozenset[str]:
         """Names of the arithmetic functions that the clause calls.
 
-        Collected once: a clause is shared by all agents that run it.
+        They are cached, because all agents that run a program share its clauses.
         """
         found = set()
         for part in all_parts(self):
@@ -97,12 +97,16 @@ class Clause(_Picklable):
 
 @dataclass(frozen=True, repr=False)
 class Rule(Clause):
-    """Rule `head :- body`: the head is believed wherever the body holds.
+    """Rule `head :- body`: the head is believed if the body holds.
 
-    Attributes:
-        head: what follows.
-        body: the formula from which it follows.
-        place: position in the source.
+    Parameters
+    ----------
+    head : Literal
+        Conclusion.
+    body : Term
+        Condition.
+    place : Place, optional
+        Location in the source.
     """
 
     head: Literal
@@ -110,32 +114,38 @@ class Rule(Clause):
     place: Place = field(default=NOWHERE, compare=False)
 
     def is_same(self, other: Rule) -> bool:
-        """Return True if the rules differ in the names of variables and annotations only."""
+        """Return whether the rules differ only in names of variables and in annotations.
+
+        Parameters
+        ----------
+        other : Rule
+            Rule to compare with.
+        """
         return _numbered(self) == _numbered(other)
 
     @cached_property
     def parameters(self) -> tuple[str, ...] | None:
-        """The names of the head's arguments, if they are variables and no two are the same."""
+        """Names of the arguments of the head if they are distinct variables, otherwise None."""
         names = tuple(arg.name for arg in self.head.args if arg.__class__ is Var)
         return names if len(set(names)) == len(self.head.args) else None
 
     @cached_property
     def queried_keys(self) -> frozenset[Key]:
-        """Keys of the literals that its body asks, and `.findall` in it."""
+        """Keys of the literals that the body queries, also by `.findall`."""
         return frozenset(part.key for part in self._formulas if isinstance(part, Literal))
 
     @cached_property
     def is_cacheable(self) -> bool:
-        """True if it says the same until the answers change to what it asks.
+        """Whether the answers depend only on the answers to the queries of the body.
 
-        So it calls nothing but `CACHEABLE` actions, and no formula is a variable.
+        The body then calls only `CACHEABLE` actions, and none of its formulas is a variable.
         """
         is_open = any(isinstance(part, Var | Qualified) for part in self._formulas)
         return self.functions <= CACHEABLE and not is_open
 
     @property
     def _formulas(self) -> list[Term]:
-        """The formulas of its body, and of `.findall` in it, taken apart."""
+        """Parts of the body and of its `.findall` queries that are not operations."""
         found: list[Term] = []
         pending = [self.body]
         while pending:
@@ -166,16 +176,24 @@ def _numbered(rule: Rule) -> object:
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Plan(Clause):
-    """Plan `@label[annotations] trigger : context <- body.`
+    """Plan of a program, written `@label[annotations] trigger : context <- body.`.
 
-    Attributes:
-        label: name and annotations, or None; in a term it may be a variable.
-        trigger: the event for which the plan is relevant.
-        context: the formula by which it is applicable; `true` if none is written.
-        body: its steps, in order.
-        place: position in the source.
-        until: the formula by which its goal is achieved, if one is written after `<:`.
-        subplans: plans that are there while this one is carried out.
+    Parameters
+    ----------
+    label : Literal, Var or None
+        Name and annotations. In a term it may be a variable.
+    trigger : Trigger
+        Event for which the plan is relevant.
+    context : Term
+        Formula under which the plan is applicable. The default in programs is `true`.
+    body : tuple
+        Steps in order.
+    place : Place, optional
+        Location in the source.
+    until : Term, optional
+        Formula under which the goal is achieved, written after `<:`.
+    subplans : tuple of Plan, optional
+        Plans that exist while this one is carried out.
     """
 
     label: Literal | Var | None
@@ -188,16 +206,22 @@ class Plan(Clause):
 
     @property
     def atomic(self) -> bool:
-        """True if the label says `[atomic]`: no other intention runs while the plan does."""
+        """Whether the label has the annotation `atomic`, so that other intentions wait."""
         return isinstance(self.label, Literal) and _ATOMIC in self.label.annots
 
     @property
     def name(self) -> str:
-        """Functor of the label; empty without a label."""
+        """Functor of the label, empty without a label."""
         return self.label.functor if isinstance(self.label, Literal) else ""
 
     def is_same(self, other: Plan) -> bool:
-        """Return True if the plans differ in label and place only."""
+        """Return whether the plans differ only in label and place.
+
+        Parameters
+        ----------
+        other : Plan
+            Plan to compare with.
+        """
         return (self.trigger, self.context, self.body) == (
             other.trigger,
             other.context,
@@ -206,7 +230,7 @@ class Plan(Clause):
 
     @property
     def parts(self) -> tuple[Term, ...]:
-        """Label, event, context and body as terms, into which `=..` takes a plan apart."""
+        """Label, event, context and body as terms, as `=..` returns them."""
         label = Literal("nolabel") if self.label is None else self.label
         event = TriggerTerm(self.trigger.sort, self.trigger.literal, bare=True)
         return label, event, self.context, BodyTerm(self.body, bare=True)
@@ -231,11 +255,14 @@ def all_plans(plans: Iterable[Plan]) -> Iterator[Plan]:
 
 @dataclass(frozen=True, repr=False)
 class Goal(Clause):
-    """Initial goal.
+    """Initial goal of a program.
 
-    Attributes:
-        goal: what is to be achieved.
-        place: position in the source.
+    Parameters
+    ----------
+    goal : Literal
+        Goal to achieve.
+    place : Place, optional
+        Location in the source.
     """
 
     goal: Literal
@@ -247,11 +274,14 @@ class Goal(Clause):
 
 @dataclass(frozen=True, repr=False)
 class Belief(Clause):
-    """Initial belief.
+    """Initial belief of a program.
 
-    Attributes:
-        belief: what is believed.
-        place: position in the source.
+    Parameters
+    ----------
+    belief : Literal
+        Belief.
+    place : Place, optional
+        Location in the source.
     """
 
     belief: Literal
@@ -259,7 +289,7 @@ class Belief(Clause):
 
     @property
     def functions(self) -> frozenset[str]:
-        """Names of the arithmetic functions that the belief calls: mostly none, of plain terms."""
+        """Names of the arithmetic functions that the belief calls."""
         belief = self.belief
         if belief.annots or "." in belief.functor or not all(map(_is_plain, belief.args)):
             return super().functions
@@ -270,7 +300,7 @@ class Belief(Clause):
 
 
 def _is_plain(term: Term) -> bool:
-    """Return True of a number, a text, or an atom that is no function without arguments."""
+    """Return True for a number, a text, or an atom that is not a function without arguments."""
     if term.__class__ is Literal:
         return not (term.args or term.annots or "." in term.functor)
     return term.__class__ is float or term.__class__ is str
@@ -278,7 +308,7 @@ def _is_plain(term: Term) -> bool:
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Directive(Clause):
-    """`{ include("file.asl") }`: carried out while a program is read."""
+    """Directive such as `{ include("file.asl") }`, carried out while a program is read."""
 
     name: str
     args: tuple[Term, ...]
@@ -289,14 +319,20 @@ class Directive(Clause):
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Program(_Picklable):
-    """Program of an agent: what it believes, wants and knows to do at the start.
+    """Program of an agent. Converting it to str returns its source in a standard layout.
 
-    Attributes:
-        source: file or name of the text it was read from.
-        beliefs: initial beliefs and rules, in order.
-        goals: initial goals, in order.
-        plans: plans, in order.
-        folder: folder from which `.include` may read, or None for built-in programs only.
+    Parameters
+    ----------
+    source : str
+        File, or name of the text.
+    beliefs : tuple of Belief or Rule, optional
+        Initial beliefs and rules in order.
+    goals : tuple of Goal, optional
+        Initial goals in order.
+    plans : tuple of Plan, optional
+        Plans in order.
+    folder : Path, optional
+        Folder from which `.include` may read. By default it can only read built-in programs.
     """
 
     source: str
@@ -326,7 +362,7 @@ class Program(_Picklable):
 
 
 def _escaped(part: object) -> str | None:
-    """Return a string as it is written in a program; None for anything else."""
+    """Return a string as it is written in a program, or None for other values."""
     if not isinstance(part, str):
         return None
     return part.replace('"', '\\"').replace("\n", "\\n")

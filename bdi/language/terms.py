@@ -20,14 +20,22 @@ from typing import Any, NoReturn, TypeAlias, cast
 from ..errors import TooDeepError
 
 MAX_SIZE = 1_000_000
-"""Largest number of parts of a term; one of this size takes seconds to print."""
+"""Maximum number of parts of a term. Printing a term of this size takes seconds."""
 
 MAX_DEPTH = 150
-"""Largest number of terms nested in each other; a level takes several Python calls."""
+"""Maximum nesting of terms. Each level takes several nested Python calls."""
 
 
 class Var:
-    """Variable. One that is made while a program runs is `fresh`: no clause names it."""
+    """Variable.
+
+    Parameters
+    ----------
+    name : str
+        Name. Anonymous variables have names that begin with two underscores.
+    fresh : bool, optional
+        Whether the variable was created at run time, so that no clause names it.
+    """
 
     __slots__ = ("fresh", "name")
     ground = False
@@ -66,18 +74,43 @@ class AnnotatedVar(Var):
 
 
 class RestVar(Var):
-    """Tail of a list of annotations, R in `p[a|R]`. Always the last annotation."""
+    """Tail of a list of annotations, such as R in `p[a|R]`. It is always the last annotation."""
 
     __slots__ = ()
 
 
 class Literal:
-    """Functor with arguments and annotations, optionally strongly negated; an atom has neither.
+    """Functor with arguments and annotations, optionally negated.
 
-    `annots` are in standard order and without duplicates. Numbers of any type become floats.
+    Literals are immutable and are compared by value. Use `bdi.parse_literal` to create one from a
+    text.
 
-    Raises:
-        TypeError: an argument is not a term.
+    Parameters
+    ----------
+    functor : str
+        Name.
+    args : tuple of Term, optional
+        Arguments. Numbers of any type become floats.
+    annots : tuple of Term, optional
+        Annotations in standard order, without duplicates.
+    negated : bool, optional
+        Whether the literal has a strong negation, `~p`.
+
+    Attributes
+    ----------
+    key : tuple
+        Functor, arity and negation, under which beliefs and plans are indexed.
+    ground : bool
+        Whether the literal contains no variables.
+    size : int
+        Number of parts.
+    depth : int
+        Nesting of terms.
+
+    Raises
+    ------
+    TypeError
+        If an argument is not a term.
     """
 
     __slots__ = (
@@ -110,7 +143,7 @@ class Literal:
             self._weigh(annots)
 
     def _weigh_args(self) -> None:
-        """Add the arguments to its size and depth; numbers of any type become floats."""
+        """Add the arguments to size and depth, and convert numbers of other types to floats."""
         try:
             self._weigh(self.args)
         except AttributeError:
@@ -120,7 +153,7 @@ class Literal:
             self._weigh(self.args)
 
     def _weigh(self, terms: tuple[Term, ...]) -> None:
-        """Add the terms inside it to its size and depth."""
+        """Add terms to size and depth."""
         term: Any  # what a number or a string has not is not asked of it
         for term in terms:
             cls = term.__class__
@@ -138,7 +171,18 @@ class Literal:
             _refuse(self.size)
 
     def with_args(self, args: tuple[Term, ...]) -> Literal:
-        """Return this literal, whose annotations are ground, with other arguments (as many)."""
+        """Return this literal with as many other arguments.
+
+        Parameters
+        ----------
+        args : tuple of Term
+            Arguments.
+
+        Returns
+        -------
+        Literal
+            Copy. The annotations of this literal must be ground.
+        """
         other = Literal.__new__(Literal)
         other.functor = self.functor
         other.args = args
@@ -169,7 +213,18 @@ class Literal:
         return other
 
     def with_annots(self, annots: tuple[Term, ...]) -> Literal:
-        """Return this literal with these annotations: in standard order, without duplicates."""
+        """Return this literal with other annotations.
+
+        Parameters
+        ----------
+        annots : tuple of Term
+            Annotations in standard order, without duplicates.
+
+        Returns
+        -------
+        Literal
+            Copy.
+        """
         other = Literal.__new__(Literal)
         other.functor = self.functor
         other.args = self.args
@@ -200,17 +255,17 @@ class Literal:
 
     @property
     def identity(self) -> tuple[object, ...]:
-        """Functor, negation and arguments: equal for literals that differ in annotations only."""
+        """Functor, negation and arguments, which are equal if only the annotations differ."""
         return self.key, self.args
 
     @property
     def is_atom(self) -> bool:
-        """True for a bare name: no arguments, no annotations, no negation."""
+        """Whether the literal has no arguments, annotations or negation."""
         return not (self.args or self.annots or self.negated)
 
     @property
     def is_internal_action(self) -> bool:
-        """True for the name of an internal action, as `.print` or `floor.distance`."""
+        """Whether the functor names an internal action, such as `.print` or `floor.distance`."""
         return "." in self.functor and self.functor[0] != "'"
 
     def __str__(self) -> str:
@@ -244,9 +299,9 @@ class Literal:
         return self._hash
 
     def __reduce__(self) -> str | tuple[object, ...]:
-        """Leave the hash behind: texts have others in other processes.
+        """Return how to copy the literal without its hash, which differs between processes.
 
-        What there is only one of, as `TRUE`, is one there, too.
+        Atoms and constants such as `TRUE` become the shared instances of the other process.
         """
         if self is TRUE or self is FALSE:
             return self.functor.upper()

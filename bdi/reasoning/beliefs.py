@@ -338,12 +338,10 @@ def _among(some: tuple[Term, ...], others: tuple[Term, ...]) -> bool:
 
 
 class BeliefBase:
-    """Beliefs and rules; `live` beliefs answer queries, and are not counted among the others.
+    """Beliefs and rules. Live beliefs answer queries and are not counted among the others.
 
-    Attributes:
-        clauses: what it holds, by functor, arity and negation.
-        lost_percepts: by their identity, the beliefs that the program has taken the source
-            `percept` off since the base was last updated from percepts.
+    `clauses` are the beliefs and rules by functor, arity and negation. `lost_percepts` are the
+    beliefs that lost the source `percept` since the last update from percepts, by identity.
     """
 
     def __init__(self, live: LiveBeliefs = MappingProxyType({})) -> None:

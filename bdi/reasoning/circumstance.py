@@ -22,7 +22,7 @@ from .plans import PlanLibrary
 
 
 class Timer:
-    """Task that runs at a time, unless it is cancelled before."""
+    """Task that runs at a time unless it is cancelled earlier."""
 
     __slots__ = ("cancelled", "task")
 
@@ -31,33 +31,33 @@ class Timer:
         self.cancelled = False
 
     def cancel(self) -> None:
-        """Have the task not run."""
+        """Prevent the task from running."""
         self.cancelled = True
 
 
 class TimerQueue:
-    """Alarms in order of time (ns), and of setting where they have the same time."""
+    """Timers in order of time (ns), then of creation."""
 
     def __init__(self) -> None:
         self.heap: list[tuple[int, int, Timer]] = []
         self._order = count()
 
     def set(self, clock: int, task: Callable[[], None]) -> Timer:
-        """Have `task` run at `clock` (ns)."""
+        """Schedule `task` at `clock` (ns)."""
         alarm = Timer(task)
         heapq.heappush(self.heap, (clock, next(self._order), alarm))
         return alarm
 
     @property
     def next(self) -> int | None:
-        """Time of the next alarm (ns), or None."""
+        """Time of the next timer (ns), or None."""
         heap = self.heap
         while heap and heap[0][2].cancelled:
             heapq.heappop(heap)
         return heap[0][0] if heap else None
 
     def is_due(self, clock: int) -> bool:
-        """Return True if an alarm is due at `clock` (ns)."""
+        """Return whether a timer is due at `clock` (ns)."""
         following = self.next
         return following is not None and following <= clock
 
@@ -67,12 +67,12 @@ class TimerQueue:
             heapq.heappop(self.heap)[2].task()
 
     def clear(self) -> None:
-        """Cancel all of them."""
+        """Cancel all timers."""
         self.heap.clear()
 
 
 class Pending:
-    """Answer of `act` for an action whose outcome comes later, by `Agent.finish`."""
+    """Type of `PENDING`."""
 
     def __repr__(self) -> str:
         return "bdi.PENDING"
@@ -82,12 +82,18 @@ class Pending:
 
 
 PENDING = Pending()
-"""The answer of `act` for an action whose outcome is not known yet."""
+"""Return value of `act` for an action whose outcome `Agent.finish` will report."""
 
 
 @dataclass(frozen=True)
 class Refused:
-    """Answer of `act` for an action that failed, with the `reason` that a warning gives."""
+    """Return value of `act` for an action that failed.
+
+    Parameters
+    ----------
+    reason : str
+        Reason, which appears in a warning.
+    """
 
     reason: str
 
@@ -99,7 +105,7 @@ Perform: TypeAlias = Callable[[Literal], bool | Refused | Pending]
 
 
 class PendingAction:
-    """External action under way; `number` names it for `Agent.finish`."""
+    """External action without an outcome yet. `number` identifies it for `Agent.finish`."""
 
     __slots__ = ("action", "intention", "number")
 
@@ -112,22 +118,38 @@ class PendingAction:
 class Circumstance:
     """Events and intentions of one agent.
 
-    Attributes:
-        events: events to be dealt with, in order.
-        atomic_event: the event for which an atomic intention waits; it comes before the others.
-        suspended_events: events put off by `.suspend`.
-        future_events: alarms of the events announced by `.at`.
-        running: intentions that run in turns.
-        atomic: the atomic intention, if there is one.
-        atomic_waits: True while that intention is pending.
-        selected_event, selected: event and intention of the current reasoning cycle.
-        pending_actions: by number of the intention, the action it waits for.
-        feedback: outcomes of actions, in the order in which they came.
-        pending: by number, the intentions that wait for anything else, and for what.
-        waits: the waits that events and changes may end.
-        on_end: called with every intention that has ended.
-        states: notes the states of goals, if plans want to know of them.
-        has_conditions: True if there may be intentions with plans that end by a condition.
+    Attributes
+    ----------
+    events
+        Events to be handled, in order.
+    atomic_event
+        Event for which an atomic intention waits. It precedes the others.
+    suspended_events
+        Events deferred by `.suspend`.
+    future_events
+        Timers of the events scheduled by `.at`.
+    running
+        Intentions that run in turns.
+    atomic
+        Atomic intention, if any.
+    atomic_waits
+        True while that intention is pending.
+    selected_event, selected
+        Event and intention of the current reasoning cycle.
+    pending_actions
+        External action of each intention that waits for one, by the number of the intention.
+    feedback
+        Outcomes of actions in order of arrival.
+    pending
+        Intentions that wait for anything else and their reason, by number.
+    waits
+        Waits that events and changes may end.
+    on_end
+        Callback for each intention that has ended.
+    states
+        Recorder of goal states, if plans use them.
+    has_conditions
+        True if intentions may have plans that end by a condition.
     """
 
     def __init__(self) -> None:

@@ -278,14 +278,10 @@ _Take: TypeAlias = Callable[[Intention, Goals, Unifier], int]
 
 
 class Finish:
-    """Finishing of goals: `take` takes them off an intention, in whatever state it is.
+    """Finishing of goals of intentions in any state.
 
-    Args:
-        agent: state of the agent.
-        goals: the goals.
-        caller: the intention that finishes them, if one does: it is being carried out.
-        failed: True if they count as failed and not as achieved.
-        annots: further annotations of the events of failure.
+    `caller` is the intention that finishes them, if any. If `failed`, the goals count as failed and
+    `annots` are further annotations of the events of failure.
     """
 
     def __init__(

@@ -29,12 +29,16 @@ from .state import AgentState
 
 
 class Call:
-    """One use of an internal action.
+    """One call of an internal action.
 
-    Attributes:
-        agent: state of the agent: its beliefs, plans, circumstance and random numbers.
-        unifier: bindings of the variables. It stays as it is: an action returns new unifiers.
-        intention: the intention that calls, or None in a context or query.
+    Attributes
+    ----------
+    agent : AgentState
+        State of the agent: beliefs, plans, circumstance and random numbers.
+    unifier : dict
+        Bindings of the variables. Do not modify them, because actions return new unifiers.
+    intention : Intention or None
+        Calling intention, or None in a context or query.
     """
 
     __slots__ = ("agent", "intention", "unifier")
@@ -45,17 +49,38 @@ class Call:
         self.intention = intention
 
     def unify(self, one: object, other: object) -> Unifier | None:
-        """Return a unifier with which the two are equal, or None: the answer of an action.
+        """Return a unifier that makes two terms equal, or None.
 
-        Python numbers, strs and lists are made terms.
+        An action can return the result as its answer.
+
+        Parameters
+        ----------
+        one, other : object
+            Terms, or Python numbers, strings and lists, which are converted to terms.
+
+        Returns
+        -------
+        dict or None
+            Unifier.
         """
         return unified(make_term(one), make_term(other), self.unifier)
 
     def each(self, variable: Term, values: Iterable[object]) -> Iterator[Unifier]:
-        """Yield a unifier for each of the values with which `variable` unifies.
+        """Yield a unifier for each value with which `variable` unifies.
 
-        It is the answer of an action that has several: a plan takes the first, a query tries all.
-        Python numbers, strs and lists are made terms.
+        An action with several answers can return the result. A plan uses the first, a query all.
+
+        Parameters
+        ----------
+        variable : Term
+            Term to unify.
+        values : iterable of object
+            Terms, or Python numbers, strings and lists, which are converted to terms.
+
+        Yields
+        ------
+        dict
+            Unifier.
         """
         for value in values:
             solution = self.unify(variable, value)
@@ -64,7 +89,7 @@ class Call:
 
 
 class Waiting:
-    """Answer of an internal action that has suspended its intention."""
+    """Return value of an internal action that has suspended its intention."""
 
 
 WAITING = Waiting()
@@ -77,9 +102,8 @@ def call(
 ) -> Answer | Waiting:
     """Return the answer of an internal action.
 
-    Raises:
-        ActionError: the action fails.
-        ValueError: its function returned something that is no answer.
+    Raises `ActionError` if the action fails, and `ValueError` if its function returns an invalid
+    value.
     """
     internal = agent.actions.get(action.functor)
     if internal is None:

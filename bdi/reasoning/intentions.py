@@ -145,19 +145,30 @@ class IntentionFork:
 
 
 class Intention:
-    """Stack of plans that one event has led to, the one being carried out last.
+    """Stack of the plans that one event has led to, the active plan last.
 
-    Attributes:
-        number: number of the intention, from 1.
-        stack: the plans.
-        atomic: number of atomic plans in the stack.
-        is_suspended: True from `.suspend` until `.resume`.
-        in_line: True while it is among the intentions that run in turns.
-        reason: cause of its suspension, or the action it waits for.
-        wait: the `.wait` it is in, if any.
-        fork: the fork it is a branch of, if any.
-        fork_point: height of the stack at which it was forked.
-        outer: the intention for which it deals with an event, by a plan inside one of its plans.
+    Attributes
+    ----------
+    number
+        Number of the intention, from 1.
+    stack
+        Plans.
+    atomic
+        Number of atomic plans in the stack.
+    is_suspended
+        True between `.suspend` and `.resume`.
+    in_line
+        True while the intention is queued to run.
+    reason
+        Cause of its suspension, or the action it waits for.
+    wait
+        Active `.wait`, if any.
+    fork
+        Fork of which it is a branch, if any.
+    fork_point
+        Height of the stack at the fork.
+    outer
+        Intention for which it handles an event by a subplan.
     """
 
     __slots__ = (
@@ -273,11 +284,9 @@ class Intention:
 
 
 class Goals:
-    """Goals to be finished: those of the plans for which `include` holds.
+    """Goals to be finished: those of the plans for which `include` returns True.
 
-    Attributes:
-        include: takes a plan of an intention and bindings; returns True if its goal is one.
-        goal: the goal itself, if they are all instances of one.
+    `goal` is the goal of which they are instances, if there is one.
     """
 
     def __init__(self, include: Callable[[Means, Unifier], bool]) -> None:

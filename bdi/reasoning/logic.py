@@ -132,11 +132,7 @@ class Logic:
         self._allowed = self.goals_left = min(self.max_goals, self._left_at_this_instant)
 
     def spend(self, goals: int, formula: Term) -> None:
-        """Count goals that were tried for `formula`.
-
-        Raises:
-            TooDeepError: the budget is used up.
-        """
+        """Count goals tried for `formula`. Raises `TooDeepError` if the budget is exceeded."""
         self.goals_left -= goals
         if self.goals_left < 0:
             self.give_up(formula)

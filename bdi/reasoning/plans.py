@@ -159,16 +159,20 @@ def compiled(plan: Plan) -> Compiled:
 
 
 class LoadedPlan:
-    """Plan in a library: compiled, with a label that has a name and sources.
+    """Compiled plan in a library. It is immutable, because agents with one program share its plans.
 
-    It never changes: agents that run one program share its plans.
-
-    Attributes:
-        plan: the plan as written.
-        label: its label.
-        inner: the library of the plans inside it, if there are any.
-        scope: the library it is in, if that is the one of a plan.
-        until: check of the condition by which its goal is achieved, if it has one that may hold.
+    Attributes
+    ----------
+    plan
+        Plan as written.
+    label
+        Label with a name and sources.
+    inner
+        Library of its subplans, if any.
+    scope
+        Library that contains it, if that is the one of a plan.
+    until
+        Check of the condition by which its goal is achieved, if any.
     """
 
     __slots__ = (
@@ -202,20 +206,24 @@ _SORTS = ("+", "-", "+!", "-!", "+?", "-?", "^!", "^?")
 
 
 class PlanLibrary:
-    """The plans of an agent, or of a plan. One for any event, `+!G`, is found among those of each.
+    """Plans of an agent or a plan. A plan for any event, `+!G`, is relevant for all goals.
 
-    Args:
-        outer: the library around it, in which events are looked for that have no plan here; those
-            of an agent are around all others.
-        is_inside: True for the library of a plan.
+    `outer` is the enclosing library, which is searched if no plan is found here.
 
-    Attributes:
-        has_inner: True if plans have plans inside.
-        has_states: True if there are plans for the states of goals, `^!g`.
-        has_sleep: True if there are plans for `jag_sleeping` or `jag_awaking`.
-        has_protocol: True if the program has plans of its own for messages.
-        has_inner_updates: True if plans have plans inside for changes of beliefs.
-        has_special: True if plans have plans inside, or are for an agent that sleeps or awakes.
+    Attributes
+    ----------
+    has_inner
+        True if plans have subplans.
+    has_states
+        True if there are plans for states of goals, `^!g`.
+    has_sleep
+        True if there are plans for `jag_sleeping` or `jag_awaking`.
+    has_protocol
+        True if the program handles messages by its own plans.
+    has_inner_updates
+        True if subplans handle changes of beliefs.
+    has_special
+        True if `has_inner` or `has_sleep`.
     """
 
     def __init__(self, outer: PlanLibrary | None = None, *, is_inside: bool = False) -> None:
@@ -266,10 +274,9 @@ class PlanLibrary:
         }
 
     def add(self, plan: Plan, source: Literal = FROM_SELF, *, first: bool = False) -> LoadedPlan:
-        """Add a plan, or only another source to a plan that is there already.
+        """Add a plan, or only another source if the plan exists.
 
-        Raises:
-            ValueError: another plan has its label.
+        Raises `ValueError` if another plan has its label.
         """
         self._stop_sharing()
         for known in self.candidates(plan.trigger.sort, plan.trigger.literal):

@@ -1,8 +1,7 @@
-"""State of an agent: percepts, loaded programs, and all that its reasoning shares.
+"""State of an agent: percepts, loaded programs, and all values that its reasoning shares.
 
-What a program comes to is found out once, however many agents run it: which internal actions it
-calls, and its plans compiled and filed. An agent has a library of its own of the plans that it
-shares with others, and its own beliefs.
+The internal actions that a program calls and its compiled plans are cached per program, so that
+agents share them. Each agent has its own library of these plans, and its own beliefs.
 """
 
 from __future__ import annotations
@@ -35,15 +34,22 @@ KINDS = ("percept", "plan", "action", "print", "log", "ended", "warning")
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """One thing that happened inside an agent.
+    """One event inside an agent, passed to `on_event`.
 
-    Attributes:
-        time: time at which it happened (s).
-        kind: one of `KINDS`.
-        text: the event, action or message.
-        intention: number of the intention it belongs to, 0 for none.
-        file: file of the program with the step it belongs to, if any.
-        line: line in that file, from 1; 0 for none.
+    Parameters
+    ----------
+    time : float
+        Time in seconds.
+    kind : str
+        One of percept, plan, action, print, log, ended and warning.
+    text : str
+        Event, action or message.
+    intention : int, optional
+        Number of the intention, or 0.
+    file : str, optional
+        Program file of the current step.
+    line : int, optional
+        Line in that file, counted from 1, or 0.
     """
 
     time: float
@@ -64,13 +70,16 @@ Change: TypeAlias = tuple[bool, Literal]
 
 
 class PerceptBuffer:
-    """The percepts that hold now, and those that come or go with the next `advance`.
+    """Current percepts, and changes that wait for the next `advance`.
 
-    Attributes:
-        at_once: True while the agent runs: percepts come and go without waiting.
-        coming: those that wait for the next `advance`, in order.
-        changed: by their identity, those that have come or gone since the belief base was updated,
-            with True for one that has come.
+    Attributes
+    ----------
+    at_once
+        True while the agent runs, so that changes apply immediately.
+    coming
+        Changes that wait for the next `advance`, in order.
+    changed
+        Percepts changed since the last update of the belief base, by identity, with True if added.
     """
 
     def __init__(self) -> None:
@@ -149,20 +158,19 @@ _LOG = logging.getLogger("bdi")
 
 
 class AnswerReceiver(Protocol):
-    """Question whose answer an intention waits for."""
+    """Question for whose answer an intention waits."""
 
     def answer(self, message: Message) -> None:
-        """Take an answer."""
+        """Handle an answer."""
 
 
 Query: TypeAlias = "Callable[[AgentState, Literal, Unifier], Answer]"
 
 
 def nanoseconds(seconds: float) -> int:
-    """Return a time in whole nanoseconds, in which times add up exactly: 0.1 + 0.2 is 0.3.
+    """Return a time in whole nanoseconds, so that sums of times are exact: 0.1 + 0.2 is 0.3.
 
-    Raises:
-        ValueError: the time is not finite.
+    Raises `ValueError` if the time is not finite.
     """
     if not math.isfinite(seconds):
         raise ValueError(f"a time is a number of seconds, not {seconds}")
@@ -172,31 +180,56 @@ def nanoseconds(seconds: float) -> int:
 class AgentState:
     """State of one agent.
 
-    Attributes:
-        name: name of the agent.
-        program: the program it started with.
-        actions: its internal actions by name.
-        act: carries out an external action; without it every action succeeds.
-        beliefs: its belief base.
-        plans: its plan library.
-        circumstance: its events and intentions.
-        logic: answers queries over its beliefs.
-        names: source of fresh variables.
-        percepts: what it perceives.
-        mailbox: messages it has not read.
-        questions: by its number, the question whose answer is waited for.
-        society: the agents it can send messages to; itself alone if it belongs to no other.
-        functions: its arithmetic functions that belong to the run, by name.
-        known_programs: names of the programs that it has learnt when it needed them.
-        sleeps: True if it has nothing to do and its plans for that have been called.
-        alarms: tasks for later times.
-        tasks: tasks for the beginning of the next cycle.
-        clock: time (ns).
-        now: the same time (s), as the caller gave it.
-        max_depth: largest number of plans in an intention.
-        strict: True to refuse programs that call internal actions that do not exist.
-        is_stopped: True when the program has ended itself.
-        is_observed: True if somebody is told of percepts, plans or actions (`note`).
+    Attributes
+    ----------
+    name
+        Name of the agent.
+    program
+        Initial program.
+    actions
+        Internal actions by name.
+    act
+        Function that carries out external actions. Without it every action succeeds.
+    beliefs
+        Belief base.
+    plans
+        Plan library.
+    circumstance
+        Events and intentions.
+    logic
+        Evaluator of queries over the beliefs.
+    names
+        Source of fresh variables.
+    percepts
+        Percepts.
+    mailbox
+        Unread messages.
+    questions
+        Questions whose answers are awaited, by number.
+    society
+        Agents that can exchange messages with this one.
+    functions
+        Arithmetic functions that depend on the run, by name.
+    known_programs
+        Names of programs loaded on demand.
+    sleeps
+        True if the agent is idle and its plans for that were called.
+    alarms
+        Timers.
+    tasks
+        Tasks for the beginning of the next cycle.
+    clock
+        Time (ns).
+    now
+        The same time (s), as given by the caller.
+    max_depth
+        Maximum number of plans in an intention.
+    strict
+        True to reject programs that call unknown internal actions.
+    is_stopped
+        True if the program has ended itself.
+    is_observed
+        True if percepts, plans or actions are reported by `note`.
     """
 
     def __init__(
@@ -261,7 +294,7 @@ class AgentState:
 
     @cached_property
     def random(self) -> Random:
-        """Its random numbers, of which most agents draw none."""
+        """Random number generator, created on first use."""
         return Random(self._seed)
 
     # ---- beliefs
@@ -283,17 +316,16 @@ class AgentState:
             self.circumstance.post(Event("-", removed))
 
     def abolish(self, literal: Literal) -> None:
-        """Remove a belief from whatever sources; its event has no annotations."""
+        """Remove a belief from all sources. Its event has no annotations."""
         removed = self.beliefs.remove(literal, {})
         if removed is not None:
             self.circumstance.post(Event("-", removed.without_annots()))
 
     def changed(self, sort: str, literal: Literal, intention: Intention | None) -> bool:
-        """Raise the event of a change of belief; return False if the intention can just continue.
+        """Raise the event of a belief change, or return False if the event would have no effect.
 
-        That is so if the event would be the next one taken and be discarded: no plan is relevant,
-        nobody waits for it, and nothing else is to be dealt with before. Leaving it out then saves
-        a cycle and changes nothing else.
+        That is the case if the next cycle would take the event and discard it: no plan is relevant,
+        nothing waits for it, and nothing precedes it. Skipping the event then saves a cycle.
         """
         if not self.plans.candidates(sort, literal) and self.is_quiet:
             return False
@@ -301,7 +333,7 @@ class AgentState:
         return True
 
     def swapped(self, removed: Literal, added: Literal, intention: Intention) -> bool:
-        """Raise the events of a belief that has taken another's place; return as `changed`."""
+        """Raise the events of a replaced belief. Returns as `changed`."""
         candidates = self.plans.candidates
         if candidates("-", removed) or candidates("+", added) or not self.is_quiet:
             self.changed("-", removed, None)
@@ -310,7 +342,7 @@ class AgentState:
 
     @property
     def is_quiet(self) -> bool:
-        """True if the next cycle would begin with nothing new, and no event is to be taken."""
+        """True if the next cycle would begin without new input or events."""
         circumstance = self.circumstance
         return not (
             circumstance.events
@@ -328,14 +360,13 @@ class AgentState:
     # ---- actions and intentions
 
     def next_action_number(self) -> int:
-        """Return a number that no external action of this agent has yet."""
+        """Return an unused number for an external action."""
         return next(self._action_numbers)
 
     def next_intention_number(self) -> int:
-        """Return a number that no intention of this agent has yet.
+        """Return an unused number for an intention.
 
-        Raises:
-            TooDeepError: there are as many intentions as are allowed.
+        Raises `TooDeepError` if the maximum number of intentions exists.
         """
         of = self.circumstance
         if len(of.running) + len(of.pending) + len(of.pending_actions) >= self._max_intentions:
@@ -343,11 +374,11 @@ class AgentState:
         return next(self._intention_numbers)
 
     def after(self, milliseconds: int, task: Callable[[], None]) -> Timer:
-        """Have `task` run after a time."""
+        """Schedule `task` after a time (ms)."""
         return self.alarms.set(self.clock + milliseconds * MILLISECOND, task)
 
     def stop(self) -> None:
-        """End the program: nothing runs any more."""
+        """End the program."""
         self.is_stopped = True
         self.circumstance.clear_intentions()
         self.circumstance.clear_events()
@@ -365,12 +396,12 @@ class AgentState:
             self._print(line)
 
     def warn(self, line: str, intention: Intention | None = None) -> None:
-        """Log a warning, which an `intention` has caused, and report it to `on_event`."""
+        """Log a warning caused by `intention`, and report it to `on_event`."""
         _LOG.warning("%s: %s", self.name, line)
         self.note("warning", line, intention)
 
     def note(self, kind: str, what: object, intention: Intention | None = None) -> None:
-        """Report something to `on_event`."""
+        """Report an entry to `on_event`."""
         if self._on_event is None or kind not in self._noted:
             return
         number = 0 if intention is None else intention.number
@@ -388,10 +419,9 @@ class AgentState:
 
 
 def start(agent: AgentState, beliefs: Sequence[Belief] = ()) -> None:
-    """Load the program that an agent starts with; more `beliefs` come before its own.
+    """Load the initial program of an agent. `beliefs` precede those of the program.
 
-    Raises:
-        ProgramError: it uses internal actions where they are not allowed, or one label twice.
+    Raises `ProgramError` for internal actions that are not allowed, and for labels used twice.
     """
     program = agent.program
     _check(agent, program)
@@ -404,10 +434,9 @@ def start(agent: AgentState, beliefs: Sequence[Belief] = ()) -> None:
 
 
 def add_program(agent: AgentState, program: Program) -> None:
-    """Add plans after those there are, then beliefs and goals, which raise events.
+    """Add plans after the existing ones, then beliefs and goals, which raise events.
 
-    Raises:
-        ProgramError: it uses internal actions where they are not allowed, or a label that is taken.
+    Raises `ProgramError` for internal actions that are not allowed, and for labels used twice.
     """
     _check(agent, program)
     _file(with_run_functions(program.plans, agent.functions), agent.plans)
@@ -418,9 +447,8 @@ def add_program(agent: AgentState, program: Program) -> None:
 def add_plan(agent: AgentState, plan: Plan, source: Literal, *, first: bool = False) -> None:
     """Add one plan while the agent runs.
 
-    Raises:
-        ProgramError: it uses internal actions where they are not allowed.
-        ValueError: another plan has its label.
+    Raises `ProgramError` for internal actions that are not allowed, and `ValueError` if another
+    plan has its label.
     """
     whole = Program(source=agent.program.source, plans=(plan,))
     _check(agent, whole)
@@ -437,7 +465,7 @@ def _check(agent: AgentState, program: Program) -> None:
 
 
 def learn(agent: AgentState, program: Program) -> None:
-    """Add the plans of a program that the agent needs, once."""
+    """Add the plans of a program on first use."""
     if program.source not in agent.known_programs:
         agent.known_programs.add(program.source)
         add_program(agent, program)
@@ -451,7 +479,7 @@ def _functions_of_plans(program: Program) -> frozenset[str]:
 
 @made_once
 def _library(program: Program) -> PlanLibrary:
-    """Return the plans of a program, compiled and filed."""
+    """Return the compiled plans of a program."""
     library = PlanLibrary()
     _file(program.plans, library)
     return library
@@ -467,7 +495,7 @@ def _file(plans: Sequence[Plan], library: PlanLibrary) -> None:
 
 @made_once
 def _believed(program: Program) -> tuple[Belief | Rule, ...]:
-    """Return the beliefs of a program, and its rules as agents believe them: with a source."""
+    """Return the beliefs and rules of a program, rules with a source."""
     return tuple(
         Rule(with_source(one.head), one.body, one.place) if isinstance(one, Rule) else one
         for one in program.beliefs
@@ -475,13 +503,13 @@ def _believed(program: Program) -> tuple[Belief | Rule, ...]:
 
 
 def _note_plans(agent: AgentState) -> None:
-    """Take notice of the kinds of plans there are now."""
+    """Record goal states if any plan uses them."""
     if agent.plans.has_states and agent.circumstance.states is None:
         agent.circumstance.states = GoalStates(agent.circumstance, agent.plans)
 
 
 def _begin(agent: AgentState, program: Program, beliefs: Sequence[Belief] = ()) -> None:
-    """Believe what a program believes, and adopt its goals."""
+    """Add the beliefs and goals of a program."""
     clauses = with_run_functions((*beliefs, *_believed(program)), agent.functions)
     # Each belief goes to the front, so that the first of them stands first in the end.
     for clause in reversed(clauses):
