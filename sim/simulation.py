@@ -142,12 +142,34 @@ MOST_NAMED = 5
 
 
 class Simulation(InProgress):
-    """One trial, run step by step.
+    """Simulation of one trial, run step by step.
 
-    `listeners` are notified of events and motions as they happen. `advance` as far as you like,
-    then `finish` for the `Run`; nothing happens, and no listener is notified, before
-    `start` or the first `advance`. `TrialError` if there is something in the trial that can't be,
-    `LawError` or `ControllerError` if a law or controller of the user's own can't be imported.
+    Call `advance` as often as needed, then `finish`. Nothing happens, and no listener is notified,
+    before `start` or the first `advance`.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    *listeners : Listener
+        Listeners for events and motions.
+
+    Raises
+    ------
+    TrialError
+        If the trial is invalid.
+    ControllerError
+        If a custom controller cannot be imported.
+    LawError
+        If a custom law cannot be imported.
+
+    Examples
+    --------
+    >>> simulation = sim.Simulation(sim.Trial.load("ariac2023"))
+    >>> simulation.advance(10.0)
+    >>> simulation.person("operator").body.at
+    (-15.0, -10.0)
+    >>> run = simulation.finish()
     """
 
     @supervised()
@@ -198,7 +220,7 @@ class Simulation(InProgress):
 
     @supervised()
     def start(self) -> None:
-        """Let the trial begin, if it has not yet: machines, orders and people act from now on."""
+        """Start the trial unless it has started."""
         if self._started:
             return
         self._started = True
@@ -222,18 +244,18 @@ class Simulation(InProgress):
 
     @property
     def bodies(self) -> list[Body]:
-        """People and machines, in this order."""
+        """People and machines in this order."""
         return [*(p.body for p in self.people), *(m.body for m in self.machines.values())]
 
     @property
     def gantry(self) -> GantryRobot | None:
-        """The first gantry, if there is one."""
+        """First gantry, or None."""
         gantries = (m for m in self.machines.values() if isinstance(m, GantryRobot))
         return next(gantries, None)
 
     @property
     def agvs(self) -> list[Agv]:
-        """The AGVs."""
+        """AGVs."""
         return [m for m in self.machines.values() if isinstance(m, Agv)]
 
     def __repr__(self) -> str:
@@ -241,11 +263,22 @@ class Simulation(InProgress):
 
     @property
     def over(self) -> bool:
-        """True once the trial has come to its end."""
+        """Whether the trial has reached its end."""
         return self._over.triggered or self.clock.now >= self.trial.duration
 
     def person(self, name: str) -> Person:
-        """Return the person of that name; `ValueError` that names those there are."""
+        """Return a person.
+
+        Parameters
+        ----------
+        name : str
+            Name of the person.
+
+        Raises
+        ------
+        ValueError
+            If there is no person of that name. The message lists the known names.
+        """
         for person in self.people:
             if person.name == name:
                 return person
@@ -253,9 +286,19 @@ class Simulation(InProgress):
         raise UserError(f"there is no person {name!r}; {suggestion(name, names)}")
 
     def advance(self, until: float) -> None:
-        """Let everything happen that happens before `until` (seconds), if that is still to come.
+        """Simulate all events before a time.
 
-        `ValueError` if it is no time, `StandstillError` if simulated time does not go on.
+        Parameters
+        ----------
+        until : float
+            Time in seconds. Nothing happens if it is past.
+
+        Raises
+        ------
+        ValueError
+            If the time is not a number.
+        StandstillError
+            If simulated time does not progress.
         """
         if math.isnan(until):
             raise UserError("a simulation can't be advanced to nan: give seconds")
@@ -265,10 +308,21 @@ class Simulation(InProgress):
                 self.clock.run(min(until, self.trial.duration))
 
     def command(self, command: Command) -> None:
-        """Have something done from outside, at the command's time; it is recorded.
+        """Schedule an external command and record it.
 
-        The trial with all `commands` is the same run again. `TrialError` if it can't be done,
-        `ValueError` if its time is past.
+        A trial with the same commands in `commands` has the same run.
+
+        Parameters
+        ----------
+        command : Command
+            The command.
+
+        Raises
+        ------
+        TrialError
+            If the command cannot be carried out.
+        ValueError
+            If its time is past.
         """
         self.start()
         if rounded(command.time) < self.clock.now:
@@ -279,20 +333,20 @@ class Simulation(InProgress):
         self._commander.give(command)
 
     def stop(self) -> None:
-        """Leave it at what has happened, and `over` as it is; at any time, from any thread.
+        """Stop the simulation after the current event. Any thread may call this at any time.
 
-        Whatever happens just now comes to its end; nothing happens after it.
+        The value of `over` does not change.
         """
         self.clock.stop()
 
     @property
     def stopped(self) -> bool:
-        """True once it was told to stop."""
+        """Whether `stop` was called."""
         return self.clock.stopped
 
     @supervised()
     def finish(self) -> Run:
-        """Return the run as far as it went."""
+        """Return the run up to the current time."""
         self.start()
         interrupted = not self.over
         self.referee.close()
@@ -399,12 +453,36 @@ class Simulation(InProgress):
 
 
 def run(trial: Trial, *listeners: Listener) -> Run:
-    """Run `trial` to its end; `listeners` are notified of events and motions as they happen.
+    """Run a trial to its end.
 
-    Raises `TrialError` if there is something in the trial that can't be, `ControllerError`,
-    `LawError` or `MindError` when the user's own programs go wrong, `StandstillError` when things
-    happen again and again without letting time pass. Other code that the trial names, as machines
-    and actions, makes it a `ValueError` with the line.
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    *listeners : Listener
+        Listeners for events and motions.
+
+    Returns
+    -------
+    Run
+        The run.
+
+    Raises
+    ------
+    TrialError
+        If the trial is invalid.
+    ControllerError, LawError, MindError
+        If a custom controller, law or program fails.
+    StandstillError
+        If simulated time does not progress.
+    ValueError
+        If other custom code fails. The message includes the line.
+
+    Examples
+    --------
+    >>> run = sim.run(sim.Trial.load("ariac2023"))
+    >>> run.summary["penalties"]
+    9
     """
     simulation = Simulation(trial, *listeners)
     simulation.advance(trial.duration)

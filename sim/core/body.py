@@ -46,14 +46,37 @@ class Plans:
 
 
 JUMP = 1e-6
-"""Metres. A body that is further than this from where it was has been put there."""
+"""Minimum distance in metres between two motions for a jump."""
 
 PERSON = "person"
-"""The kind of a body that is a person's; that of a machine's is the machine's."""
+"""Kind of the bodies of people. The bodies of machines have the kind of the machine."""
 
 
 class Body(InProgress):
-    """Something that moves, with its present motion and the track of those before."""
+    """Person or machine with its current motion and its track.
+
+    Parameters
+    ----------
+    clock : Clock
+        Clock of the simulation.
+    name : str
+        Name of the person or machine.
+    kind : str
+        "person", or the kind of the machine.
+    motion : Motion
+        Initial motion.
+
+    Attributes
+    ----------
+    motion : Motion
+        Current motion.
+    on_change : list of callable
+        Callbacks without arguments for each new motion.
+    on_jump : list of callable
+        Callbacks without arguments for each motion that begins at another position.
+    on_record : callable or None
+        Callback for each finished part of the track, with the body and a `Motion`.
+    """
 
     def __init__(self, clock: Clock, name: str, kind: str, motion: Motion) -> None:
         self.name = name
@@ -75,19 +98,19 @@ class Body(InProgress):
 
     @property
     def state(self) -> State:
-        """Pose and velocity now."""
+        """Current pose and velocity."""
         return self.motion.state(self.clock.now)
 
     @property
     def at(self) -> tuple[float, float]:
-        """Position now: x, y in metres."""
+        """Current position (x, y) in metres."""
         return self.state.at
 
     @property
     def leg(self) -> tuple[float, float]:
-        """The straight leg on which a person comes to where they are now: see `leg_to`.
+        """Straight displacement (x, y) in metres before the current time. See `leg_to`.
 
-        However often their course changes at one instant, it is the leg before all of that.
+        It does not depend on how often the motion changes at this time.
         """
         now = self.clock.now
         if now != self._turned:
@@ -96,9 +119,12 @@ class Body(InProgress):
         return self._leg
 
     def follow(self, motion: Motion) -> None:
-        """Follow `motion` from now on, in place of the motion before it.
+        """Replace the motion from now on, and call `on_jump` (after a jump) and `on_change`.
 
-        `on_jump` is called where the body is put elsewhere by it, `on_change` in any case.
+        Parameters
+        ----------
+        motion : Motion
+            New motion.
         """
         self.settle()
         # Settled first: what was carried out until now belongs to the old motion.
@@ -115,7 +141,7 @@ class Body(InProgress):
             changed()
 
     def settle(self) -> None:
-        """Add the motion carried out until now to the track."""
+        """Add the motion up to now to the track."""
         now = self.clock.now
         if now > self._since:
             since, self._since = self._since, now
@@ -124,34 +150,58 @@ class Body(InProgress):
                 self.on_record(self, self.motion.cut(since, now))
 
     def track(self) -> Motion:
-        """Return all that it did so far, as one motion (it jumps where it was put elsewhere)."""
+        """Return the whole track as one motion, which can contain jumps."""
         self.settle()
         return self._track.motion() if self._track else self.motion
 
     def remember_plans(self) -> Plans:
-        """Return its plans, kept from now on: the motion it set out on at every instant."""
+        """Return a record of all motions planned from now on, including replaced parts."""
         plans = Plans(self.clock.now, self.motion)
         self.on_change.append(lambda: plans.add(self.clock.now, self.motion))
         return plans
 
 
 Category = Literal["robot", "vehicle"]
-"""A robot works above people's heads or behind its own range, and is watched at all times. A
-vehicle drives on the floor, where it can block people's paths, and is watched while it moves."""
+"""A robot works above people's heads or in its own range, and is always monitored. A
+vehicle drives on the floor, where it can block paths, and is monitored while it moves.
+"""
 
 
 ROUNDING = 1e-6
-"""Share of a top speed, and m/s. A machine that is faster by no more is not too fast."""
+"""Tolerance of top speeds, as a share and in m/s."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MachineShape:
-    """A machine as others see it; lengths in metres, speeds in m/s, heights above the floor.
+    """Properties of a machine that others can observe.
 
-    Its box, `length` along its heading and `width` across, stands around its axis. `reach` is the
-    radius of a circle around the axis that a folded arm stays within, `mount` metres ahead of it.
-    `course` are the points of the line on which it moves, if there is one, and `direction` the
-    unit vector along which it looks at all times, if it never turns.
+    Parameters
+    ----------
+    name : str
+        Name of the machine.
+    kind : str
+        Kind of machine.
+    category : {"robot", "vehicle"}
+        A robot is always monitored, a vehicle while it moves.
+    length, width : float
+        Size in metres along and across the heading, centred on the axis.
+    bottom, top : float
+        Heights of its ends above the floor in metres.
+    top_speed : float
+        Top speed in m/s.
+    reach : float, optional
+        Radius in metres of a circle that contains the folded arm.
+    mount : float, optional
+        Distance in metres from the axis forward to the centre of that circle.
+    course : tuple of (float, float), optional
+        Vertices in metres of the line on which it moves, if any.
+    direction : (float, float), optional
+        Unit vector of its heading, if it never turns.
+
+    Raises
+    ------
+    ValueError
+        If the category is unknown.
     """
 
     name: str
@@ -174,27 +224,45 @@ class MachineShape:
 
     @cached_property
     def box(self) -> Box:
-        """The solid around its axis."""
+        """Box around the axis."""
         return Box(length=self.length, width=self.width, bottom=self.bottom, top=self.top)
 
     def too_fast(self, motion: Motion, now: float) -> float | None:
-        """Return when a motion of it is first faster than its top speed, from `now` on (seconds).
+        """Return the first time at which a motion exceeds the top speed, or None.
 
-        None if it never is.
+        Parameters
+        ----------
+        motion : Motion
+            Motion of the machine.
+        now : float
+            Begin of the check in seconds.
         """
         too_fast = Moving(self.top_speed * (1 + ROUNDING) + ROUNDING)
         return first_time(too_fast, motion, motion, now, max(now, motion.end))
 
     def footprint(self, at: Point, rotation: float) -> Polygon:
-        """Return the rectangle that it covers at `at` (x, y), turned by `rotation` (radians)."""
+        """Return the covered rectangle.
+
+        Parameters
+        ----------
+        at : (float, float)
+            Position of the axis in metres.
+        rotation : float
+            Heading in radians.
+        """
         direction = (math.cos(rotation), math.sin(rotation))
         return rectangle(at, direction, self.length, self.width)
 
 
 class Machine(InProgress, ABC):
-    """A machine while a trial runs; a kind of machine is a subclass.
+    """Base class of machines in a running trial. Each kind of machine is a subclass.
 
-    `shape` is what others know of it, `body` where it is and how it moves.
+    Attributes
+    ----------
+    shape : MachineShape
+        Observable properties.
+    body : Body
+        Current motion and track.
     """
 
     shape: MachineShape
@@ -203,45 +271,91 @@ class Machine(InProgress, ABC):
 
     @property
     def name(self) -> str:
-        """The name by which the trial, events and figures call it."""
+        """Name in the trial, in events and in the summary."""
         return self.shape.name
 
     def begin(self) -> None:
-        """Begin to act: the trial starts."""
+        """Start to act. It is called once, at the start of the trial."""
 
     @abstractmethod
     def hold(self, stands: bool) -> None:
-        """Brake and stand until `hold(False)`, then go on: a protective stop."""
+        """Start or end a protective stop.
+
+        Parameters
+        ----------
+        stands : bool
+            True to brake and stay stationary, False to continue.
+        """
 
     def stand_for(self, reason: str, stands: bool) -> None:
-        """Hold the machine for a `reason`, or no longer; it goes on once there is none left."""
+        """Add or remove a reason for a protective stop. It lasts while there is any reason.
+
+        Parameters
+        ----------
+        reason : str
+            Identifier of the reason.
+        stands : bool
+            True to add it, False to remove it.
+        """
         before = self._stands_for
         self._stands_for = before | {reason} if stands else before - {reason}
         if bool(before) != bool(self._stands_for):
             self.hold(stands)
 
     def disable(self, seconds: float) -> None:
-        """Brake and stand for so long: a penalty, which only robots get."""
+        """Disable the machine as a penalty. Only robots are disabled.
+
+        Parameters
+        ----------
+        seconds : float
+            Duration in seconds.
+        """
 
     def floor_changed(self) -> None:
-        """Take note that a machine has come to rest, or that a place has opened or closed."""
+        """Handle that a machine has stopped on the floor, or that a place has opened or closed."""
 
     def sight_changed(self) -> None:
-        """Take note that it sees people no longer, or again."""
+        """Handle the begin or end of a blackout of the machine."""
 
     def look_out_for(self, person: Body, top_speed: float) -> None:
-        """Take note of a person, who walks at `top_speed` (m/s) at most."""
+        """Start to consider a person.
+
+        Parameters
+        ----------
+        person : Body
+            The person.
+        top_speed : float
+            Top speed of the person in m/s.
+        """
 
     def foreseen(self, until: float) -> Motion:
-        """Return its motion as anybody may know it now, with all that begins by `until` (s)."""
+        """Return the motion that is predictable now.
+
+        Parameters
+        ----------
+        until : float
+            Time in seconds. Scheduled motions that begin earlier are included.
+        """
         return self.body.motion
 
     def sets_out(self, after: float) -> float:
-        """Return when it is known to set out next, later than `after` (s); infinite if never."""
+        """Return the time of the next scheduled start in seconds, or infinity.
+
+        Parameters
+        ----------
+        after : float
+            Time in seconds. Earlier starts are ignored.
+        """
         return math.inf
 
     def stand_in(self, world: CollisionWorld) -> None:
-        """Put a vehicle into `world` where it is now; what works above the floor is not in it."""
+        """Place the footprint of a vehicle in a collision world. Robots are not added.
+
+        Parameters
+        ----------
+        world : CollisionWorld
+            World to update.
+        """
         if self.shape.category == "vehicle":
             x, y, rotation = self.body.state.position
             footprint = self.shape.footprint((x, y), rotation)
@@ -249,19 +363,30 @@ class Machine(InProgress, ABC):
 
     @property
     def centre(self) -> Point:
-        """The point (x, y) from which `zone` is measured."""
+        """Position (x, y) in metres from which `zone` is measured."""
         return self.body.at
 
     def zone(self, top_speed: float) -> float:
-        """Return how far (metres) somebody has to stand from it so that it sets out.
+        """Return the distance in metres from which the machine starts to move near a person.
 
-        For somebody who may walk at `top_speed` (m/s).
+        Parameters
+        ----------
+        top_speed : float
+            Top speed of the person in m/s.
         """
         return math.hypot(self.shape.length, self.shape.width) / 2
 
     def close(self) -> None:
-        """Settle what is still open: the trial is over."""
+        """Finish at the end of the trial."""
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
-        """Return what belongs into the summary about it alone; `motion` is all that it did."""
+        """Return values for the summary that concern only this machine.
+
+        Parameters
+        ----------
+        motion : Motion
+            Track of the whole trial.
+        now : float
+            Time in seconds.
+        """
         return {}

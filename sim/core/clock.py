@@ -17,15 +17,25 @@ from floorplan import UserError
 
 
 class Turn(IntEnum):
-    """Order of what happens at one instant; as with SimPy's priorities, the lowest goes first.
+    """Order of events at the same time, lowest first.
 
-    `VIOLATION` comes before `MOTION_ENDS`, so that the law is applied to the speeds with which the
-    instant was reached, before anybody sets out anew. People notice (`NOTICE`) once positions and
-    protective stops of the instant are settled, and think (`THOUGHT`) once all their percepts of
-    the instant are there, so that one thought sees them all. `INSISTENCE` comes after that: a mind
-    has had its turn to obey a rule before the rule is enforced. Within a turn, the order in which
-    events were put on the clock decides, so that a run can be repeated exactly. `COMMAND` comes
-    last, so that it makes no difference when somebody outside thought of a command.
+    As with SimPy's priorities, events of the same turn occur in the order in which they were
+    scheduled, so that runs are reproducible.
+
+    Attributes
+    ----------
+    VIOLATION
+        Start or end of a violation. The law sees the speeds before any motion changes.
+    MOTION_ENDS
+        End of a motion.
+    NOTICE
+        Observation of machines by people, after positions and protective stops have changed.
+    THOUGHT
+        Reasoning of people, with all percepts of this time.
+    INSISTENCE
+        Enforcement of rules, after programs could obey them.
+    COMMAND
+        External commands. The order in which they were issued has no effect on other events.
     """
 
     VIOLATION = 0
@@ -169,7 +179,17 @@ def then(event: Event, action: Callable[[Event], None]) -> None:
 
 
 class Alarm(InProgress):
-    """Calls `action` at an instant that may be changed or taken back until then."""
+    """Timer that calls `action` once at a time that can be changed or cancelled.
+
+    Parameters
+    ----------
+    clock : Clock
+        Clock of the simulation.
+    action : callable
+        Function without arguments.
+    turn : Turn
+        Order among events at the same time.
+    """
 
     def __init__(self, clock: Clock, action: Callable[[], None], turn: Turn) -> None:
         self._clock = clock
@@ -181,11 +201,17 @@ class Alarm(InProgress):
 
     @property
     def time(self) -> float | None:
-        """Instant at which it is set to ring (seconds); None if it is not set."""
+        """Time of the call in seconds, or None if it is not set."""
         return self._time
 
     def set(self, t: float | None) -> None:
-        """Ring at `t` (seconds) and at no other time; None takes it back."""
+        """Set, change or cancel the time of the call.
+
+        Parameters
+        ----------
+        t : float or None
+            Time in seconds, or None to cancel the call.
+        """
         if t == self._time:
             return
         self._time = t

@@ -53,12 +53,22 @@ CONDITIONS = ("time", "part_placed", "order_submitted", "event")
 
 @dataclass(frozen=True)
 class Start(Keyed):
-    """Condition that is waited for: a time (seconds), or something that happens.
+    """Condition of a start: a time or an event. Exactly one must be given.
 
-    `part_placed` holds the fields a placed part must have (part, agv), `order_submitted` the
-    order's name, `event` the kind of an event; it must happen for the `count`th time. Events
-    that name a person count if that is `person`, or who waits if none is given. The `time` is None
-    where something else is waited for.
+    Parameters
+    ----------
+    time : float or None, optional
+        Time in seconds, or None if another condition is given.
+    part_placed : dict, optional
+        Required fields of a placed part ("part", "agv").
+    order_submitted : str, optional
+        Name of a submitted order.
+    event : str, optional
+        Kind of an event.
+    count : int, optional
+        Number of times the event must occur.
+    person : str, optional
+        Person named by the event. The default is the waiting person.
     """
 
     time: NotNegative | None = 0.0
@@ -99,11 +109,16 @@ def _view_fault(view: Any) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class NoticingEntry(Keyed):
-    """How somebody notices machines; what is None is as if they had eyes all round.
+    """Perception of machines by a person. By default people see in all directions.
 
-    Theirs is a `field_of_view` of so many degrees, half of it on each side of where they look.
-    With `occlusion` they see nothing through walls, obstacles and machines. They perceive
-    something `reaction_time` seconds after they have seen it.
+    Parameters
+    ----------
+    field_of_view : float or distribution, optional
+        Field of view in degrees, centred on the direction of gaze.
+    occlusion : bool, optional
+        Whether walls, obstacles and machines block the view.
+    reaction_time : float or distribution, optional
+        Delay in seconds between seeing and perceiving.
     """
 
     field_of_view: Annotated[Drawn | None, Judged(_view_fault)] = None
@@ -172,12 +187,22 @@ def _as_name(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class RecordedTrack(Keyed):
-    """The track of one body in `file`, which is looked up from the trial's folder.
+    """Measured track of a body in a file.
 
-    `body` is its name or number there: None for that of the person, or the only one there is. The
-    person starts at the instant `since` of the file (seconds). Samples may be `longest_gap`
-    seconds apart, and nobody moves faster than `top_speed` (m/s) from one to the next.
-    `frame_rate` (1/s) is for files that count frames and don't say how many a second has.
+    Parameters
+    ----------
+    file : str
+        File, relative to the folder of the trial.
+    body : str, optional
+        Name or number of the body in the file. By default the name of the person, or the only body.
+    since : float, optional
+        Time in the file in seconds at which the person starts.
+    longest_gap : float, optional
+        Maximum time in seconds between two samples.
+    top_speed : float, optional
+        Maximum speed in m/s between two samples.
+    frame_rate : float, optional
+        Frames per second, for files that count frames without giving a rate.
     """
 
     file: Annotated[str, Field(min_length=1)]
@@ -196,7 +221,17 @@ class RecordedTrack(Keyed):
 
 @dataclass(frozen=True)
 class Blackout(Keyed):
-    """From `start` on, `machine` does not see people for `seconds`."""
+    """Time span in which a machine does not detect people.
+
+    Parameters
+    ----------
+    machine : str
+        Name of the machine.
+    start : Start
+        Condition for the begin.
+    seconds : float
+        Duration in seconds.
+    """
 
     machine: str
     start: Start
@@ -214,11 +249,25 @@ COMMANDS = ("send", "block", "clear", "hold", "release")
 
 @dataclass(frozen=True)
 class Command(Keyed):
-    """Something that is done from outside at `time` (seconds), after all else of that instant.
+    """External command during a trial, carried out after all other events of its time.
 
-    One of: `send` a person `to` a place (x, y in metres, or the name of a station or a door), or as
-    near to it as there is room; `block`: put down an obstacle; `clear`: take up the obstacle of
-    that name again; `hold` a machine, which brakes and stands, or `release` it.
+    Exactly one of `send`, `block`, `clear`, `hold` and `release` must be given.
+
+    Parameters
+    ----------
+    time : float
+        Time in seconds.
+    send : str, optional
+        Name of a person who walks to `to`.
+    to : str or (float, float), optional
+        Name of a station or door, or position in metres. If it is occupied, the person walks as
+        near as possible.
+    block : Obstacle, optional
+        Obstacle to add.
+    clear : str, optional
+        Name of an added obstacle to remove.
+    hold, release : str, optional
+        Name of a machine that brakes and stays stationary, or continues.
     """
 
     time: NotNegative

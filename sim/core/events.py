@@ -76,14 +76,40 @@ class _Forms:
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
 class EventKind:
-    """Something that happens in a run. A subclass is a kind of event, known once it is defined.
+    """Base class of events. Each subclass is a kind of event.
 
-    In recordings and trial files its `kind` is the name of the class in snake_case. Its fields are
-    declared as those of a dataclass. One whose name ends in "_" stands there without it, one with
-    the default None only where it has a value. Its annotation says what it holds: `str`, `float`,
-    `int`, `bool`, a `list`, a point as `tuple[float, float]`, or the name of something in the trial
-    as `Annotated[str, "person"]`, with one of the words in `Named`. `TypeError` if it says nothing
-    of these, or if the library has a kind of that name.
+    In recordings and trial files, the `kind` is the name of the class in snake_case. Declare fields
+    as in a dataclass. A field may have the type `str`, `float`, `int`, `bool`, `list`,
+    `tuple[float, float]` (a position in metres), or `Annotated[str, "person"]` for a name in the
+    trial, with a word of `Named`. Recordings omit a trailing underscore of a field's name, and
+    fields that have the default None and no value.
+
+    Parameters
+    ----------
+    **given
+        Values of the fields by name. Fields with a default may be omitted.
+
+    Attributes
+    ----------
+    kind : str
+        Name of the kind.
+    forms : mapping
+        Type of each field, by its name in recordings.
+    optional : frozenset of str
+        Names in recordings of the fields that may be missing.
+
+    Raises
+    ------
+    TypeError
+        If a field is missing or unknown. When a subclass is defined: if a field has another type,
+        or if the library has a kind of that name.
+
+    Examples
+    --------
+    >>> class ToolChanged(sim.EventKind):
+    ...     tool: str
+    >>> ToolChanged(tool="vacuum").fields
+    {'tool': 'vacuum'}
     """
 
     kind: ClassVar[str]
@@ -131,7 +157,7 @@ class EventKind:
         EVENT_KINDS[kind] = cls
 
     def __init__(self, **given: Any) -> None:
-        """Take the values of all fields by name; those with a default may be left out."""
+        """Set the fields."""
         values = vars(self)
         values.update(self._given)
         values.update(given)
@@ -140,16 +166,22 @@ class EventKind:
             raise TypeError(f"{type(self).__name__} takes {wanted}; found {', '.join(given)}")
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Refuse every change."""
+        """Raise an error, because events are immutable."""
         raise dataclasses.FrozenInstanceError(f"cannot assign to field {name!r}")
 
     def __delattr__(self, name: str) -> None:
-        """Refuse every change."""
+        """Raise an error, because events are immutable."""
         raise dataclasses.FrozenInstanceError(f"cannot delete field {name!r}")
 
     @classmethod
     def of(cls, named: Mapping[str, Any]) -> EventKind:
-        """Return the event whose fields are `named` as in recordings."""
+        """Return an event with fields as in recordings.
+
+        Parameters
+        ----------
+        named : mapping
+            Values of the fields, by their names in recordings.
+        """
         return cls(**{cls._here[name]: value for name, value in named.items()})
 
     def __eq__(self, other: object) -> bool:
@@ -171,7 +203,7 @@ class EventKind:
 
     @property
     def fields(self) -> dict[str, Any]:
-        """The fields as recordings name them; optional ones without a value are left out."""
+        """Fields as in recordings. Optional fields without a value are omitted."""
         values, optional = vars(self), self.optional
         return {
             name: values[here]

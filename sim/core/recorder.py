@@ -1,6 +1,6 @@
-"""Scene and record of a run: initial state, events, and the motions carried out.
+"""Scene and record of a run: initial state, events and finished motions.
 
-Both are handed on at once, so that a run that is broken off leaves a whole record behind.
+Listeners are notified immediately, so that the record of an interrupted run is complete.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from .rules import RuleSet
 
 @dataclass(frozen=True)
 class Figure:
-    """A person as others see them: a name, a personality, and a size (metres).
+    """Observable properties of a person. Lengths are in metres.
 
-    `personality` is as the trial gives it: a built-in name, or the path of an .asl file.
+    `personality` is a built-in name or the path of an .asl file.
     """
 
     name: str
@@ -34,11 +34,10 @@ class Figure:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """All that stays the same during a run, but is needed to draw or to judge it.
+    """Constant facts of a run that are needed to draw or evaluate it.
 
-    `starts` has the pose of every body at the beginning, people first, then `machines`. Obstacles
-    in `passing` come and go: events say when. `controller` is the name of the gantry's, empty where
-    there is no gantry or it is not known.
+    `starts` contains the initial pose of every body, people first. Obstacles in `passing` appear
+    and disappear by events. `controller` is the name of the gantry's controller, or empty.
     """
 
     trial: str
@@ -52,7 +51,7 @@ class Scene:
     controller: str = ""
 
     def kind(self, body: str) -> str:
-        """Return the kind of the body named `body`; `KeyError` if there is none."""
+        """Return the kind of a body. Raises `KeyError` if there is none of that name."""
         if body not in self.starts:
             raise KeyError(f"no body is called {body!r} (there are: {', '.join(self.starts)})")
         if any(person.name == body for person in self.people):
@@ -60,7 +59,7 @@ class Scene:
         return self.machine(body).kind
 
     def machine(self, name: str) -> MachineShape:
-        """Return the machine `name`; `KeyError` if there is none."""
+        """Return a machine. Raises `KeyError` if there is none of that name."""
         for machine in self.machines:
             if machine.name == name:
                 return machine
@@ -68,47 +67,76 @@ class Scene:
 
 
 DECIMALS = 9
-"""Figures of events and summaries are rounded to this many decimals."""
+"""Number of decimals of values in events and summaries."""
 
 Event = dict[str, Any]
-"""`t` (seconds), `kind`, and what belongs to the kind."""
+"""Time `t` (s), `kind`, and the fields of that kind."""
 
 Record = Callable[[EventKind], None]
-"""Records that something happens now."""
+"""Function that records an event at the current time."""
 
 Thought = dict[str, Any]
-"""Changes that one thought has made in a mind.
+"""Changes made by one reasoning step of a person.
 
-`t` (seconds) and `person`; `steps`, in order, [kind, text] of kind "percept", "plan" (with a third
-item, the place in the program), "action" or "warning"; `believes` and `forgets`, literals;
-`intends`, if that has changed: for each intention its `stack` of triggers, the one at work last,
-and the step it is `at`. All but `t` and `person` may be left out.
+The keys are `t` (s), `person`, and optionally the following. `steps` are [kind, text] in order, of
+kind "percept", "plan" (with the location in the program as third item), "action" or "warning".
+`believes` and `forgets` are literals. `intends` has, for each intention, its `stack` of triggers,
+the active one last, and the step it is `at`.
 """
 
 
 class Listener:
-    """Is notified of every event and every finished motion; does nothing with them.
+    """Base class of listeners, which are notified of events and finished motions.
 
-    If it `wants_thoughts`, also of what goes on in people's minds, which takes time to find out.
+    Attributes
+    ----------
+    wants_thoughts : bool
+        Whether the listener is also notified of thoughts. Collecting them takes time.
     """
 
     wants_thoughts = False
 
     def begin(self, scene: Scene) -> None:
-        """Take note that everybody is in place: the run begins."""
+        """Handle the begin of the run.
+
+        Parameters
+        ----------
+        scene : Scene
+            Initial state.
+        """
 
     def event(self, event: Event) -> None:
-        """Take note of an event."""
+        """Handle an event.
+
+        Parameters
+        ----------
+        event : dict
+            Event as in recordings, with time `t` in seconds and `kind`.
+        """
 
     def motion(self, body: Body, motion: Motion) -> None:
-        """Take note of a motion that a body has carried out."""
+        """Handle a finished motion.
+
+        Parameters
+        ----------
+        body : Body
+            Person or machine.
+        motion : Motion
+            Motion that was carried out.
+        """
 
     def thought(self, thought: Thought) -> None:
-        """Take note of a person's thought."""
+        """Handle a thought of a person.
+
+        Parameters
+        ----------
+        thought : dict
+            Changes made by one reasoning step, as in recordings.
+        """
 
 
 class Listeners(Listener):
-    """Hands on to several listeners, in their order."""
+    """Group of listeners, which are notified in order."""
 
     def __init__(self, *listeners: Listener) -> None:
         self._listeners = listeners
@@ -117,29 +145,29 @@ class Listeners(Listener):
         """Whether any of them does something with motions."""
 
     def begin(self, scene: Scene) -> None:
-        """Notify each of them that everybody is in place: the run begins."""
+        """Notify each listener of the begin of the run."""
         for listener in self._listeners:
             listener.begin(scene)
 
     def event(self, event: Event) -> None:
-        """Notify each of them of an event."""
+        """Notify each listener of an event."""
         for listener in self._listeners:
             listener.event(event)
 
     def motion(self, body: Body, motion: Motion) -> None:
-        """Notify each of them of a motion that a body has carried out."""
+        """Notify each listener of a finished motion."""
         for listener in self._listeners:
             listener.motion(body, motion)
 
     def thought(self, thought: Thought) -> None:
-        """Notify those that want thoughts of one."""
+        """Notify the listeners that want thoughts."""
         for listener in self._listeners:
             if listener.wants_thoughts:
                 listener.thought(thought)
 
 
 def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
-    """Return a `Record` that stamps events with the time and hands them to `listener`."""
+    """Return a function that adds the time to events and passes them to `listener`."""
 
     def record(event: EventKind) -> None:
         recorded: Event = {"t": rounded(now()), "kind": event.kind}
@@ -153,7 +181,7 @@ def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
 
 
 def _require_forms(event: EventKind, recorded: Event) -> None:
-    """`ValueError` if a field of an event of the user's own is not what its class declares."""
+    """Raise `ValueError` if a field of a custom event does not match its declaration."""
     for name, form in event.forms.items():
         if name in recorded and not has_form(recorded[name], form):
             raise ValueError(f"{name} of {event.kind} is a {form}, not {recorded[name]!r}"[:200])

@@ -1,4 +1,4 @@
-"""Rule sets: which distances are kept between people and machines, and what follows if not."""
+"""Rule sets: required distances between people and machines, and consequences of violations."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PersonMeasure = Literal["none", "teleport"]
 """Consequence of a violation for the person."""
 
 NO_TIME = "must be more than 0; for violations that leave the machine alone say machine: none"
-"""The fault of a rule set that disables the gantry for no time."""
+"""Error message of a rule set that disables the gantry for no time."""
 
 
 def _lasting(seconds: float) -> float:
@@ -50,11 +50,11 @@ Parting = Annotated[float, Judged(lambda x: "" if x > 0 else f"must be more than
 
 @dataclass(frozen=True, kw_only=True)
 class Notice(Keyed):
-    """Rule of noticing: a person notices the gantry inside `law` and approaching.
+    """Rule of noticing: a person notices the gantry that approaches and is inside `law`.
 
-    A person notices once per approach. The approach is over when the two have parted by
-    `parting` metres again, or, if `every` is given, that many seconds after the noticing. For
-    `silent` seconds after the person's start and after being teleported nothing is noticed.
+    A person notices it once per approach. An approach ends when the distance has grown by
+    `parting` (m), or `every` (s) after it was noticed. For `silent` (s) after the start and after a
+    teleport, nothing is noticed.
     """
 
     law: Scaled
@@ -65,31 +65,45 @@ class Notice(Keyed):
 
 @dataclass(frozen=True, kw_only=True)
 class RuleSet(Keyed):
-    """The figures of a competition or a standard; times in seconds, lengths in metres.
+    """Separation rules of a competition or standard, with their consequences.
 
-    A violation is a person nearer to a robot than `gantry_law` requires, or nearer to a vehicle
-    that moves than `agv_law` requires. What it does to the `machine` is one of
+    A violation is a distance less than `gantry_law` requires from a robot, or less than `agv_law`
+    requires from a moving vehicle.
 
-    - "none";
-    - "stop": the machine stops at once and stands until the distance is enough for its top
-      speed (a protective stop);
-    - "disable": the gantry is disabled for `gantry_disabled` seconds, and the violation is a
-      penalty. In the `grace` after that a violation neither disables nor is a penalty; while the
-      gantry is still disabled it does both, and the time starts anew. AGVs drive on.
-
-    What it does to the `person` is "none" or "teleport": they are put into the safe zone and wait
-    there, `pause_after_violation` or `pause_after_agv`. With `report_every`, a person
-    is notified of violations and teleported at most every so many seconds; one that still lasts
-    then counts anew.
-
-    Distances to an AGV are measured to the point that lies `agv_offset` along its lane from its
-    centre. `laws` holds other laws for some machines, by their names or kinds.
-
-    `reactions` are the times that people of a personality, by its name, wait between noticing the
-    gantry and their next motion. Programs believe them as `reaction(Personality, Ms)`. A
-    personality that is not among them waits as long as its program says.
-
-    With `between_people` it is recorded where the bodies of two people are nearer to each other.
+    Parameters
+    ----------
+    name : str
+        Name.
+    summary : str, optional
+        Description in one line.
+    gantry_law, agv_law : SeparationLaw or other law
+        Laws for robots and for vehicles.
+    agv_offset : float, optional
+        Distances to an AGV are measured to the point this far (m) from its centre along its lane.
+    notice : Notice
+        Condition under which people notice the gantry.
+    machine : {"none", "stop", "disable"}, optional
+        Consequence for the machine. "stop" is a protective stop until the distance suffices for its
+        top speed. "disable" is a penalty that disables the gantry. AGVs continue.
+    person : {"none", "teleport"}, optional
+        Consequence for the person. "teleport" puts the person into the safe zone to wait there.
+    gantry_disabled : float, optional
+        Duration in seconds for which the gantry is disabled. A violation in this time is another
+        penalty, and the duration starts again.
+    grace : float, optional
+        Duration in seconds after that in which violations have no consequences for the gantry.
+    report_every : float, optional
+        Minimum time in seconds between two notifications and teleports of a person. A violation
+        that lasts longer counts again.
+    pause_after_violation, pause_after_agv : float, optional
+        Waiting time in seconds of a person after a violation with a robot or vehicle.
+    laws : mapping, optional
+        Laws for some machines, by their names or kinds.
+    between_people : float, optional
+        Distance in metres between the bodies of two people below which encounters are recorded.
+    reactions : mapping, optional
+        Time in seconds between noticing the gantry and the next motion, by personality. Programs
+        believe it as `reaction(Personality, Ms)`. By default it is defined by the program.
     """
 
     name: str
@@ -110,15 +124,25 @@ class RuleSet(Keyed):
     reactions: Mapping[str, NotNegative] = field(default_factory=dict, hash=False)
 
     def law_of(self, machine: MachineShape) -> AnyLaw:
-        """Return the law that holds between people and `machine`.
+        """Return the law that applies between people and a machine.
 
-        The one of its name in `laws`, else the one of its kind; else the one of its category,
-        `gantry_law` for robots and `agv_law` for vehicles.
+        It is the law in `laws` for its name or its kind, or otherwise that for its category.
+
+        Parameters
+        ----------
+        machine : MachineShape
+            The machine.
         """
         return self.law_and_key_of(machine)[1]
 
     def law_and_key_of(self, machine: MachineShape) -> tuple[str, AnyLaw]:
-        """Return the law that holds between people and `machine`, and its key in a rules file."""
+        """Return the key in a rules file of the law for a machine, and the law.
+
+        Parameters
+        ----------
+        machine : MachineShape
+            The machine.
+        """
         for name in (machine.name, machine.kind):
             if name in self.laws:
                 return f"laws.{name}", self.laws[name]
@@ -127,15 +151,26 @@ class RuleSet(Keyed):
         return "agv_law", self.agv_law
 
     def condition_of(self, machine: MachineShape) -> Condition:
-        """Return the condition under which a person and `machine` violate the rules.
+        """Return the condition under which a person and a machine violate the rules.
 
-        A vehicle that stands violates nothing.
+        Stationary vehicles cause no violation.
+
+        Parameters
+        ----------
+        machine : MachineShape
+            The machine.
         """
         too_close = TooClose(self.law_of(machine))
         return Moving() & too_close if machine.category == "vehicle" else too_close
 
     def measured_at(self, machine: MachineShape) -> Point:
-        """Return the point (x, y in metres from its axis) to which distances are measured."""
+        """Return the point (x, y), in metres from the axis, to which distances are measured.
+
+        Parameters
+        ----------
+        machine : MachineShape
+            The machine.
+        """
         if machine.category == "robot" or machine.direction is None:
             return (0.0, 0.0)
         along_x, along_y = machine.direction
@@ -154,7 +189,7 @@ PAPER = RuleSet(
     pause_after_violation=8.0,
     pause_after_agv=8.0,
 )
-"""The rules as the paper on the competition has them."""
+"""Rules of the paper on the competition."""
 
 ARIAC2023 = RuleSet(
     name="ariac2023",
@@ -176,7 +211,7 @@ ARIAC2023 = RuleSet(
     # Both programs wait 1.5 s. Before `move_to_gantry` the competition waits another second.
     reactions={"helpful": 1.5, "antagonistic": 2.5},
 )
-"""The rules as the competition's software had them."""
+"""Rules of the competition's software."""
 
 OBSERVE = replace(
     PAPER,
@@ -185,7 +220,7 @@ OBSERVE = replace(
     machine="none",
     person="none",
 )
-"""The distances of `PAPER`, without consequences."""
+"""Distances of `PAPER` without consequences."""
 
 PROTECTIVE_STOP = replace(
     PAPER,
@@ -194,14 +229,14 @@ PROTECTIVE_STOP = replace(
     machine="stop",
     person="none",
 )
-"""Speed and separation monitoring as industry applies it: the machine stops, then goes on."""
+"""Speed and separation monitoring as in industry: the machine stops, then continues."""
 
 RULE_SETS = {rules.name: rules for rules in (PAPER, ARIAC2023, OBSERVE, PROTECTIVE_STOP)}
-"""The built-in rule sets by name."""
+"""Built-in rule sets by name."""
 
 
 def rule_set(name: str) -> RuleSet:
-    """Return the built-in rule set `name`; `ValueError` that names those there are."""
+    """Return the built-in rule set `name`. Raises `ValueError` that lists the known names."""
     try:
         return RULE_SETS[name]
     except KeyError:

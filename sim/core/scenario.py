@@ -231,15 +231,15 @@ ASSUMED = (
 """What a trial assumes, and whose source a report names."""
 
 IN_FRONT = 0.05
-"""Metres between a door and somebody who comes in by it."""
+"""Distance in metres between a door and a person who enters by it."""
 
 
 class TrialError(InputError):
-    """A trial that can't be run."""
+    """Error of a trial that cannot be run."""
 
 
 NAME = r"[A-Za-z][A-Za-z0-9_-]*"
-"""Names that people, machines and lists of tasks may have."""
+"""Regular expression of the names of people, machines and work lists."""
 
 Name = Annotated[str, Field(pattern=f"^{NAME}$")]
 
@@ -252,24 +252,44 @@ Planner = Annotated[PlannerChoice, Written(Any), AfterValidator(PlannerChoice.of
 
 @dataclass(frozen=True)
 class PersonalityChange(Keyed):
-    """From `when` on, a person has another personality, as in `PersonEntry`."""
+    """Change of a person's personality.
+
+    Parameters
+    ----------
+    when : Start
+        Condition for the change.
+    personality : str or bdi.Program
+        New personality, as in `PersonEntry`.
+    """
 
     when: Start
     personality: Personality
 
     @property
     def personality_name(self) -> str:
-        """The personality's name, as that of `PersonEntry`."""
+        """Name of the personality. For a program it is derived from its source."""
         return _personality_name(self.personality)
 
 
 @dataclass(frozen=True)
 class Source(Keyed):
-    """Somebody who is not on the floor at the beginning comes in `at` a place.
+    """Source of a person who enters the floor during the trial.
 
-    That is the name of a station or a door, or x, y in metres. They are the one of that `number`
-    (from 1) in a `stream` of people who come at `rate` (people per second) from `start` (seconds)
-    on; the times between them are exponentially distributed, and drawn from the trial's seed.
+    The times between the people of a stream are exponentially distributed and depend on the random
+    seed of the trial.
+
+    Parameters
+    ----------
+    at : str or (float, float)
+        Name of a station or door, or position in metres.
+    rate : float
+        Mean number of people per second.
+    start : float, optional
+        Begin of the stream in seconds.
+    stream : str, optional
+        Name of the stream.
+    number : int, optional
+        Number of the person in the stream, counted from 1.
     """
 
     at: Place
@@ -280,7 +300,13 @@ class Source(Keyed):
     number: Annotated[int, whole(1)] = 1
 
     def time(self, seed: int) -> float:
-        """Return the instant at which they want to come in, of a trial with this seed."""
+        """Return the time of entry in seconds.
+
+        Parameters
+        ----------
+        seed : int
+            Random seed of the trial.
+        """
         known, others = _stream(seed, self.stream, self.rate)
         known.extend(islice(others, max(self.number - len(known), 0)))
         return self.start + known[self.number - 1]
@@ -288,7 +314,7 @@ class Source(Keyed):
 
 @lru_cache
 def _stream(seed: int, name: str, rate: float) -> tuple[list[float], Iterator[float]]:
-    """Return when the people of a stream come (seconds from its start), as far as was asked."""
+    """Return the known entry times (s) of a stream from its begin, and an iterator of others."""
     random = Random(seed_of(seed, f"source {name}"))
     return [], accumulate(random.expovariate(rate) for _ in count())
 
@@ -299,28 +325,58 @@ def _as_list(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class PersonEntry(Keyed):
-    """One person of a trial. Figures that are None are the floorplan's, the planner the trial's.
+    """Person of a trial. Values that are None are those of the floorplan or the trial.
 
-    `personality` is a built-in name, an .asl file, "external", or a program itself. A file is read
-    when the trial is run. `changes` are what it changes to, and when. `at` is where the person
-    starts, and `home` where they are put after a violation: x, y in metres, or the name of a
-    station or a door. `at` may also be "anywhere", a free place that is drawn from the trial's
-    seed. `actions` is a module beside the trial with internal actions for the program; they go
-    before the trial's.
-
-    `work` names the lists that the person takes tasks from; `schedule` and `breaks` are for them
-    alone. Where there are `shifts`, tasks are offered to them within these only.
-
-    Somebody who was `recorded` walks as they were measured, whatever happens: a track in a file, or
-    a motion whose t = 0 is their start. They have no mind, and no home.
-
-    Who has a `source` comes in later, and starts then. Who arrives at their `sink`, which is
-    given alike, leaves the floor. People of the same `group` walk with the first of them.
-
-    `max_speed` and the figures of `noticing` may be drawn, from the trial's seed and their name.
-
-    `agent_lag` is the time (s) from a percept until their agent thinks about it: fixed, or the
-    least and the most, between which it is drawn evenly each time.
+    Parameters
+    ----------
+    name : str
+        Name of the person.
+    personality : str or bdi.Program, optional
+        Built-in name, .asl file, "external", or a program. A file is read when the trial is run.
+    start : Start, optional
+        Condition for the start.
+    at : str or (float, float), optional
+        Start: position in metres, name of a station or door, or "anywhere" for a random free
+        position.
+    beliefs : tuple of str, optional
+        Further initial beliefs.
+    radius : float, optional
+        Radius in metres.
+    max_speed : float or distribution, optional
+        Top speed in m/s.
+    max_acceleration : float, optional
+        Maximum acceleration in m/s².
+    changes : tuple of PersonalityChange, optional
+        Changes of personality.
+    home : str or (float, float), optional
+        Place where the person is put after a violation.
+    manners : MannersEntry, optional
+        Behaviour among other people.
+    planner : PlannerChoice, optional
+        Path planner.
+    actions : str, optional
+        Module beside the trial with internal actions. They precede those of the trial.
+    work : tuple of str, optional
+        Names of the work lists from which the person takes tasks.
+    schedule : tuple of WorkTask, optional
+        Tasks of this person alone.
+    breaks : tuple of Break, optional
+        Breaks of this person.
+    shifts : tuple of Shift, optional
+        Time spans in which tasks are offered. The default is the whole trial.
+    recorded : RecordedTrack or Motion, optional
+        Measured trajectory to follow instead of a program. t = 0 of a `Motion` is the start.
+    source : Source, optional
+        Place where the person enters the floor and starts.
+    sink : str or (float, float), optional
+        Place where the person leaves the floor on arrival.
+    group : str, optional
+        Name of a group. Its members walk with the first one.
+    noticing : NoticingEntry, optional
+        Perception of machines.
+    agent_lag : float or (float, float), optional
+        Delay in seconds between percept and reasoning: fixed, or the range of a uniform
+        distribution.
     """
 
     name: Name
@@ -350,32 +406,48 @@ class PersonEntry(Keyed):
 
     @property
     def works(self) -> bool:
-        """Whether there may be anything to do for them."""
+        """Whether the person may have tasks or breaks."""
         return bool(self.work or self.schedule or self.breaks)
 
     @property
     def personality_name(self) -> str:
-        """The personality's name: as it is given, or of a program the name of its source."""
+        """Name of the personality. For a program it is derived from its source."""
         if self.recorded is not None:
             return RECORDED
         return _personality_name(self.personality)
 
     @property
     def anywhere(self) -> bool:
-        """Whether they start at a free place that is drawn."""
+        """Whether the person starts at a random free position."""
         return isinstance(self.at, str) and self.at == ANYWHERE
 
     def place_on(self, plan: Floorplan) -> Point | None:
-        """Return the place of their own at which they start (x, y in metres), if they have one."""
+        """Return the start position (x, y) in metres, or None if there is none or it is random.
+
+        Parameters
+        ----------
+        plan : Floorplan
+            The floor.
+        """
         if self.at is None or self.anywhere:
             return None
         return spot(plan, self.at, self.radius)
 
     def home_on(self, plan: Floorplan) -> SafeZone | None:
-        """Place where the person is put after a violation, and starts if there is no `at`.
+        """Return the place where the person is put after a violation.
 
-        Their own `home`, else the safe zone of `plan`, else `at`, else where they come in. None if
-        that is nowhere on `plan`, or drawn.
+        This is `home`, the safe zone of the floor, the start, or the entrance, whichever is defined
+        first. It is also the start if `at` is not given.
+
+        Parameters
+        ----------
+        plan : Floorplan
+            The floor.
+
+        Returns
+        -------
+        SafeZone or None
+            The place, or None if it is random or unknown on this floor.
         """
         if self.home is not None:
             place = spot(plan, self.home, self.radius)
@@ -386,20 +458,46 @@ class PersonEntry(Keyed):
         return None if place is None else SafeZone(place)
 
     def entrance_on(self, plan: Floorplan) -> Point | None:
-        """Return where they come in, None if they have no source or it is nowhere on `plan`."""
+        """Return the position (x, y) in metres of the source, or None.
+
+        Parameters
+        ----------
+        plan : Floorplan
+            The floor.
+        """
         return None if self.source is None else spot(plan, self.source.at, self.radius)
 
     def sink_on(self, plan: Floorplan) -> Point | None:
-        """Return where they leave the floor, None if they don't or it is nowhere on `plan`."""
+        """Return the position (x, y) in metres of the sink, or None.
+
+        Parameters
+        ----------
+        plan : Floorplan
+            The floor.
+        """
         return None if self.sink is None else spot(plan, self.sink, self.radius)
 
 
 @dataclass(frozen=True)
 class Job:
-    """One thing for the gantry to do; `kind` says which of the other fields count.
+    """Job of the gantry. Use `target` for "move", `seconds` for "wait", `order` for "submit".
 
-    "move": go to `target` (x, y, rotation); "wait": stand for `seconds`; "pick_place": fetch
-    `part` from the place `pick` and put it at `place`; "submit": hand in `order`.
+    A "pick_place" job uses `pick`, `place` and `part`.
+
+    Parameters
+    ----------
+    kind : {"move", "wait", "pick_place", "submit"}
+        Kind of job.
+    target : (float, float, float), optional
+        Pose: x and y in metres and rotation in radians.
+    seconds : float, optional
+        Duration in seconds.
+    pick, place : str, optional
+        Names of the places where the part is picked up and put down.
+    part : str, optional
+        Type of the part.
+    order : str, optional
+        Name of the order.
     """
 
     kind: Literal["move", "wait", "pick_place", "submit"]
@@ -412,7 +510,7 @@ class Job:
     order: str = ""
 
     def written(self) -> dict[str, Any]:
-        """Return the keys of the job in a file, as of `JobKeys`."""
+        """Return the keys of the job in a file, as in `JobKeys`."""
         if self.kind == "move":
             return {"move": self.target}
         if self.kind == "wait":
@@ -424,7 +522,7 @@ class Job:
 
 @dataclass(frozen=True, kw_only=True)
 class JobKeys(Keyed):
-    """A job in a file."""
+    """Keys of a job in a file."""
 
     move: Pose | None = None
     wait: Positive | None = None
@@ -456,11 +554,21 @@ _WrittenJob = Annotated[JobKeys, AfterValidator(JobKeys.value)]
 
 @dataclass(frozen=True)
 class GantryEntry(Keyed):
-    """The gantry of a trial: its controller, where it starts, and its jobs.
+    """Gantry of a trial.
 
-    `controller` is a built-in name, `package.module:name`, or the controller itself: a function or
-    class of one argument, the gantry, that gives a generator. `drops` are parts that its gripper
-    loses.
+    Parameters
+    ----------
+    controller : str or callable, optional
+        Built-in name, `package.module:name`, or a function or class that takes a `GantryRobot` and
+        returns a generator.
+    at : (float, float, float), optional
+        Start pose: x and y in metres and rotation in radians. Defaults to that of the floorplan.
+    jobs : tuple of Job, optional
+        Jobs in order.
+    repeat : bool, optional
+        Whether the jobs are repeated until the end.
+    drops : tuple of Drop, optional
+        Parts that the gripper drops.
     """
 
     controller: Annotated[str | Callable[[Any], Any], Written(str)] = "parked"
@@ -472,7 +580,7 @@ class GantryEntry(Keyed):
 
     @property
     def controller_name(self) -> str:
-        """The controller's name: as it is given, or the qualified name of a function or class."""
+        """Name of the controller, or the qualified name of the function or class."""
         if isinstance(self.controller, str):
             return self.controller
         return str(getattr(self.controller, "__qualname__", type(self.controller).__qualname__))
@@ -480,9 +588,16 @@ class GantryEntry(Keyed):
 
 @dataclass(frozen=True)
 class AgvMove(Keyed):
-    """At `time`, and again `every` so often, go to a location's name or a lane position.
+    """Move of an AGV to a location or lane position.
 
-    Seconds and metres.
+    Parameters
+    ----------
+    time : float
+        Time in seconds.
+    to : str or float
+        Name of a location, or position along the lane in metres.
+    every : float, optional
+        Period in seconds after which the move is repeated.
     """
 
     time: NotNegative
@@ -492,22 +607,7 @@ class AgvMove(Keyed):
 
 @dataclass(frozen=True)
 class Scenario:
-    """Everything that decides a run. The same scenario gives the same run, byte for byte.
-
-    `planner` finds the paths of people that have none of their own.
-    `machines` are those beside the floorplan's own gantry and AGVs. The AGVs named in `yielding`
-    yield to people. `steering` is how people walk among people, as `module:Class`, if it is their
-    own. `actions` is a module with internal actions for everybody. Files are looked up from
-    `folder`; `floorplan_source` is the name or file that the floorplan was read from, or empty if
-    it came from no file. `workload` are the orders of an ARIAC trial; `until_submitted` ends the
-    run as soon as they are all submitted, or without a workload those of the gantry's jobs.
-    `notices` are what the file says that makes no difference, or may mean something else than its
-    author thought. `work` are the lists of tasks that people share, by name. `doors` says when
-    doors of the floor are open or closed, `obstacles` which come and go, `commands` what somebody
-    outside has done in it. Without `own_code` a controller, a law or a planner of the user's own is
-    refused that it, or whatever changes it, names. `sources` says where the figures of what is
-    `ASSUMED` come from, for reports.
-    """
+    """Values that define a run. See `Trial` for their meaning."""
 
     floorplan: Floorplan
     _: KW_ONLY
@@ -547,38 +647,50 @@ class Scenario:
         return replace(self, people=tuple(map(change, self.people)))
 
     def leader(self, person: PersonEntry) -> PersonEntry | None:
-        """Return whom somebody walks with: the first of their group, None for that one."""
+        """Return the first person of a person's group, or None if there is no other.
+
+        Parameters
+        ----------
+        person : PersonEntry
+            The person.
+        """
         if person.group is None:
             return None
         first = next(one for one in self.people if one.group == person.group)
         return None if first.name == person.name else first
 
     def led_by(self, person: PersonEntry) -> tuple[PersonEntry, ...]:
-        """Return who walks with somebody: the others of their group, if they are its first."""
+        """Return the other members of a group if the person is its first, otherwise none.
+
+        Parameters
+        ----------
+        person : PersonEntry
+            The person.
+        """
         if person.group is None or self.leader(person) is not None:
             return ()
         return tuple(one for one in self.people if one.group == person.group)[1:]
 
     @property
     def has_traffic(self) -> bool:
-        """Whether people come in or leave."""
+        """Whether people enter or leave the floor."""
         return any(person.source or person.sink for person in self.people)
 
     @property
     def every_blackout(self) -> tuple[Blackout, ...]:
-        """Its own blackouts, and those of its orders."""
+        """Blackouts of the trial and of its orders."""
         return self.blackouts + (() if self.workload is None else self.workload.blackouts)
 
     @property
     def has_drops(self) -> bool:
-        """Whether a gripper loses parts in it."""
+        """Whether a gripper drops parts."""
         more = (entry.keys.get("drops") for entry in self.machines.values())
         ordered = () if self.workload is None else self.workload.drops
         return any((self.gantry.drops, ordered, *more))
 
     @property
     def has_faulty_parts(self) -> bool:
-        """Whether there are parts in it that the quality check may find faulty."""
+        """Whether the quality check may find faulty parts."""
         work = self.workload
         return work is not None and (
             bool(work.faulty)
@@ -587,7 +699,7 @@ class Scenario:
 
     @property
     def has_conveyor(self) -> bool:
-        """Whether parts come along a conveyor in it."""
+        """Whether parts arrive on a conveyor."""
         return self.workload is not None and bool(self.workload.conveyor.parts)
 
     @property
@@ -597,9 +709,9 @@ class Scenario:
 
 
 def spot(plan: Floorplan, at: Point | str, radius: float | None = None) -> Point | None:
-    """Return a place that is given as such, or by the name of a station or a door; None if none is.
+    """Return a position given by coordinates or by the name of a station or door, or None.
 
-    In front of a door, on the side where somebody of that radius (m) can stand, if not in it.
+    For a door it is the side where a person of the radius (m) can stand, preferably in the door.
     """
     if not isinstance(at, str):
         return float(at[0]), float(at[1])

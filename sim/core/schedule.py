@@ -118,11 +118,18 @@ SHORTEST = 0.1
 
 @dataclass(frozen=True)
 class Duration:
-    """Length of a task in seconds, fixed or drawn.
+    """Duration of a task, fixed or random.
 
-    `values` are the seconds if fixed; [low, high] if uniform; [low, most likely, high] if
-    triangular; [mean, standard deviation] if normal; [median, standard deviation of the
-    logarithm] if lognormal; the mean if exponential. No draw is shorter than `SHORTEST`.
+    Random durations have a minimum, `SHORTEST`.
+
+    Parameters
+    ----------
+    kind : {"fixed", "uniform", "triangular", "normal", "lognormal", "exponential"}
+        Distribution.
+    values : tuple of float
+        Parameters in seconds: (duration) if fixed; (low, high) if uniform; (low, mode, high) if
+        triangular; (mean, standard deviation) if normal; (median, standard deviation of the
+        logarithm) if lognormal; (mean) if exponential.
     """
 
     kind: Kind
@@ -130,7 +137,7 @@ class Duration:
 
     @property
     def mean(self) -> float:
-        """The length (seconds) that is usual: the mean, or of a lognormal one the median."""
+        """Mean in seconds. For lognormal durations this is the median."""
         values = self.values
         if self.kind == "fixed":
             return values[0]
@@ -138,13 +145,19 @@ class Duration:
         return max(usual, SHORTEST)
 
     def written(self) -> Any:
-        """Return what a file has for it: seconds, or a distribution as of `DrawnKeys`."""
+        """Return the value in a trial file: seconds, or a distribution as in `DrawnKeys`."""
         if self.kind == "fixed":
             return self.values[0]
         return {self.kind: self.values[0] if len(self.values) == 1 else self.values}
 
     def draw(self, random: Random) -> float:
-        """Return a length (seconds), drawn from `random` unless it is fixed."""
+        """Return a duration in seconds.
+
+        Parameters
+        ----------
+        random : Random
+            Random numbers. They are not used if the duration is fixed.
+        """
         values = self.values
         if self.kind == "fixed":
             return values[0]
@@ -237,10 +250,24 @@ def _fixed(value: Duration | float) -> Duration:
 
 @dataclass(frozen=True)
 class WorkTask(Keyed):
-    """Something to do at the station `at`; in a file also a text, `09:00 station2 for 12 min`.
+    """Task of a person at a station. A file may also contain `09:00 station2 for 12 min`.
 
-    It is there from `time` (seconds) on. With `every` it comes again every so many seconds, `count`
-    times in all, or until the end. Those of a higher `priority` are offered first.
+    Parameters
+    ----------
+    at : str
+        Name of the station.
+    duration : Duration
+        Duration of the work.
+    name : str, optional
+        Name of the task. By default the task has the name of the station.
+    time : float, optional
+        Time in seconds from which it is offered.
+    priority : int, optional
+        Tasks of a higher priority are offered first.
+    every : float, optional
+        Period in seconds after which it is offered again.
+    count : int, optional
+        Number of times it is offered with `every`. The default is no limit.
     """
 
     at: Annotated[str, Field(min_length=1)]
@@ -277,7 +304,7 @@ class WorkTask(Keyed):
 
     @property
     def label(self) -> str:
-        """Its name, or that of its station where it has none."""
+        """Name of the task, or of its station."""
         return self.name or self.at
 
 
@@ -287,9 +314,14 @@ Break = Annotated[WorkTask, AfterValidator(lambda task: replace(task, name=task.
 
 @dataclass(frozen=True)
 class WorkList(Keyed):
-    """Tasks that people share; in a file a list of them will do.
+    """Tasks shared by several people.
 
-    With `repeat` each is there again as soon as it is done.
+    Parameters
+    ----------
+    tasks : tuple of WorkTask
+        At least one task.
+    repeat : bool, optional
+        Whether each task is offered again as soon as it is done.
     """
 
     tasks: Annotated[tuple[WorkTask, ...], Field(min_length=1)]

@@ -28,14 +28,14 @@ from .schedule import DoorTimes, Interval, TimedObstacle, within
 
 @dataclass(frozen=True)
 class Closures:
-    """The obstacles of a trial that are not always there: closed doors, and what comes and goes."""
+    """Obstacles that are not always present: closed doors and timed obstacles."""
 
     plan: Floorplan
     doors: dict[str, DoorTimes]
     timed: tuple[TimedObstacle, ...]
 
     def at(self, t: float) -> dict[str, Obstacle]:
-        """Return the obstacles that are there at `t` (seconds), by name."""
+        """Return the obstacles present at `t` (s), by name."""
         shut = (door.closed for door in self.plan.doors if not self._is_open(door, t))
         there = (one.obstacle for one in self.timed if within(one.there, t))
         return {one.name: one for one in (*shut, *there)}
@@ -169,11 +169,43 @@ class Bystander(Protocol):
 
 @dataclass(eq=False, kw_only=True)
 class Stage(InProgress):
-    """State that everybody in a simulation shares.
+    """State shared by people and machines in a running simulation.
 
-    `people` and `machines` are there from the beginning, each complete before anybody acts;
-    `fastest` (m/s) is the highest speed of people. Machines that come to rest say so by
-    `came_to_rest`. `closures` are what is not always there; `there` is what of it is there now.
+    Parameters
+    ----------
+    floorplan : Floorplan
+        The floor.
+    rules : RuleSet
+        Rules of the trial.
+    folder : Path
+        Folder of the trial.
+    end : float
+        Duration of the trial in seconds.
+    clock : Clock
+        Clock of the simulation.
+    record : callable
+        Function that records an `EventKind`.
+    triggers : Triggers
+        Conditions that wait for events.
+    world : CollisionWorld
+        Collision world without restricted zones and gates.
+    fastest : float
+        Highest speed of people in m/s.
+    own_code : bool, optional
+        Whether custom code is allowed.
+    people : sequence of Bystander, optional
+        People. All are complete before the first one acts.
+    machines : dict, optional
+        Machines by name. All are complete before the first one acts.
+    on_rest : list of callable, optional
+        Callbacks for each machine that has stopped, called after people and before machines are
+        notified.
+    closures : Closures, optional
+        Times at which doors and obstacles open and close.
+    active_closures, placed : dict, optional
+        Obstacles that exist now and may disappear, by name. `placed` are those added by commands.
+    blind : Counter, optional
+        Number of active blackouts of each machine, by name.
     """
 
     floorplan: Floorplan
@@ -188,38 +220,43 @@ class Stage(InProgress):
     people: Sequence[Bystander] = ()
     machines: dict[str, Machine] = field(default_factory=dict)
     on_rest: list[Callable[[Machine], None]] = field(default_factory=list)
-    """Called whenever a machine has come to rest, after people and before machines take note."""
+    """Callbacks for each machine that has stopped, called before machines are notified."""
     closures: Closures | None = None
-    there: dict[str, Obstacle] = field(default_factory=dict)
+    active_closures: dict[str, Obstacle] = field(default_factory=dict)
     placed: dict[str, Obstacle] = field(default_factory=dict)
-    """What was put down by command, by name; it is `there` as well."""
+    """Obstacles that were added by commands, by name. They are also in `active_closures`."""
     blind: Counter[str] = field(default_factory=Counter)
-    """Number of blackouts in which a machine is now, by its name."""
+    """Number of active blackouts of each machine, by name."""
 
     def __post_init__(self) -> None:
-        """Put what is there at the start into the world of those who may go everywhere."""
+        """Add the initial closures to the collision world without restricted zones."""
         self._worlds = {self._rules_for(""): self._furnish(self.world, "")}
         self._at_rest: dict[Machine, Motion] = {}
         if self.closures is not None:
             self._set(self.closures.at(self.clock.now))
 
     def begin(self) -> None:
-        """Let doors open and close, and obstacles come and go, at their times."""
-        self._report(self.there, is_there=True)
+        """Schedule the changes of doors and timed obstacles."""
+        self._report(self.active_closures, is_there=True)
         if self.closures is not None:
             for t in self.closures.changes(self.end):
                 self.clock.call_at(t, self._change)
 
     def world_of(self, person: str) -> CollisionWorld:
-        """Return the world of a person, in which zones that are forbidden to them are closed.
+        """Return the collision world of a person.
 
-        One-way gates hold that bind them.
+        It includes the zones that are closed and the one-way gates that apply to the person.
+
+        Parameters
+        ----------
+        person : str
+            Name of the person.
         """
         rules = self._rules_for(person)
         if rules not in self._worlds:
             gates = [gate for gate in self.floorplan.one_ways if gate.is_about(person)]
             world = self._furnish(CollisionWorld(self.floorplan, gates=gates), person)
-            for one in self.there.values():
+            for one in self.active_closures.values():
                 world.place(one.name, one.footprint, one.bottom, one.top)
             for machine in self.vehicles:
                 machine.stand_in(world)
@@ -228,16 +265,22 @@ class Stage(InProgress):
 
     @property
     def vehicles(self) -> Iterable[Machine]:
-        """The machines that drive on the floor, and can block people's paths."""
+        """Machines that drive on the floor and can block paths."""
         return (m for m in self.machines.values() if m.shape.category == "vehicle")
 
     @property
     def robots(self) -> Iterable[Machine]:
-        """The machines that work above the floor."""
+        """Machines that work above the floor."""
         return (m for m in self.machines.values() if m.shape.category == "robot")
 
     def came_to_rest(self, machine: Machine) -> None:
-        """Let everybody see that a machine has come to rest on the floor."""
+        """Notify people and machines that a machine has stopped on the floor.
+
+        Parameters
+        ----------
+        machine : Machine
+            The machine.
+        """
         self.place_machines()
         for person in self.people:
             person.floor_changed((machine.name,))
@@ -247,7 +290,7 @@ class Stage(InProgress):
             other.floor_changed()
 
     def place_machines(self) -> None:
-        """Put the machines of the collision world where they are now."""
+        """Update the positions of machines in the collision worlds."""
         for machine in self.vehicles:
             motion = machine.body.motion
             if self._at_rest.get(machine) is motion:
@@ -258,12 +301,24 @@ class Stage(InProgress):
                 self._at_rest[machine] = motion
 
     def put_down(self, obstacle: Obstacle) -> None:
-        """Let an obstacle be there from now on, until it is taken up."""
+        """Add an obstacle until `take_up` removes it.
+
+        Parameters
+        ----------
+        obstacle : Obstacle
+            The obstacle.
+        """
         self.placed[obstacle.name] = obstacle
         self._change()
 
     def take_up(self, name: str) -> None:
-        """Take away an obstacle that was put down."""
+        """Remove an obstacle that was added.
+
+        Parameters
+        ----------
+        name : str
+            Name of the obstacle.
+        """
         self.placed.pop(name, None)
         self._change()
 
@@ -283,18 +338,18 @@ class Stage(InProgress):
         return world
 
     def _set(self, there: dict[str, Obstacle]) -> None:
-        """Let these obstacles be there, and no others of those that come and go."""
+        """Set the active closures and update the collision worlds."""
         for world in self._worlds.values():
-            for name in self.there.keys() - there.keys():
+            for name in self.active_closures.keys() - there.keys():
                 if name in {body.name for body in world.bodies}:
                     world.remove(name)
-            for name in sorted(there.keys() - self.there.keys()):
+            for name in sorted(there.keys() - self.active_closures.keys()):
                 one = there[name]
                 world.place(name, one.footprint, one.bottom, one.top)
-        self.there = there
+        self.active_closures = there
 
     def _report(self, names: Iterable[str], *, is_there: bool) -> None:
-        """Record that these closures are there from now on, or no longer."""
+        """Record that these closures have become active or inactive."""
         doors = {door.name for door in self.floorplan.doors}
         for name in sorted(names):
             event: EventKind
@@ -307,7 +362,7 @@ class Stage(InProgress):
     def _change(self) -> None:
         """Let everything be as it is from now on, and everybody see that."""
         timed = {} if self.closures is None else self.closures.at(self.clock.now)
-        before, there = self.there, timed | self.placed
+        before, there = self.active_closures, timed | self.placed
         if before.keys() == there.keys():
             return
         self._set(there)
@@ -322,53 +377,106 @@ class Stage(InProgress):
 
 
 class MachineModel(ABC):
-    """Description of one machine in a trial; the model of a kind is a frozen dataclass.
+    """Base class of machine models. The model of each kind is a frozen dataclass.
 
-    Its fields are the keys in a trial file. The name of the machine is given where it is asked.
+    The fields are the keys in a trial file.
+
+    Attributes
+    ----------
+    category : {"robot", "vehicle"} or None
+        Category of all machines of this kind, or None if it depends on the shape.
+    key_schema : type or None
+        Model of the keys in a trial file, if these are not the fields.
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", allow_inf_nan=False)
 
     category: ClassVar[Category | None] = None
-    """Category of every machine of the kind; None if that is known once it has its shape."""
+    """Category of all machines of this kind, or None if it depends on the shape."""
 
     key_schema: ClassVar[type | None] = None
-    """Model of its keys in a trial file, if these are not its fields."""
+    """Model of the keys in a trial file, if these are not the fields."""
 
     @classmethod
     def read(cls, name: str, keys: Mapping[str, Any]) -> Self:
-        """Return the model of the machine `name` with these keys of a trial file.
+        """Return the model of a machine in a trial file.
 
-        `pydantic.ValidationError` if there is something wrong with them.
+        Parameters
+        ----------
+        name : str
+            Name of the machine.
+        keys : mapping
+            Keys in the trial file.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            If a key is unknown or its value invalid.
         """
         return TypeAdapter(cls).validate_python(dict(keys))
 
     @abstractmethod
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
-        """Return the shape of the machine `name` on this floor, as others see it."""
+        """Return the observable properties of a machine.
+
+        Parameters
+        ----------
+        name : str
+            Name of the machine.
+        plan : Floorplan
+            The floor.
+        """
 
     @abstractmethod
     def make(self, name: str, stage: Stage) -> Machine:
-        """Return the machine `name`, which does nothing until `begin`."""
+        """Return a machine. It is stationary until its `begin` is called.
+
+        Parameters
+        ----------
+        name : str
+            Name of the machine.
+        stage : Stage
+            State of the simulation.
+        """
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterable[Fault]:
-        """Return the faults it has on this floor, each with its place among the keys.
+        """Return the problems of a machine on a floor.
 
-        `vehicles` are the names of those in the trial.
+        Parameters
+        ----------
+        plan : Floorplan
+            The floor.
+        vehicles : iterable of str
+            Names of the vehicles in the trial.
+
+        Returns
+        -------
+        iterable of Fault
+            Problems, each with its key.
         """
         return ()
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
-        """Return the longest and farthest stop that its limits leave it; None if not known."""
+        """Return the longest stop within the limits of a machine, or None if unknown.
+
+        Parameters
+        ----------
+        plan : Floorplan
+            The floor.
+        """
         return None
 
 
 @dataclass(frozen=True)
 class MachineEntry:
-    """A machine of a trial: its kind, and what that kind's keys are for it.
+    """Machine of a trial.
 
-    `kind` is the name of a kind, a `MachineModel`, or `package.module:Class`, a model of one's own
-    that stands beside the trial.
+    Parameters
+    ----------
+    kind : str or type
+        Name of a kind, a `MachineModel`, or `package.module:Class` for a model beside the trial.
+    keys : dict, optional
+        Values of the fields of the model.
     """
 
     kind: str | type[MachineModel]

@@ -115,12 +115,27 @@ def write_csv(run: Outcome, path: Path, rate: float) -> None:
 def export(
     run: Outcome, path: str | Path, *, rate: float = DEFAULT_RATE, format: str | None = None
 ) -> None:
-    """Write `run` to `path`, `rate` times a second (Hz).
+    """Write a run to a file of another tool.
 
-    The format is the one that `path` ends in (.csv, .parquet, .mcap, .sqlite; nothing: a ROS 2
-    bag, which is a folder), or the one called `format`. A file that is there is replaced, and
-    only by a whole one; a folder is never. `ValueError` for an unknown format, an impossible rate
-    or a missing package; `OutputError` if `path` can't be written.
+    Parameters
+    ----------
+    run : Run
+        The run.
+    path : str or Path
+        File or folder. An existing file is replaced when the new one is complete. An existing
+        folder is never replaced.
+    rate : float, optional
+        Sampling rate in Hz.
+    format : str, optional
+        Format. By default it depends on the suffix: .csv, .parquet, .mcap, .sqlite, or none for a
+        folder with a ROS 2 bag.
+
+    Raises
+    ------
+    ValueError
+        If the format is unknown, the rate invalid, or a package missing.
+    OutputError
+        If `path` cannot be written.
     """
     Export.to(path, rate=rate, format=format).write(run)
 

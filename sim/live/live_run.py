@@ -131,21 +131,21 @@ MILLISECONDS = 1000.0
 
 
 class LiveRun(InProgress, Listener):
-    """Serves a page that shows a run of `duration` (seconds) while it is advanced.
+    """Server of a page that shows a run while it is simulated.
 
-    It is a listener of the `Simulation`; there is a page once that has started. Browsers may come
-    and go. From the page the run can be paused, or go on at another speed than the `speed` (times
-    real time) that it begins with, and be given commands (`Simulation.command`).
+    It is a listener of a `Simulation`, and the page exists once that has started. Browsers may
+    connect and disconnect at any time. Viewers can pause the run, change its speed, and send
+    commands (`Simulation.command`).
 
     Parameters
     ----------
     duration : float
-        Duration of the trial (s).
+        Duration of the trial in seconds.
     speed : float, optional
-        Simulated seconds in a second of real time, more than 0.
+        Simulated seconds per second of real time.
     now : callable, optional
-        Function without arguments that returns real time (s). Pass your own clock to control the
-        progress of the run. The default is `time.monotonic`.
+        Function that returns real time in seconds. Pass your own clock to control the progress of
+        the run. The default is `time.monotonic`.
 
     Raises
     ------
@@ -171,11 +171,17 @@ class LiveRun(InProgress, Listener):
 
     @property
     def speed(self) -> float:
-        """Seconds of the run in a second of real time, unless it is paused."""
+        """Simulated seconds per second of real time, unless the run is paused."""
         return self._tempo.speed
 
     def begin(self, scene: Scene) -> None:
-        """Make the page, in which nothing has happened yet."""
+        """Create the page.
+
+        Parameters
+        ----------
+        scene : Scene
+            Initial state.
+        """
         people = [person.name for person in scene.people]
         machines = [name for name in scene.starts if name not in people]
         nothing = Recorded(
@@ -192,15 +198,33 @@ class LiveRun(InProgress, Listener):
         self._page = render(replay_data(nothing), stream="stream", speed=self.speed)
 
     def event(self, event: Event) -> None:
-        """Send an event to the page."""
+        """Send an event to the page.
+
+        Parameters
+        ----------
+        event : dict
+            Event as in recordings.
+        """
         self._send(event=event)
 
     def thought(self, thought: Thought) -> None:
-        """Send a person's thought to the page."""
+        """Send a thought of a person to the page.
+
+        Parameters
+        ----------
+        thought : dict
+            Thought as in recordings.
+        """
         self._send(thought=thought)
 
     def advance(self, simulation: Simulation) -> None:
-        """Run to the end at the speed that the page wants, or until it is stopped."""
+        """Run to the end at the speed set by the page, or until the simulation is stopped.
+
+        Parameters
+        ----------
+        simulation : Simulation
+            Simulation of which this is a listener.
+        """
         simulation.start()
         self.follow(simulation)
         self._pace.target()
@@ -214,10 +238,16 @@ class LiveRun(InProgress, Listener):
             self.leave()
 
     def follow(self, simulation: Simulation, tempo: Tempo | None = None) -> None:
-        """Show a run that has started, and which others advance; the page may change its `tempo`.
+        """Show a started run that the caller advances.
 
-        Whoever advances it calls `attend` from time to time, between two steps, and `leave` at
-        the end.
+        The caller calls `attend` regularly between two steps, and `leave` at the end.
+
+        Parameters
+        ----------
+        simulation : Simulation
+            Simulation of which this is a listener.
+        tempo : Tempo, optional
+            Pace of the run. The page can change it.
         """
         self._tempo = tempo or self._pace
         for body in simulation.bodies:
@@ -225,23 +255,35 @@ class LiveRun(InProgress, Listener):
             body.on_change.append(partial(self._plan, body, simulation))
 
     def attend(self, simulation: Simulation) -> None:
-        """Carry out what the page wants, and send it what has changed."""
+        """Carry out commands of viewers and send changes to the page.
+
+        Parameters
+        ----------
+        simulation : Simulation
+            Simulation of which this is a listener.
+        """
         self._answer(simulation)
         self._send_changes(simulation)
 
     def leave(self) -> None:
-        """Carry out no more: the run is over."""
+        """Stop carrying out commands of viewers."""
         self._requests.close()
 
     def _answer(self, simulation: Simulation) -> None:
         self._requests.answer(partial(self._carry_out, simulation))
 
     def wait_for_viewer(self) -> None:
-        """Wait until a browser that was just opened reads the stream."""
+        """Wait until a browser that was just opened has connected."""
         self._stream.wait_for_reader(BROWSER_PATIENCE)
 
     def finish(self, run: Run) -> None:
-        """Send the whole recording to all viewers, and wait until they have it."""
+        """Send the whole recording to all viewers and wait until they have received it.
+
+        Parameters
+        ----------
+        run : Run
+            Finished run.
+        """
         self._stream.send(json.dumps(replay_data(run)), event="finished")
         self._stream.close()
         self._stream.wait_until_read(BROWSER_PATIENCE)

@@ -217,7 +217,7 @@ class Vision:
         """Yield what stands or hangs on the line: obstacles, and machines other than that."""
         for index in np.sort(self._tree.query(line, predicate="intersects")):
             yield self._fixed[int(index)]
-        yield from self._stage.there.values()
+        yield from self._stage.active_closures.values()
         for machine in self._stage.machines.values():
             if machine is not seen:
                 x, y, rotation = machine.body.state.position

@@ -250,7 +250,7 @@ class Person:
         self._stage.place_machines()
         entrance, radius, source = self._entrance, self.walker.human.radius, self._entry.source
         at = self._crowd.room(entrance, radius, self.walker.traveller, within=AT_THE_DOOR)
-        if source is not None and source.at in self._stage.there:  # the door is closed
+        if source is not None and source.at in self._stage.active_closures:  # the door is closed
             at = None
         if at is None or math.dist(at, entrance) > AT_THE_DOOR:
             return False
@@ -271,7 +271,7 @@ class Person:
         at, sink = self.body.at, self._sink
         if sink is None or self.away or math.dist(at, sink) > AT_THE_DOOR:
             return
-        if self._entry.sink in self._stage.there:
+        if self._entry.sink in self._stage.active_closures:
             self._clock.call_at(self._clock.now + LOOKS_AGAIN, self._leave, Turn.NOTICE)
             return
         self.give_up()

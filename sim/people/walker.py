@@ -263,11 +263,11 @@ class Walker:
 
         People do not foresee that it closes: they may be too near to stop before it.
         """
-        if not self._stage.there:
+        if not self._stage.active_closures:
             return
         rest, radius = self._end, self.human.radius
         touched = {body.name for body in self.world.hits(rest, rest, radius)}
-        if touched.isdisjoint(self._stage.there):
+        if touched.isdisjoint(self._stage.active_closures):
             return
         exits = self.world.exits(rest, radius)
         if exits:

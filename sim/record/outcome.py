@@ -24,13 +24,11 @@ from .social_metrics import metrics
 
 @dataclass(frozen=True)
 class Outcome:
-    """A run that happened: its summary, its events, and the motion of every body in closed form.
+    """Outcome of a run: its summary, its events, and the motion of every body in closed form.
 
-    `scene` is where it took place. `violations` holds, for each person and machine, the intervals
-    (seconds) in which they were closer than the rules require; `requirements` what the rules
-    required of them, where that can't be worked out from speeds and the terms of a known law.
-    `thoughts` holds what went on in people's minds, if a listener wanted to know (as a
-    `Recording` does).
+    `violations` contains, for each person and machine, the intervals (s) in which they were closer
+    than the rules require. `requirements` contains the required distances, if they cannot be
+    computed from speeds. `thoughts` contains the thoughts of people, if a listener wanted them.
     """
 
     scene: Scene
@@ -49,14 +47,32 @@ class Outcome:
 
     @property
     def floorplan(self) -> Floorplan:
-        """The floor it took place on."""
+        """Floor of the run."""
         return self.scene.floorplan
 
     def distance(self, person: str, other: str, t: ArrayLike) -> NDArray[np.float64]:
-        """Return the distance in metres between two bodies at `t` (seconds), as the rules measure.
+        """Return the distance between two bodies as the rules measure it.
 
-        One figure for each time: between centres, but for AGVs under rules with an `agv_offset`.
-        `other` is a machine, or a person. `KeyError` if there is no such body.
+        Distances are measured between centres, except for AGVs under rules with an `agv_offset`.
+
+        Parameters
+        ----------
+        person : str
+            Name of a person.
+        other : str
+            Name of a machine or another person.
+        t : array_like, shape (N,)
+            Times in seconds.
+
+        Returns
+        -------
+        ndarray, shape (N,)
+            Distances in metres.
+
+        Raises
+        ------
+        KeyError
+            If there is no body of that name.
         """
         apart = self.motions[other].position(t) - self.motions[person].position(t)
         if self.scene.kind(other) != PERSON:
@@ -64,10 +80,26 @@ class Outcome:
         return np.asarray(np.linalg.norm(apart, axis=-1))
 
     def required(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
-        """The distance in metres that the rules required between two bodies at `t` (seconds).
+        """Return the required distance between a person and a machine.
 
-        One figure for each time; right to 0.01 m with a law that looks at more than speeds.
-        `KeyError` if the two were not watched.
+        With laws that depend on more than speeds it is accurate to 0.01 m.
+
+        Parameters
+        ----------
+        person, machine : str
+            Names.
+        t : array_like, shape (N,)
+            Times in seconds.
+
+        Returns
+        -------
+        ndarray, shape (N,)
+            Distances in metres.
+
+        Raises
+        ------
+        KeyError
+            If the two were not monitored.
         """
         times = np.asarray(t, dtype=np.float64)
         curve = self.requirements.get((person, machine))
@@ -83,44 +115,108 @@ class Outcome:
         return np.asarray(np.vectorize(distance, otypes=[np.float64])(*speeds))
 
     def margin(self, person: str, machine: str, t: ArrayLike) -> NDArray[np.float64]:
-        """Return `distance` less `required`: what two bodies have to spare at `t`, metres."""
+        """Return the distance minus the required distance.
+
+        Parameters
+        ----------
+        person, machine, t
+            See `required`.
+
+        Returns
+        -------
+        ndarray, shape (N,)
+            Margins in metres, negative during violations.
+        """
         return self.distance(person, machine, t) - self.required(person, machine, t)
 
     def violations_of(self, person: str) -> dict[str, tuple[tuple[float, float], ...]]:
-        """Return the `violations` of a person, by machine."""
+        """Return the violations of a person, by machine.
+
+        Parameters
+        ----------
+        person : str
+            Name of the person.
+
+        Returns
+        -------
+        dict of str to tuple of (float, float)
+            Intervals in seconds.
+        """
         return {pair[1]: some for pair, some in self.violations.items() if pair[0] == person}
 
     @cached_property
     def presence(self) -> dict[str, tuple[float, float]]:
-        """From when to when (s) each body is on the floor; it is far outside before and after."""
+        """Times (begin, end) in seconds between which each body is on the floor.
+
+        Before and after, its motion is far outside.
+        """
         return presence(self.motions, self.events, self.duration)
 
     def is_present(self, body: str, times: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return for each of `times` (s) whether a body is on the floor."""
+        """Return whether a body is on the floor.
+
+        Parameters
+        ----------
+        body : str
+            Name of the body.
+        times : ndarray, shape (N,)
+            Times in seconds.
+        """
         begin, end = self.presence[body]
         until = times <= end if end == self.duration else times < end
         return np.asarray((times >= begin) & until & (begin < self.duration))
 
     @cached_property
     def metrics(self) -> dict[str, Any]:
-        """The metrics of social navigation, as `sim.metrics` works them out."""
+        """Metrics of social navigation. See `sim.metrics`."""
         return metrics(self)
 
     def sample(self, rate: float = 20.0) -> dict[str, NDArray[np.float64]]:
-        """Every body at `rate` instants a second (Hz), from 0 to the end.
+        """Return the trajectories of all bodies, sampled from 0 to the end.
 
-        The result has "t" (N,) in seconds, and for each body (N, 5): x, y in metres, rotation
-        in radians, and the velocity along x and y in m/s. `ValueError` if the rate isn't positive.
+        Parameters
+        ----------
+        rate : float, optional
+            Sampling rate in Hz.
+
+        Returns
+        -------
+        dict of str to ndarray
+            "t", shape (N,), in seconds. For each body, shape (N, 5): x and y in metres, rotation in
+            radians, and velocity along x and y in m/s.
+
+        Raises
+        ------
+        ValueError
+            If the rate is not positive.
         """
         times = instants(self.duration, rate)
         return {"t": times, **sample_all(self.motions, times)}
 
     def table(self, rate: float = 20.0) -> dict[str, NDArray[Any]]:
-        """Every body on the floor at `rate` instants a second (Hz), as the columns of one table.
+        """Return the trajectories of all bodies as columns of one table, in order of time.
 
-        They are "t" (s), "body", "x", "y" (m), "rotation" (rad), "vx" and "vy" (m/s), in order of
-        time: `pandas.DataFrame(run.table())`. Who is not there at an instant has no row.
-        `ValueError` if the rate isn't positive.
+        There are no rows for bodies that are not on the floor.
+
+        Parameters
+        ----------
+        rate : float, optional
+            Sampling rate in Hz.
+
+        Returns
+        -------
+        dict of str to ndarray
+            "t" (s), "body", "x", "y" (m), "rotation" (rad), "vx" and "vy" (m/s), each of shape
+            (N,).
+
+        Raises
+        ------
+        ValueError
+            If the rate is not positive.
+
+        Examples
+        --------
+        `pandas.DataFrame(run.table())` is a data frame.
         """
         times = instants(self.duration, rate)
         there = np.array([self.is_present(name, times) for name in self.motions], dtype=bool)
@@ -135,16 +231,16 @@ class Outcome:
 
 
 def csv_line(cells: Iterable[str]) -> str:
-    """Return texts as a line of CSV, in quotes where they have to be."""
+    """Return texts as a line of CSV, quoted if necessary."""
     line = io.StringIO()
     csv.writer(line, lineterminator="\n").writerow(cells)
     return line.getvalue()
 
 
 class WholeLines:
-    """Writes lines into a new file at `path` (UTF-8), each at once and whole or not at all.
+    """Writer of a new text file that writes each line completely or not at all.
 
-    `FileExistsError` if there is a file already.
+    Raises `FileExistsError` if the file exists.
     """
 
     def __init__(self, path: Path) -> None:
@@ -152,7 +248,7 @@ class WholeLines:
         self._end = 0
 
     def write(self, line: str) -> None:
-        """Add a line; `OSError` if there is no room, and then nothing of it is left."""
+        """Add a line. Raises `OSError` if the disk is full, without leaving a part of it."""
         data = memoryview(f"{line}\n".encode())
         at = 0
         try:
@@ -165,23 +261,23 @@ class WholeLines:
         self._end += len(data)
 
     def close(self) -> None:
-        """Write no more."""
+        """Close the file."""
         self._file.close()
 
 
 COLUMNS = ("t", "body", "x", "y", "rotation", "vx", "vy")
-"""Seconds, a name, metres, metres, radians, m/s, m/s."""
+"""Columns of a trajectory: s, name, m, m, rad, m/s, m/s."""
 
 NANOSECOND = 1e-9
 """Seconds between the samples before and after a jump."""
 
 DECIMALS = 6
-"""Decimals of the figures."""
+"""Number of decimals of the values."""
 
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Rows of a trajectory: for each body its figures (N, 5) at N instants, and which it has."""
+    """Rows of a trajectory: values (N, 5) of each body at N times, and whether it is present."""
 
     times: Array
     is_regular: NDArray[np.bool_]
@@ -191,10 +287,10 @@ class Block:
 
 
 def blocks(run: Outcome, rate: float) -> Iterator[Block]:
-    """Yield the rows of all bodies in order of time, `rate` instants a second (Hz).
+    """Yield the rows of all bodies in order of time at a sampling rate (Hz).
 
-    Who is not on the floor has none. Around a jump a body has two more, a nanosecond apart, so that
-    nobody takes it for a fast walk.
+    A body has no rows while it is not on the floor. At a jump it has two more rows, a nanosecond
+    apart, to distinguish the jump from fast walking.
     """
     jumps = {name: _jumps(run, name) for name in run.motions}
     count = 0
@@ -229,7 +325,7 @@ def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
 
 
 def _jumps(run: Outcome, body: str) -> Array:
-    """Return the instants around those at which a body on the floor is put elsewhere on it."""
+    """Return the times around those at which a present body jumps to another position."""
     begin, end = run.presence[body]
     jumps = [t for t in run.motions[body].jumps if begin < t < end]
     return np.array(sorted({*(t - NANOSECOND for t in jumps), *jumps}), dtype=float)
@@ -266,9 +362,9 @@ def _texts(samples: NDArray[np.float64]) -> list[str]:
 
 
 def span_of(run: Outcome, within: Span | None) -> Span:
-    """Return the part of a run to draw: `within`, clipped to the run, or all of it.
+    """Return the time span to draw: `within`, clipped to the run, or the whole run.
 
-    `ValueError` if nothing is left.
+    Raises `ValueError` if it is empty.
     """
     begin, end = within or (0.0, run.duration)
     begin, end = max(begin, 0.0), min(end, run.duration)

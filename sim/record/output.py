@@ -18,7 +18,7 @@ def folder_for(name: str, parent: str) -> Path:
 
 
 class OutputError(OSError):
-    """A file or folder that can't be written to."""
+    """Error of a file or folder that cannot be written."""
 
 
 @contextmanager

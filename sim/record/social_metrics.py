@@ -246,10 +246,26 @@ class _Run(Protocol):
 
 
 def metrics(run: _Run, *, radii: Mapping[str, float] | None = None) -> dict[str, Any]:
-    """Return the metrics of every person and machine of a run, as plain numbers, lists and dicts.
+    """Return metrics of social navigation for each person and machine.
 
-    People count from their start, machines from the beginning. Distances are between centres;
-    `radii` (metres, by body) are taken off them. `ValueError` if there is no body of such a name.
+    People are evaluated from their start, machines from the begin.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    radii : mapping, optional
+        Radii in metres by body, which are subtracted from the distances between centres.
+
+    Returns
+    -------
+    dict
+        Numbers, lists and dictionaries by body.
+
+    Raises
+    ------
+    ValueError
+        If `radii` names an unknown body.
     """
     names = list(run.motions)
     sizes = dict(radii or {})

@@ -61,7 +61,7 @@ TRAJECTORY_RATE = 10.0
 
 
 class RecordingError(InputError):
-    """A folder that does not hold a run, or one that is damaged."""
+    """Error of a folder that contains no run or a damaged one."""
 
 
 Violations = dict[tuple[str, str], tuple[tuple[float, float], ...]]
@@ -125,12 +125,25 @@ ViolationLine = TypedDict(
 
 
 class Recording(InProgress, Listener):
-    """Writes a run into a folder, which is made as the run begins if it isn't there.
+    """Listener that writes a run into a folder.
 
-    A `numbered` one goes into a `folder` of its own: as the run begins it takes the first name that
-    isn't there of NAME, NAME-2, NAME-3 …, also where other processes do the same. `OutputError` if
-    the folder holds another run already, or can't be written to. Without a `trajectory` there is
-    no `trajectory.csv`: of a long run it is the largest file, and can be made of the others.
+    The folder is created when the run begins.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Folder.
+    numbered : bool, optional
+        Whether to use the first unused name of NAME, NAME-2, NAME-3 and so on. This is safe with
+        several processes.
+    trajectory : bool, optional
+        Whether to write `trajectory.csv`. It is the largest file of a long run and can be created
+        from the others.
+
+    Raises
+    ------
+    OutputError
+        When the run begins: if the folder contains another run or cannot be written.
     """
 
     wants_thoughts = True
@@ -147,7 +160,13 @@ class Recording(InProgress, Listener):
                 raise self._taken(name)
 
     def begin(self, scene: Scene) -> None:
-        """Take the folder, and write down where the run takes place."""
+        """Create the folder and write the scene.
+
+        Parameters
+        ----------
+        scene : Scene
+            Initial state.
+        """
         try:
             if self._numbered:
                 self.folder = _made(self.folder)
@@ -164,7 +183,13 @@ class Recording(InProgress, Listener):
             file.write(write_scene(scene))
 
     def event(self, event: Event) -> None:
-        """Write an event as one line."""
+        """Write an event as one line.
+
+        Parameters
+        ----------
+        event : dict
+            Event.
+        """
         self._add("events.jsonl", json.dumps(event, ensure_ascii=False))
         if event["kind"] == Commanded.kind:
             self._command(event)
@@ -177,7 +202,15 @@ class Recording(InProgress, Listener):
         self._add(COMMANDS, f"  - {command}")
 
     def motion(self, body: Body, motion: Motion) -> None:
-        """Write what a body has done as one line: its pieces as coefficients of cubics."""
+        """Write a finished motion as one line with the coefficients of its cubics.
+
+        Parameters
+        ----------
+        body : Body
+            Person or machine.
+        motion : Motion
+            Motion that was carried out.
+        """
         line: MotionLine = {
             "body": body.name,
             "kind": body.kind,
@@ -188,16 +221,28 @@ class Recording(InProgress, Listener):
         self._add("motions.jsonl", json.dumps(line))
 
     def thought(self, thought: Thought) -> None:
-        """Write what a thought has changed in a mind as one line."""
+        """Write a thought of a person as one line.
+
+        Parameters
+        ----------
+        thought : dict
+            Thought.
+        """
         self._add("thoughts.jsonl", json.dumps(thought, ensure_ascii=False))
 
     def close(self) -> None:
-        """Stop writing; what is written stays."""
+        """Stop writing. Files that exist are kept."""
         for lines in self._lines.values():
             lines.close()
 
     def finish(self, run: Run) -> None:
-        """Write what belongs to a finished run."""
+        """Write the summary and the other files of a finished run.
+
+        Parameters
+        ----------
+        run : Run
+            Finished run.
+        """
         self.close()
         with self._whole("violations.jsonl") as file:
             for (person, machine), intervals in run.violations.items():
@@ -278,13 +323,29 @@ class _RecordingReader:
 
 
 def load_run(folder: str | Path, *, damage: Callable[[str], None] | None = None) -> Recorded:
-    """Return the run that `floorwalker run` (or a `Recording`) has left in `folder`.
+    """Return the run in a folder written by `floorwalker run` or a `Recording`.
 
-    A run that was broken off goes as far as it was written: its summary is empty, everybody stands
-    from the last line about them on, and violations are worked out anew. `RecordingError` says
-    which line of which file is damaged. With `damage` a damaged recording, or one of a later
-    version, goes as far as it can be read in the same manner, and `damage(sentence)` says what is
-    missing; `RecordingError` is raised only where there is nothing to show.
+    An interrupted run is loaded as far as it was written. Its summary is empty, bodies are
+    stationary after their last line, and violations are computed again.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Folder.
+    damage : callable, optional
+        Function called with a message if the recording is damaged or of a later version. The run is
+        then loaded as far as possible.
+
+    Returns
+    -------
+    Recorded
+        The run.
+
+    Raises
+    ------
+    RecordingError
+        If a file is damaged (without `damage`) or the folder contains no run. The message includes
+        the line.
     """
     folder = Path(folder)
     damages: list[str] = []

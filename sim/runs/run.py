@@ -72,16 +72,38 @@ class Recorded(Outcome):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Run(Recorded):
-    """A run of a trial that is at hand."""
+    """Finished run of a loaded trial.
+
+    Parameters
+    ----------
+    scene : Scene
+        Initial state.
+    duration : float
+        Duration in seconds.
+    summary : dict
+        Summary as in `summary.json`.
+    events : tuple of dict
+        Events as in `events.jsonl`, in order of time.
+    motions : dict of str to Motion
+        Motion of each body during the whole run.
+    violations : dict
+        Intervals in seconds in which the rules were violated, by (person, machine).
+    thoughts : tuple of dict, optional
+        Thoughts of people, if a listener wanted them.
+    requirements : dict, optional
+        Required distance over time, by (person, machine), for laws that depend on more than speeds.
+    trial : Trial
+        The trial.
+    """
 
     trial: Trial
 
     @cached_property
     def verdicts(self) -> list[Verdict]:
-        """Verdicts on the trial's expectations."""
+        """Results of the trial's expectations."""
         return verdicts(self.trial, self)
 
     @property
     def unmet(self) -> list[str]:
-        """The trial's expectations that this run does not meet, in words."""
+        """Expectations of the trial that this run does not meet, as messages."""
         return [str(verdict) for verdict in self.verdicts if not verdict.met]

@@ -350,7 +350,17 @@ def _trend(compared: Comparison, measure: Measure, factor: int) -> Trend | None:
 
 @dataclass(frozen=True)
 class StudyResults:
-    """Results of a study: their folder, and their table column by column."""
+    """Results of a study.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    folder : Path
+        Folder of the results.
+    columns : dict of str to list
+        Table of the results by column.
+    """
 
     study: Study
     folder: Path
@@ -362,21 +372,21 @@ class StudyResults:
 
     @cached_property
     def comparison(self) -> Comparison:
-        """The rows in groups, one for each combination, and how their figures are spread."""
+        """Statistics of the rows of each combination."""
         return compare(self.columns, factors(self.study))
 
     @cached_property
     def contrasts(self) -> tuple[Contrast, ...]:
-        """Effects of one factor alone: Cliff's delta with intervals."""
+        """Effect of each factor: Cliff's delta with intervals."""
         return tuple(contrasts(self.comparison))
 
     @property
     def hours(self) -> float:
-        """Hours that were simulated in all rows together."""
+        """Total simulated time in hours."""
         return sum(float(t) for t in self.columns.get("duration", ()) if t is not None) / 3600
 
     @property
     def failed(self) -> dict[int, str]:
-        """Errors of the rows that have no figures, by number."""
+        """Errors of rows without results, by row number."""
         errors = zip(self.columns["row"], self.columns["error"], strict=True)
         return {int(row or 0): str(error) for row, error in errors if error is not None}

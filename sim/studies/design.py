@@ -153,7 +153,7 @@ def _between(low: float, high: float, share: float) -> float:
 
 
 class StudyError(InputError):
-    """A study that can't be run."""
+    """Error of a study that cannot be run."""
 
 
 @dataclass(frozen=True)
@@ -200,16 +200,33 @@ class Design:
 
     @property
     def size(self) -> int:
-        """The number of rows, however large."""
+        """Number of rows."""
         combinations = math.prod(len(values) for values in self.grid.values())
         return len(self.trials) * self.repeat * combinations
 
     def rows(self, first: int = 0) -> Iterator[Row]:
-        """The rows from the number `first` on: every combination once, then all once more."""
+        """Return an iterator of the rows: each combination once, then each again per repetition.
+
+        Parameters
+        ----------
+        first : int, optional
+            Number of the first row.
+        """
         return (self.row(number) for number in range(first, len(self)))
 
     def row(self, number: int) -> Row:
-        """The row of that number; `ValueError` if there is none."""
+        """Return a row.
+
+        Parameters
+        ----------
+        number : int
+            Number of the row.
+
+        Raises
+        ------
+        ValueError
+            If there is no such row.
+        """
         if not 0 <= number < len(self):
             raise UserError(f"{self.name} has rows 0 to {len(self) - 1}, but no row {number}")
         repetition, index = divmod(number, len(self.combinations))
@@ -227,7 +244,7 @@ class Design:
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
-        """Each trial with each combination of the grid's values."""
+        """Combinations of trials and values of the grid."""
         return tuple(
             Combination(self._with(trial, values), values)
             for trial in self.trials
@@ -279,7 +296,27 @@ class _StudyKeys(Strictly):
 
 @dataclass(frozen=True, repr=False)
 class Study(Design):
-    """Trials in variations, as a `Design` has them; it can be loaded."""
+    """Trials with variations of their values.
+
+    Parameters
+    ----------
+    name : str
+        Name of the study.
+    trials : tuple of Trial
+        Trials to vary.
+    grid : mapping, optional
+        Values of each variable. Each combination is simulated.
+    random : mapping, optional
+        Distribution of each random variable.
+    repeat : int, optional
+        Number of repetitions of each combination.
+    seed : int, optional
+        Random seed from which those of the rows are derived.
+    metrics : bool, optional
+        Whether the results include the metrics of social navigation.
+    folder : Path, optional
+        Folder of the study.
+    """
 
     def __repr__(self) -> str:
         trials = ", ".join(repr(trial.name) for trial in self.trials)
@@ -287,10 +324,19 @@ class Study(Design):
 
     @classmethod
     def load(cls, path: str | Path, *, own_code: bool = True) -> Study:
-        """The study in the YAML file at `path`.
+        """Return the study in a YAML file.
 
-        Without `own_code` its trials may name no Python of the user's own, as of `Trial.load`.
-        `StudyError` with everything that is wrong, each with its place.
+        Parameters
+        ----------
+        path : str or Path
+            File.
+        own_code : bool, optional
+            Whether the trials may use custom Python code.
+
+        Raises
+        ------
+        StudyError
+            If the file cannot be read or contains errors. All errors are reported together.
         """
         path = Path(path)
         return _build(cls, read_yaml(path, StudyError), path.parent, own_code)
@@ -304,9 +350,23 @@ class Study(Design):
         folder: str | Path = ".",
         own_code: bool = True,
     ) -> Study:
-        """The study in `text`, as if it stood in `folder`; errors call it `file`.
+        """Return the study in a text.
 
-        `own_code` is as of `load`.
+        Parameters
+        ----------
+        text : str
+            YAML.
+        file : str, optional
+            Name of the text in messages.
+        folder : str or Path, optional
+            Folder of the files that it names.
+        own_code : bool, optional
+            Whether the trials may use custom Python code.
+
+        Raises
+        ------
+        StudyError
+            If the text contains errors. All errors are reported together.
         """
         return _build(cls, parse_yaml(text, file, StudyError), Path(folder), own_code)
 

@@ -190,18 +190,45 @@ def run_many(
     backend: str = "loky",
     label: Callable[[], str] = lambda: "",
 ) -> Iterator[Any]:
-    """Run `trials` and yield their runs in the order of the trials, as they come.
+    """Run trials in parallel and yield their runs in order.
 
-    They run on `jobs` processes (all cores by default) of a joblib `backend`; with "dask", on the
-    cluster of the current `dask.distributed` client, or a local one. The runs don't depend on
-    either. Each process works out once what belongs to a floor, however many trials are on it;
-    `trials` may be endless: no more than a few of each process are taken ahead.
+    The runs do not depend on the number of processes. Each process prepares a floor once.
 
-    Runs are large, and have to come from one process to another: `keep` takes each run where it
-    was made, and what it returns is yielded in its place. What a trial raises is raised here when
-    its turn comes, and ends all; with `failed`, what that makes of the error is yielded instead.
-    Warnings of programs begin with the `label` of the trial that was taken last.
-    `ValueError` if there is no such backend, `WorkerError` if a process dies.
+    Parameters
+    ----------
+    trials : iterable of Trial
+        Trials. The iterable may be infinite, because only a few are taken in advance.
+    keep : callable, optional
+        Function applied to each run in its process. Its result is yielded instead of the run, which
+        is large to transfer.
+    failed : callable, optional
+        Function applied to the exception of a trial. Its result is yielded instead of a run. By
+        default the exception is raised when its turn comes.
+    jobs : int, optional
+        Number of processes. Defaults to the number of cores.
+    backend : str, optional
+        Backend of joblib. "dask" uses the current `dask.distributed` client or a local cluster.
+    label : callable, optional
+        Function that returns the prefix of warnings for the trial taken last.
+
+    Yields
+    ------
+    Run or object
+        Run, or the result of `keep` or `failed`.
+
+    Raises
+    ------
+    ValueError
+        If the backend is unknown.
+    WorkerError
+        If a process dies.
+
+    Examples
+    --------
+    >>> trial = sim.Trial.load("ariac2023")
+    >>> trials = [replace(trial, seed=seed) for seed in range(2)]
+    >>> list(sim.run_many(trials, keep=lambda run: run.summary["penalties"], jobs=1))
+    [9, 9]
     """
     import joblib
     from joblib.externals.loky.process_executor import TerminatedWorkerError
@@ -289,15 +316,35 @@ def run_study(
     begin: Progress = lambda _: None,
     progress: Progress = lambda _: None,
 ) -> StudyResults:
-    """Run every row of `study` that is not in the folder `out` yet (`studies/NAME` by default).
+    """Run the rows of a study that are not in its folder yet.
 
-    Rows run on `jobs` processes (all cores by default) of a joblib `backend`; with "dask", on the
-    cluster of the current `dask.distributed` client, or a local one. The results don't depend on
-    either. Each row is in `results.csv` as soon as it and those before it are done, so that a
-    study which is stopped, however roughly, goes on from there when it is run again. How many rows
-    are done is given to `begin` before they are run, and to `progress` whenever it changes.
-    `OutputError` if the folder holds another study, or if a program or controller was changed
-    while it ran; `WorkerError` if a worker process dies.
+    Each row is written to `results.csv` when it and all earlier rows are done, so that an
+    interrupted study can be continued. The results do not depend on the number of processes.
+
+    Parameters
+    ----------
+    study : Study
+        The study.
+    out : str or Path, optional
+        Folder. Defaults to `studies/NAME`.
+    jobs : int, optional
+        Number of processes. Defaults to the number of cores.
+    backend : str, optional
+        Backend of joblib. See `run_many`.
+    begin, progress : callable, optional
+        Functions called with the number of finished rows, at the begin and after each change.
+
+    Returns
+    -------
+    StudyResults
+        The results.
+
+    Raises
+    ------
+    OutputError
+        If the folder contains another study, or if custom code was changed during the study.
+    WorkerError
+        If a process dies.
     """
     require(study, Study, "sim.Study.load")
     path = folder_for(study.name, "studies") if out is None else Path(out)

@@ -308,12 +308,25 @@ def safety_report(
     jobs: int | None = None,
     progress: Progress = lambda _: None,
 ) -> None:
-    """Write a report that can be handed on: assumptions, rules, figures, violations, limits.
+    """Write a report of assumptions, rules, results, violations and limitations.
 
-    `source` is a run, or the results of a study; then all its rows are run once more, on `jobs`
-    processes (all cores by default), for the maps of risk and the violations one by one, and
-    `progress` is given how many are done. `path` ends in .html or .pdf, which Chromium or Chrome
-    prints. `ValueError` for another ending, `OutputError` where it can't be written.
+    Parameters
+    ----------
+    source : Run or StudyResults
+        A run, or the results of a study, whose rows are then run again.
+    path : str or Path
+        File that ends in .html or .pdf. The latter needs Chromium or Chrome.
+    jobs : int, optional
+        Number of processes. Defaults to the number of cores.
+    progress : callable, optional
+        Function called with the number of finished rows.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is unknown.
+    OutputError
+        If the file cannot be written.
     """
     path = Path(path)
     require_writable(path)

@@ -194,10 +194,21 @@ RuleForm = create_model("RuleForm", __base__=RuleKeys, **_ALIKE)
 
 
 def load_rules(path: str | Path, *, own_code: bool = True) -> RuleSet:
-    """Return the rule set in the YAML file at `path`; laws of one's own stand beside it.
+    """Return the rule set in a YAML file.
 
-    They are imported when the rules are first applied; without `own_code` they are refused.
-    `RulesError` has everything that is wrong with it, each with its line.
+    Custom laws must be beside the file. They are imported when the rules are first applied.
+
+    Parameters
+    ----------
+    path : str or Path
+        File.
+    own_code : bool, optional
+        Whether the file may name custom laws.
+
+    Raises
+    ------
+    RulesError
+        If the file cannot be read or contains errors. All errors are reported together.
     """
     path = Path(path)
     document = read_yaml(path, RulesError)

@@ -304,7 +304,7 @@ class Agv(Machine):
 
     def _hindrance(self) -> tuple[str, float] | None:
         """Return what is first in the way to the target, and the last lane position before it."""
-        target, there = self._target, self._stage.there
+        target, there = self._target, self._stage.active_closures
         if target is None or not (there or self._forbidden or self._gates):
             return None
         at, to = self.lane_position, self.lane.lane_position(target)

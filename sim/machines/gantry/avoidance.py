@@ -38,9 +38,14 @@ INSTANT = 1e-6
 
 
 class Caution:
-    """Motion that keeps the protective separation distance, whatever people do.
+    """Motion of a gantry that keeps the protective separation distance from people.
 
-    Every motion that it commands is safe until it looks again, and so is a stop from there.
+    Each commanded motion is safe until the next observation, and so is a stop from there.
+
+    Parameters
+    ----------
+    gantry : GantryRobot
+        The gantry.
     """
 
     def __init__(self, gantry: GantryRobot) -> None:
@@ -56,17 +61,39 @@ class Caution:
         self._seen_at = -math.inf
 
     def look(self) -> Steps:
-        """See the people around; those of this instant are seen once."""
+        """Observe the people, once at each time. Use it with `yield from`.
+
+        Yields
+        ------
+        Event
+            Waiting time.
+        """
         if self._seen_at != self._gantry.now:
             people: tuple[Sighting, ...] = yield self._gantry.look()
             self._take_note(people)
         return self._seen
 
     def go(self, pose: Pose, *, seconds: float = math.inf) -> Steps:
-        """Go to `pose`, at any time as fast as is safe; the value is True once it is there.
+        """Move to a pose as fast as is safe. Use it with `yield from`.
 
-        Where people leave no safe motion it stops, and waits until there is one. After `seconds`
-        it returns all the same, with False, and leaves the motion under way as it is.
+        If no motion is safe, the gantry stops and waits until one is.
+
+        Parameters
+        ----------
+        pose : (float, float, float)
+            x and y in metres and rotation in radians.
+        seconds : float, optional
+            Maximum duration in seconds. The current motion continues after it.
+
+        Yields
+        ------
+        Event
+            Waiting time.
+
+        Returns
+        -------
+        bool
+            Whether the gantry has reached the pose.
         """
         gantry = self._gantry
         end = gantry.now + seconds
@@ -92,13 +119,29 @@ class Caution:
         return True
 
     def preview(self, pose: Pose, share: float = 1.0) -> Motion:
-        """Return the motion to `pose` at a share of the top speeds: the one under way if it is."""
+        """Return the motion to a pose without moving. It is the current motion if that leads there.
+
+        Parameters
+        ----------
+        pose : (float, float, float)
+            x and y in metres and rotation in radians.
+        share : float, optional
+            Share of the top speeds to use.
+        """
         gantry = self._gantry
         under_way = share == self._share_to(pose)
         return gantry.body.motion if under_way else gantry.preview(*pose, speed_share=share)
 
     def safe_for(self, motion: Motion, people: Sequence[Sighting]) -> float:
-        """Return the seconds from now for which `motion` is safe, and a stop after them; or 0."""
+        """Return the duration in seconds for which a motion and a stop after it are safe, or 0.
+
+        Parameters
+        ----------
+        motion : Motion
+            Motion that begins now.
+        people : sequence of Sighting
+            Observed people.
+        """
         gantry = self._gantry
         plan = Stoppable(motion, gantry.drive.stops)
         seen = [Pedestrian(person.name, person.at, self._human_speed) for person in people]
@@ -106,7 +149,13 @@ class Caution:
         return until - gantry.now if who is not None else max(until - gantry.now, LEAST)
 
     def room_to_move(self, speed: float) -> float:
-        """Return the distance (metres) from people at which it may move on at this speed (m/s)."""
+        """Return the distance in metres from people at which motion is possible.
+
+        Parameters
+        ----------
+        speed : float
+            Speed of the gantry in m/s.
+        """
         moving = State(self._gantry.position, (speed, 0.0, 0.0), (0.0, 0.0, 0.0))
         # What the stop from that speed takes, in metres and in seconds, in which people come
         # nearer.
@@ -115,9 +164,14 @@ class Caution:
         return self.required(speed) + metres + self._human_speed * (stop.end + LEAST)
 
     def required(self, robot_speed: float) -> float:
-        """Return the distance (metres) to keep from people at this speed of the gantry's (m/s).
+        """Return the required distance in metres from people.
 
-        A law that looks ahead is asked for the gantry's top speed: it may be reached by then.
+        Laws of motions are evaluated at the top speed of the gantry, which it may reach.
+
+        Parameters
+        ----------
+        robot_speed : float
+            Speed of the gantry in m/s.
         """
         return self._foresight.required(self._human_speed, robot_speed)
 

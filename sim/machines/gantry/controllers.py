@@ -65,7 +65,7 @@ CONTROLLERS: dict[str, Controller] = {
 
 
 class ControllerError(UserError):
-    """A gantry controller that can't be found, or that failed while it ran."""
+    """Error of a gantry controller that cannot be found or that failed."""
 
 
 def _is_controller(found: object) -> bool:

@@ -46,13 +46,40 @@ class Sighting:
 
 
 class GantryRobot(Machine):
-    """The gantry, to be commanded by a controller.
+    """Gantry robot as seen by its controller.
 
-    A controller is a function or class of one argument, this robot, that yields what its
-    methods return: `yield gantry.move_to(-2.5, 0.5)`. It does one thing at a time: moving,
-    stopping, picking, placing and handling take the place of what was under way. While the gantry
-    is disabled it stands, and whatever was under way goes on afterwards. `record(event)` records
-    an event, which may be of an `EventKind` of your own.
+    A controller is a function or class that takes this robot and returns a generator. It yields
+    what the methods return, for example `yield gantry.move_to(-2.5, 0.5)`. The robot carries out
+    one command at a time: a new one replaces the current one. If the gantry is disabled, it stays
+    stationary and resumes the current command afterwards.
+
+    Parameters
+    ----------
+    stage : Stage
+        State of the simulation.
+    gantry : Gantry
+        Gantry of the floorplan.
+    entry : GantryEntry
+        Gantry of the trial.
+    name : str
+        Name of the gantry.
+    controller : callable
+        Function that takes this robot and returns a generator.
+
+    Attributes
+    ----------
+    gantry : Gantry
+        Range, limits and home pose.
+    floorplan : Floorplan
+        Floor with this gantry.
+    rules : RuleSet
+        Rules of the trial.
+    law : object
+        Law of the protective separation distance from people.
+    human_speed : float
+        Highest speed of people in m/s.
+    record : callable
+        Function that records an `EventKind`.
     """
 
     def __init__(
@@ -101,7 +128,7 @@ class GantryRobot(Machine):
         self._stage.record(event.of({**event.fields, "machine": self.name}))
 
     def begin(self) -> None:
-        """Let its controller begin."""
+        """Start the controller."""
         self._proximity = ApproachMonitor(self._stage, self, self._came_near)
         self.start(self._controller(self))
 
@@ -109,28 +136,42 @@ class GantryRobot(Machine):
 
     @property
     def now(self) -> float:
-        """Simulated time (seconds)."""
+        """Simulated time in seconds."""
         return self._clock.now
 
     @property
     def state(self) -> State:
-        """Pose and velocity now."""
+        """Current pose and velocity."""
         return self.body.state
 
     @property
     def position(self) -> Pose:
-        """Pose now: x, y (metres), rotation (radians)."""
+        """Current pose: x and y in metres and rotation in radians."""
         return self.body.state.position
 
     @property
     def disabled(self) -> bool:
-        """True while it is made to stand: disabled, or in a protective stop."""
+        """Whether the gantry is disabled or in a protective stop."""
         return self.drive.disabled
 
     def look(self, after: float = 0.0) -> Event:
-        """See the people around, at the first observation `after` seconds from now or later.
+        """Observe the people. The value of the event is a tuple of `Sighting`.
 
-        The value is a tuple of `Sighting`s: `people = yield gantry.look()`.
+        Parameters
+        ----------
+        after : float, optional
+            Minimum delay in seconds. The observation is the next one of `OBSERVATION_RATE` after
+            it.
+
+        Returns
+        -------
+        Event
+            Event to yield: `people = yield gantry.look()`.
+
+        Raises
+        ------
+        ValueError
+            If the delay is negative or infinite.
         """
         if not 0 <= after < math.inf:
             raise UserError(f"can't wait {after} s")
@@ -140,17 +181,25 @@ class GantryRobot(Machine):
         return self._clock.ask(at, self._sightings, Turn.NOTICE)
 
     def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
-        """From now on, interrupt the controller where it waits when this happens.
+        """Interrupt the controller from now on when something happens while it waits.
 
-        It is interrupted in SimPy's manner: the `yield` raises `simpy.Interrupt` with `reason` as
-        its cause. "person_close" happens when a person comes within `distance` metres of the
-        gantry's axis, "disabled" and "enabled" when the referee stops it and lets it go on,
-        "part_dropped" when the part that it carries drops.
+        As in SimPy, the `yield` raises `simpy.Interrupt` with `reason` as its cause. The current
+        motion continues until the next command. After an interrupt there is no other one until the
+        controller gives a command outside the `except` block that handles it. Reasons that occur
+        meanwhile interrupt it then, each once.
 
-        After an interrupt there is no other until the controller gives a command outside the
-        `except` that handles it; what happens meanwhile interrupts it then, each reason once. An
-        interrupt ends the waiting alone: the gantry goes on with what it does until it is given
-        another command. `ValueError` for another reason, or a distance that is none.
+        Parameters
+        ----------
+        reason : {"person_close", "disabled", "enabled", "part_dropped"}
+            A person is closer than `distance`, the referee stops the gantry or releases it, or the
+            gripper drops the carried part.
+        distance : float, optional
+            Distance in metres of a person from the axis of the gantry.
+
+        Raises
+        ------
+        ValueError
+            If the reason is unknown or the distance invalid.
         """
         self._interrupts.ask_for(reason, distance)
         if self._proximity is not None:
@@ -167,11 +216,28 @@ class GantryRobot(Machine):
         speed_share: float = 1.0,
         resume: bool = True,
     ) -> Event:
-        """Go to x, y (metres) and `rotation` (radians; None keeps it), to be waited for.
+        """Start to move to a pose.
 
-        It makes use of `speed_share` of its top speeds. A new move or a stop takes the place of
-        this one; being disabled does so unless it is to `resume` by itself afterwards.
-        `ValueError` if that is outside the gantry's range.
+        Parameters
+        ----------
+        x, y : float
+            Position in metres.
+        rotation : float, optional
+            Rotation in radians. By default it does not change.
+        speed_share : float, optional
+            Share of the top speeds to use.
+        resume : bool, optional
+            Whether the move continues after the gantry was disabled.
+
+        Returns
+        -------
+        Event
+            Event to yield. It occurs when the move ends or another command replaces it.
+
+        Raises
+        ------
+        ValueError
+            If the pose is outside the range of the gantry.
         """
         target = self._sites.at(x, y, rotation)
         move = self.drive.move(target, speed_share, resume=resume)
@@ -181,73 +247,161 @@ class GantryRobot(Machine):
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
-        """Return the motion that `move_to` would make from here and now; nothing moves by it."""
+        """Return the motion that `move_to` would start now.
+
+        Parameters
+        ----------
+        x, y, rotation, speed_share
+            See `move_to`.
+        """
         return self.drive.preview(self._sites.at(x, y, rotation), speed_share)
 
     def follow(self, motion: Motion) -> Event:
-        """Go along `motion`, which begins here and now, to be waited for.
+        """Start to follow a motion. It does not continue after the gantry was disabled.
 
-        A move or a stop takes its place; so does being disabled, and it isn't gone on with.
-        `ValueError` while disabled.
+        Parameters
+        ----------
+        motion : Motion
+            Motion that begins at the current time and pose.
+
+        Returns
+        -------
+        Event
+            Event to yield. It occurs when the motion ends or another command replaces it.
+
+        Raises
+        ------
+        ValueError
+            If the gantry is disabled.
         """
         move = self.drive.follow(motion)
         self._interrupts.command_given()
         return move
 
     def stop(self) -> Process:
-        """Stop as fast as it can, to be waited for; the move under way is forgotten."""
+        """Start the fastest stop, and discard the current command.
+
+        Returns
+        -------
+        Process
+            Event to yield.
+        """
         return self._command(self.drive.stop())
 
     def stopping(self, state: State, t: float) -> Motion:
-        """Return the fastest stop from `state` at `t` (seconds); nothing moves by it."""
+        """Return the fastest stop without moving.
+
+        Parameters
+        ----------
+        state : State
+            Initial pose and velocity.
+        t : float
+            Start time in seconds.
+        """
         return self.drive.stopping(state, t)
 
     def wait(self, seconds: float) -> Process:
-        """Let `seconds` go by in which the gantry is not disabled."""
+        """Wait. Time in which the gantry is disabled does not count.
+
+        Parameters
+        ----------
+        seconds : float
+            Duration in seconds.
+
+        Returns
+        -------
+        Process
+            Event to yield.
+        """
         return self._command(self.drive.wait(seconds))
 
     def pick(self, place: str) -> Process:
-        """Go to `place` (an obstacle, a station or an AGV by name) and take something there.
+        """Move to a place and pick up a part.
 
-        The value is True if it was done, False if another command took its place before the end.
+        Parameters
+        ----------
+        place : str
+            Name of an obstacle, a station or an AGV.
+
+        Returns
+        -------
+        Process
+            Event to yield. Its value is False if another command replaced this one, otherwise True.
         """
         return self._visit("pick", self.handling.pick, place)
 
     def place(self, place: str) -> Process:
-        """Go to `place` and put down what was taken; the value is as that of `pick`."""
+        """Move to a place and put down the part.
+
+        Parameters
+        ----------
+        place : str
+            Name of an obstacle, a station or an AGV.
+
+        Returns
+        -------
+        Process
+            Event to yield. Its value is False if another command replaced this one, otherwise True.
+        """
         return self._visit("place", self.handling.place, place)
 
     # Its tasks.
 
     @property
     def open_tasks(self) -> tuple[Task, ...]:
-        """The tasks that may be begun or gone on with now, the preferred one first."""
+        """Tasks that can be started or continued now, in order of preference."""
         return self.tasks.open
 
     def next_task(self) -> Event:
-        """Wait for the preferred open task, which is the value; None when there won't be any."""
+        """Wait for a task.
+
+        Returns
+        -------
+        Event
+            Event to yield. Its value is the preferred open task, or None if there will be none.
+        """
         self._interrupts.command_given()
         return self.tasks.next()
 
     def do(self, task: Task) -> Process:
-        """Do the steps of a task that are left, on straight paths.
+        """Carry out the remaining steps of a task on straight paths.
 
-        The value is True if it is done, False if another command took the place of this one. A
-        step that was broken off begins anew when it is done again.
+        An interrupted step is repeated from its begin.
+
+        Parameters
+        ----------
+        task : Task
+            The task.
+
+        Returns
+        -------
+        Process
+            Event to yield. Its value is False if another command replaced this one, otherwise True.
         """
         return self._command(self._do(task, self.drive.begin()))
 
     def where(self, task: Task) -> Pose | None:
-        """Return the pose (x, y, rotation) of the task's next step; None if out of reach now.
+        """Return the pose of the next step of a task, or None if it is out of reach.
 
-        A step at an AGV can't be while the AGV drives, or stands beyond the rails.
+        A step at an AGV is out of reach while the AGV drives or is outside the range of the gantry.
+
+        Parameters
+        ----------
+        task : Task
+            The task.
         """
         _next_step(task)
         step = self._catchable(task).next_step
         return None if step is None else self._sites.pose_for(step)
 
     def way(self, task: Task) -> tuple[Pose, ...]:
-        """Return the poses of the task's steps that are left; none if one can't be reached now."""
+        """Return the poses of the remaining steps of a task, empty if one is out of reach.
+
+        Parameters
+        ----------
+        task : Task
+            The task.
+        """
         rotation = self.position[2]
         poses: list[Pose] = []
         for step in self._catchable(task).steps_left:
@@ -258,7 +412,18 @@ class GantryRobot(Machine):
         return tuple(poses)
 
     def locate(self, task: Task) -> Event:
-        """Begin the task, or go on with it: `where` its next step is, once it can be reached."""
+        """Start or continue a task, and wait until its next step is in reach.
+
+        Parameters
+        ----------
+        task : Task
+            The task.
+
+        Returns
+        -------
+        Event
+            Event to yield. Its value is the pose of the next step.
+        """
         pose = self._sites.pose_for(_next_step(task))
         if pose is None:
             return self._command(self._find(task))
@@ -267,10 +432,25 @@ class GantryRobot(Machine):
         return self._clock.happened(pose)
 
     def handle(self, task: Task) -> Process:
-        """Do the work of the task's next step, here. The value is True if it was done.
+        """Carry out the next step of a task at the current pose.
 
-        It was not if this is not the place, or if another command took the place of this one: the
-        step then begins anew when it is handled again. `ValueError` if the task is done already.
+        An interrupted step is repeated from its begin.
+
+        Parameters
+        ----------
+        task : Task
+            The task.
+
+        Returns
+        -------
+        Process
+            Event to yield. Its value is False if the gantry is elsewhere or another command
+            replaced this one, otherwise True.
+
+        Raises
+        ------
+        ValueError
+            If the task is done.
         """
         if (task.given_up and task.finished) or not self._sites.stands_at(_next_step(task)):
             return self._command(_not_done())
@@ -279,27 +459,59 @@ class GantryRobot(Machine):
     # The simulation's side of it.
 
     def start(self, controller: Steps) -> None:
-        """Let `controller` command it from now on."""
+        """Start or replace the controller.
+
+        Parameters
+        ----------
+        controller : generator
+            Generator returned by a controller.
+        """
         self._interrupts.start(self._clock, controller)
 
     def interrupt(self, reason: str) -> None:
-        """Interrupt the controller, as soon as it can be, if it asked for it."""
+        """Interrupt the controller as soon as possible if it has asked for that.
+
+        Parameters
+        ----------
+        reason : str
+            Reason. See `interrupt_on`.
+        """
         self._interrupts.happened(reason)
 
     def hold(self, stands: bool) -> None:
-        """Brake and stand until `hold(False)`, then go on: a protective stop."""
+        """Start or end a protective stop.
+
+        Parameters
+        ----------
+        stands : bool
+            True to brake and stay stationary, False to continue.
+        """
         self.drive.hold(stands)
 
     def disable(self, seconds: float) -> None:
-        """Brake and stand for so long: a penalty."""
+        """Disable the gantry as a penalty.
+
+        Parameters
+        ----------
+        seconds : float
+            Duration in seconds.
+        """
         self.drive.disable(seconds)
 
     def close(self) -> None:
-        """Settle what is still open: the trial is over."""
+        """Finish at the end of the trial."""
         self.drive.close()
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
-        """Return its figures; it is idle while it neither moves, handles nor is made to stand."""
+        """Return values for the summary. A gantry that may move but does not is idle.
+
+        Parameters
+        ----------
+        motion : Motion
+            Track of the whole trial.
+        now : float
+            Time in seconds.
+        """
         drive = self.drive
         moving = sum(piece.end - piece.begin for piece in motion.pieces if not piece.stands)
         # While it brakes because it is made to stand, both count.
@@ -312,7 +524,7 @@ class GantryRobot(Machine):
         }
 
     def sight_changed(self) -> None:
-        """Take note of who is near, if it sees people again."""
+        """Handle the begin or end of a blackout."""
         distance, here = self._interrupts.close_distance, self.body.at
         people = self._stage.people if distance is not None else ()
         if any(math.dist(person.body.at, here) < (distance or 0.0) for person in people):
@@ -323,7 +535,7 @@ class GantryRobot(Machine):
             self.interrupt("person_close")
 
     def floor_changed(self) -> None:
-        """Take note that a machine has come to rest on the floor."""
+        """Handle that a machine has stopped on the floor."""
         changed, self._floor_changed = self._floor_changed, self._clock.event()
         changed.succeed()
         self.tasks.reconsider()
@@ -438,7 +650,13 @@ class GantryRobot(Machine):
         self.interrupt("part_dropped")
 
     def missed(self, passing: Passing) -> None:
-        """Take note that it can't be picked any more: look for others in its place."""
+        """Handle that a part can no longer be picked by choosing another one.
+
+        Parameters
+        ----------
+        passing : Passing
+            The part on the conveyor.
+        """
         for task in [*self.tasks.picking(passing)]:
             self._begin_again(task)
         self.floor_changed()
