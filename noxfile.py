@@ -15,7 +15,7 @@ nox.options.error_on_missing_interpreters = False
 
 
 def _built(session: nox.Session) -> tuple[Path, Path]:
-    """A wheel, and the unpacked sdist it was built from without the packages themselves."""
+    """Build a wheel and return it with the unpacked sdist without its packages."""
     folder = Path(session.create_tmp()).resolve()
     shutil.rmtree(folder)
     session.install("build")
@@ -40,7 +40,7 @@ def tests(session: nox.Session) -> None:
 
 @nox.session(python="3.10", venv_backend="uv")
 def lowest(session: nox.Session) -> None:
-    """The same with the lowest versions of everything that pyproject.toml allows."""
+    """Run the tests with the lowest versions that pyproject.toml allows."""
     wheel, unpacked = _built(session)
     with session.chdir(unpacked):
         session.install("--resolution", "lowest-direct", "-r", "pyproject.toml", "--extra", "test")
@@ -68,7 +68,7 @@ def explore(session: nox.Session) -> None:
 
 @nox.session
 def published(session: nox.Session) -> None:
-    """Published tables and pictures that do not depend on the machine: fails where one differs.
+    """Compare published tables and pictures that do not depend on the machine.
 
     The documents then have the new ones. More arguments are names of some of them.
     """

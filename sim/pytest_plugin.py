@@ -128,7 +128,7 @@ def ariac_cell(request: pytest.FixtureRequest) -> Trial:
 
 @pytest.fixture
 def trial(ariac_cell: Trial, _floorwalker_variation: Variation | None) -> Trial:
-    """The trial of this test: `ariac_cell`, or what the test's markers make of it."""
+    """Return the trial of this test: `ariac_cell`, changed by the markers of the test."""
     variation = _floorwalker_variation
     return ariac_cell if variation is None else variation.of(variation.trial or ariac_cell)
 

@@ -247,5 +247,5 @@ class Client:
 
 
 def _cost(id: str | int | None) -> int:
-    """The bytes that a request with that id takes."""
+    """Return the size of a request with that id in bytes."""
     return _REQUEST + sys.getsizeof(id)

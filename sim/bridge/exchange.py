@@ -391,7 +391,7 @@ def _nodes(ours: object, clients: Iterable[Client]) -> list[str]:
 
 
 def _details(type: str) -> Values:
-    """The type and all types within it, each once."""
+    """Return a type and all types inside it, each once."""
     wanted, found = [canonical(type, "msg")], list[str]()
     for name in wanted:
         if name in MESSAGES and name not in found:

@@ -65,7 +65,7 @@ def trajectory_motion(
 def _knots(
     gantry: Gantry, current: State, message: dict[str, Any]
 ) -> tuple[list[float], list[JointValues], list[JointValues]]:
-    """The times, positions and velocities of the start and of the points after it."""
+    """Return times, positions and velocities of the start and of the points after it."""
     order, points = _order(message["joint_names"]), message["points"]
     if not points:
         raise TrajectoryError("a trajectory without points")
@@ -114,7 +114,7 @@ def _towards_neighbours(
 
 
 def _order(names: list[str]) -> list[int]:
-    """The index of each of our joints in a message."""
+    """Return the index in a message of each joint of the gantry."""
     if sorted(names) != sorted(JOINTS):
         raise TrajectoryError(f"joint_names should be {', '.join(JOINTS)}, in any order")
     return [names.index(name) for name in JOINTS]
@@ -133,7 +133,7 @@ def _seconds(point: dict[str, Any]) -> float:
 
 
 def _cubic(duration: float, p: float, v: float, q: float, w: float) -> Cubic:
-    """The cubic from position `p` and velocity `v` to `q` and `w` (Hermite's)."""
+    """Return the Hermite cubic from position `p` and velocity `v` to `q` and `w`."""
     slope = (q - p) / duration
     return (p, v, (3 * slope - 2 * v - w) / duration, (v + w - 2 * slope) / duration**2)
 
@@ -182,7 +182,7 @@ def _derivative(c: Cubic) -> Cubic:
 
 
 def _extremes(cubic: Cubic, duration: float) -> Iterator[float]:
-    """Times at which a cubic may be greatest or least: its ends, and where it turns round."""
+    """Yield the times at which a cubic may have an extremum: its ends and its stationary points."""
     yield 0.0
     yield duration
     _, b, c, d = cubic

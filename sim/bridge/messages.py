@@ -164,7 +164,7 @@ def _number(type_: str, value: int | float, place: str) -> int | float:
 
 
 def _blank(type_: str) -> Any:
-    """The value of a field that is left out."""
+    """Return the default value of a field."""
     if type_.endswith("[]"):
         return []
     if "/" in type_:
@@ -175,7 +175,7 @@ def _blank(type_: str) -> Any:
 
 
 def _shown(value: Any) -> str:
-    """A value in an error: short, whatever it is."""
+    """Return a value in short form for an error."""
     if isinstance(value, dict):
         return "an object"
     if isinstance(value, list):
@@ -332,7 +332,7 @@ def _part(part: PartType) -> dict[str, int]:
 
 
 def _number_in(name: str) -> int:
-    """The number in a name: agv3 is 3, as2 is 2."""
+    """Return the number in a name: agv3 is 3, as2 is 2."""
     return int("".join(filter(str.isdigit, name)))
 
 

@@ -427,7 +427,7 @@ class RemoteAgent:
 
 
 async def _listed(connection: RosbridgeConnection, what: str) -> list[str]:
-    """The names that a service of rosapi lists; none where there is no rosapi."""
+    """Return the names that a service of rosapi lists, or none without rosapi."""
     try:
         names = (await connection.call(f"/rosapi/{what}", {})).get(what)
     except ServiceError:

@@ -113,7 +113,7 @@ class Incoming(ServerConnection):
 
 
 def _length_on_the_wire(frame: Frame) -> int:
-    """The bytes of a client's frame: header, mask, data (RFC 6455, 5.2)."""
+    """Return the size in bytes of a client's frame: header, mask, data (RFC 6455, 5.2)."""
     length = len(frame.data)
     return length + (6 if length < 126 else 8 if length < 65536 else 14)
 

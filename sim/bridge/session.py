@@ -285,7 +285,7 @@ class Session:
         return (self._ticks + 1) / RATE
 
     def _missing(self) -> str:
-        """The reason for which time stands still, "" if it goes on."""
+        """Return the reason for which simulated time is paused, or an empty text."""
         clients = self.server.clients
         if self._tempo.paused:
             return PAUSED

@@ -358,7 +358,7 @@ class Workcell(Listener):
         self._asked = True
 
     def _named_frames(self) -> list[tuple[str, Body, float]]:
-        """The frames of the competition: the person's, the gantry's and the AGVs'; heights in m."""
+        """Return the frames of the competition for person, gantry and AGVs (heights in m)."""
         simulation = self.simulation
         frames = [(f"{agv.lane.name}_base", agv.body, 0.0) for agv in simulation.agvs]
         if simulation.gantry is not None:

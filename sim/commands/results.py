@@ -49,7 +49,7 @@ def floorplan(
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """The floor from above, with everything that has a name."""
+    """Draw a floor from above with all names."""
     from ..views import plots
     from .sources import floorplan_from
 
@@ -69,7 +69,7 @@ def path(
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """A person's path across a floor, and how much room there is along it."""
+    """Draw a person's path across a floor, and the clearance along it."""
     from navigation import CollisionWorld, PathPlanner
 
     from ..views import plots
@@ -91,7 +91,7 @@ def trails(
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """The paths that people and machines took, and where somebody came too close."""
+    """Draw the paths of people and machines, and mark violations."""
     run = _run(source, out, own_code=not no_own_code)
     _save(run.plot.trails(within=_within(begin, end), width=width), out)
 
@@ -105,7 +105,7 @@ def spacetime(
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """A space–time diagram: x and y of everybody who moves, over time."""
+    """Draw a space–time diagram: x and y of people and machines over time."""
     run = _run(source, out, own_code=not no_own_code)
     _save(run.plot.space_time(within=_within(begin, end), width=width), out)
 

@@ -44,7 +44,7 @@ def say(text: str, *, err: bool = False) -> None:
 
 
 def plain_console(width: int | None = None) -> Console:
-    """A console that prints names as they are, though they have [brackets] or :colons:.
+    """Return a console that prints names with [brackets] or :colons: unchanged.
 
     Where it is no terminal it is `width` characters wide, if that is given.
     """

@@ -215,7 +215,7 @@ def _entity(thing: scene.Thing, t: float, lifetime: float) -> SceneEntity:
 
 
 def _primitive(shape: scene.Shape) -> tuple[str, Any]:
-    """The field of a SceneEntity that a shape belongs into, and what to put there."""
+    """Return the field of a SceneEntity for a shape, and its value."""
     color = Color(r=shape.color[0], g=shape.color[1], b=shape.color[2], a=shape.color[3])
     x, y, z = shape.at
     pose, points = _pose(x, y, shape.yaw, z), _points(shape.points)

@@ -369,7 +369,7 @@ def _rails(gantry: Gantry) -> Iterator[Shape]:
 
 
 def _solid(obstacle: Obstacle) -> Shape:
-    """An obstacle as a box where it is one, else as the surface of a prism."""
+    """Return an obstacle as a box if it is one, otherwise as the surface of a prism."""
     footprint, bottom, top = obstacle.footprint, obstacle.bottom, obstacle.top
     corners = list(footprint.exterior.coords)
     around = footprint.minimum_rotated_rectangle

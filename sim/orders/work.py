@@ -174,7 +174,7 @@ class Work(ABC):
         return Carried(item, last, put, another=another, missing=self.missing)
 
     def _from_bin(self, bin: str, slot: int, item: Item) -> Step:
-        """Taking an item from its bin, and turning it over if it is flipped."""
+        """Yield the steps that take an item from its bin and turn it over if it is flipped."""
         seconds = self._picking(item)
         if bin == BELT:
             return self._cell.inventory.belt.step(slot, seconds)

@@ -255,8 +255,11 @@ class Worker:
         return self.tasks_done / there * 3600.0 if there > 0 else None
 
     def beliefs(self) -> LiveBeliefs:
-        """Return live beliefs: `offer(Id, Task, Station, Priority, Ms)`, the most urgent first,
-        `doing(Id, Task, Station, X, Y)`, `on_shift`, and `works` if there may be work at all."""
+        """Return live beliefs about work.
+
+        They are `offer(Id, Task, Station, Priority, Ms)`, the most urgent first, `doing(Id, Task,
+        Station, X, Y)`, `on_shift`, and `works` if there may be any work.
+        """
         return {
             ("offer", 5): lambda: [
                 (

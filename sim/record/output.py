@@ -34,7 +34,7 @@ def writing(path: Path, words: str = "can't write") -> Iterator[None]:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path to write to that becomes `path` when all went well, and vanishes when not.
+    """Yield a temporary path that replaces `path` on success and is deleted on failure.
 
     It has the same name, in a folder beside `path`, so that renaming it is atomic. A link stays a
     link; what is no file, as /dev/stdout, is written to itself.

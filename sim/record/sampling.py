@@ -69,14 +69,14 @@ def instants(duration: float, rate: float) -> Array:
 
 
 def blocks_of_instants(duration: float, rate: float) -> Iterator[Array]:
-    """The same instants, `BLOCK` of them at a time."""
+    """Yield the same times, `BLOCK` of them at once."""
     count = _count(duration, rate)
     for first in range(0, count, BLOCK):
         yield np.arange(first, min(first + BLOCK, count)) / rate
 
 
 def sample(motion: Motion, times: Array) -> Array:
-    """A motion at `times` (N,): x, y, rotation, and the velocity along x and y, (N, 5).
+    """Return a motion at `times` (N,): x, y, rotation and velocity along x and y, (N, 5).
 
     Metres, radians, m/s.
     """

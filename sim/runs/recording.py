@@ -272,7 +272,7 @@ class Recording(InProgress, Listener):
 
     @contextmanager
     def _whole(self, name: str) -> Iterator[TextIO]:
-        """A file to write that is there only when all of it is."""
+        """Yield a text file that appears in the folder when it is complete."""
         try:
             with (
                 replacing(self.folder / name) as unfinished,

@@ -66,7 +66,7 @@ class Recorded(Outcome):
         return RunPlots(self)
 
     def _repr_html_(self) -> str:
-        """The run in a notebook: its figures, and the replay."""
+        """Return the view in a notebook: a table and the replay."""
         return as_html(self)
 
 

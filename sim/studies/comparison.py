@@ -70,7 +70,7 @@ class Measure:
         return re.compile(re.escape(self.column).replace("NAME", r"([^.]+)"))
 
     def values(self, columns: Columns) -> Floats | None:
-        """The figure of every row (NaN where there is none), or None where it is left out."""
+        """Return the value of every row (NaN if it has none), or None if the measure is omitted."""
         found = [column for key, column in columns.items() if self._pattern.fullmatch(key)]
         if not found:
             return None
@@ -172,7 +172,7 @@ class Comparison:
     values: dict[Measure, Floats]
 
     def constant(self, measure: Measure) -> float | None:
-        """The figure that every row has, if all have the same, or NaN where none has any."""
+        """Return the value if it is equal in all rows, or NaN if no row has one."""
         there = [spread for spread in self.spreads[measure] if spread is not None]
         ends = {end for spread in there for end in (spread.least, spread.most)}
         return None if len(ends) > 1 else min(ends, default=math.nan)
@@ -184,7 +184,7 @@ class Comparison:
         return [one for one in varying if one.chief] or varying
 
     def label_of(self, line: int) -> str:
-        """The label of the group that a line of the table is in."""
+        """Return the label of the group of a line of the table."""
         return next(group.label for group in self.groups if line in group.rows)
 
 

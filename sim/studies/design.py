@@ -38,7 +38,7 @@ _TINY = 1e-15
 
 
 def derived_seed(*parts: object) -> int:
-    """A seed of 63 bits that depends on nothing but `parts` (numbers, texts and lists)."""
+    """Return a seed of 63 bits that depends only on `parts` (numbers, texts and lists)."""
     digest = hashlib.sha256(json.dumps(parts).encode()).digest()
     return int.from_bytes(digest[:8], "big") >> 1
 
@@ -52,7 +52,7 @@ class Distribution(Protocol):
         ...
 
     def draw(self, seed: int, trial: Trial) -> Value:
-        """The value that `seed` draws for `trial`."""
+        """Return the value drawn with `seed` for `trial`."""
         ...
 
 
@@ -195,7 +195,7 @@ class Design:
     folder: Path = Path()
 
     def __len__(self) -> int:
-        """The number of rows; `OverflowError` if it does not fit into 63 bits (see `size`)."""
+        """Return the number of rows. Raises `OverflowError` if it exceeds 63 bits (see `size`)."""
         return self.size
 
     @property
@@ -532,5 +532,5 @@ def _uniform(low: Any, high: Any) -> Uniform:
 
 
 def _value(value: Any) -> Any:
-    """A value as variables take it; whether it makes sense, they say themselves."""
+    """Return a value in the form that variables accept. Variables check it."""
     return tuple(value) if isinstance(value, list) else value

@@ -175,7 +175,7 @@ class StudyFolder:
             )
 
     def _changed(self, now: dict[str, str]) -> str:
-        """The names of what the results depend on and is no longer as it was, if anything."""
+        """Return the names of changed files on which the results depend."""
         known = _known(self.path / IDENTITY)
         changed = [name for name in {**known, **now} if known.get(name) != now.get(name)]
         listed = ", ".join(changed)
@@ -268,7 +268,7 @@ class Digests:
 
 
 def digest_of(cells: Iterable[tuple[str, str]]) -> str:
-    """The digest of a row: of its columns and texts, empty ones left out.
+    """Return the digest of a row: of its columns and texts without empty ones.
 
     So it stays the same when the table gets columns that the row has nothing in.
     """
@@ -371,7 +371,7 @@ class ResultsTable:
 
 
 def read_table(path: Path) -> dict[str, list[Cell]]:
-    """The columns of a table by name. A column is of numbers if all that it has are numbers.
+    """Return the columns of a table by name. A column is numeric if all its texts are numbers.
 
     `TableError` if the table is damaged.
     """
@@ -404,7 +404,7 @@ def _text(value: Any) -> str:
 
 
 def _lines(path: Path) -> Iterator[list[str]]:
-    """The cells of each line: first the columns' names, then row after row, from 0 on."""
+    """Yield the cells of each line: first the names of columns, then the rows from 0 on."""
     names: list[str] | None = None
     number = 1
     _require_regular(path)
@@ -479,7 +479,7 @@ def write_parquet(columns: Mapping[str, Sequence[Cell]], path: Path) -> bool:
 
 
 def _alike(values: Sequence[Cell]) -> list[Cell]:
-    """The values of a column, whole numbers as floats where others are not whole."""
+    """Return the values of a column, whole numbers as floats if others are not whole."""
     if any(isinstance(value, float) for value in values):
         return [float(value) if isinstance(value, int) else value for value in values]
     return list(values)

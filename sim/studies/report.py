@@ -49,7 +49,7 @@ MOST_COUNTS = 40
 def chart(
     measure: Measure, groups: Sequence[RowGroup], spreads: Sequence[Spread | None]
 ) -> str | None:
-    """The chart of one measure as an SVG element; None if matplotlib is not there."""
+    """Return the chart of one measure as an SVG element, or None without matplotlib."""
     height = MARGIN + ROW_HEIGHT * len(groups)
 
     def draw(figure: Figure) -> None:
@@ -80,7 +80,7 @@ def _draw_groups(axes: Axes, groups: Sequence[RowGroup], spreads: Sequence[Sprea
 
 
 def _counts(axes: Axes, place: int, spread: Spread, colour: str) -> None:
-    """A disc at every whole number, as large as its share of the rows."""
+    """Draw a disc at each whole number, with an area proportional to its share of rows."""
     counts = Counter(spread.values.tolist())
     numbers = sorted(counts)
     shares = [counts[number] / len(spread.values) for number in numbers]
@@ -246,7 +246,7 @@ def digits_of(spreads: Sequence[Spread | None]) -> int:
 def _remarkable(
     columns: Mapping[str, Sequence[Cell]], compared: Comparison
 ) -> Iterator[Remarkable]:
-    """The rows at the far ends, each once; rows that are no different from most aren't."""
+    """Yield the rows with extreme values, each once."""
     named: set[int] = set()
     for measure in compared.spreads:
         values = measure.values(columns)

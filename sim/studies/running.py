@@ -69,7 +69,7 @@ def backend_of(name: str, jobs: int) -> Iterator[Parallel]:
 
 
 def _leave_interrupts_to_the_main_process() -> None:
-    """A terminal's Ctrl-C goes to all processes; one of them is enough to stop the others."""
+    """Ignore Ctrl-C, because the main process stops the others."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
@@ -139,7 +139,7 @@ def _dask_client(jobs: int) -> Iterator[None]:
 
 @contextmanager
 def _leaving_interrupts_to_this_process() -> Iterator[None]:
-    """Processes that are started in this context take no notice of Ctrl-C."""
+    """Let processes that are started in this context ignore Ctrl-C."""
     if threading.current_thread() is not threading.main_thread():
         yield  # there is no Ctrl-C in other threads, and no way to say so
         return

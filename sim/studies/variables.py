@@ -152,7 +152,7 @@ class Variable:
 
 
 def variable(name: str) -> Variable:
-    """The variable called `name`; `ValueError` that names those there are.
+    """Return the variable called `name`. Raises `ValueError` that lists the known ones.
 
     A path is a variable whether or not there is something at its end: that depends on the trial.
     """
@@ -275,7 +275,7 @@ _PARTS = {
 
 
 def reordered(jobs: tuple[Job, ...], arrange: Callable[[list[int]], list[int]]) -> tuple[int, ...]:
-    """An order of `jobs` in which the stretches between orders handed in are arranged anew.
+    """Return `jobs` with each stretch between submitted orders in a new order.
 
     An order is handed in when everything that stood before it is done, in any order of the jobs.
     """
@@ -300,7 +300,7 @@ def _people(trial: Trial, whose: str, change: Callable[[PersonEntry], PersonEntr
 
 
 def _spared(trial: Trial, changed: Trial, names: set[str]) -> Trial:
-    """The `changed` trial, in which these people and AGVs are as they were in `trial`."""
+    """Return the `changed` trial with these people and AGVs as they were in `trial`."""
     people = tuple(
         before if before.name in names else after
         for before, after in zip(trial.people, changed.people, strict=True)
@@ -310,7 +310,7 @@ def _spared(trial: Trial, changed: Trial, names: set[str]) -> Trial:
 
 
 def _seen_from(trial_folder: Path, folder: Path, name: str) -> str:
-    """The file `name` beside the study as it is seen from the trial, or `name` itself."""
+    """Return the path of the file `name` beside the study from the trial, or `name` itself."""
     path = folder / name
     if is_file(path) and trial_folder.resolve() != folder.resolve():
         return Path(os.path.relpath(path, trial_folder)).as_posix()

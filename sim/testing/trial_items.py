@@ -87,7 +87,7 @@ def replay_folder(config: pytest.Config) -> Path | None:
 
 
 def _outline(run: Run) -> list[str]:
-    """A run in a few lines: who was there, what it came to, and what was not met."""
+    """Return a summary of a run in a few lines: bodies, results and unmet expectations."""
     trial, summary = run.trial, run.summary
     gantry = f"gantry {trial.gantry.controller_name}; " if trial.floorplan.gantry else ""
     figures = [f"{figure} {amount}" for figure, amount in trial_figures_in_words(summary)]
@@ -110,7 +110,7 @@ def _outline(run: Run) -> list[str]:
 
 
 def _file_name(nodeid: str, k: int) -> str:
-    """A name for the page of a test's run that no other test's has."""
+    """Return a unique name for the page of a test's run."""
     readable = re.sub(r"[^\w.-]+", "_", nodeid)[-_LONGEST_NAME:].strip("_")
     number = f"-{k + 1}" if k else ""
     return f"{readable}-{zlib.crc32(nodeid.encode()):08x}{number}.html"
@@ -166,7 +166,7 @@ class TrialItem(pytest.Item):
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
-        """The file, the line (from 0) of what it expects, and the trial's name."""
+        """Return the file, the line (from 0) of the expectations, and the name of the trial."""
         return self.path, self._line(()) - 1, f"trial {self.name}"
 
     def _unmet(self) -> str:

@@ -39,7 +39,7 @@ class Variation:
     changes: tuple[Change, ...]
 
     def of(self, trial: Trial) -> Trial:
-        """The trial as it is varied."""
+        """Return the varied trial."""
         for change in self.changes:
             trial = change(trial)
         return trial
@@ -70,7 +70,7 @@ def vary(metafunc: pytest.Metafunc) -> None:
 
 
 def find_trial(source: str | Path, folder: Path, *, own_code: bool) -> Trial:
-    """The built-in trial called `source`, or the one in that file, seen from `folder`.
+    """Return a built-in trial, or the one in a file relative to `folder`.
 
     `own_code` is as of `Trial.load`.
     """
@@ -90,7 +90,7 @@ class _Option:
 
 
 def _variation(made: Iterable[Trial | Change]) -> Variation:
-    """The variation of one combination."""
+    """Return the variation of one combination."""
     trial, changes = None, []
     for one in made:
         if isinstance(one, Trial):

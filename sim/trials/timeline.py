@@ -394,7 +394,7 @@ class Statement:
 
 
 def read_statement(written: Any, trial: Scenario) -> Statement:
-    """The statement that `written` stands for; `ValueError` says what is wrong with it."""
+    """Return the statement given by `written`. Raises `ValueError` if it is invalid."""
     if not isinstance(written, Mapping):
         raise UserError(f"expected keys with one of {', '.join(_FORMS)} among them: {written!r}")
     (form, *others) = [key for key in _FORMS if key in written] or [""]

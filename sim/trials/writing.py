@@ -95,7 +95,7 @@ def _trial(trial: Scenario) -> Data:
 
 
 def _orders(trial: Scenario, workload: Workload) -> Data:
-    """The orders, and what would otherwise be taken from their file as well."""
+    """Return the keys of the orders and of the other values in their file."""
     if not workload.source:
         raise UserError(
             f"the trial {trial.name!r} can't be written: its orders came from no file; give source"
@@ -109,7 +109,7 @@ def _orders(trial: Scenario, workload: Workload) -> Data:
 
 
 def _floorplan(trial: Scenario) -> str | Data:
-    """The name or the file of the floor, or its keys if it came from no file."""
+    """Return the name or file of the floorplan, or its keys if it has no file."""
     if trial.floorplan_source:
         return trial.floorplan_source
     plan = trial.floorplan
@@ -186,7 +186,7 @@ def _planner(choice: PlannerChoice, trial: Scenario) -> Any:
 
 
 def _controller(trial: Scenario) -> str:
-    """The name by which the trial's controller is found again; `ValueError` if there is none."""
+    """Return the name of the controller in a file. Raises `ValueError` if it has none."""
     controller = trial.gantry.controller
     if isinstance(controller, str):
         return controller
@@ -216,7 +216,7 @@ def _found_again(made: Any, name: str, kind: str, trial: Scenario) -> str:
 
 
 def _without(data: Data, *usual: object) -> Data:
-    """`data`, plainly, without the keys whose values are among the `usual` ones."""
+    """Return `data` without the keys whose values are among the `usual` ones."""
     return {key: value for key, value in _plain(data).items() if value not in usual}
 
 

@@ -179,35 +179,35 @@ def render(
     dark: bool = False,
     progress: Progress = lambda _: None,
 ) -> None:
-    """Film a run into the GIF or MP4 that the ending of `path` names.
+    """Film a run into a GIF or MP4 file.
 
     Parameters
     ----------
     run : Run
-        A finished run or one that was read back.
+        Finished or loaded run.
     path : str or Path
-        The file.
+        File that ends in .gif or .mp4.
     speed : float, optional
-        Ratio of time in the run to time in the film.
+        Simulated seconds per second of the film.
     fps : int, optional
         Pictures per second, 1 to 50.
     width : int, optional
         Width in pixels, 200 to 4000.
-    within : tuple of float, optional
-        Begin and end of the filmed part of the run, s. Default: the whole run.
+    within : (float, float), optional
+        Begin and end in seconds. Defaults to the whole run.
     view : {"2d", "3d", "eyes"}, optional
         View of the replay page: from above, in three dimensions, or through the eyes of a person.
     follow : str, optional
-        Body that stays in the middle, or the person of the "eyes".
+        Body in the centre of the view, or the person of the "eyes".
     dark : bool, optional
-        Whether the page has dark colours.
+        Whether the page is dark.
     progress : callable, optional
-        Called with the finished share after every picture.
+        Function called with the finished share after each picture.
 
     Raises
     ------
     ValueError
-        If a value makes no film, or the ending is neither .gif nor .mp4.
+        If a value is invalid, or if the suffix is neither .gif nor .mp4.
     MissingExtraError
         If the browser or a package of the extra `film` is missing.
     OutputError
@@ -239,10 +239,21 @@ def render(
 
 
 def require_renderable(path: str | Path) -> None:
-    """Raise, before any work is done for it, if a run cannot be filmed into `path`.
+    """Raise the errors of `render` that can be found before the film is made.
 
-    `ValueError` if it ends in neither .gif nor .mp4, `OutputError` if there is no such folder, and
-    `MissingExtraError` if the browser or a package of the extra `film` is missing.
+    Parameters
+    ----------
+    path : str or Path
+        File.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is neither .gif nor .mp4.
+    OutputError
+        If the folder does not exist.
+    MissingExtraError
+        If the browser or a package of the extra `film` is missing.
     """
     require_place(path, "film", ENDINGS)
     require_browser("a film")

@@ -299,7 +299,7 @@ def _check_format(recording: Any) -> None:
 
 
 def _embeddable(recording: Mapping[str, Any]) -> str:
-    """`recording` as JSON that can stand inside an HTML script element.
+    """Return `recording` as JSON for an HTML script element.
 
     No `<` is left, so that neither `</script>` nor `<!--` in a name ends the element.
     """

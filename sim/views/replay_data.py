@@ -169,7 +169,7 @@ def _watches(run: Outcome) -> list[dict[str, Any]]:
 
 
 def _law(law: AnyLaw) -> dict[str, float]:
-    """A plain law (see `is_of_speeds_alone`) by its terms."""
+    """Return the terms of a plain law (see `is_of_speeds_alone`)."""
     if isinstance(law, SeparationLaw):
         terms = {"t1": law.t1, "t2": law.t2}
         return {**terms, "stopping": law.stopping, "intrusion": law.intrusion}

@@ -114,7 +114,7 @@ def draw_grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
 
 
 def _for_a_page(drawn: str) -> str:
-    """The SVG element alone, in the page's colour of text."""
+    """Return the SVG element alone, in the text colour of the page."""
     return as_element(drawn).replace(INK, "currentColor")
 
 
@@ -129,12 +129,12 @@ def minus(figures: str) -> str:
 
 
 def signed(value: float) -> str:
-    """A difference with two digits after the point, and its sign unless it is 0."""
+    """Return a difference with two decimals and its sign."""
     return "0.00" if round(value, 2) == 0 else minus(f"{value:+.2f}")
 
 
 def figure(value: float | None, digits: int | None = None) -> str:
-    """A number as people read it: three or four digits that count, or `digits` after the point."""
+    """Return a number with three or four significant digits, or with `digits` decimals."""
     if value is None or value != value:
         return "–"
     if digits is None:
@@ -143,6 +143,7 @@ def figure(value: float | None, digits: int | None = None) -> str:
 
 
 def digits_after(size: float) -> int:
+    """Return the number of decimals for a value of this size."""
     return 0 if size >= 1000 else 1 if size >= 100 else 2 if size >= 1 else 3
 
 

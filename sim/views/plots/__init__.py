@@ -1,7 +1,7 @@
-"""Pictures of floors, paths and runs, ready to be printed; and films.
+"""Plots of floors, paths and runs for publications, and films.
 
-`run.plot` draws a run; here are the same functions by themselves, each with a matplotlib `Figure`
-as its result. Importing this needs the extra `plot`: `MissingExtraError` without it.
+The methods of `run.plot` draw a run. These are the same functions, each with a matplotlib `Figure`
+as its result. They need the extra `plot`.
 """
 
 from __future__ import annotations

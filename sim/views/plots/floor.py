@@ -106,7 +106,7 @@ def stand_beside(name: Any, side: Point) -> None:
 
 
 def _unbroken(path: Array) -> Iterator[LineString]:
-    """The parts of a path between NaNs."""
+    """Yield the parts of a path between NaNs."""
     for part in np.split(path, np.flatnonzero(np.isnan(path[:, 0]))):
         points = part[~np.isnan(part[:, 0])]
         if len(points) > 1:
@@ -209,9 +209,21 @@ _BESIDE = 0.75
 
 @styled()
 def floorplan(plan: Floorplan, *, width: Width = "double") -> Figure:
-    """Draw the floor with everything that has a name on it, AGVs where they start.
+    """Draw a floor with all names and AGVs at their start.
 
-    The name of an obstacle or a location is left out where it would cover another thing.
+    Names of obstacles and locations that would cover something are omitted.
+
+    Parameters
+    ----------
+    plan : Floorplan
+        The floor.
+    width : {"single", "double"}, optional
+        Number of columns of a paper.
+
+    Returns
+    -------
+    Figure
+        The plot.
     """
     figure, axes = floor_figure(plan, width)
     draw_floor(axes, plan)

@@ -30,9 +30,10 @@ _LETTER = 0.065
 
 
 def on_one_floor(runs: Outcome | Sequence[Outcome], what: str) -> list[Outcome]:
-    """Return `runs` as a list; `ValueError` if there is none, or they are on different floors.
+    """Return `runs` as a list.
 
-    `what` says in the error what they were to make.
+    Raises `ValueError` if there is none, or if they are on different floors. `what` is the name of
+    the picture in the message.
     """
     several = [runs] if isinstance(runs, Outcome) else list(runs)
     if not several:
@@ -54,10 +55,10 @@ def draw_cells(
     width: Width,
     beside: float = 0.6,
 ) -> Figure:
-    """Draw what is `shown` of a floor: a masked array (rows, columns) of cells `cell` metres wide.
+    """Draw values of a floor: a masked array (rows, columns) of cells that are `cell` metres wide.
 
-    The first is in the south-west corner of the floor's bounds. The bar of colours takes `beside`
-    inches, with its `label`.
+    The first cell is in the south-west corner of the bounds of the floor. The colour bar takes
+    `beside` inches and has a `label`.
     """
     figure, axes = floor_figure(plan, width, beside=beside)
     draw_floor(axes, plan, machines)
@@ -88,10 +89,26 @@ HEAT_CELL = 0.05
 
 @styled()
 def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> Figure:
-    """Draw the time for which each spot was under a person's body, in all `runs` together.
+    """Draw the time for which each cell was occupied by people, summed over all runs.
 
-    People count from their start. The colours are logarithmic, so that places of waiting do not
-    hide paths. `ValueError` if the runs are on different floors.
+    Colours are logarithmic, so that waiting does not hide paths.
+
+    Parameters
+    ----------
+    runs : Run or sequence of Run
+        Runs on the same floor.
+    width : {"single", "double"}, optional
+        Number of columns of a paper.
+
+    Returns
+    -------
+    Figure
+        The plot.
+
+    Raises
+    ------
+    ValueError
+        If the runs are on different floors.
     """
     several = on_one_floor(runs, "heat map")
     plan = several[0].floorplan
@@ -110,9 +127,9 @@ def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> F
 
 
 def time_covered(run: Outcome) -> Array:
-    """Return the time for which the middle of each cell was occupied: seconds, (rows, columns).
+    """Return the time (s) for which the centre of each cell was occupied, (rows, columns).
 
-    The first cell is in the south-west corner of the floor's bounds.
+    The first cell is in the south-west corner of the bounds of the floor.
     """
     started = {e["person"]: e["t"] for e in run.events if e["kind"] == "human_started"}
     seconds = np.zeros(cells_of(run.floorplan, HEAT_CELL))
@@ -164,11 +181,28 @@ def density_map(
     within: Span | None = None,
     width: Width = "double",
 ) -> Figure:
-    """Draw the mean density (1/m²) of people in all `runs`, or `of` their speed (m/s) the mean.
+    """Draw the mean density or speed of people on the floor.
 
-    `within` (from, to in seconds) is the part of each run that counts. The colours of densities
-    are spread, so that paths show beside places of waiting. `ValueError` if the runs are on
-    different floors, or it is `of` something else.
+    Parameters
+    ----------
+    runs : Run or sequence of Run
+        Runs on the same floor.
+    of : {"density", "speed"}, optional
+        Mean density (1/m²), with a non-linear colour scale, or mean speed (m/s).
+    within : (float, float), optional
+        Begin and end in seconds of the part of each run. Defaults to the whole run.
+    width : {"single", "double"}, optional
+        Number of columns of a paper.
+
+    Returns
+    -------
+    Figure
+        The plot.
+
+    Raises
+    ------
+    ValueError
+        If the runs are on different floors, or `of` is unknown.
     """
     if of not in ("density", "speed"):
         raise UserError(f"a density map is of density or speed, not {of!r}")
@@ -193,10 +227,10 @@ def density_map(
 
 
 def profiles_of(run: Outcome, within: Span | None = None) -> tuple[Array, Array]:
-    """Return mean density (1/m²) and mean speed (m/s) at the middles of cells: (rows, columns).
+    """Return mean density (1/m²) and mean speed (m/s) at the centres of cells, (rows, columns).
 
-    The first cell is in the south-west corner of the floor's bounds. Speed is weighted by density,
-    and 0 where nobody came near.
+    The first cell is in the south-west corner of the bounds of the floor. Speed is weighted by
+    density, and 0 in cells without people.
     """
     west, south, *_ = run.floorplan.boundary.bounds
     rows, columns = cells_of(run.floorplan, DENSITY_CELL)
@@ -220,7 +254,7 @@ def profiles_of(run: Outcome, within: Span | None = None) -> tuple[Array, Array]
 
 
 def _gaussian(middles: Array, places: Array) -> Array:
-    """Return how dense people at `places` along an axis are in the `middles` of cells, per m."""
+    """Return the density (1/m) of people at `places` along an axis in the `middles` of cells."""
     sigma = KERNEL / (2.0 * math.sqrt(2.0 * math.log(2.0)))
     apart = np.subtract.outer(middles, places) / sigma
     return np.asarray(np.exp(-(apart**2) / 2.0) / (math.sqrt(2.0 * math.pi) * sigma))
@@ -235,12 +269,27 @@ _NEVER = "Nobody was nearer than required for any time: violations, if any, ende
 def risk_map(
     runs: Outcome | Sequence[Outcome], *, of: Risk = "margin", width: Width = "double"
 ) -> Figure:
-    """Draw the risk at each spot that was under a person's body, in all `runs` together.
+    """Draw the risk in each cell that was occupied by people.
 
-    `of` is "margin": the least that their distance to any machine was more than the rules required
-    (negative where it was less); "time": for how long it was less; or "severity": the highest
-    speed of the two relative to each other meanwhile. `ValueError` if the runs are on different
-    floors, in none of them are people and machines, or `of` is none of these.
+    Parameters
+    ----------
+    runs : Run or sequence of Run
+        Runs on the same floor.
+    of : {"margin", "time", "severity"}, optional
+        "margin": minimum of the distance to any machine minus the required distance (m). "time":
+        duration of violations (s). "severity": highest relative speed during violations (m/s).
+    width : {"single", "double"}, optional
+        Number of columns of a paper.
+
+    Returns
+    -------
+    Figure
+        The plot.
+
+    Raises
+    ------
+    ValueError
+        If the runs are on different floors, contain no people or machines, or `of` is unknown.
     """
     several = on_one_floor(runs, "risk map")
     if not any(run.scene.people and run.scene.machines for run in several):
@@ -259,7 +308,7 @@ def drawn_risk(
     of: Risk = "margin",
     width: Width = "double",
 ) -> Figure:
-    """Draw the risk that was `found` in each cell (rows, columns) of a floor."""
+    """Draw the risk in each cell (rows, columns) of a floor."""
     norm: Normalize
     if of == "margin":
         shown, label = np.ma.masked_invalid(found), "least margin to the required distance (m)"

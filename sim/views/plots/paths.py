@@ -54,9 +54,23 @@ _NARROWEST: dict[str, Any] = {
 
 @styled()
 def path(world: CollisionWorld, planned: Path, *, radius: float, width: Width = "double") -> Figure:
-    """Draw a path on its floor, with the free room on both sides; below, the clearance along it.
+    """Draw a path on its floor with the free space beside it, and the clearance along it.
 
-    `radius` (metres) is that of the person who is to walk it.
+    Parameters
+    ----------
+    world : CollisionWorld
+        Collision world of the path.
+    planned : Path
+        Path.
+    radius : float
+        Radius of the person in metres.
+    width : {"single", "double"}, optional
+        Number of columns of a paper.
+
+    Returns
+    -------
+    Figure
+        The plot.
     """
     along, points = _places(planned.points)
     clearances = np.array([world.distance((x, y)) for x, y in points.tolist()])
@@ -131,7 +145,7 @@ def _draw_profile(
 
 
 TRAIL = 8.0
-"""Seconds of a path that are drawn behind a body."""
+"""Duration in seconds of the path that is drawn behind a body."""
 
 INSTANT = 1e-6
 """Seconds. A shorter time is no stretch of a path."""
@@ -155,10 +169,24 @@ _ABBREVIATION = 3
 
 @styled()
 def trails(run: Outcome, *, within: Span | None = None, width: Width = "double") -> Figure:
-    """Draw the paths of people and machines on the floor, `within` a stretch of time (seconds).
+    """Draw the paths of people and machines on the floor.
 
-    The path of a person who is put elsewhere is broken there. Where people took the same path,
-    the lines of those who come later in their order lie on the wider lines of those before.
+    A path is interrupted at a teleport. If paths overlap, lines of later people are drawn on wider
+    lines of earlier ones.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    within : (float, float), optional
+        Begin and end in seconds. Defaults to the whole run.
+    width : {"single", "double"}, optional
+        Number of columns of a paper.
+
+    Returns
+    -------
+    Figure
+        The plot.
     """
     begin, end = span_of(run, within)
     figure, axes = floor_figure(run.floorplan, width)
@@ -174,10 +202,7 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
 
 @styled()
 def moment(run: Outcome, t: float, person: str, machine: str) -> Figure:
-    """Draw everybody at `t` (seconds), and the required distance of a person to a machine.
-
-    Behind each body is its path of the last seconds.
-    """
+    """Draw the bodies at `t` (s) with recent paths, and the required distance of two."""
     figure, axes = floor_figure(run.floorplan, "double")
     draw_floor(axes, run.floorplan, run.scene.machines)
     span = (max(0.0, t - TRAIL), max(t, INSTANT))
@@ -201,7 +226,7 @@ def moment(run: Outcome, t: float, person: str, machine: str) -> Figure:
 
 
 def _outline(run: Outcome, name: str, t: float) -> Polygon:
-    """The outline of a machine at `t` (seconds)."""
+    """Return the outline of a machine at `t` (s)."""
     motion = run.motions[name]
     return run.scene.machine(name).footprint(motion.state(t).at, float(motion.rotation(t)))
 

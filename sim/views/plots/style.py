@@ -151,10 +151,23 @@ def as_svg(figure: Figure, name: str) -> str:
 
 @styled()
 def save(figure: Figure, path: str | Path) -> None:
-    """Write a figure as the PNG, SVG or PDF that the end of `path` names.
+    """Write a figure to a PNG, SVG or PDF file.
 
-    Text stays text in SVG and PDF. The same figure gives the same bytes every time. Errors as for
-    `require_savable`.
+    Text remains text in SVG and PDF files. The same figure has the same bytes.
+
+    Parameters
+    ----------
+    figure : Figure
+        Figure.
+    path : str or Path
+        File.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is unknown.
+    OutputError
+        If the file cannot be written.
     """
     path = Path(path)
     require_savable(path)
@@ -163,9 +176,19 @@ def save(figure: Figure, path: str | Path) -> None:
 
 
 def require_savable(path: str | Path) -> None:
-    """Raise, before any work is done for it, if a picture can't be saved at `path`.
+    """Raise the errors of `save` that can be found before the figure is drawn.
 
-    `ValueError` if its ending names no kind of picture, `OutputError` if there is no such folder.
+    Parameters
+    ----------
+    path : str or Path
+        File.
+
+    Raises
+    ------
+    ValueError
+        If the suffix is unknown.
+    OutputError
+        If the folder does not exist.
     """
     require_place(path, "picture", FORMATS)
 
@@ -261,7 +284,7 @@ def instants(motions: Sequence[Motion], begin: float, end: float) -> Array:
 
 
 def _is_straight(motion: Motion, t: float) -> bool:
-    """True if from `t` (seconds) to the next change x and y are linear, and nothing turns."""
+    """Return whether the motion is linear from `t` (s) to the next change."""
     piece = motion.pieces_from(t)[0]
     return t >= motion.end or not any((*piece.x[2:], *piece.y[2:], *piece.rotation[1:]))
 

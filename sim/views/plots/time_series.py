@@ -71,13 +71,34 @@ def separation(
     within: Span | None = None,
     width: Width = "double",
 ) -> Figure:
-    """Draw the distance over time, the required one, and the time in which it was not kept.
+    """Draw the distance over time, the required distance, and the violations.
 
-    One panel for each person (or the ones called `person`) beside `machine`: by default the first
-    robot, or where there is none, the vehicle that they were too close to for longest, or that
-    drives first. Of more than `MOST` people who were not named, those with the least margin to the
-    required distance are drawn, the least first, and a line below says so. Nothing is required of a
-    vehicle that stands. `ValueError` if there is no such pair.
+    There is one panel for each person.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    person : str or sequence of str, optional
+        Names of people. By default all are drawn. If there are more than `MOST`, those with the
+        least margin are drawn, with a note.
+    machine : str, optional
+        Name of the machine. Defaults to the first robot. If there is none, the vehicle with the
+        longest violation, or the first one that moves.
+    within : (float, float), optional
+        Begin and end in seconds. Defaults to the whole run.
+    width : {"single", "double"}, optional
+        Number of columns of a paper.
+
+    Returns
+    -------
+    Figure
+        The plot. No distance is required from stationary vehicles.
+
+    Raises
+    ------
+    ValueError
+        If there is no such pair of a person and a machine.
     """
     begin, end = span_of(run, within)
     named = [person] if isinstance(person, str) else person
@@ -130,10 +151,9 @@ def _order(run: Outcome, pair: Pair) -> tuple[bool, float, float]:
 
 
 def _nearest(run: Outcome, pairs: list[Pair], span: Span) -> tuple[list[Pair], str]:
-    """Return the pairs with the least margin, the least first, and what they are, in words.
+    """Return the pairs with the least margin in order, and a description.
 
-    Of equal margins that with more violations comes first, as where each puts the person elsewhere,
-    and then the nearer one; where nothing was required of any, that is all.
+    Equal margins are ordered by the number of violations, then by distance.
     """
     # A person who is put elsewhere as they appear was never seen where the violation was.
     violations: dict[Pair, list[float]] = {pair: [] for pair in pairs}
@@ -274,10 +294,24 @@ _SPACE_TIME_PANEL = 2.3
 
 @styled()
 def space_time(run: Outcome, *, within: Span | None = None, width: Width = "double") -> Figure:
-    """Draw x and y of all that moves, over time (seconds), as bands as wide as the bodies.
+    """Draw x and y of people and machines over time, as bands as wide as the bodies.
 
-    Two bodies whose bands meet in both panels at an instant are at one place. Stations are the
-    lines across.
+    Bodies whose bands overlap in both panels at the same time are at the same place. Horizontal
+    lines are stations.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    within : (float, float), optional
+        Begin and end in seconds. Defaults to the whole run.
+    width : {"single", "double"}, optional
+        Number of columns of a paper.
+
+    Returns
+    -------
+    Figure
+        The plot.
     """
     span = span_of(run, within)
     figure = new_figure(width, 2 * _SPACE_TIME_PANEL + 0.3)
