@@ -133,18 +133,18 @@ SPACE_TIME = "STRRTstar"
 asked for a path in space."""
 
 _KNOWN = {
-    "AORRTC": ("RRTConnect again and again, each time for a shorter path", True, 2_000),
+    "AORRTC": ("repeated RRTConnect for shorter paths", True, 2_000),
     "BFMT": ("fast marching trees from both ends over one batch of samples", True, 100_000),
-    "BITstar": ("batches of samples, searched in order of promise", True, 4_000),
+    "BITstar": ("batches of samples, searched in order of estimated path length", True, 4_000),
     "BKPIECE1": ("trees from both ends into the least covered cells", False, 20_000),
     "FMT": ("a fast marching tree over one batch of samples", True, 100_000),
-    "InformedRRTstar": ("RRT* that samples only where a shorter path may be", True, 2_000),
+    "InformedRRTstar": ("RRT* that samples only where a shorter path is possible", True, 2_000),
     "KPIECE1": ("a tree into the least covered cells", False, 20_000),
-    "LBKPIECE1": ("BKPIECE that checks links only when needed", False, 100_000),
+    "LBKPIECE1": ("BKPIECE with lazy collision checks", False, 100_000),
     "PRM": ("a roadmap of samples, linked to their neighbours", False, 1_000),
-    "PRMstar": ("a roadmap of samples with links enough to be optimal", True, 1_000),
+    "PRMstar": ("a roadmap of samples with enough links to be optimal", True, 1_000),
     "RRT": ("a tree of random steps from the start", False, 20_000),
-    "RRTConnect": ("trees from both ends that reach for each other", False, 20_000),
+    "RRTConnect": ("trees from both ends that grow towards each other", False, 20_000),
     "RRTstar": ("RRT that rewires its tree for shorter paths", True, 2_000),
     "SORRTstar": ("Informed RRT* that takes its samples in order", True, 2_000),
 }

@@ -23,7 +23,7 @@ from .commands.terminal import put_off_while_loading, say
 
 app = typer.Typer(
     name="floorwalker",
-    help="People with intentions on a factory floor, beside gantries and AGVs.",
+    help="Simulate people with intentions on factory floors, beside gantries and AGVs.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -37,7 +37,7 @@ def _version(asked: bool) -> None:
 
         from navigation.kernels import COMPILED
 
-        kernels = "compiled" if COMPILED else "not compiled: slower"
+        kernels = "compiled" if COMPILED else "not compiled, slow"
         say(f"floorwalker {version('floorwalker')} (kernels {kernels})")
         raise typer.Exit
 

@@ -1,5 +1,5 @@
-// Antagonistic: when the gantry comes near, drops everything and walks up to it,
-// then goes on to the station after the one where the walk was interrupted.
+// Antagonistic: when the gantry comes near, drops all goals and walks up to it,
+// then continues to the station after the one where the walk was interrupted.
 
 +gantry_detected(_) : bound_for(_)
   <- stop_movement; .drop_all_desires; -+errand(gantry); !set_out.

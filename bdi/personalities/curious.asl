@@ -1,5 +1,5 @@
-// Curious: walks up to the gantry, slowly, looks at it, loses interest after a
-// while and walks on. For some time after that the gantry is nothing new.
+// Curious: walks up to the gantry slowly, looks at it, loses interest after a
+// while and continues. For some time after that it ignores the gantry.
 //
 // Figures: attention(Ms), how long the interest lasts (8000); sated(Ms), how
 // long it does not come back (20000); approach_speed(F), the fraction of the

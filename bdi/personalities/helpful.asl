@@ -1,6 +1,6 @@
-// Helpful: makes room. When the gantry comes near, stops, waits a moment, and
-// walks the ring in the other direction. A notice within five seconds of a turn
-// is ignored, so that nobody turns on the spot.
+// Helpful: makes room for the gantry. When it comes near, stops, waits a moment,
+// and walks the ring in the other direction. A notice within five seconds of a
+// turn is ignored, so that people do not turn on the spot.
 //
 // Figures: consideration(Ms), the moment (that of the rules, otherwise 1000);
 // steadfast(Ms), how long no further turn is made (5000).

@@ -1,6 +1,6 @@
-// Scared: keeps away. When the gantry comes near, walks straight away from it,
-// stays there until calm, and then goes on to the station after the one where
-// the fright was.
+// Scared: keeps away from the gantry. When it comes near, walks straight away
+// from it, stays there until calm, and then continues to the station after the
+// one where the walk was interrupted.
 //
 // Figures: retreat(Metres), how far (3); calm_after(Ms), how long to stay (3000).
 

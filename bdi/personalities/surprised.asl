@@ -1,5 +1,5 @@
 // Surprised: when the gantry comes near, stops, turns to it and watches for a
-// while, then walks on. While watching nothing more can surprise.
+// while, then continues. Notices of the gantry meanwhile are ignored.
 //
 // Figure: astonishment(Ms), how long the watching lasts (3000).
 

@@ -1,5 +1,5 @@
-// Threatening: steps into the gantry's path, stands there for a while facing it,
-// and walks on.
+// Threatening: steps into the gantry's path, stays there for a while facing it,
+// and continues.
 //
 // Figure: stand(Ms), how long to stand in the path (4000).
 

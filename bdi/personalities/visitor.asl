@@ -1,4 +1,4 @@
-// Visitor: goes to some stations, drawn at random, and leaves by the exit.
+// Visitor: goes to random stations and leaves by the exit.
 //
 // Figures: calls(N), to how many stations (0); stay(Ms), how long at each (0). The exit is the
 // trial's sink for the person, believed as exit(X, Y). Without one it walks from station to station.

@@ -1,5 +1,5 @@
-// Worker: does the tasks of the lists and of the schedule that the trial gives, and goes home
-// after the shift. Reacts to nothing; other programs may include this file in place of
+// Worker: does the tasks of the trial's work lists and schedule, and goes home after the shift.
+// Ignores the gantry; other programs may include this file in place of
 // patrol.asl. Without work it walks from station to station, as that file says.
 //
 // It perceives

@@ -22,29 +22,28 @@ def agent(
         str,
         typer.Argument(
             metavar="FILE.asl",
-            help="The program, or a built-in personality.",
+            help="Program file or built-in personality.",
             autocompletion=complete_program,
         ),
     ],
     belief: Annotated[
-        list[str] | None, typer.Option(help="A further initial belief, as station(a,0,0).")
+        list[str] | None,
+        typer.Option(help="Further initial belief, such as station(a,0,0); repeat for more."),
     ] = None,
     percepts: Annotated[
         Path | None,
         typer.Option(
-            help='A script, one {"t": seconds, "add": "literal"} or '
-            '{"t": seconds, "remove": "literal"} a line.'
+            help='Script with one {"t": seconds, "add": "literal"} or '
+            '{"t": seconds, "remove": "literal"} per line.'
         ),
     ] = None,
-    until: Annotated[
-        float | None, typer.Option(help="Stop at this time, in seconds.", min=0.0)
-    ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the random numbers.")] = 0,
+    until: Annotated[float | None, typer.Option(help="End in seconds.", min=0.0)] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Random seed.")] = 0,
     trace: Annotated[
-        bool, typer.Option("--trace", help="Print on stderr what happens inside.")
+        bool, typer.Option("--trace", help="Print internal events on stderr.")
     ] = False,
 ) -> None:
-    """Run an AgentSpeak program alone; print its actions and words."""
+    """Run an AgentSpeak program alone, and print its actions and messages."""
     import bdi
 
     def show(**entry: object) -> None:
@@ -94,9 +93,7 @@ def _run_out(person: bdi.Agent) -> None:
         if wakeup is None:
             return
         person.advance(wakeup)
-    raise UserError(
-        f"the program was still waking up at {person.now:g} s: say with --until when to stop"
-    )
+    raise UserError(f"the program is still active at {person.now:g} s; set an end with --until")
 
 
 def _instants(script: list[Change]) -> Iterator[tuple[float, list[Change]]]:
@@ -139,16 +136,16 @@ def _change(line: str, place: str, earliest: float) -> Change:
         raise UserError(f"{place}: not a line of JSON: {line[:60]}") from None
     changes = [key for key in ("add", "remove") if isinstance(entry, dict) and key in entry]
     if len(changes) != 1 or set(entry) != {"t", changes[0]}:
-        raise UserError(f'{place}: a line has "t" and either "add" or "remove"')
+        raise UserError(f'{place}: a line must contain "t" and either "add" or "remove"')
     time, what = entry["t"], entry[changes[0]]
     if not is_figure(time):
-        raise UserError(f'{place}: "t" is a number of seconds, not {json.dumps(time)[:60]}')
+        raise UserError(f'{place}: "t" must be a number of seconds, not {json.dumps(time)[:60]}')
     if time < 0:
-        raise UserError(f'{place}: "t" is {time:g}, and the run begins at 0')
+        raise UserError(f'{place}: "t" must be 0 or more, not {time:g}')
     if time < earliest:
-        raise UserError(f"{place}: {time:g} s comes after {earliest:g} s")
+        raise UserError(f"{place}: times must increase, but {time:g} s comes after {earliest:g} s")
     if not isinstance(what, str):
-        raise UserError(f'{place}: "{changes[0]}" is a literal in quotes')
+        raise UserError(f'{place}: "{changes[0]}" must be a literal in quotes')
     return Change(float(time), changes[0] == "add", literal(what, place))
 
 

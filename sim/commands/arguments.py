@@ -136,7 +136,7 @@ TrialName = Annotated[
     str,
     typer.Argument(
         metavar="TRIAL",
-        help="A file, or the name of a built-in trial.",
+        help="Trial file, or name of a built-in trial.",
         autocompletion=complete_trial,
     ),
 ]
@@ -144,7 +144,7 @@ Source = Annotated[
     str,
     typer.Argument(
         metavar="SOURCE",
-        help="A run's folder, or a trial (which is run).",
+        help="Folder of a run, or a trial to run.",
         autocompletion=complete_trial,
     ),
 ]
@@ -152,33 +152,33 @@ Floor = Annotated[
     str,
     typer.Argument(
         metavar="FLOOR",
-        help="A floorplan, a trial, or a run's folder.",
+        help="Floorplan, trial, or folder of a run.",
         autocompletion=complete_floor_source,
     ),
 ]
-StartX = Annotated[float, typer.Argument(help="The start, in metres.")]
-GoalX = Annotated[float, typer.Argument(help="The goal, in metres.")]
+StartX = Annotated[float, typer.Argument(help="Start: x and y in metres.")]
+GoalX = Annotated[float, typer.Argument(help="Goal: x and y in metres.")]
 Coordinate = Annotated[float, typer.Argument()]
 Radius = Annotated[
-    float | None, typer.Option(help="Of the person, in metres; the floor's own by default.")
+    float | None, typer.Option(help="Radius of the person in metres (default: that of the floor).")
 ]
 Personality = Annotated[
     str | None,
     typer.Option(
-        help="Of everybody in the trial: a name, or an .asl file.",
+        help="Personality of all people: a name or an .asl file.",
         autocompletion=complete_program,
     ),
 ]
-Duration = Annotated[float | None, typer.Option(help="Seconds to simulate.")]
-Seed = Annotated[int | None, typer.Option(min=0, help="Seed of everything random.")]
+Duration = Annotated[float | None, typer.Option(help="Duration in seconds.")]
+Seed = Annotated[int | None, typer.Option(min=0, help="Random seed.")]
 Rules = Annotated[
     str | None,
-    typer.Option(help="Rule set: a name, or a YAML file.", autocompletion=complete_rules),
+    typer.Option(help="Rule set: a name or a YAML file.", autocompletion=complete_rules),
 ]
 NoOwnCode = Annotated[
     bool,
-    typer.Option("--no-own-code", help="Refuse trials that name Python of somebody's own."),
+    typer.Option("--no-own-code", help="Reject custom Python code."),
 ]
 RecordingFolder = Annotated[
-    Path | None, typer.Option(help="Folder for the recording (runs/TRIAL if not given).")
+    Path | None, typer.Option(help="Folder of the recording (default: runs/TRIAL).")
 ]

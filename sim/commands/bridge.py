@@ -23,45 +23,46 @@ if TYPE_CHECKING:
 
 def bridge(
     trial: TrialName = "ariac2023",
-    host: Annotated[str, typer.Option(help="Where to serve.")] = "127.0.0.1",
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[
-        int, typer.Option(min=0, max=65535, help="Likewise; 0 for any that is free.")
+        int, typer.Option(min=0, max=65535, help="Port to listen on, or 0 for any free one.")
     ] = 9090,
     speed: Annotated[
         float,
-        typer.Option(help="Simulated seconds a second; 0 for as fast as everybody can follow."),
+        typer.Option(help="Simulated seconds per second, or 0 for as fast as all clients follow."),
     ] = 1.0,
     hold: Annotated[
-        bool, typer.Option("--hold", help="Begin only when /ariac/start_competition is called.")
+        bool, typer.Option("--hold", help="Start when /ariac/start_competition is called.")
     ] = False,
     grace: Annotated[
         float,
         typer.Option(
             min=0.0,
-            help="Wall seconds an agent may make ready before the trial begins, if it is paced.",
+            help="Time in seconds for agents to get ready before a paced trial starts.",
         ),
     ] = 3.0,
     origin: Annotated[
         list[str] | None,
         typer.Option(
             metavar="ORIGIN",
-            help="Let web pages from there take part, as http://host:8080; may be repeated.",
+            help="Origin of allowed web pages, such as http://host:8080; repeat for more.",
         ),
     ] = None,
     out: RecordingFolder = None,
     watch: Annotated[
-        bool, typer.Option("--watch", help="Show it in the browser, to interfere with it too.")
+        bool, typer.Option("--watch", help="Show the run in the browser, with controls.")
     ] = False,
     opened: Annotated[
         bool,
-        typer.Option("--open/--no-open", help="With --watch: open the browser, or only say where."),
+        typer.Option("--open/--no-open", help="With --watch: open the browser."),
     ] = True,
     connect: Annotated[
         str | None,
-        typer.Option(metavar="URL", help="Serve nothing; be the agent at this rosbridge instead."),
+        typer.Option(metavar="URL", help="Act as the agent at this rosbridge instead of serving."),
     ] = None,
     waypoints: Annotated[
-        bool, typer.Option("--waypoints", help="As the agent, plan paths and send their waypoints.")
+        bool,
+        typer.Option("--waypoints", help="With --connect: plan paths and send their waypoints."),
     ] = False,
     personality: Personality = None,
     duration: Duration = None,
@@ -69,7 +70,7 @@ def bridge(
     rules: Rules = None,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Serve a trial to ROS over rosbridge, or be the agent of one."""
+    """Serve a trial to ROS over rosbridge, or act as the agent of one."""
     from sim import Trial
 
     given = Trial.load(trial, own_code=not no_own_code)
@@ -78,7 +79,7 @@ def bridge(
         from sim.bridge import driven_person
 
         if watch:
-            raise typer.BadParameter("shows what is served here, not elsewhere", param_hint="watch")
+            raise typer.BadParameter("cannot be combined with --connect", param_hint="watch")
         _be_the_agent(chosen, driven_person(given), connect, waypoints)
     else:
         _serve(chosen, host, port, speed, hold, grace, origin or [], out, watch, opened)
@@ -110,7 +111,7 @@ def _serve(
         raise typer.BadParameter(str(why), param_hint="--origin") from None
     at = listen_at(host, port)
     if not _is_loopback(host):
-        _notice(f"everybody who can reach {host} can take part, without a password")
+        _notice(f"warning: anyone who can reach {host} can control the trial without a password")
     recording = recording_of(trial.name, out)
     live = LiveRun(trial.duration, speed=speed or 1.0) if watch else None
     listeners = (recording,) if live is None else (recording, live)
@@ -147,7 +148,7 @@ def _serve(
 
 
 def _show(url: str, *, opened: bool) -> None:
-    _notice(f"{url} shows it while it goes on")
+    _notice(f"The run is shown live at {url}")
     if opened:
         open_in_browser(url)
 
@@ -173,7 +174,7 @@ def _be_the_agent(trial: Trial, who: int | None, url: str, waypoints: bool) -> N
         show(t, print=text)
 
     if who is None:
-        raise BridgeError(f"{trial.name} has nobody to be")
+        raise BridgeError(f"{trial.name} contains no person to control")
     agent = RemoteAgent(
         url, trial, trial.people[who], waypoints=waypoints, did=did, said=said, notice=_notice
     )

@@ -25,17 +25,15 @@ def check(
         list[str],
         typer.Argument(
             metavar="FILE...",
-            help="Floorplans, trials, studies, rule sets, .asl programs; names work too.",
+            help="Floorplans, trials, studies, rule sets or .asl programs: files or names.",
             autocompletion=complete_checked,
         ),
     ],
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Check files of every kind, and list all their problems.
+    """Check files and list all their problems with their locations.
 
-    Each is listed with its place; the exit code is 1 if there are any.
-
-    Nothing is run: Python that they name is read, not imported.
+    The exit code is 1 if there are errors. Custom Python code is not imported.
     """
     own_code = not no_own_code
     faults = [fault for file in files for fault in [_fault(file, own_code)] if fault]
@@ -149,7 +147,7 @@ def _warn_of_short_laws(trial: Trial, file: str) -> None:
     found = short_laws(trial)
     if not found:
         return
-    message = f"the law counts on stops that are too short: {in_words(found)}"
+    message = f"warning: the law's stopping distance is shorter than that of {in_words(found)}"
     problem = floorplan.Problem(message, "rules")
     path = Path(file)
     if path.suffix in (".yaml", ".yml") and path.exists():
@@ -183,19 +181,21 @@ def convert(
     source: Annotated[
         str,
         typer.Argument(
-            metavar="IN", help="A built-in name, or a file.", autocompletion=complete_floor
+            metavar="IN", help="Floorplan: a name or a file.", autocompletion=complete_floor
         ),
     ],
     target: Annotated[
         Path,
-        typer.Argument(metavar="OUT", help="Ends in .yaml, .wkt, .geojson, or .pgm (a ROS map)."),
+        typer.Argument(
+            metavar="OUT", help="File that ends in .yaml, .wkt, .geojson, or .pgm (a ROS map)."
+        ),
     ],
     resolution: Annotated[
         float | None,
-        typer.Option(help="Of a ROS map: metres per cell, 0.05 if it is not given."),
+        typer.Option(help="Metres per cell of a ROS map (default: 0.05)."),
     ] = None,
 ) -> None:
-    """Write the floor IN in the format of OUT. A --resolution makes a .yaml a ROS map."""
+    """Convert a floorplan to the format of OUT. With --resolution, a .yaml file is a ROS map."""
     import floorplan
     from floorplan.plan import lost as lost_in, map_files
 
@@ -207,20 +207,15 @@ def convert(
     if Path(source).exists():
         for one in written:
             if one.exists() and one.samefile(source):
-                raise floorplan.UserError(
-                    f"{target}: {one} would take the place of IN; give another name"
-                )
+                raise floorplan.UserError(f"{target}: {one} would replace IN; choose another name")
     plan.save(target, resolution=resolution)
     if lost := lost_in(plan, suffix):
-        say(f"{target} has no room for: {', '.join(lost)}", err=True)
+        say(f"warning: {target} cannot contain: {', '.join(lost)}", err=True)
     say(f"Wrote {' and '.join(map(str, written))}")
 
 
 def list_all() -> None:
-    """List what comes with Floorwalker.
-
-    That is floorplans, trials, planners, personalities, gantry controllers and rule sets.
-    """
+    """List floorplans, trials, planners, personalities, gantry controllers and rule sets."""
     import bdi
     import floorplan
     import navigation

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 def plan(
     floorplan: Annotated[
         str,
-        typer.Argument(help="A built-in name, or a file.", autocompletion=complete_floor),
+        typer.Argument(help="Floorplan: a name or a file.", autocompletion=complete_floor),
     ],
     x0: StartX,
     y0: Coordinate,
@@ -43,23 +43,23 @@ def plan(
     planner: Annotated[
         str | None,
         typer.Option(
-            help='Its name, or "BITstar: {samples_per_batch: 50}"; `floorwalker list` has all.',
+            help='Name (see `floorwalker list`) or "BITstar: {samples_per_batch: 50}".',
             autocompletion=complete_planner,
         ),
     ] = None,
     parameter: Annotated[
         list[str] | None,
-        typer.Option(help="NAME=VALUE of one of the planner's parameters; again for more."),
+        typer.Option(help="NAME=VALUE of a planner parameter; repeat for more."),
     ] = None,
     radius: Radius = None,
     agv: Annotated[
         list[str] | None,
-        typer.Option(help="NAME=PLACE: an AGV's location or lane position; again for more."),
+        typer.Option(help="NAME=PLACE: location or lane position of an AGV; repeat for more."),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of planners that draw samples.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Random seed of sampling planners.")] = 0,
     json: Annotated[bool, typer.Option("--json", help="Print the path as JSON.")] = False,
     plot: Annotated[
-        Path | None, typer.Option(help="Draw floor and path into this PNG, SVG or PDF.")
+        Path | None, typer.Option(help="Draw floor and path to this PNG, SVG or PDF file.")
     ] = None,
 ) -> None:
     """Plan a person's path from (X0, Y0) to (X1, Y1), in metres."""
@@ -123,8 +123,8 @@ def _value(text: str) -> float | int | bool | str:
 
 def _path_in_words(planned: PlannedPath, cpu_seconds: float) -> str:
     lines = [
-        f"{planned.length:.3f} m by {planned.planner}, {planned.clearance:.3f} m clear,"
-        f" {planned.checks} checks, {1000 * cpu_seconds:.1f} ms"
+        f"{planned.planner}: length {planned.length:.3f} m, clearance {planned.clearance:.3f} m,"
+        f" {planned.checks} collision checks, {1000 * cpu_seconds:.1f} ms"
     ]
     lines += [f"  {x:9.3f} {y:9.3f}" for x, y in planned.points]
     return "\n".join(lines)
@@ -162,56 +162,54 @@ def benchmark(
     floorplan: Annotated[
         list[str] | None,
         typer.Option(
-            help="A built-in name or a file; again for more. All built-in by default, or the map"
-            " that the questions are about.",
+            help="Floorplan: a name or a file; repeat for more (default: all built-in ones, or the"
+            " map of the queries).",
             autocompletion=complete_floor,
         ),
     ] = None,
     planner: Annotated[
         list[str] | None,
         typer.Option(
-            help="A planner's name, or 'NAME: {parameter: value}'; again for more. All by default."
-            " Peers where installed: JuPedSim, extremitypathfinder, pyastar2d, scikit-image."
-            " PRM-of-corners is OMPL's own roadmap.",
+            help="Planner: a name or 'NAME: {parameter: value}'; repeat for more (default: all)."
+            " Planners of other packages: JuPedSim, extremitypathfinder, pyastar2d, scikit-image,"
+            " and PRM-of-corners, a roadmap of OMPL.",
             autocompletion=complete_contender,
         ),
     ] = None,
     queries: Annotated[
         int | None,
-        typer.Option(min=1, help="Questions on each floor: 20 by default, or all of the file."),
+        typer.Option(min=1, help="Queries on each floor (default: 20, or all in the file)."),
     ] = None,
     questions: Annotated[
         Path | None,
         typer.Option(
-            help="A CSV file (x0, y0, x1, y1, and AGVs), or a MovingAI .scen.",
+            help="Queries: CSV file (x0, y0, x1, y1, AGVs) or MovingAI .scen file.",
             autocompletion=complete_questions,
         ),
     ] = None,
-    runs: Annotated[int, typer.Option(min=1, help="Times that each question is asked.")] = 1,
+    runs: Annotated[int, typer.Option(min=1, help="Repetitions of each query.")] = 1,
     iterations: Annotated[
-        int | None, typer.Option(min=1, help="Budget of OMPL's planners; each its own by default.")
+        int | None,
+        typer.Option(min=1, help="Iteration budget of OMPL planners (default: per planner)."),
     ] = None,
     seconds: Annotated[
         float | None,
-        typer.Option(help="Budget of CPU time for each answer of OMPL's; depends on the machine."),
+        typer.Option(help="CPU time budget of OMPL planners per query; results then vary."),
     ] = None,
     longest: Annotated[
         float | None,
-        typer.Option(help="Paths of more than so many times the shortest count as wrong."),
+        typer.Option(help="Maximum length, as a multiple of the shortest; longer paths are wrong."),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Of the questions and the planners.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Random seed of queries and planners.")] = 0,
     radius: Radius = None,
     cell: Annotated[
-        float | None, typer.Option(help="Metres of a cell of a MovingAI map: 1 by default.")
+        float | None, typer.Option(help="Cell size of a MovingAI map in metres (default: 1).")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="A folder for CSV, OMPL benchmark logs and a report.")
+        Path | None, typer.Option(help="Folder for CSV files, OMPL benchmark logs and a report.")
     ] = None,
 ) -> None:
-    """Measure planners: success, CPU time, length, clearance, memory.
-
-    Lengths are compared with the shortest path.
-    """
+    """Benchmark planners: success, CPU time, length, clearance and memory."""
     from navigation import planners
     from navigation.benchmark import benchmark as measure, known, summary
 
@@ -254,19 +252,19 @@ def benchmark(
     _print_tables(rows)
     _warn_of_unknown(attempts, longest)
     if seconds is not None:
-        say("Budgets of time: the results depend on the machine.", err=True)
+        say("warning: with --seconds, results depend on the machine", err=True)
     if out is None:
         return
     terms = {
         "planners": ", ".join(names),
-        "questions": _queries_in_words(rows, questions, seed),
-        "runs": f"{runs} of each question",
+        "queries": _queries_in_words(rows, questions, seed),
+        "runs": f"{runs} of each query",
         "radius": ", ".join(
             f"{plan.human.radius if radius is None else radius:g} m on {plan.name}"
             for plan in plans
         ),
         "budget": _budget(iterations, seconds),
-        "longest allowed": "any" if longest is None else f"{longest:g} times the shortest",
+        "longest allowed": "any" if longest is None else f"{longest:g} × the shortest",
     }
     with writing(out):
         _write(attempts, rows, plans, out, seed, seconds, terms)
@@ -276,12 +274,12 @@ def _warn_of_unknown(attempts: Sequence[Attempt], longest: float | None) -> None
     """Say on which floors lengths are not compared, and what `--longest` cannot judge there."""
     from navigation.benchmark import MOST_CORNERS
 
-    unjudged = "" if longest is None else "; --longest does not judge these"
+    unjudged = "" if longest is None else "; --longest ignores these"
     for floor in dict.fromkeys(attempt.asked.floorplan for attempt in attempts):
         shortest = {a.asked.query: a.asked.shortest for a in attempts if a.asked.floorplan == floor}
         if unknown := sum(math.isnan(length) for length in shortest.values()):
             say(
-                f"{floor}: no shortest length is known of {unknown} of {len(shortest)} questions,"
+                f"{floor}: the shortest length of {unknown} of {len(shortest)} queries is unknown,"
                 f" because the floor has more than {MOST_CORNERS:,} corners{unjudged}",
                 err=True,
             )
@@ -321,13 +319,11 @@ def _floors(
     sources: list[str] = list(floorplan or [])
     if questions is not None and not sources:
         if questions.suffix.lower() != ".scen":
-            raise floors.UserError(
-                f"--questions {questions} needs --floorplan: the floor they are about"
-            )
+            raise floors.UserError(f"--questions {questions} needs --floorplan")
         sources = [str(map_of(questions))]
     maps = [source for source in sources if source.lower().endswith(".map")]
     if cell is not None and not maps:
-        raise floors.UserError(f"--cell {cell:g} is of a MovingAI map, and there is none")
+        raise floors.UserError(f"--cell {cell:g} needs a MovingAI map")
     return [
         floors.load_movingai(Path(source), CELL if cell is None else cell)
         if source in maps
@@ -340,13 +336,13 @@ def _queries_in_words(rows: Sequence[PlannerRow], questions: Path | None, seed: 
     counts = ", ".join(
         f"{count} on {floor}" for floor, count in {r.floorplan: r.queries for r in rows}.items()
     )
-    return f"{counts}; {f'of {questions.name}' if questions else 'drawn'}, seed {seed}"
+    return f"{counts}; {f'from {questions.name}' if questions else 'random'}, seed {seed}"
 
 
 def _budget(iterations: int | None, seconds: float | None) -> str:
     words = [] if iterations is None else [f"{iterations:,} iterations"]
     words += [] if seconds is None else [f"{seconds:g} s of CPU time"]
-    return " or ".join(words) or "of iterations, each planner's own"
+    return " or ".join(words) or "iterations, per planner"
 
 
 def _print_tables(rows: Sequence[PlannerRow]) -> None:
@@ -358,7 +354,7 @@ def _print_tables(rows: Sequence[PlannerRow]) -> None:
         table = Table(title=floor)
         table.add_column("planner", overflow="fold")
         for title in (
-            "solved\n95 %",
+            "solved\n(95 % CI)",
             "wrong",
             "CPU ms\nmedian",
             "\n99 %",
@@ -366,7 +362,7 @@ def _print_tables(rows: Sequence[PlannerRow]) -> None:
             "length ÷\nshortest",
             "\nat most",
             *(["÷ listed\nmedian"] if with_listed else []),
-            "clear\nm, least",
+            "min. clear-\nance m",
             "turning\nrad",
         ):
             table.add_column(title, justify="right", no_wrap=True)
@@ -422,4 +418,7 @@ def _write(
         with replacing(out / f"{re.sub(_ODD, '_', plan.name)}.log") as unfinished:
             write_ompl_log(there, unfinished, seed=seed, seconds=seconds)
     write_page(attempts, plans, out / "report.html", terms=terms, on_the_clock=seconds is not None)
-    say(f"wrote {out}/report.html, CSV of all answers and an OMPL log for each floor", err=True)
+    say(
+        f"Wrote {out}/report.html, CSV files of all answers and an OMPL log for each floor",
+        err=True,
+    )

@@ -25,18 +25,18 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-Out = Annotated[Path, typer.Option(help="The picture: its ending says which kind.")]
+Out = Annotated[Path, typer.Option(help="PNG, SVG or PDF file.")]
 Columns = Annotated[
-    Literal["single", "double"], typer.Option(help="How many columns of a paper it takes.")
+    Literal["single", "double"], typer.Option(help="Width: one or two columns of a paper.")
 ]
-Begin = Annotated[float | None, typer.Option("--from", help="Draw from this time on, seconds.")]
-End = Annotated[float | None, typer.Option("--to", help="Draw up to this time, seconds.")]
+Begin = Annotated[float | None, typer.Option("--from", help="Begin in seconds.")]
+End = Annotated[float | None, typer.Option("--to", help="End in seconds.")]
 
 Sources = Annotated[
     list[str],
     typer.Argument(
         metavar="SOURCE...",
-        help="Runs' folders, or trials (which are run); all in one map.",
+        help="Folders of runs, or trials to run, for one common map.",
         autocompletion=complete_trial,
     ),
 ]
@@ -117,18 +117,19 @@ def separation(
     person: Annotated[
         list[str] | None,
         typer.Option(
-            help="May be repeated; if not given everybody, or of many those with the least margin."
+            help="Person; repeat for more (default: all, or those with the least margin)."
         ),
     ] = None,
     machine: Annotated[
-        str | None, typer.Option(help="gantry, or an AGV by name; the first there is if not given.")
+        str | None,
+        typer.Option(help="Machine (default: the first robot, or the most critical AGV)."),
     ] = None,
     begin: Begin = None,
     end: End = None,
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Distance and required distance over time, violations shaded."""
+    """Draw distance and required distance over time, with violations shaded."""
     run = _run(source, out, own_code=not no_own_code)
     figure = run.plot.separation(person or None, machine, within=_within(begin, end), width=width)
     _save(figure, out)
@@ -141,7 +142,7 @@ def heatmap(
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Time that people spent at each place."""
+    """Draw the time that people spent in each place."""
     from ..views import plots
 
     runs = [_run(source, out, own_code=not no_own_code) for source in sources]
@@ -153,14 +154,14 @@ def density(
     sources: Sources,
     out: Out,
     of: Annotated[
-        Literal["density", "speed"], typer.Option(help="People per m², or how fast they are.")
+        Literal["density", "speed"], typer.Option(help="Density (1/m²) or speed (m/s).")
     ] = "density",
     begin: Begin = None,
     end: End = None,
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Mean density of people over the floor, or their mean speed."""
+    """Draw the mean density or speed of people on the floor."""
     from ..views import plots
 
     runs = [_run(source, out, own_code=not no_own_code) for source in sources]
@@ -174,14 +175,14 @@ def riskmap(
     of: Annotated[
         Literal["margin", "time", "severity"],
         typer.Option(
-            help="The least margin to the required distance, the time without it, or the highest"
-            " relative speed then."
+            help="Least margin to the required distance, duration of violations, or highest"
+            " relative speed in violations."
         ),
     ] = "margin",
     width: Columns = "double",
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Where people came nearer to machines than the rules require, or nearly so."""
+    """Draw where people came closer to machines than required, or almost."""
     from ..views import plots
 
     runs = [_run(source, out, own_code=not no_own_code) for source in sources]
@@ -214,26 +215,24 @@ def _save(figure: Figure, out: Path) -> None:
 
 def render(
     source: Source,
-    out: Annotated[Path, typer.Option(help="The film: .gif or .mp4.")],
-    speed: Annotated[float, typer.Option(help="How much faster than in reality.")] = 8.0,
-    fps: Annotated[int, typer.Option(help="Pictures a second.")] = 20,
-    width: Annotated[int, typer.Option(help="Pixels.")] = 720,
-    begin: Annotated[float, typer.Option("--from", help="Film from this time on, seconds.")] = 0.0,
-    end: Annotated[
-        float | None, typer.Option("--to", help="Film up to this time, seconds.")
-    ] = None,
+    out: Annotated[Path, typer.Option(help="GIF or MP4 file.")],
+    speed: Annotated[float, typer.Option(help="Simulated seconds per second of the film.")] = 8.0,
+    fps: Annotated[int, typer.Option(help="Pictures per second.")] = 20,
+    width: Annotated[int, typer.Option(help="Width in pixels.")] = 720,
+    begin: Annotated[float, typer.Option("--from", help="Begin in seconds.")] = 0.0,
+    end: Annotated[float | None, typer.Option("--to", help="End in seconds.")] = None,
     view: Annotated[
         Literal["2d", "3d", "eyes"],
-        typer.Option(help="From above, in three dimensions, or through somebody's eyes."),
+        typer.Option(help="From above, in three dimensions, or through the eyes of a person."),
     ] = "2d",
     follow: Annotated[
         str,
-        typer.Option(metavar="NAME", help="Keep this body in the middle, or say whose eyes."),
+        typer.Option(metavar="NAME", help="Body in the centre, or person of the view 'eyes'."),
     ] = "",
-    dark: Annotated[bool, typer.Option("--dark", help="Film it in dark colours.")] = False,
+    dark: Annotated[bool, typer.Option("--dark", help="Use dark colours.")] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Film a run: a GIF, or an MP4. It takes Chromium and the extra `film`."""
+    """Film a run as GIF or MP4. This needs Chromium and the extra `film`."""
     from ..views import film
     from .sources import run_from
 
@@ -262,13 +261,13 @@ def metrics(
     radius: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="BODY=M", help="Take this radius off the distances of a body; may be repeated."
+            metavar="BODY=M", help="Radius (m) to subtract from distances; repeat for more bodies."
         ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Measure paths, speeds, distances and personal space in a run."""
+    """Measure paths, speeds, distances and intrusions into personal space."""
     import json
 
     from ..record.social_metrics import metrics as measured
@@ -281,10 +280,10 @@ def metrics(
         return
     console = plain_console()
     bodies = figures["people"] | figures["machines"]
-    console.print(_table_of("How they moved", _MOVEMENTS, bodies))
-    console.print(_table_of("How they got on", _PROGRESS, bodies))
+    console.print(_table_of("Motion", _MOVEMENTS, bodies))
+    console.print(_table_of("Progress", _PROGRESS, bodies))
     if figures["people"]:
-        title = "How far apart they were, and for how much of the time in whose space"
+        title = "Distance between centres, and share of time in each space of people"
         console.print(_table_of(title, _DISTANCES, _distances(figures)))
 
 
@@ -336,7 +335,7 @@ _MOVEMENTS = {
     "time": "time\ns",
     "path_length": "path\nm",
     "cumulative_heading_changes": "turned\nrad",
-    "time_not_moving": "not\nmoving\ns",
+    "time_not_moving": "at\nrest\ns",
     "maximum_speed": "top\nspeed\nm/s",
     "average_speed": "mean\nspeed\nm/s",
     "average_acceleration": "mean\naccel.\nm/s²",
@@ -346,7 +345,7 @@ _PROGRESS = {
     "goals": "goals",
     "goals_reached": "reached",
     "time_to_goal": "time to goal\ns",
-    "final_distance_to_goal": "left at the end\nm",
+    "final_distance_to_goal": "final distance\nto goal m",
     "social_work": "social work\nm/s",
 }
 _DISTANCES = {
@@ -370,25 +369,22 @@ def export(
     out: Annotated[
         Path,
         typer.Option(
-            help="What to write: .csv, .parquet, .mcap (Foxglove), .sqlite (JuPedSim), or a new"
-            " folder for a ROS 2 bag."
+            help="File: .csv, .parquet, .mcap (Foxglove) or .sqlite (JuPedSim), or a new folder"
+            " for a ROS 2 bag."
         ),
     ],
     format: Annotated[
         Literal["csv", "parquet", "mcap", "rosbag", "jupedsim"] | None,
-        typer.Option(help="If the name of the file does not say it."),
+        typer.Option(help="Format, if it is not defined by the suffix."),
     ] = None,
-    rate: Annotated[float, typer.Option(help="Instants a second, in Hz.")] = 20.0,
+    rate: Annotated[float, typer.Option(help="Sampling rate in Hz.")] = 20.0,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Write a run in the format of another tool.
-
-    Places are sampled from the exact motions.
-    """
+    """Export a sampled run to the format of another tool."""
     from ..exports import Export
     from .sources import run_from
 
     chosen = Export.to(out, rate=rate, format=format)
     run = run_from(source, own_code=not no_own_code)
     chosen.write(run)
-    say(f"{out} holds {run.duration:g} s of {run.scene.trial} at {rate:g} Hz")
+    say(f"Wrote {run.duration:g} s of {run.scene.trial} at {rate:g} Hz to {out}")

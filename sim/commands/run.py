@@ -54,14 +54,14 @@ def run(
     controller: Annotated[
         str | None,
         typer.Option(
-            help="Of the gantry: a built-in one, or package.module:name.",
+            help="Controller of the gantry: a name or package.module:name.",
             autocompletion=complete_controller,
         ),
     ] = None,
     planner: Annotated[
         str | None,
         typer.Option(
-            help='Of everybody\'s paths: its name, or "BITstar: {samples_per_batch: 50}".',
+            help='Path planner of all people: a name or "BITstar: {samples_per_batch: 50}".',
             autocompletion=complete_planner,
         ),
     ] = None,
@@ -70,34 +70,32 @@ def run(
     rules: Rules = None,
     commands: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Repeat these: the commands.yaml of a run that was watched."
-        ),
+        typer.Option(metavar="FILE", help="Commands to repeat: commands.yaml of an earlier run."),
     ] = None,
     out: RecordingFolder = None,
     watch: Annotated[
-        bool, typer.Option("--watch", help="Show it in the browser, to interfere with it too.")
+        bool, typer.Option("--watch", help="Show the run in the browser, with controls.")
     ] = False,
     speed: Annotated[
-        float | None, typer.Option(metavar="X", help="With --watch: × real time (1).")
+        float | None,
+        typer.Option(metavar="X", help="With --watch: simulated seconds per second (default: 1)."),
     ] = None,
     opened: Annotated[
         bool | None,
         typer.Option(
             "--open/--no-open",
-            help="Open the page in the browser, or only say where it is.  [default: open on a"
-            " terminal]",
+            help="Open the replay page in the browser.  [default: open on a terminal]",
             show_default=False,
         ),
     ] = None,
     no_trajectory: Annotated[
-        bool, typer.Option("--no-trajectory", help="Leave out trajectory.csv, the largest file.")
+        bool, typer.Option("--no-trajectory", help="Do not write trajectory.csv, the largest file.")
     ] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Simulate a trial and record it.
 
-    The recording has its summary, events, motions, trajectory, and a page that replays it.
+    The recording contains the summary, events, motions, trajectory, and a replay page.
     """
     from ..trials.trial import Trial
 
@@ -130,7 +128,9 @@ def print_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
     """Print how a run went; `typer.Exit` where it was interrupted, or not what was expected."""
     _report(finished, folder)
     if interrupted:
-        say(f"Stopped at t = {finished.duration:.1f} s; what happened is kept.", err=True)
+        say(
+            f"Stopped at t = {finished.duration:.1f} s. The recording up to then is kept.", err=True
+        )
         raise typer.Exit(INTERRUPTED)
     if finished.unmet:
         for sentence in finished.unmet:
@@ -147,8 +147,8 @@ def _warn_of_external(trial: Trial) -> None:
         waiting.append("the gantry")
     if waiting:
         say(
-            f"{trial.name}: {' and '.join(waiting)} can only be driven from outside, and"
-            " nobody does; `floorwalker bridge` serves the trial to those who would",
+            f"{trial.name}: {' and '.join(waiting)} will not move, because external programs"
+            " control them; `floorwalker bridge` serves the trial to such programs",
             err=True,
         )
 
@@ -156,7 +156,10 @@ def _warn_of_external(trial: Trial) -> None:
 def _warn_of_undone(trial: Trial) -> None:
     """Print that jobs and orders are left undone because nothing does them."""
     if trial.gantry.controller == "parked" and (trial.gantry.jobs or trial.workload):
-        say(f"{trial.name}: the gantry is parked and does no jobs; give it a controller", err=True)
+        say(
+            f"{trial.name}: the gantry is parked and does no jobs; choose another --controller",
+            err=True,
+        )
 
 
 def changed(
@@ -226,7 +229,7 @@ def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) 
     with taken_by(simulation.stop):
         simulation.start()
     with live.server as server:
-        say(f"{server.url} shows it while it goes on", err=True)
+        say(f"The run is shown live at {server.url}", err=True)
         if opened and open_in_browser(server.url):
             live.wait_for_viewer()
         return _kept(simulation, live.advance, recording, live)
@@ -286,35 +289,35 @@ def _report(run: Run, folder: Path) -> None:
     for name, value in figures:
         say(f"  {name:{widest}}  {value}")
     say(
-        f"{run.duration:g} s in {summary['cpu_seconds']:.3f} s of CPU time:"
-        f" {summary['realtime_factor']:,.0f} × real time"
+        f"Simulated {run.duration:g} s in {summary['cpu_seconds']:.3f} s of CPU time"
+        f" ({summary['realtime_factor']:,.0f} × real time)"
     )
-    say(f"{folder / 'replay.html'} shows it")
+    say(f"Replay: {folder / 'replay.html'}")
 
 
 def replay(
     run: Annotated[
-        Path, typer.Argument(metavar="DIR|FILE", help="A run's folder, or a replay page.")
+        Path, typer.Argument(metavar="DIR|FILE", help="Folder of a run, or a replay page.")
     ],
     other: Annotated[
         Path | None,
         typer.Argument(
-            metavar="OTHER", help="Another one, to be shown beside it.", show_default=False
+            metavar="OTHER", help="Second run, shown beside the first.", show_default=False
         ),
     ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the page there.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the page to this file.")
+    ] = None,
     serve: Annotated[
-        bool, typer.Option("--serve", help="Serve it to this machine until Ctrl-C.")
+        bool, typer.Option("--serve", help="Serve the page on this machine until Ctrl-C.")
     ] = False,
     port: Annotated[
         int | None,
-        typer.Option(min=0, max=65535, help="With --serve; any that is free if not given, or 0."),
+        typer.Option(min=0, max=65535, help="With --serve: port (default: any free one)."),
     ] = None,
-    no_open: Annotated[
-        bool, typer.Option("--no-open", help="Open no browser, only say where the page is.")
-    ] = False,
+    no_open: Annotated[bool, typer.Option("--no-open", help="Do not open the browser.")] = False,
 ) -> None:
-    """Replay a run in the browser; give two runs to compare them."""
+    """Replay a run in the browser, or compare two runs."""
     serve = serve or (other is not None and out is None)
     if port is not None and not serve:
         raise typer.BadParameter("needs --serve", param_hint="--port")
@@ -327,7 +330,7 @@ def replay(
     file = out if out is not None else _page_file(run)
     say(str(file))
     if not no_open and not open_in_browser(file.resolve().as_uri()):
-        say("There is no browser to open it with; open it yourself.", err=True)
+        say("No browser was found. Open the page yourself.", err=True)
 
 
 def _serve(page: str, port: int, *, opened: bool) -> None:
@@ -335,9 +338,9 @@ def _serve(page: str, port: int, *, opened: bool) -> None:
 
     with PageServer(lambda: page, port=port) as server:
         say(server.url)
-        say("Ctrl-C ends it.", err=True)
+        say("Press Ctrl-C to stop.", err=True)
         if opened and not open_in_browser(server.url):
-            say("There is no browser to open it with; open it yourself.", err=True)
+            say("No browser was found. Open the page yourself.", err=True)
         try:
             while True:
                 time.sleep(3600)
@@ -354,7 +357,7 @@ def _page(run: Path, other: Path | None) -> str:
     if other is not None:
         recordings += _recordings(other)
     if len(recordings) > 2:
-        raise UserError("a page shows two runs at most: give two runs, or one page of two")
+        raise UserError("a page shows at most two runs")
     if other is not None:
         for recording, name in zip(recordings, _told_apart(run, other), strict=True):
             recording["folder"] = name
@@ -402,7 +405,7 @@ def _check_page(file: Path) -> None:
     except UserError as why:
         if not file.exists() or not says_itself(read_text(file, InputError, LARGEST_RECORDED)):
             raise
-        say(f"{why}; the page shows what there is of it", err=True)
+        say(f"{why}; the page shows the part that is intact", err=True)
 
 
 def _recordings(path: Path) -> list[dict[str, Any]]:
@@ -415,7 +418,7 @@ def _recordings(path: Path) -> list[dict[str, Any]]:
     from ..views.replay_data import replay_data
 
     if not path.exists():
-        raise UserError(f"{path}: there is no such folder or file")
+        raise UserError(f"{path}: no such file or folder")
     if path.is_dir():
         damages: list[str] = []
         recording = replay_data(load_run(path, damage=damages.append))

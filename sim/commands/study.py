@@ -27,31 +27,26 @@ BESIDE = 3
 def study(
     file: Annotated[
         str,
-        typer.Argument(metavar="STUDY.yaml", help="A study file.", autocompletion=complete_study),
+        typer.Argument(metavar="STUDY.yaml", help="Study file.", autocompletion=complete_study),
     ],
     jobs: Annotated[
-        int | None, typer.Option(min=1, help="Processes to run on; all cores by default.")
+        int | None, typer.Option(min=1, help="Number of processes (default: number of cores).")
     ] = None,
     backend: Annotated[
         str,
         typer.Option(
-            help="Where: a joblib backend, or dask for a Dask cluster.",
+            help="Backend of joblib, or dask for a Dask cluster.",
             autocompletion=complete_backend,
         ),
     ] = "loky",
     out: Annotated[
         Path | None,
-        typer.Option(help="Folder for the results (studies/NAME if not given)."),
+        typer.Option(help="Folder of the results (default: studies/NAME)."),
     ] = None,
-    row: Annotated[
-        int | None, typer.Option(help="Only write the trial file of this row, and run nothing.")
-    ] = None,
+    row: Annotated[int | None, typer.Option(help="Only write the trial file of this row.")] = None,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Run the trials of a study in all their variations.
-
-    A study that was stopped goes on from there.
-    """
+    """Run all variations of the trials of a study, or continue an interrupted study."""
     from ..studies import Study, save_trial
 
     chosen = Study.load(file, own_code=not no_own_code)
@@ -62,7 +57,10 @@ def study(
     try:
         results = carried_out(chosen, folder, jobs, backend)
     except KeyboardInterrupt:
-        say(f"Stopped; what is done is kept in {folder}: run the same command to go on.", err=True)
+        say(
+            f"Stopped. Finished rows are kept in {folder}. Run the same command to continue.",
+            err=True,
+        )
         raise typer.Exit(INTERRUPTED) from None
     _report(results)
     if failed := results.failed:
@@ -93,7 +91,7 @@ def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> 
 
         def begin(done: int) -> None:
             if 0 < done < len(chosen):
-                say(f"Going on after {done:,} of {len(chosen):,} rows.", err=True)
+                say(f"Continuing after {done:,} of {len(chosen):,} rows.", err=True)
             # Rows that were there already say nothing about how long the others will take.
             bars.reset(bar, completed=done)
 
@@ -149,10 +147,10 @@ def _report(results: StudyResults) -> None:
         table.add_row(*group.values, f"{len(group.rows):,}", *(means[k] for means in shown))
     console.print(table)
     if left_out:
-        console.print(f"in the report: {', '.join(left_out)}", highlight=False)
+        console.print(f"Only in the report: {', '.join(left_out)}", highlight=False)
     if nowhere := [measure.words for measure in named if measure not in measures]:
-        console.print(f"0 in every row: {', '.join(nowhere)}", highlight=False)
-    console.print(f"{results.folder / 'report.html'} shows it", highlight=False, soft_wrap=True)
+        console.print(f"0 in all rows: {', '.join(nowhere)}", highlight=False)
+    console.print(f"Report: {results.folder / 'report.html'}", highlight=False, soft_wrap=True)
 
 
 def report(
@@ -160,29 +158,25 @@ def report(
         str,
         typer.Argument(
             metavar="SOURCE",
-            help="A run's folder, a trial (which is run), or a study file (of which is run what"
-            " is not done yet).",
+            help="Folder of a run, a trial to run, or a study file, whose missing rows are run.",
             autocompletion=complete_trial,
         ),
     ],
-    out: Annotated[Path, typer.Option(help="The report: .html, or .pdf where there is Chromium.")],
+    out: Annotated[Path, typer.Option(help="HTML file, or PDF file with Chromium.")],
     results: Annotated[
         Path | None,
-        typer.Option(help="The folder with the results of the study (studies/NAME if not given)."),
+        typer.Option(help="Folder of the study's results (default: studies/NAME)."),
     ] = None,
     jobs: Annotated[
         int | None,
-        typer.Option(min=1, help="Processes for the runs of a study; all cores by default."),
+        typer.Option(min=1, help="Number of processes for a study (default: number of cores)."),
     ] = None,
     duration: Annotated[
-        float | None, typer.Option(help="Seconds to simulate of a trial, if not all of it.")
+        float | None, typer.Option(help="Duration in seconds of a trial to run.")
     ] = None,
     no_own_code: NoOwnCode = False,
 ) -> None:
-    """Write a report that can be handed to an auditor.
-
-    It has the assumptions, laws, figures and limits of a run or a study.
-    """
+    """Write a report for auditors: assumptions, laws, results and limitations."""
     from floorplan import UserError
 
     from ..studies import Study, safety_report
@@ -195,7 +189,9 @@ def report(
             if given is not None:
                 raise typer.BadParameter("is for studies only", param_hint=option)
         if (Path(source) / "results.csv").is_file():
-            raise UserError(f"{source} has the results of a study: give its file, with --results")
+            raise UserError(
+                f"{source} contains results of a study; give the study file, with --results"
+            )
         safety_report(run_from(source, duration, own_code=not no_own_code), out)
         say(str(out))
         return
@@ -205,7 +201,7 @@ def report(
     folder = folder_for(study.name, "studies") if results is None else results
     measured = carried_out(study, folder, jobs, "loky")
     with progress_bars() as bars:
-        bar = bars.add_task("looking at all runs", total=len(study))
+        bar = bars.add_task("evaluating runs", total=len(study))
         safety_report(
             measured, out, jobs=jobs, progress=lambda done: bars.update(bar, completed=done)
         )

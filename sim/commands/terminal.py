@@ -88,7 +88,7 @@ def count_floor_notices(plan: Floorplan, source: str) -> None:
         count = len(plan.notices)
         notices = f"{count:,} notice{'' if count == 1 else 's'}"
         say(
-            f"{plan.name}: the drawing has {notices}; `floorwalker check {source}` lists them",
+            f"{plan.name}: {notices} about the drawing; `floorwalker check {source}` lists them",
             err=True,
         )
 
@@ -102,7 +102,7 @@ def _print(name: str, notices: Sequence[Problem]) -> None:
     for notice in notices[:MOST_NOTICES]:
         say(f"{name}: {notice}", err=True)
     if len(notices) > MOST_NOTICES:
-        say(f"{name}: … and {len(notices) - MOST_NOTICES} notices more", err=True)
+        say(f"{name}: … and {len(notices) - MOST_NOTICES} more notices", err=True)
 
 
 def open_in_browser(address: str) -> bool:

@@ -181,7 +181,7 @@ _ARIAC_LAW = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 
 PAPER = RuleSet(
     name="paper",
-    summary="ISO/TS 15066 distances for gantry and AGVs; noticed at twice the distance",
+    summary="ISO/TS 15066 distances for gantry and AGVs, which people notice at twice the distance",
     gantry_law=_ARIAC_LAW,
     agv_law=_ARIAC_LAW,
     notice=Notice(law=Scaled(_ARIAC_LAW, 2.0)),
@@ -193,7 +193,7 @@ PAPER = RuleSet(
 
 ARIAC2023 = RuleSet(
     name="ariac2023",
-    summary="as the ARIAC 2023 competition ran it: 15 s disabled, AGVs at 2.1 m",
+    summary="ARIAC 2023 software: gantry disabled for 15 s, 2.1 m from AGVs",
     gantry_law=_ARIAC_LAW,
     agv_law=FixedDistance(2.1),
     agv_offset=-0.2,  # the frame of its tray
@@ -216,7 +216,7 @@ ARIAC2023 = RuleSet(
 OBSERVE = replace(
     PAPER,
     name="observe",
-    summary="the distances of paper; violations are recorded and have no consequence",
+    summary="distances of paper, but violations are only recorded",
     machine="none",
     person="none",
 )
@@ -225,7 +225,7 @@ OBSERVE = replace(
 PROTECTIVE_STOP = replace(
     PAPER,
     name="protective_stop",
-    summary="the distances of paper; a machine stops while somebody is too close",
+    summary="distances of paper, but a machine stops while a person is too close",
     machine="stop",
     person="none",
 )

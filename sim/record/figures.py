@@ -243,7 +243,7 @@ FIGURES: dict[str, SummaryFigure] = {
         SummaryFigure(
             path="protective_stop_time",
             of=lambda run: run.referee.protective_stop_time,
-            label="stopped",
+            label="protective stop time",
             meaning="duration of protective stops, all machines",
             unit="s",
             events=(events.ProtectiveStop, {}),
@@ -387,7 +387,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="law_audit",
             form="parts",
             of=lambda run: [{**vars(short)} for short in short_laws(run.trial)],
-            label="law assumes shorter stops of",
+            label="stopping underestimated for",
             meaning="machines that may stop later than their law assumes",
             words=words.short_laws,
             column=False,
@@ -396,7 +396,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="minimum_separation",
             form="parts",
             of=lambda run: run.nearest_of_all,
-            label="nearest to the gantry",
+            label="least distance to gantry",
             words=words.nearest,
         ),
         SummaryFigure(
@@ -407,7 +407,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="nearest_agv",
             form="parts",
             of=lambda run: run.nearest_agv,
-            label="nearest to an AGV",
+            label="least distance to AGV",
             words=words.nearest_agv,
         ),
         *_nearest_agv(""),
@@ -415,7 +415,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="nearest_people",
             form="parts",
             of=lambda run: run.nearest_people,
-            label="nearest to each other",
+            label="least gap between people",
             words=words.nearest_people,
         ),
         _of_several(
@@ -450,7 +450,7 @@ FIGURES: dict[str, SummaryFigure] = {
         _of_distancing(
             path="people_too_near",
             of=lambda run: run.people_too_near,
-            label="people too near to each other",
+            label="encounters of people",
             meaning="times that two people came closer than `between_people`",
             words=words.plain,
             events=(events.PeopleTooNear, {}),
@@ -460,7 +460,7 @@ FIGURES: dict[str, SummaryFigure] = {
         _of_distancing(
             path="people_too_near_time",
             of=lambda run: run.people_too_near_time,
-            label="time too near to each other",
+            label="time of encounters",
             meaning="duration of this, all pairs",
             unit="s",
             measure="plain",
@@ -468,7 +468,7 @@ FIGURES: dict[str, SummaryFigure] = {
         _of_traffic(
             path="entered",
             of=lambda run: sum(p.has_source and p.started_at is not None for p in run.people),
-            label="people who came in",
+            label="people entered",
             meaning="people who entered at a source",
             words=words.plain,
             events=(events.Entered, {}),
@@ -477,7 +477,7 @@ FIGURES: dict[str, SummaryFigure] = {
         _of_traffic(
             path="left",
             of=lambda run: sum(person.left_at is not None for person in run.people),
-            label="people who left",
+            label="people left",
             meaning="people who left at a sink",
             words=words.plain,
             events=(events.Left, {}),
@@ -527,7 +527,7 @@ FIGURES: dict[str, SummaryFigure] = {
         SummaryFigure(
             path=f"{PEOPLE}time_standing",
             of=lambda run, person: run.time_standing(person),
-            label="stood",
+            label="at rest",
             meaning="time at rest since the start",
             unit="s",
             words=words.seconds,
@@ -545,7 +545,7 @@ FIGURES: dict[str, SummaryFigure] = {
         _of_several(
             path=f"{PEOPLE}time_lost_to_others",
             of=lambda run, person: person.walker.traveller.time_lost(run.duration),
-            label="kept from walking by others",
+            label="delayed by others",
             meaning="time lost to other people on the way to a goal",
             unit="s",
             measure="rare",

@@ -105,7 +105,7 @@ def nearest(value: Any, beside: Mapping[str, Any]) -> str:
     if value is None:
         return ""
     distance, required = told_apart(value["distance"], value["required"])
-    return f"{distance} m at {value['time']:.1f} s ({required} m required)"
+    return f"{distance} m between centres at {value['time']:.1f} s ({required} m required)"
 
 
 def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:

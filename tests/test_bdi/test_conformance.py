@@ -180,7 +180,7 @@ def test_a_trace_of_the_inside_goes_to_stderr(tmp_path):
         ('{"t": 1, "add": "a", "x": 2}', '"add" or "remove"'),
         ('{"t": "soon", "add": "a"}', "number of seconds"),
         ('{"t": NaN, "add": "a"}', "number of seconds"),
-        ('{"t": -1, "add": "a"}', "begins at 0"),
+        ('{"t": -1, "add": "a"}', "must be 0 or more"),
         ('{"t": 1, "add": 3}', "in quotes"),
         ('{"t": 1, "add": "a("}', "a("),
         ("percept", "not a line of JSON"),

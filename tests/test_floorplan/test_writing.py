@@ -75,7 +75,7 @@ def test_geojson_holds_what_stands_on_the_floor(plan, tmp_path, floorwalker):
     for name in ("boundary", "obstacles", "stations", "safe_zone"):
         assert getattr(again, name) == getattr(plan, name)
     done = floorwalker("convert", tmp_path / "floor.yaml", tmp_path / "converted.geojson")
-    _, _, words = done.stderr.strip().partition(" has no room for: ")
+    _, _, words = done.stderr.strip().partition(" cannot contain: ")
     assert words == ", ".join(
         words
         for words, held in (

@@ -56,7 +56,7 @@ def test_a_scenario_is_asked_and_everything_written(hall, floorwalker):
         ({"seconds": math.nan}, "--seconds: must be above 0 and finite, found nan"),
         ({"radius": math.nan}, "--radius: must be above 0 and finite, found nan"),
         ({"longest": 0.5}, "--longest: must be above 1 and finite, found 0.5"),
-        ({"cell": 1.0}, "--cell 1 is of a MovingAI map, and there is none"),
+        ({"cell": 1.0}, "--cell 1 needs a MovingAI map"),
         ({"questions": Path("none.csv")}, "--questions none.csv needs --floorplan"),
         ({"questions": Path("none.scen")}, "none.scen: there is no such file"),
     ],
@@ -132,7 +132,7 @@ def test_a_report_is_written_of_floors_whose_shortest_paths_are_not_known(tmp_pa
             *("--planner", "Roadmap", "--longest", 2, "--out", out),
         )
         assert done.returncode == 0, done.stderr
-        assert "pegs: no shortest length is known of 1 of 2 questions" in done.stderr
+        assert "pegs: the shortest length of 1 of 2 queries is unknown" in done.stderr
         assert "--longest" in done.stderr
         assert "1.0000" not in done.stdout
         with (out / "summary.csv").open() as file:

@@ -46,8 +46,8 @@ def test_a_run_that_is_interrupted_is_kept_with_what_was_done_on_its_page(folder
         with Client(server.url) as agent:
             agent.subscribe("/ariac/start_human", "/clock")
             agent.hear_until(lambda said: said["topic"] == "/clock" and said["msg"]["clock"]["sec"])
-            page, _, words = server.notices[0].partition(" ")
-            assert words == "shows it while it goes on"
+            words, _, page = server.notices[0].rpartition(" ")
+            assert words == "The run is shown live at"
             command = {"send": "operator", "to": "station1"}
             wish = json.dumps({"command": command}).encode()
             kind = {"Content-Type": "application/json"}
@@ -60,7 +60,7 @@ def test_a_run_that_is_interrupted_is_kept_with_what_was_done_on_its_page(folder
     require_whole(folder / "out")
     again = sim.Trial.parse(f"{OUTSIDE}commands: {done}\n")
     assert [(one.time, one.send) for one in again.commands] == [(at, "operator")]
-    assert "what happened is kept" in server.notices[-1]
+    assert "The recording up to then is kept" in server.notices[-1]
 
 
 def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
@@ -71,7 +71,7 @@ def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
             (["outside.yaml", "--speed", "-1"], 2, "must be 0 or more, not -1"),
             (["outside.yaml", "--port", "70000"], 2, "--port"),
             (["outside.yaml", "--connect", url], 1, "say with --personality"),
-            (["outside.yaml", "--connect", url, "--watch"], 2, "watch: shows what is served here"),
+            (["outside.yaml", "--connect", url, "--watch"], 2, "watch: cannot be combined with --connect"),
             (["--connect", "ws://127.0.0.1:1"], 1, "can't connect to ws://127.0.0.1:1"),
             (["--connect", "nonsense"], 1, "nonsense is no address"),
         ):
@@ -86,4 +86,4 @@ def test_another_host_is_served_with_a_notice(folder):
     with Command(folder, "outside.yaml", "--host", "0.0.0.0") as server:
         assert server.url.startswith("ws://0.0.0.0:")
         assert server.interrupt() == 130
-    assert "everybody who can reach 0.0.0.0 can take part" in server.notices[0]
+    assert "anyone who can reach 0.0.0.0 can control" in server.notices[0]

@@ -122,7 +122,7 @@ def test_a_run_counts_the_notices_that_check_lists(tmp_path, floorwalker):
     assert listed.stderr.count("is on a layer that no group has") == 2
     done = floorwalker("run", "a.trial.yaml", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    pointer = "hall: the drawing has 2 notices; `floorwalker check a.trial.yaml` lists them"
+    pointer = "hall: 2 notices about the drawing; `floorwalker check a.trial.yaml` lists them"
     assert done.stderr.splitlines()[0] == pointer
     assert "layer" not in done.stderr
 
@@ -169,8 +169,8 @@ def test_who_waits_for_somebody_outside_is_reported(tmp_path, floorwalker):
     )
     assert done.returncode == 0
     assert done.stderr == (
-        "ariac2023: operator and the gantry can only be driven from outside, and nobody does;"
-        " `floorwalker bridge` serves the trial to those who would\n"
+        "ariac2023: operator and the gantry will not move, because external programs control them;"
+        " `floorwalker bridge` serves the trial to such programs\n"
     )
 
 
@@ -280,7 +280,7 @@ def test_names_are_printed_as_they_are_and_make_one_plain_folder(tmp_path, floor
         (tmp_path / "t.trial.yaml").write_text(text)
         done = floorwalker("run", "t.trial.yaml", cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, "")
-        assert f"runs/{folder}/replay.html shows it\n" in done.stdout
+        assert f"Replay: runs/{folder}/replay.html\n" in done.stdout
         assert done.stdout.startswith(f"{name} on ariac2023")
         assert (tmp_path / "runs" / folder / "replay.html").exists()
 
@@ -294,7 +294,7 @@ def test_tables_have_names_as_they_are(tmp_path, floorwalker):
     assert (done.returncode, done.stderr) == (0, "")
     assert "a/b [red]" in done.stdout
     assert "m[x]:x:" in done.stdout
-    assert "studies/a-b [red]/report.html shows it" in done.stdout
+    assert "Report: studies/a-b [red]/report.html" in done.stdout
 
 
 def test_a_table_of_a_study_breaks_no_word_and_names_what_it_leaves_out(tmp_path, floorwalker):
@@ -315,7 +315,7 @@ def test_a_table_of_a_study_breaks_no_word_and_names_what_it_leaves_out(tmp_path
     known = {word for label in (*labels, *results.comparison.factors) for word in label.split()}
     heading = [line for line in done.stdout.splitlines() if line.startswith("┃")]
     assert {*" ".join(heading).replace("┃", " ").split()} <= known | {"Runs"}
-    left_out = done.stdout.partition("in the report: ")[2].partition("\n0 in every row")[0]
+    left_out = done.stdout.partition("Only in the report: ")[2].partition("\n0 in all rows")[0]
     assert "throughput" in left_out.replace("\n", " ").split(", ")
 
 
@@ -339,7 +339,7 @@ def test_a_program_that_is_not_there_is_looked_for_among_those_beside_it(tmp_pat
 def test_jobs_that_nothing_does_are_reported(tmp_path, floorwalker):
     text = "floorplan: ariac2023\nduration: 1\ngantry: {jobs: [{wait: 0.5}]}\n"
     (tmp_path / "t.trial.yaml").write_text(text)
-    told = "t: the gantry is parked and does no jobs; give it a controller\n"
+    told = "t: the gantry is parked and does no jobs; choose another --controller\n"
     for more, stderr in (((), told), (("--controller", "oblivious"), "")):
         done = floorwalker("run", "t.trial.yaml", *more, cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, stderr)
@@ -386,7 +386,7 @@ def test_an_interrupted_run_keeps_what_happened(tmp_path):
     process.send_signal(signal.SIGINT)
     _, stderr = process.communicate(timeout=HANG)
     assert process.returncode == 130
-    assert "what happened is kept" in stderr
+    assert "The recording up to then is kept" in stderr
     assert "Traceback" not in stderr
     summary = json.loads((out / "summary.json").read_text())
     assert summary["interrupted"] is True
@@ -428,7 +428,7 @@ def test_help_and_version(tmp_path):
 def test_convert_says_what_there_is_no_room_for(tmp_path, floorwalker):
     done = floorwalker("convert", "ariac2023", tmp_path / "hall.wkt")
     assert done.returncode == 0
-    assert "has no room for: AGVs, the gantry" in done.stderr
+    assert "cannot contain: AGVs, the gantry" in done.stderr
     back = floorwalker("convert", tmp_path / "hall.wkt", tmp_path / "hall.yaml")
     assert (back.returncode, back.stderr) == (0, "")
     assert floorplan.load(tmp_path / "hall.yaml") == floorplan.load(tmp_path / "hall.wkt")
@@ -441,7 +441,7 @@ def test_convert_does_not_write_over_the_floor_that_it_reads(tmp_path, floorwalk
     before = (tmp_path / "hall.yaml").read_bytes()
     done = floorwalker("convert", tmp_path / "hall.yaml", tmp_path / options[0], *options[1:])
     assert (done.returncode, done.stdout) == (1, "")
-    assert "hall.yaml would take the place of IN" in done.stderr
+    assert "hall.yaml would replace IN" in done.stderr
     assert [file.name for file in tmp_path.iterdir()] == ["hall.yaml"]
     assert (tmp_path / "hall.yaml").read_bytes() == before
     done = floorwalker("convert", tmp_path / "hall.yaml", tmp_path / "map.pgm")

@@ -389,7 +389,7 @@ def test_the_command_exports_recordings_and_trials(tmp_path, floorwalker):
     assert floorwalker("run", "busy.trial.yaml", "--out", "rec").returncode == 0
     done = floorwalker("export", "rec", "--out", "a.csv", "--rate", "5")
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == "a.csv holds 45 s of busy at 5 Hz\n"
+    assert done.stdout == "Wrote 45 s of busy at 5 Hz to a.csv\n"
     assert floorwalker("export", "busy.trial.yaml", "--out", "b", "--format", "csv").returncode == 0
     assert sorted((tmp_path / "a.csv").read_text().splitlines()[0:1]) == [
         "t,body,x,y,rotation,vx,vy"

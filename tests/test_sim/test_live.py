@@ -535,7 +535,7 @@ def test_a_run_on_the_bridge_has_a_page_too(speed):
 def test_ctrl_c_keeps_what_was_recorded(tmp_path):
     arguments = ["run", "--duration", "1e6", "--watch", "--no-open", "--speed", "20"]
     process = started(*arguments, "--out", "run", cwd=tmp_path)
-    assert process.stderr.readline().startswith("http://127.0.0.1:")
+    assert process.stderr.readline().startswith("The run is shown live at http://127.0.0.1:")
     events = tmp_path / "run" / "events.jsonl"
     until(lambda: '"arrived"' in events.read_text(encoding="utf-8"), process)
     process.send_signal(signal.SIGINT)
@@ -559,4 +559,4 @@ def test_replay_serves_until_it_is_told_to_stop(tmp_path):
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=HANG)
     assert process.returncode == 0
-    assert err == "Ctrl-C ends it.\n"
+    assert err == "Press Ctrl-C to stop.\n"

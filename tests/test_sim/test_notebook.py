@@ -69,7 +69,7 @@ def test_a_summary_that_lacks_fields_is_shown_without_them(run):
             part[key] = value
     del whole["minimum_separation"]["time"]
     table = shown(replace(run, summary=whole))["text/html"].partition("<iframe")[0]
-    assert "nearest to the gantry" not in table and "walked" in table
+    assert "least distance to gantry" not in table and "walked" in table
 
 
 def test_figures_are_pictures_without_pyplot(run):

@@ -17,7 +17,7 @@ def floorwalker(floorwalker):
 def test_a_way_in_words(floorwalker):
     done = floorwalker("plan", "ariac2023", -15, -10, -5, 3.75)
     lines = done.stdout.splitlines()
-    assert lines[0].startswith("17.002 m by Roadmap, 0.997 m clear")
+    assert lines[0].startswith("Roadmap: length 17.002 m, clearance 0.997 m")
     assert lines[1].split() == ["-15.000", "-10.000"]
     assert lines[-1].split() == ["-5.000", "3.750"]
     assert done.stderr == ""

@@ -362,7 +362,7 @@ def test_it(run_trial):
     result = run_pytest("--floorwalker-replays", "pages")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["crowd on *crew12 (indifferent), 3 more; *"])
-    result.stdout.fnmatch_lines(["*nearest to each other * m (crew* and crew*) at *"])
+    result.stdout.fnmatch_lines(["*least gap between people * m (crew* and crew*) at *"])
 
 
 @pytest.mark.slow

@@ -365,7 +365,7 @@ def test_the_summary_has_units_and_names(open_page, recording):
     shown = dict(
         page.evaluate(f"{terms}.map(dt => [dt.textContent, dt.nextElementSibling.textContent])")
     )
-    assert shown["law assumes shorter stops of"] == "gantry, agv1, agv2, agv3, agv4"
+    assert shown["stopping underestimated for"] == "gantry, agv1, agv2, agv3, agv4"
     assert shown["gantry idle time"] == f"{summary['gantry_idle_time']:g} s"
     assert shown["time lost to others"].endswith(" s")
     assert "(crew1 and crew2)" in shown["nearest people"]

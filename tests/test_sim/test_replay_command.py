@@ -64,7 +64,7 @@ def test_what_is_damaged_is_shown_as_far_as_it_goes(folder, tmp_path, floorwalke
     (tmp_path / "cut.html").write_text(text[:-400], encoding="utf-8")
     done = floorwalker("replay", "cut.html", "--no-open", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "cut.html\n")
-    assert "damaged" in done.stderr and "the page shows what there is of it" in done.stderr
+    assert "damaged" in done.stderr and "the page shows the part that is intact" in done.stderr
 
 
 def test_two_runs_make_one_page(folder, tmp_path, floorwalker):
@@ -86,7 +86,7 @@ def test_a_page_of_two_runs_keeps_both(folder, tmp_path, floorwalker):
     assert again.read_text(encoding="utf-8") == two.read_text(encoding="utf-8")
     done = floorwalker("replay", two, "whole", "--out", again, "--no-open", cwd=folder)
     assert (done.returncode, done.stdout) == (1, "")
-    assert "a page shows two runs at most" in done.stderr
+    assert "a page shows at most two runs" in done.stderr
 
 
 def test_a_page_that_can_not_be_written_is_told(folder, tmp_path, floorwalker):
@@ -98,7 +98,7 @@ def test_a_page_that_can_not_be_written_is_told(folder, tmp_path, floorwalker):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda path: None, "there is no such folder or file"),
+        (lambda path: None, "no such file or folder"),
         (lambda path: path.mkdir(), "there is no scene.json in it"),
         (lambda path: path.write_text("<p>Hello"), "is no replay page: it holds no recording"),
         (lambda path: path.write_bytes(b"\xff\xfe\x00"), "is not UTF-8 text"),

@@ -175,7 +175,7 @@ def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
         file.write(b"9,short,indiff")
     code, out, err = finished(command(folder, "--out", "killed", "--jobs", "1"))
     assert code == 1
-    assert err.startswith("Going on after ")
+    assert err.startswith("Continuing after ")
     assert "8 of 16 rows failed; row 1: ControllerError: the gantry controller" in err
     assert "killed/report.html" in out
     sim.run_study(study, folder / "whole", jobs=1)
@@ -216,7 +216,7 @@ def test_a_study_that_is_stopped_says_how_to_go_on(folder, stop, sent, backend):
     stop(process.pid, sent)
     code, out, err = finished(process)
     assert (code, out) == (130, "")
-    assert err == "Stopped; what is done is kept in stopped: run the same command to go on.\n"
+    assert err == "Stopped. Finished rows are kept in stopped. Run the same command to continue.\n"
     with pytest.raises(ProcessLookupError):
         until(lambda: os.killpg(process.pid, 0))
     assert read_table(folder / "stopped" / "results.csv")["row"][:3] == [0, 1, 2]

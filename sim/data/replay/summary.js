@@ -2,7 +2,7 @@
 
 const UNITS = { duration: "s", started: "s", distance_walked: "m", throughput: "1/h" };
 const IS_TIME = /^time_|_time$/;
-const LABELS = { law_audit: "law assumes shorter stops of" };
+const LABELS = { law_audit: "stopping underestimated for" };
 const TRIAL_FIELDS = ["trial", "floorplan", "rules", "seed", "duration", "interrupted"];
 
 /** Shows summaries as recorded: figures first, then people, then the trial. */

@@ -234,7 +234,7 @@ REFUGES = 5
 
 
 def avoiding(gantry: GantryRobot) -> Steps:
-    """Do the nearest task that is clear of people, one after the other; else keep clear of them."""
+    """Do the nearest task that is away from people, or move away from them."""
     caution = Caution(gantry)
     outlook = CourseChoice(gantry, caution)
     while (yield gantry.next_task()) is not None:

@@ -25,25 +25,25 @@ from .robot import GantryRobot
 
 
 def parked(gantry: GantryRobot) -> Steps:
-    """Do nothing at all."""
+    """Do nothing."""
     return
     yield
 
 
 def oblivious(gantry: GantryRobot) -> Steps:
-    """Do one task after the other, on the straight path to it."""
+    """Do tasks in order on straight paths, and ignore people."""
     while (task := (yield gantry.next_task())) is not None:
         yield gantry.do(task)
 
 
 def external(gantry: GantryRobot) -> Steps:
-    """Do nothing of its own: whoever has the simulation commands the gantry."""
+    """Do nothing, because external code commands the gantry."""
     return
     yield
 
 
 def pausing(gantry: GantryRobot) -> Steps:
-    """Do one task after the other, on the straight path to it, at the speed that people allow."""
+    """Do tasks in order on straight paths, as fast as people allow."""
     caution = Caution(gantry)
     while (task := (yield gantry.next_task())) is not None:
         while task.next_step is not None:
