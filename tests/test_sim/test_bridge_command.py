@@ -71,7 +71,11 @@ def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
             (["outside.yaml", "--speed", "-1"], 2, "must be 0 or more, not -1"),
             (["outside.yaml", "--port", "70000"], 2, "--port"),
             (["outside.yaml", "--connect", url], 1, "say with --personality"),
-            (["outside.yaml", "--connect", url, "--watch"], 2, "watch: cannot be combined with --connect"),
+            (
+                ["outside.yaml", "--connect", url, "--watch"],
+                2,
+                "watch: cannot be combined with --connect",
+            ),
             (["--connect", "ws://127.0.0.1:1"], 1, "can't connect to ws://127.0.0.1:1"),
             (["--connect", "nonsense"], 1, "nonsense is no address"),
         ):
