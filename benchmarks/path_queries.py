@@ -10,26 +10,27 @@ question is asked once a round; its time is the median over the rounds.
 from __future__ import annotations
 
 import argparse
+import itertools
 import time
 
 import numpy as np
 
 import floorplan
 from navigation import CollisionWorld, PathPlanner, PlanningError
-from navigation.benchmark import QuerySet, scenes
+from navigation.benchmark import Question, drawn_questions
 
 
-def milliseconds(planner: PathPlanner, asked: list[QuerySet], moved: bool) -> list[float]:
-    """Return CPU milliseconds for each question, in turn one of each scene."""
+def milliseconds(planner: PathPlanner, asked: list[Question], moved: bool) -> list[float]:
+    """Return CPU milliseconds for each question, in turn one of each placement of the AGVs."""
     taken = []
-    most = max(len(scene.questions) for scene in asked)
-    turns = [(scene, k) for k in range(most) for scene in asked if k < len(scene.questions)]
-    for scene, k in turns:
-        for name, at in scene.agvs if moved else ():
+    placements = [list(group) for _, group in itertools.groupby(asked, key=lambda one: one.agvs)]
+    turns = itertools.chain(*itertools.zip_longest(*placements))
+    for question in filter(None, turns):
+        for name, at in question.agvs if moved else ():
             planner.world.move_agv(name, at)
         begin = time.process_time()
         try:
-            planner.plan(*scene.questions[k])
+            planner.plan(question.start, question.goal)
         except PlanningError:
             if moved:
                 raise
@@ -45,7 +46,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
     plan = floorplan.load(options.floorplan)
-    asked = list(scenes(plan, queries=options.queries, seed=0, radius=options.radius))
+    asked = [*drawn_questions(plan, queries=options.queries, seed=0, radius=options.radius)]
     for moved in (False, True) if plan.lanes else (False,):
         planner = PathPlanner(CollisionWorld(plan), options.radius)
         planner.prepare()

@@ -1,14 +1,17 @@
-"""Benchmark of planners: questions, measured and judged answers, tables and logs."""
+"""Benchmark of planners: questions, evaluated answers, tables and logs."""
 
-from .measuring import SEEDED, TOUCHES, Asked, Attempt, benchmark, known
+from .answering import Answer, Progress, known
+from .measuring import SEEDED, TOUCHES, Asked, Attempt, benchmark, evaluate
 from .peers import PEERS
-from .questions import QuerySet, QuestionsError, map_of, scenes, scenes_of
+from .questions import Question, QuestionsError, drawn_questions, map_of, read_questions
 from .reports import (
     Curve,
     Estimate,
     PlannerRow,
     cost_over_time,
     groups,
+    median,
+    share,
     success_over_time,
     summary,
     write_csv,
@@ -23,21 +26,26 @@ __all__ = [
     "SEEDED",
     "SHORTFALL",
     "TOUCHES",
+    "Answer",
     "Asked",
     "Attempt",
     "Curve",
     "Estimate",
     "PlannerRow",
-    "QuerySet",
+    "Progress",
+    "Question",
     "QuestionsError",
     "ShortestPaths",
     "benchmark",
     "cost_over_time",
+    "drawn_questions",
+    "evaluate",
     "groups",
     "known",
     "map_of",
-    "scenes",
-    "scenes_of",
+    "median",
+    "read_questions",
+    "share",
     "success_over_time",
     "summary",
     "write_csv",

@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import itertools
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,19 +22,19 @@ from ..world import CollisionWorld
 from .shortest import ShortestPaths
 
 PER_SCENE = 10
-"""Number of seeded questions before the AGVs move on."""
+"""Number of seeded questions before the AGVs move."""
 
 ENDS = ("x0", "y0", "x1", "y1")
-"""Columns of a table: start and goal in metres. Each further one is named after an AGV."""
+"""Columns of a table: start and goal in metres. Further columns have the names of AGVs."""
 
 SCENARIO = ".scen"
 """Suffix of MovingAI's scenarios."""
 
 _COLUMNS = 9
-"""Of a scenario: bucket, map, its width and height, start and goal as cells, optimal length."""
+"""Number of columns of a scenario."""
 
 _SPARE_ROOM = 1e-3
-"""Metres. Seeded starts and goals have this much more room than they need."""
+"""Additional clearance of seeded starts and goals, in metres."""
 
 _MOST_DRAWS = 100_000
 
@@ -43,66 +43,51 @@ Agvs = tuple[tuple[str, float], ...]
 
 
 class QuestionsError(InputError):
-    """A file of questions that cannot be used."""
+    """Problems of a file of questions."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class QuerySet:
-    """A floor with its AGVs somewhere (lane positions in metres), and questions to ask there."""
+class Question:
+    """Start and goal on a floor (metres), with its AGVs at fixed lane positions."""
 
-    plan: Floorplan
-    agvs: Agvs
-    questions: tuple[tuple[Point, Point], ...]
-    shortest: tuple[float, ...]
-    """Metres, for each question: inf without a path, NaN if unknown. See `SHORTFALL`."""
-    listed: tuple[float, ...]
-    """Metres that a scenario lists for each question; NaN for questions from elsewhere.
+    start: Point
+    goal: Point
+    agvs: Agvs = ()
+    shortest: float = math.nan
+    """Metres of the shortest path: inf without a path, NaN if unknown. See `SHORTFALL`."""
+    listed: float = math.nan
+    """Metres that a scenario lists, otherwise NaN.
 
-    They are those of the shortest paths over cells, with steps to the eight neighbours.
+    It is the length of the shortest path over cells, with steps to the eight neighbours.
     """
 
 
-@dataclass(frozen=True)
-class _Query:
-    """A line of a file: places in metres, and AGVs at lane positions."""
-
-    line: int
-    ends: tuple[Point, Point]
-    agvs: Agvs = ()
-    listed: float = math.nan
-
-
-def scenes(plan: Floorplan, *, queries: int, seed: int, radius: float) -> Iterator[QuerySet]:
+def drawn_questions(
+    plan: Floorplan, *, queries: int, seed: int, radius: float
+) -> Iterator[Question]:
     """Yield seeded questions on `plan` that have an answer, with AGVs anywhere on their lanes.
 
-    `ValueError` if there is no room on the floor for two places.
+    Raise `UserError` if the floor has no room for two positions of a disc of `radius` metres.
     """
     rng = np.random.default_rng(seed)
     world = CollisionWorld(plan)
     paths: ShortestPaths | None = None
     for first in range(0, queries, PER_SCENE):
-        for lane in plan.lanes:
-            world.move_agv(lane.name, float(rng.uniform(*lane.limits)))
-        if paths is None or plan.lanes:
-            paths = ShortestPaths(world.walkable, radius)
-        count = min(PER_SCENE, queries - first)
-        questions = tuple(_drawn(world, paths, rng, radius) for _ in range(count))
-        yield QuerySet(
-            plan=plan,
-            agvs=tuple((lane.name, world.agv_position(lane.name)) for lane in plan.lanes),
-            questions=questions,
-            shortest=tuple(paths.length(*question) for question in questions),
-            listed=(math.nan,) * count,
-        )
+        agvs = tuple((lane.name, float(rng.uniform(*lane.limits))) for lane in plan.lanes)
+        paths = _paths(world, agvs, radius, paths)
+        ends = [_ends(world, paths, rng, radius) for _ in range(min(PER_SCENE, queries - first))]
+        for start, goal in ends:
+            length = paths.length(start, goal)
+            yield Question(start=start, goal=goal, agvs=agvs, shortest=length)
 
 
-def scenes_of(
+def read_questions(
     path: Path, plan: Floorplan, *, radius: float, queries: int | None = None, seed: int = 0
-) -> list[QuerySet]:
-    """Return the questions in the file at `path` about `plan`, for a disc of `radius` metres.
+) -> list[Question]:
+    """Return the questions of the file at `path` about `plan`, for a disc of `radius` metres.
 
-    With `queries`, so many of them, drawn by `seed`, in the order of the file. `QuestionsError`
-    lists everything that is wrong with the file, also ends that leave the disc no room.
+    `queries` limits their number: they are drawn by `seed`, in the order of the file.
+    `QuestionsError` lists all faults of the file, also starts and goals without room.
     """
     reader = _QuestionsReader(plan)
     text = read_text(path, QuestionsError)
@@ -110,31 +95,31 @@ def scenes_of(
         reader.read_scenario(text)
     else:
         reader.read_table(text)
-    asked = reader.queries
-    if not reader.problems and not asked:
+    if not reader.problems and not reader.found:
         raise QuestionsError.of(path, "asks no question")
     world = CollisionWorld(plan)
-    for query in asked:
-        _move(world, query.agvs)
-        for end, at in zip(("start", "goal"), query.ends, strict=True):
+    for line, question in reader.found:
+        _move(world, question.agvs)
+        for end, at in (("start", question.start), ("goal", question.goal)):
             if not world.free(at, radius):
-                reader.wrong(blocked_place(world, at, end, radius), query.line)
+                reader.wrong(blocked_place(world, at, end, radius), line)
     if reader.problems:
         raise QuestionsError(str(path), sorted(reader.problems, key=lambda p: p.line or 0))
+    asked = [question for _, question in reader.found]
     if queries is not None and queries < len(asked):
         chosen = np.random.default_rng(seed).choice(len(asked), queries, replace=False)
         asked = [asked[k] for k in sorted(chosen.tolist())]
-    return list(_scenes(asked, world, radius))
+    return [*_with_lengths(asked, world, radius)]
 
 
 def map_of(path: Path) -> Path:
-    """Return the map that the scenario at `path` is about, which lies beside it.
+    """Return the map that the scenario at `path` names, in the same folder.
 
-    `QuestionsError` if its first line names none, or there is no such file.
+    Raise `QuestionsError` if the first line names none, or if there is no such file.
     """
     for number, words in _scenario_lines(read_text(path, QuestionsError)):
-        if len(words) != _COLUMNS:
-            raise QuestionsError.of(path, _columns_fault(words), line=number)
+        if fault := _columns_fault(words):
+            raise QuestionsError.of(path, fault, line=number)
         map_path = path.parent / Path(words[1]).name
         if not is_there(map_path):
             message = f"is about {words[1]}, but there is no file {map_path}"
@@ -144,11 +129,12 @@ def map_of(path: Path) -> Path:
 
 
 class _QuestionsReader:
-    """Reader of questions about `plan`, which collects them and what is wrong with the file."""
+    """Reader of questions about `plan`, which collects them and all faults of the file."""
 
     def __init__(self, plan: Floorplan) -> None:
         self.plan = plan
-        self.queries: list[_Query] = []
+        self.found: list[tuple[int, Question]] = []
+        """Line and question."""
         self.problems: list[Problem] = []
 
     def wrong(self, message: str, line: int, place: str = "") -> None:
@@ -175,7 +161,8 @@ class _QuestionsReader:
                 for lane in self.plan.lanes
             ]
             if len(self.problems) == before:
-                self.queries.append(_Query(line, ((x0, y0), (x1, y1)), tuple(agvs)))
+                found = Question(start=(x0, y0), goal=(x1, y1), agvs=tuple(agvs))
+                self.found.append((line, found))
         return None
 
     def _header_fault(self, header: Sequence[str]) -> str:
@@ -207,30 +194,19 @@ class _QuestionsReader:
     def read_scenario(self, text: str) -> None:
         """Read a MovingAI scenario."""
         for line, words in _scenario_lines(text):
-            if len(words) != _COLUMNS:
-                self.wrong(_columns_fault(words), line)
+            if fault := _columns_fault(words):
+                self.wrong(fault, line)
             elif Path(words[1]).stem != self.plan.name:
                 name = self.plan.name
                 self.wrong(f"is about the map {words[1]}, not about the floor {name}", line)
             else:
-                before = len(self.problems)
                 values = [self._number(word, line) for word in words[2:]]
-                if len(self.problems) == before:
-                    self._add_cells(line, words, *values)
+                if not any(map(math.isnan, values)):
+                    self._add_cells(line, words, values)
 
-    def _add_cells(
-        self,
-        line: int,
-        words: Sequence[str],
-        width: float,
-        height: float,
-        x0: float,
-        y0: float,
-        x1: float,
-        y1: float,
-        optimal: float,
-    ) -> None:
-        """Add cells as places on `plan`, which stands for the whole map: y points down there."""
+    def _add_cells(self, line: int, words: Sequence[str], values: Sequence[float]) -> None:
+        """Add cells as positions on `plan`, which is the whole map; y of cells points down."""
+        width, height, x0, y0, x1, y1, optimal = values
         west, south, east, north = self.plan.boundary.bounds
         cell = (east - west) / width if width > 0 else 0.0
         if cell <= 0 or abs(cell * height - (north - south)) > 1e-6 * (north - south):
@@ -242,37 +218,24 @@ class _QuestionsReader:
             start, goal = (
                 (west + (x + 0.5) * cell, north - (y + 0.5) * cell) for x, y in ((x0, y0), (x1, y1))
             )
-            self.queries.append(_Query(line, (start, goal), (), optimal * cell))
+            found = Question(start=start, goal=goal, listed=optimal * cell)
+            self.found.append((line, found))
 
 
 def _scenario_lines(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the lines after the version, each in words; the names of maps may have blanks."""
+    """Yield the lines after the version, each in words; names of maps may contain blanks."""
     for number, line in enumerate(text.split("\n"), start=1):
         if line.strip() and not (number == 1 and line.split()[0] == "version"):
             yield number, line.rstrip().split("\t") if "\t" in line else line.split()
 
 
 def _columns_fault(words: Sequence[str]) -> str:
+    if len(words) == _COLUMNS:
+        return ""
     return (
         f"has {len(words)} columns; a scenario's are bucket, map, width, height,"
         " start x and y, goal x and y, optimal length"
     )
-
-
-def _scenes(asked: list[_Query], world: CollisionWorld, radius: float) -> Iterator[QuerySet]:
-    paths: ShortestPaths | None = None
-    for agvs, group in itertools.groupby(asked, key=lambda query: query.agvs):
-        queries = list(group)
-        _move(world, agvs)
-        if paths is None or agvs:
-            paths = ShortestPaths(world.walkable, radius)
-        yield QuerySet(
-            plan=world.plan,
-            agvs=agvs,
-            questions=tuple(query.ends for query in queries),
-            shortest=tuple(paths.length(*query.ends) for query in queries),
-            listed=tuple(query.listed for query in queries),
-        )
 
 
 def _move(world: CollisionWorld, agvs: Agvs) -> None:
@@ -280,10 +243,29 @@ def _move(world: CollisionWorld, agvs: Agvs) -> None:
         world.move_agv(name, at)
 
 
-def _drawn(
+def _paths(
+    world: CollisionWorld, agvs: Agvs, radius: float, before: ShortestPaths | None
+) -> ShortestPaths:
+    """Move the AGVs and return the shortest paths then; those `before` if there are no AGVs."""
+    _move(world, agvs)
+    return before if before and not agvs else ShortestPaths(world.walkable, radius)
+
+
+def _with_lengths(
+    asked: Iterable[Question], world: CollisionWorld, radius: float
+) -> Iterator[Question]:
+    """Yield the questions with the lengths of their shortest paths."""
+    paths: ShortestPaths | None = None
+    for agvs, group in itertools.groupby(asked, key=lambda question: question.agvs):
+        paths = _paths(world, agvs, radius, paths)
+        for question in group:
+            yield replace(question, shortest=paths.length(question.start, question.goal))
+
+
+def _ends(
     world: CollisionWorld, paths: ShortestPaths, rng: np.random.Generator, radius: float
 ) -> tuple[Point, Point]:
-    """Return two places with room to stand and a path between them."""
+    """Return two positions with room for the disc and a path between them."""
     low_x, low_y, high_x, high_y = world.plan.boundary.bounds
     pieces = [piece for piece in shapely.get_parts(paths.room) if piece.area > 0]
     found: list[tuple[Point, int]] = []

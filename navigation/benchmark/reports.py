@@ -1,7 +1,7 @@
 """Results of the planner benchmark: estimates with confidence intervals, tables, and OMPL's log.
 
-Answers to the same question are alike, and so a question counts once, however often it is asked:
-of its runs the share or the median is taken, and the questions are the sample.
+Answers to the same question are alike, so each question counts once, with the share or the median
+of its runs. The questions are the sample.
 """
 
 from __future__ import annotations
@@ -22,11 +22,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .measuring import Attempt
+from .questions import ENDS
 
 CONFIDENCE = 0.95
 
 _Z = 1.959963984540054
-"""Of the normal distribution: 2.5 % lie above it."""
+"""Quantile of the normal distribution: 2.5 % are above."""
 
 Floats = NDArray[np.float64]
 _Value = TypeVar("_Value")
@@ -34,7 +35,7 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True)
 class Estimate:
-    """A figure, and the interval that holds its true value with 95 % confidence."""
+    """Value with its interval of 95 % confidence."""
 
     value: float
     low: float
@@ -43,7 +44,7 @@ class Estimate:
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """A figure over time: from each of `seconds` on it has its value, until the next."""
+    """Step function of time with intervals: each value is valid until the next of `seconds`."""
 
     seconds: Floats
     value: Floats
@@ -74,21 +75,19 @@ def share(values: Sequence[float]) -> Estimate:
 def median(values: Sequence[float]) -> Estimate:
     """Return the median, with the interval between two of the sorted values.
 
-    How many of n values lie below the true median is binomial with n and 1/2, whatever they are
-    distributed like: H. A. David and H. N. Nagaraja, Order statistics, 3rd edition 2003, 7.1. Of
-    fewer than six values no two are far enough apart: it is then from -inf to inf.
+    The number of values below the true median is binomial with n and 1/2 for any distribution:
+    H. A. David and H. N. Nagaraja, Order statistics, 3rd edition 2003, 7.1. Fewer than six values
+    give the interval from -inf to inf.
     """
-    ordered = np.sort(np.asarray(values, dtype=float))
-    if not len(ordered) or np.isnan(ordered).any():
+    if not len(values) or np.isnan(values).any():
         return Estimate(math.nan, math.nan, math.nan)
-    low, high = _ranks(len(ordered))
-    if low < 0:
-        return Estimate(_middle(ordered), -math.inf, math.inf)
-    return Estimate(_middle(ordered), float(ordered[low]), float(ordered[high]))
+    low, high = _ranks(len(values))
+    bounded = [-math.inf, *sorted(map(float, values)), math.inf]
+    return Estimate(float(np.median(values)), bounded[low], bounded[high])
 
 
 def by_question(attempts: Iterable[Attempt], values: Iterable[_Value]) -> list[list[_Value]]:
-    """Return the values of each question, in the order that the questions were asked."""
+    """Return the values of each question, in the order of the questions."""
     groups: dict[int, list[_Value]] = {}
     for attempt, value in zip(attempts, values, strict=True):
         groups.setdefault(attempt.asked.query, []).append(value)
@@ -96,85 +95,72 @@ def by_question(attempts: Iterable[Attempt], values: Iterable[_Value]) -> list[l
 
 
 def success_over_time(attempts: Sequence[Attempt]) -> Curve:
-    """Return the share of the questions for which there was a path after so many seconds."""
+    """Return the share of questions that have a path, over the CPU time."""
     first = [a.first_seconds if a.right else math.inf for a in attempts]
-    seconds = _instants(first)
-    questions = by_question(attempts, first)
-    shares = [
-        share([sum(one <= t for one in question) / len(question) for question in questions])
-        for t in seconds
-    ]
-    return _curve(seconds, shares)
+    seconds = _sorted_times(first)
+    after = np.less_equal.outer(first, seconds)
+    shares = np.array([np.mean(runs, axis=0) for runs in by_question(attempts, after)])
+    return _curve(seconds, [share(column) for column in shares.T.tolist()])
 
 
 def cost_over_time(attempts: Sequence[Attempt]) -> Curve:
-    """Return the median of the best length so far over the shortest, after so many seconds.
+    """Return the median of the best length over the shortest length, over the CPU time.
 
     A question without a path so far counts as infinitely long, so that no planner gains by
     answering only the easy ones: J. D. Gammell, M. P. Strub and V. N. Hartmann, Planner Developer
-    Tools (PDT), 2022. Those that no path answers are left out.
+    Tools (PDT), 2022. Questions that have no path are left out.
     """
     attempts = [attempt for attempt in attempts if attempt.asked.shortest != math.inf]
-    seconds = _instants(one.cpu_seconds for a in attempts for one in a.progress)
+    seconds = _sorted_times(one.cpu_seconds for a in attempts for one in a.progress)
     if not len(seconds):
         return _curve(seconds, [])
     ratios = by_question(attempts, [_ratios(attempt, seconds) for attempt in attempts])
-    per_question = np.array([[_middle(c) for c in np.sort(runs, axis=0).T] for runs in ratios])
+    per_question = np.array([np.median(runs, axis=0) for runs in ratios])
     return _curve(seconds, [median(column) for column in per_question.T])
 
 
-MOST_INSTANTS = 120
-"""So many points a curve has at most."""
+MOST_TIMES = 120
+"""Maximum number of points of a curve."""
 
 
-def _instants(times: Iterable[float]) -> Floats:
-    """Return finite times, sorted; of many those that part them evenly."""
+def _sorted_times(times: Iterable[float]) -> Floats:
+    """Return the finite times, sorted, and thinned evenly if they are many."""
     finite = np.unique([t for t in times if math.isfinite(t)])
-    if len(finite) > MOST_INSTANTS:
-        finite = finite[np.linspace(0, len(finite) - 1, MOST_INSTANTS).astype(int)]
+    if len(finite) > MOST_TIMES:
+        finite = finite[np.linspace(0, len(finite) - 1, MOST_TIMES).astype(int)]
     return finite.astype(float)
 
 
 def _ratios(attempt: Attempt, seconds: Floats) -> Floats:
     """Return the best length over the shortest after each of `seconds`; infinite without one."""
-    times = [one.cpu_seconds for one in attempt.progress] if attempt.right else []
+    progress = attempt.progress if attempt.right else ()
     shortest = attempt.asked.shortest
-    lengths = [one.length / shortest if shortest else 1.0 for one in attempt.progress]
-    best = np.array([math.inf, *lengths[: len(times)]])
-    return best[np.searchsorted(times, seconds, side="right")]
+    best = [math.inf, *(one.length / shortest if shortest else 1.0 for one in progress)]
+    times = [one.cpu_seconds for one in progress]
+    return np.array(best)[np.searchsorted(times, seconds, side="right")]
 
 
 def _curve(seconds: Floats, estimates: Sequence[Estimate]) -> Curve:
-    figures = np.array([(e.value, e.low, e.high) for e in estimates]).reshape(-1, 3)
-    value, low, high = figures.T
-    return Curve(seconds=seconds, value=value, low=low, high=high)
-
-
-def _middle(ordered: Floats) -> float:
-    """Return the median of sorted values, which may be infinite."""
-    low, high = float(ordered[(len(ordered) - 1) // 2]), float(ordered[len(ordered) // 2])
-    return low if low == high else (low + high) / 2
+    columns = np.array([(e.value, e.low, e.high) for e in estimates]).reshape(-1, 3).T
+    return Curve(seconds=seconds, value=columns[0], low=columns[1], high=columns[2])
 
 
 @cache
 def _ranks(n: int) -> tuple[int, int]:
-    """Return the places (from 0) of the ends of the interval; -1 where there are too few."""
-    # The true median is below the value at the place k (from 0) if at most k of the n lie below it.
-    # The innermost place at which that has a probability of at most 2.5 % is the lower end; the
-    # upper one mirrors it.
-    below = 0.0
-    for k in range(n):
-        below += math.comb(n, k) / 2**n
-        if below > (1 - CONFIDENCE) / 2:
-            return k - 1, n - k
-    return -1, n
+    """Return the ranks (from 1) of the ends of the interval; 0 and n + 1 if there are too few."""
+    # The true median is below the value of rank k + 1 if at most k of the n values are below it.
+    # The lower end has the highest rank at which that has a probability of at most 2.5 %; the
+    # upper end mirrors it.
+    below = np.cumsum([math.comb(n, k) / 2**n for k in range(n)])
+    low = int(np.searchsorted(below, (1 - CONFIDENCE) / 2, side="right"))
+    return low, n + 1 - low
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlannerRow:
-    """Results of one planner on one floor: milliseconds of CPU, metres.
+    """Results of one planner on one floor, in milliseconds of CPU time and metres.
 
-    Of what a question's runs differ in, their median (or share) is taken first.
+    A field without a comment is the median over the questions of the median of their runs.
     """
 
     floorplan: str
@@ -182,37 +168,35 @@ class PlannerRow:
     queries: int
     runs: int
     solved: Estimate
-    """A share of 1: by a path that nothing is wrong with, or by the proof where there is none."""
+    """Share of correct answers."""
     wrong: int
-    """Answers."""
+    """Number of wrong answers."""
     faults: str
-    """What is wrong with these, and how many times."""
+    """Kinds of wrong answers with their numbers."""
     cpu: Estimate
-    """The median."""
     cpu_99: float
+    """99th percentile of all answers."""
     scene: float
-    """Median of what it takes to look at where the AGVs stand."""
+    """Median time of updating the planner after AGVs have moved."""
     planning: float
-    """The median of the time before simplification."""
+    """Time before simplification."""
     simplification: float
     memory: float
-    """MB, the most that the process grew by in one answer."""
+    """MB, the maximum by which the process grew in one answer."""
     checks: float
-    """The median."""
     length: Estimate
-    """The median."""
     ratio: Estimate
-    """The median of length over that of the shortest path."""
+    """Length over the shortest length."""
     ratio_most: float
+    """Maximum."""
     listed_ratio: Estimate
-    """The median of length over that which a scenario lists; NaN without one."""
+    """Length over the length that a scenario lists; NaN without one."""
     clearance_least: float
+    """Minimum."""
     turning: float
-    """The median of the radians that a path turns by."""
+    """Radians."""
     ompl_clearance: float
-    """The median."""
     ompl_smoothness: float
-    """The median."""
 
 
 def summary(attempts: Sequence[Attempt]) -> list[PlannerRow]:
@@ -231,12 +215,11 @@ def groups(attempts: Sequence[Attempt]) -> list[list[Attempt]]:
 def _row(group: Sequence[Attempt]) -> PlannerRow:
     found = [attempt for attempt in group if attempt.solved]
     faults = Counter(attempt.wrong for attempt in group if attempt.wrong)
-    cpu = [1000 * attempt.cpu_seconds for attempt in group]
     right = by_question(group, [float(attempt.right) for attempt in group])
 
-    def middle(of: Callable[[Attempt], float], among: Sequence[Attempt] = found) -> Estimate:
-        values = by_question(among, [of(attempt) for attempt in among])
-        return median([float(np.median(runs)) for runs in values])
+    def typical(name: str, among: Sequence[Attempt], scale: float = 1) -> Estimate:
+        runs = by_question(among, [scale * getattr(attempt, name) for attempt in among])
+        return median([float(np.median(values)) for values in runs])
 
     return PlannerRow(
         floorplan=group[0].asked.floorplan,
@@ -246,86 +229,67 @@ def _row(group: Sequence[Attempt]) -> PlannerRow:
         solved=share([sum(runs) / len(runs) for runs in right]),
         wrong=faults.total(),
         faults=", ".join(f"{fault} {count}" for fault, count in faults.items()),
-        cpu=middle(lambda a: 1000 * a.cpu_seconds, group),
-        cpu_99=float(np.percentile(cpu, 99)),
+        cpu=typical("cpu_seconds", group, 1000),
+        cpu_99=float(np.percentile([1000 * attempt.cpu_seconds for attempt in group], 99)),
         scene=float(np.median([1000 * attempt.scene_seconds for attempt in group])),
-        planning=middle(lambda a: 1000 * a.planning_seconds, group).value,
-        simplification=middle(lambda a: 1000 * a.simplification_seconds, group).value,
+        planning=typical("planning_seconds", group, 1000).value,
+        simplification=typical("simplification_seconds", group, 1000).value,
         memory=float(max(attempt.memory for attempt in group)),
-        checks=middle(lambda a: a.checks, group).value,
-        length=middle(lambda a: a.length),
-        ratio=middle(lambda a: a.ratio),
-        # As of the median: unknown if any is, since numpy's max of NaN and others is NaN.
+        checks=typical("checks", group).value,
+        length=typical("length", found),
+        ratio=typical("ratio", found),
+        # Unknown if any is, like the median: the maximum of NaN and others is NaN in NumPy.
         ratio_most=float(np.max([attempt.ratio for attempt in found])) if found else math.nan,
-        listed_ratio=middle(lambda a: a.listed_ratio),
+        listed_ratio=typical("listed_ratio", found),
         clearance_least=min([attempt.clearance for attempt in found], default=math.nan),
-        turning=middle(lambda a: a.turning).value,
-        ompl_clearance=middle(lambda a: a.ompl_clearance).value,
-        ompl_smoothness=middle(lambda a: a.ompl_smoothness).value,
+        turning=typical("turning", found).value,
+        ompl_clearance=typical("ompl_clearance", found).value,
+        ompl_smoothness=typical("ompl_smoothness", found).value,
     )
 
 
 _INNER = ("asked", "points", "progress")
-"""Fields of an attempt that have columns of their own, or none."""
+"""Fields of an attempt that are no columns."""
 
 
 def write_csv(attempts: Sequence[Attempt], path: Path) -> None:
-    """Write every answer as a line of `path`; lengths in metres, times in seconds of CPU."""
-    _write(path, (_answer_columns(attempt) for attempt in attempts))
+    """Write every answer as a line of `path`, in metres and seconds of CPU time."""
+    measures = [field.name for field in fields(Attempt) if field.name not in _INNER]
+    rows = []
+    for attempt in attempts:
+        asked = attempt.asked
+        columns = {name: getattr(asked, name) for name in _ASKED}
+        columns |= zip(ENDS, (*asked.start, *asked.goal), strict=True)
+        columns |= {name: getattr(attempt, name) for name in measures}
+        columns |= {"shortest": asked.shortest, "listed": asked.listed, "ratio": attempt.ratio}
+        rows.append(columns)
+    _write(path, rows)
 
 
-def _answer_columns(attempt: Attempt) -> dict[str, object]:
-    asked = attempt.asked
-    own = [field.name for field in fields(Attempt) if field.name not in _INNER]
-    return {
-        "floorplan": asked.floorplan,
-        "planner": asked.planner,
-        "query": asked.query,
-        "run": asked.run,
-        "seed": asked.seed,
-        **dict(zip(("x0", "y0", "x1", "y1"), (*asked.start, *asked.goal), strict=True)),
-        **{name: getattr(attempt, name) for name in own},
-        "shortest": asked.shortest,
-        "listed": asked.listed,
-        "ratio": attempt.ratio,
-    }
+_ASKED = ("floorplan", "planner", "query", "run", "seed")
+"""First columns of an answer."""
 
 
 def write_summary(rows: Sequence[PlannerRow], path: Path) -> None:
-    """Write every row as a line of `path`; `_low` and `_high` end columns of an interval."""
-    _write(path, (_row_columns(row) for row in rows))
+    """Write every row as a line of `path`; the ends of intervals are in `_low` and `_high`."""
+    lines = []
+    for row in rows:
+        columns: dict[str, object] = {}
+        for name, value in vars(row).items():
+            if isinstance(value, Estimate):
+                columns |= {name: value.value, f"{name}_low": value.low, f"{name}_high": value.high}
+            else:
+                columns[name] = value
+        lines.append(columns)
+    _write(path, lines)
 
 
-def _row_columns(row: PlannerRow) -> dict[str, object]:
-    columns: dict[str, object] = {}
-    for name, value in vars(row).items():
-        if isinstance(value, Estimate):
-            columns |= {name: value.value, f"{name}_low": value.low, f"{name}_high": value.high}
-        else:
-            columns[name] = value
-    return columns
-
-
-def _write(path: Path, rows: Iterable[dict[str, object]]) -> None:
+def _write(path: Path, rows: Sequence[dict[str, object]]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        for number, row in enumerate(rows):
-            if number == 0:
-                writer.writerow(row)
-            writer.writerow(row.values())
-
-
-def write_ompl_log(
-    attempts: Sequence[Attempt], path: Path, *, seed: int, seconds: float | None = None
-) -> None:
-    """Write the answers on one floor as OMPL's benchmark log.
-
-    `ompl_benchmark_statistics` and Planner Arena read it. What bears the name of one of OMPL's
-    properties is that property, but that times are of the CPU; the others are this benchmark's
-    own. `seconds` is the budget of an answer, where there was one.
-    """
-    lines = "".join(f"{line}\n" for line in _log(attempts, seed, seconds))
-    path.write_text(lines, encoding="utf-8")
+        writer = csv.DictWriter(file, rows[0] if rows else (), lineterminator="\n")
+        if rows:
+            writer.writeheader()
+        writer.writerows(rows)
 
 
 def _if_solved(name: str) -> Callable[[Attempt], object]:
@@ -350,47 +314,69 @@ _PROPERTIES: dict[str, Callable[[Attempt], object]] = {
     "query INTEGER": lambda attempt: attempt.asked.query,
     "run INTEGER": lambda attempt: attempt.asked.run,
 }
-"""Names and kinds of the properties of each run."""
+"""Properties of each run: name and type, and value."""
 
-_PROGRESS = ("time REAL", "iterations INTEGER", "best cost REAL")
+_LOG_HEAD = """\
+OMPL version {ompl}
+Experiment {experiment}
+0 experiment properties
+Running on {host}
+Starting at {now}
+<<<|
+Floorwalker's planner benchmark. Runs go through all queries; times are of the CPU.
+|>>>
+<<<|
+{processor}
+|>>>
+{seed} is the random seed
+{limit:.6f} seconds per run
+0 MB per run
+{runs} runs per planner
+{spent:.6f} seconds spent to collect the data
+0 enum types
+{planners} planners
+"""
 
 
-def _log(attempts: Sequence[Attempt], seed: int, seconds: float | None) -> Iterator[str]:
+def write_ompl_log(
+    attempts: Sequence[Attempt], path: Path, *, seed: int, seconds: float | None = None
+) -> None:
+    """Write the answers on one floor as OMPL's benchmark log.
+
+    `ompl_benchmark_statistics` and Planner Arena read it. Columns with names of OMPL's properties
+    contain these properties, except that times are of the CPU. `seconds` is the budget of an
+    answer, if there was one.
+    """
     planners = groups(attempts)
-    most = max(attempt.cpu_seconds for attempt in attempts)
-    yield f"OMPL version {version('ompl')}"
-    yield f"Experiment {'_'.join(attempts[0].asked.floorplan.split())}"
-    yield "0 experiment properties"
-    yield f"Running on {'_'.join(platform.node().split()) or 'UNKNOWN'}"
-    yield f"Starting at {datetime.now().isoformat(timespec='seconds')}"
-    yield "<<<|"
-    yield "Floorwalker's planner benchmark. Runs go through all queries; times are of the CPU."
-    yield "|>>>"
-    yield "<<<|"
-    yield platform.processor() or platform.machine()
-    yield "|>>>"
-    yield f"{seed} is the random seed"
-    # Without a budget of time, and of memory, these are no limits.
-    yield f"{most if seconds is None else seconds:.6f} seconds per run"
-    yield "0 MB per run"
-    yield f"{len(attempts) // len(planners)} runs per planner"
-    spent = sum(attempt.cpu_seconds for attempt in attempts)
-    yield f"{spent:.6f} seconds spent to collect the data"
-    yield "0 enum types"
-    yield f"{len(planners)} planners"
-    for runs in planners:
-        yield f"geometric_{runs[0].asked.planner}"
-        yield "0 common properties"
-        yield f"{len(_PROPERTIES)} properties for each run"
-        yield from _PROPERTIES
-        yield f"{len(runs)} runs"
-        for attempt in runs:
-            yield "".join(f"{value(attempt)}; " for value in _PROPERTIES.values())
-        yield f"{len(_PROGRESS)} progress properties for each run"
-        yield from _PROGRESS
-        yield f"{len(runs)} runs"
-        for attempt in runs:
-            yield "".join(
-                f"{one.cpu_seconds},{one.iterations},{one.length},;" for one in attempt.progress
-            )
-        yield "."
+    times = [attempt.cpu_seconds for attempt in attempts]
+    head = _LOG_HEAD.format(
+        ompl=version("ompl"),
+        experiment="_".join(attempts[0].asked.floorplan.split()),
+        host="_".join(platform.node().split()) or "UNKNOWN",
+        now=datetime.now().isoformat(timespec="seconds"),
+        processor=platform.processor() or platform.machine(),
+        seed=seed,
+        limit=max(times) if seconds is None else seconds,  # without a budget, this is no limit
+        runs=len(attempts) // len(planners),
+        spent=sum(times),
+        planners=len(planners),
+    )
+    lines = [line for runs in planners for line in _log_of(runs)]
+    path.write_text(head + "\n".join([*lines, ""]), encoding="utf-8")
+
+
+def _log_of(runs: Sequence[Attempt]) -> Iterator[str]:
+    """Yield the lines about one planner."""
+    yield f"geometric_{runs[0].asked.planner}"
+    yield "0 common properties"
+    yield f"{len(_PROPERTIES)} properties for each run"
+    yield from _PROPERTIES
+    yield f"{len(runs)} runs"
+    for attempt in runs:
+        yield "".join(f"{value(attempt)}; " for value in _PROPERTIES.values())
+    yield "3 progress properties for each run"
+    yield from ("time REAL", "iterations INTEGER", "best cost REAL")
+    yield f"{len(runs)} runs"
+    for attempt in runs:
+        yield "".join(f"{p.cpu_seconds},{p.iterations},{p.length},;" for p in attempt.progress)
+    yield "."

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from floorplan.files.values import require
-from navigation.benchmark.reports import share
+from navigation.benchmark import share
 from navigation.separation import AnyLaw
 
 from ..core.recorder import Scene

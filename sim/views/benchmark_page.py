@@ -418,7 +418,7 @@ def interval(estimate: Estimate, digits: int = 2) -> str:
 
 def _machine(planners: Collection[str]) -> dict[str, str]:
     """Return what the times of these planners depend on, by name."""
-    peers = [PEERS[name] for name in planners if name in PEERS]
+    others = [name for name in planners if name in PEERS and PEERS[name].module != "ompl"]
     return {
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}",
         "software": ", ".join(
@@ -426,7 +426,7 @@ def _machine(planners: Collection[str]) -> dict[str, str]:
                 f"Floorwalker {version('floorwalker')}",
                 f"OMPL {version('ompl')}",
                 f"Python {platform.python_version()}",
-                *(f"{peer.name} {version(peer.name)}" for peer in peers if peer.module != "ompl"),
+                *(f"{name} {version(name)}" for name in others),
             ]
         ),
     }

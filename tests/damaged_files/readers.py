@@ -14,7 +14,7 @@ import bdi
 import floorplan
 import sim
 from bdi.language.loading import parse_term
-from navigation.benchmark import map_of, scenes_of
+from navigation.benchmark import map_of, read_questions
 from sim.bridge import Exchange, RosbridgeConnection, Workcell
 from sim.bridge.client import Client
 from sim.bridge.protocol import Account, Ledger
@@ -187,7 +187,7 @@ def to_agent(path):
 def questions(path):
     """Ask what a file of questions asks, of the map that it names or of the sample's floor."""
     floor = path.with_name("floor.yaml") if path.suffix == ".csv" else map_of(path)
-    scenes_of(path, floorplan.load(floor), radius=0.3)
+    read_questions(path, floorplan.load(floor), radius=0.3)
 
 
 READERS = {

@@ -1,6 +1,7 @@
 import csv
 import math
 import sqlite3
+from collections import Counter
 from contextlib import closing
 from dataclasses import replace
 
@@ -17,16 +18,16 @@ from navigation import CollisionWorld
 from navigation.benchmark import (
     PEERS,
     SHORTFALL,
+    Answer,
     Asked,
     ShortestPaths,
     benchmark,
-    scenes,
+    drawn_questions,
+    evaluate,
     summary,
     write_csv,
     write_ompl_log,
 )
-from navigation.benchmark.measuring import evaluate, ompl_clearance, ompl_smoothness
-from navigation.benchmark.peers import Answer
 
 
 @pytest.fixture(scope="module")
@@ -83,15 +84,15 @@ def test_the_same_seed_measures_the_same(attempts):
 
 def test_questions_have_answers():
     plan = floorplan.load("ariac2023")
-    for scene in scenes(plan, queries=25, seed=3, radius=0.3):
-        assert len(scene.questions) in (10, 5)
-        world = CollisionWorld(plan)
-        for name, at in scene.agvs:
+    questions = list(drawn_questions(plan, queries=25, seed=3, radius=0.3))
+    assert [*Counter(one.agvs for one in questions).values()] == [10, 10, 5]
+    world = CollisionWorld(plan)
+    for one in questions:
+        for name, at in one.agvs:
             world.move_agv(name, at)
-        for (start, goal), best in zip(scene.questions, scene.shortest, strict=True):
-            assert world.free(start, 0.3)
-            assert world.free(goal, 0.3)
-            assert math.dist(start, goal) - 1e-9 <= best < 100
+        assert world.free(one.start, 0.3)
+        assert world.free(one.goal, 0.3)
+        assert math.dist(one.start, one.goal) - 1e-9 <= one.shortest < 100
 
 
 def test_no_room_is_said():
@@ -182,6 +183,21 @@ def test_ompl_makes_a_database_of_the_log(attempts, tmp_path):
             ]
 
 
+def question():
+    """A question to a planner from one side of a wall to the other."""
+    return Asked(
+        floorplan="barred",
+        planner="somebody",
+        query=0,
+        run=0,
+        seed=0,
+        start=(1, 2),
+        goal=(9, 2),
+        shortest=14.0,
+        longest=1.5,
+    )
+
+
 def by_ompl(points, clear):
     """Clearance and smoothness of a polyline, asked of OMPL itself."""
     space = ob.RealVectorStateSpace(2)
@@ -211,13 +227,15 @@ def by_ompl(points, clear):
 
 def test_smoothness_and_clearance_are_as_ompl_has_them():
     world = CollisionWorld(floorplan.load("ariac2023"))
+    asked = question()
     rng = np.random.default_rng(0)
     back_and_forth = [(0, 0), (1, 0), (2, 0), (1, 0), (1, 1)]
     paths = [back_and_forth, *(rng.uniform(-12, 8, (n, 2)) for n in (2, 3, 20))]
     for points in [np.array(path, dtype=float) for path in paths]:
         clear, smooth = by_ompl(points, lambda at: world.distance(at) - 0.3)
-        assert ompl_clearance(points, world.distance, 0.3) == pytest.approx(clear)
-        assert ompl_smoothness(points) == pytest.approx(smooth, rel=1e-6)
+        found = evaluate(asked, Answer(points=points), world, 0.3)
+        assert found.ompl_clearance == pytest.approx(clear)
+        assert found.ompl_smoothness == pytest.approx(smooth, rel=1e-6)
 
 
 def test_shortest_ways_do_not_cut_corners():
@@ -286,17 +304,7 @@ def test_senseless_terms_are_refused(options, words):
 
 
 def test_wrong_answers_are_noticed():
-    asked = Asked(
-        floorplan="barred",
-        planner="somebody",
-        query=0,
-        run=0,
-        seed=0,
-        start=(1, 2),
-        goal=(9, 2),
-        shortest=14.0,
-        longest=1.5,
-    )
+    asked = question()
     world = CollisionWorld(BARRED)
 
     def fault(points, reason="", **other):
@@ -347,17 +355,17 @@ def test_ompls_own_roadmap_planner_finds_nothing_where_no_path_is(
     assert search((2.0, 3.0), (3.0, 1.0)) == [(2.0, 3.0), (3.0, 1.0)]
 
 
-@pytest.mark.parametrize("peer", PEERS.values(), ids=PEERS)
-def test_peers_answer_the_same_questions(peer):
+@pytest.mark.parametrize("name", PEERS)
+def test_peers_answer_the_same_questions(name):
     """Each with the radius, round the wall, and none of them into it."""
-    if not peer.installed:
-        with pytest.raises(ValueError, match=f"{peer.name} is not installed: pip install"):
-            benchmark([BARRED], [peer.name], queries=1)
-        pytest.skip(f"{peer.name} is not installed")
-    ours, *theirs = (
-        benchmark([BARRED], [name], queries=8, seed=4) for name in ("Roadmap", peer.name)
+    if not PEERS[name].installed:
+        with pytest.raises(ValueError, match=f"{name} is not installed: pip install"):
+            benchmark([BARRED], [name], queries=1)
+        pytest.skip(f"{name} is not installed")
+    ours, theirs = (
+        benchmark([BARRED], [planner], queries=8, seed=4) for planner in ("Roadmap", name)
     )
-    for one, other in zip(ours, *theirs, strict=True):
+    for one, other in zip(ours, theirs, strict=True):
         assert (one.asked.start, one.asked.goal) == (other.asked.start, other.asked.goal)
         assert other.right, other.reason
         assert 1 - 2 * SHORTFALL <= other.ratio < 1.5

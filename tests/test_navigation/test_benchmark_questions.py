@@ -12,16 +12,17 @@ import floorplan
 from navigation.benchmark import (
     Asked,
     Attempt,
+    Progress,
     QuestionsError,
     benchmark,
     cost_over_time,
     map_of,
-    scenes_of,
+    median,
+    read_questions,
+    share,
     success_over_time,
     summary,
 )
-from navigation.benchmark.peers import Progress
-from navigation.benchmark.reports import median, share
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MAP = """type octile
@@ -43,19 +44,19 @@ def hall(tmp_path):
 
 def ask(path, plan, text, **options):
     path.write_text(text)
-    return scenes_of(path, plan, radius=0.3, **options)
+    return read_questions(path, plan, radius=0.3, **options)
 
 
 def test_a_table_asks_with_agvs_where_it_says(tmp_path):
     plan = floorplan.load("ariac2023")
     text = "x0, y0, x1, y1, agv1\n-15,-10,-5,3.75,as1\n\n-15,-10,-5,3.75,\n-14,-9,-5,3.75,\n"
-    first, second = ask(tmp_path / "q.csv", plan, text)
+    first, second, third = ask(tmp_path / "q.csv", plan, text)
     assert dict(first.agvs)["agv1"] == plan.lane("agv1").lane_position("as1")
     assert dict(second.agvs)["agv1"] == plan.lane("agv1").lane_position(plan.lane("agv1").start)
-    assert first.questions == (((-15.0, -10.0), (-5.0, 3.75)),)
-    assert len(second.questions) == 2
-    (some,) = ask(tmp_path / "q.csv", plan, text.replace("as1", ""), queries=2, seed=1)
-    assert len(some.questions) == 2
+    assert (first.start, first.goal) == ((-15.0, -10.0), (-5.0, 3.75))
+    assert (third.start, third.agvs) == ((-14.0, -9.0), second.agvs)
+    some = ask(tmp_path / "q.csv", plan, text.replace("as1", ""), queries=2, seed=1)
+    assert len(some) == 2
 
 
 @pytest.mark.parametrize(
@@ -81,8 +82,8 @@ def test_a_question_that_has_no_answer_is_one(hall):
     walls = MAP.replace("..T...", "@@@@@@")
     (hall / "hall.map").write_text(walls)
     plan = floorplan.load(hall / "hall.map")
-    (scene,) = ask(hall / "q.csv", plan, "x0,y0,x1,y1\n0.5,0.5,0.5,3.5\n")
-    assert scene.shortest == (math.inf,)
+    (question,) = ask(hall / "q.csv", plan, "x0,y0,x1,y1\n0.5,0.5,0.5,3.5\n")
+    assert question.shortest == math.inf
     (hall / "q.csv").write_text("x0,y0,x1,y1\n0.5,0.5,0.5,3.5\n")
     (one,) = attempts = benchmark([plan], ["Roadmap"], questions=hall / "q.csv")
     assert summary(attempts)[0].solved.value == 1.0
@@ -93,15 +94,15 @@ def test_a_question_that_has_no_answer_is_one(hall):
 def test_a_scenario_asks_in_cells_from_the_top(hall):
     plan = floorplan.load(hall / "hall.map")
     line = "0\tmaps/hall.map\t6\t4\t0\t0\t3\t3\t5.41421356\n"
-    (scene,) = ask(hall / "hall.map.scen", plan, f"version 1\n{line}")
+    (question,) = ask(hall / "hall.map.scen", plan, f"version 1\n{line}")
     assert map_of(hall / "hall.map.scen") == hall / "hall.map"
-    assert scene.questions == (((0.5, 3.5), (3.5, 0.5)),)
-    assert scene.listed == (5.41421356,)
-    assert scene.shortest[0] < 5.41421356
+    assert (question.start, question.goal) == ((0.5, 3.5), (3.5, 0.5))
+    assert question.listed == 5.41421356
+    assert question.shortest < 5.41421356
     half = floorplan.load_movingai(hall / "hall.map", 0.5)
-    (scene,) = scenes_of(hall / "hall.map.scen", half, radius=0.1)
-    assert scene.questions == (((0.25, 1.75), (1.75, 0.25)),)
-    assert scene.listed == pytest.approx((2.70710678,))
+    (question,) = read_questions(hall / "hall.map.scen", half, radius=0.1)
+    assert (question.start, question.goal) == ((0.25, 1.75), (1.75, 0.25))
+    assert question.listed == pytest.approx(2.70710678)
 
 
 @pytest.mark.parametrize(
