@@ -13,12 +13,12 @@ import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from itertools import chain
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 import shapely
@@ -35,18 +35,16 @@ from .drawings import (
     BOUNDARY,
     OUTSIZED,
     Drawn,
-    Hatched,
     Loose,
     Name,
     Polyline,
-    Stroke,
-    Traced,
     Unread,
     enclosed,
+    hatched,
+    line,
     opened,
     pieces_of,
     polygons_of,
-    shapes,
 )
 
 if TYPE_CHECKING:
@@ -245,6 +243,7 @@ class _Inserted:
 
 
 _MODEL_SPACE = _Inserted()
+_Shape: TypeAlias = Polyline | Unread
 _XYZ = attrgetter("xyz")
 
 
@@ -268,12 +267,11 @@ class Reader:
         }
         self._hidden = lru_cache(None)(lambda layer: hidden.get(layer.casefold(), (False, False)))
 
-    def shapes(self) -> Iterator[Polyline | Unread]:
+    def shapes(self) -> Iterator[_Shape]:
         """Yield the shapes of the model space, and what is left out of it."""
-        entities = map(_Entity, self._drawing.modelspace())
-        return shapes([*self._read(entities, _MODEL_SPACE)], self._metre)
+        return self._read(map(_Entity, self._drawing.modelspace()), _MODEL_SPACE)
 
-    def _read(self, entities: Iterable[_Entity], block: _Inserted) -> Iterator[Traced]:
+    def _read(self, entities: Iterable[_Entity], block: _Inserted) -> Iterator[_Shape]:
         for one in entities:
             kind, layer = one.kind, one.layer
             if block.layer is not None and layer == "0":
@@ -296,38 +294,36 @@ class Reader:
             elif one.straight is not None and not one.thickness:
                 # ezdxf's matrices act on rows from the right, with the translation in the last row.
                 corners = one.straight @ block.at[:3, :3] + block.at[3, :3]
-                yield Stroke(layer, name, corners, one.closed, 0.0)
+                yield line(layer, name, corners * self._metre, one.closed, 0.0)
             else:
                 yield from self._put(one.entity, layer, name, block)
 
-    def _insert(self, one: _Entity, layer: str, within: _Inserted) -> Iterator[Traced]:
+    def _insert(self, one: _Entity, layer: str, within: _Inserted) -> Iterator[_Shape]:
         insert = one.entity
         name = insert.dxf.get("name", "")
         block = insert.block()
         refuse = partial(Unread, layer, partial(within.named, one))
         if block is None:
-            yield refuse(f"there is no block {name!r}", True)
+            yield refuse(f"there is no block {name!r}")
             return
         if block.block is not None and block.block.is_xref:
             why = f"refers to another drawing ({name!r}); bind it into this one"
             yield refuse(why, self.group_of(layer) is not None)
             return
         if name.casefold() in within.blocks:
-            yield refuse(f"the block {name!r} contains itself", True)
+            yield refuse(f"the block {name!r} contains itself")
             return
         if name not in self._blocks:
             self._blocks[name] = [_Entity(entity) for entity in block]
         if insert.mcount > MOST_COPIES:
-            yield refuse(
-                f"puts {insert.mcount:,} copies of a block, more than {MOST_COPIES:,}", True
-            )
+            yield refuse(f"puts {insert.mcount:,} copies of a block, more than {MOST_COPIES:,}")
             return
         place = f"{within.named(one)} ({name})"
         for step, matrix in one.steps:
             inserted = within.block(name, layer, place, step, matrix)
             yield from self._read(self._blocks[name], inserted)
 
-    def _put(self, entity: Any, layer: str, name: Name, block: _Inserted) -> Iterator[Traced]:
+    def _put(self, entity: Any, layer: str, name: Name, block: _Inserted) -> Iterator[_Shape]:
         """Yield what a curve of a block is where the block stands: drawn out at its size there."""
         from ezdxf.transform import copies
 
@@ -340,23 +336,23 @@ class Reader:
             except ValueError as damage:
                 why = str(damage)
             if why:
-                yield Unread(layer, name, f"can't be put where its block is: {why}", True)
+                yield Unread(layer, name, f"can't be put where its block is: {why}")
                 return
         for part in parts:
             yield from self._traced(_Entity(part), layer, name)
 
-    def _traced(self, one: _Entity, layer: str, name: Name) -> Iterator[Traced]:
+    def _traced(self, one: _Entity, layer: str, name: Name) -> Iterator[_Shape]:
         if one.kind in PARTED:
             for part in one.entity.virtual_entities():
                 yield self._line(_Entity(part), layer, name)
         elif one.kind in HATCHES:
-            yield self._hatch(one.entity, layer, name)
+            yield from self._hatch(one.entity, layer, name)
         else:
             yield self._line(one, layer, name)
 
-    def _line(self, one: _Entity, layer: str, name: Name) -> Stroke | Unread:
+    def _line(self, one: _Entity, layer: str, name: Name) -> _Shape:
         kind, entity = one.kind, one.entity
-        refuse = partial(Unread, layer, name, wanted=True)
+        refuse = partial(Unread, layer, name)
         if kind not in LINES | OUTLINES:
             return refuse(why="can't be read as an outline: draw polylines, lines or circles")
         if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
@@ -371,19 +367,22 @@ class Reader:
             corners = self._flat(path)
         if len(corners) < 2:
             return refuse(why="has no length")
-        return Stroke(layer, name, corners, one.closed, one.thickness)
+        metre = self._metre
+        return line(layer, name, corners * metre, one.closed, one.thickness * metre)
 
-    def _hatch(self, hatch: Any, layer: str, name: Name) -> Hatched | Unread:
+    def _hatch(self, hatch: Any, layer: str, name: Name) -> Iterator[_Shape]:
         if self._drawn.groups is None:
             why = "hatches are read only from layers that `layers` names"
-            return Unread(layer, name, why, False)
+            yield Unread(layer, name, why, False)
+            return
         from ezdxf.path import from_hatch
 
         paths = [*from_hatch(hatch)]
         if why := next(filter(None, map(self._unfit, paths)), ""):
-            return Unread(layer, name, why, True)
-        outlines = map(self._flat, paths)
-        return Hatched(layer, name, [outline for outline in outlines if len(outline) >= 3])
+            yield Unread(layer, name, why)
+            return
+        outlines = [outline * self._metre for outline in map(self._flat, paths)]
+        yield from hatched(layer, name, [one for one in outlines if len(one) >= 3])
 
     def _unfit(self, path: Any) -> str:
         """Return why a path of ezdxf's can't be drawn out, which takes for ever at any size.
@@ -408,14 +407,6 @@ class Reader:
 _Heights = tuple[float, float]
 
 
-@dataclass(frozen=True)
-class _Area:
-    group: str
-    polygon: Polygon
-    bottom: float
-    top: float
-
-
 @no_garbage()
 def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     """The floorplan in the DXF file at `path`; `FloorplanError` with all that is wrong with it."""
@@ -436,7 +427,7 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
                     to.append(Problem(found.why, _place(found)))
     except DAMAGED as why:
         raise FloorplanError.of(path, f"has a damaged entity: {why}") from None
-    areas: list[_Area] = []
+    areas: list[Obstacle] = []
     for name, held in shapes.items():
         for area in _areas(name, held, drawn):
             if isinstance(area, Problem):
@@ -444,7 +435,7 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
             else:
                 areas.append(area)
     problems += drawn.unmatched(reader.layers)
-    bounding = [area for area in areas if area.group == BOUNDARY]
+    bounding = [area for area in areas if area.name == BOUNDARY]
     if drawn.boundary is None and len(bounding) != 1 and not problems:
         problems.append(_boundary_problem(len(bounding), areas, drawn))
     if problems:
@@ -452,8 +443,8 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     return Floorplan(
         name=path.stem,
         source=f"{path.name} (DXF)",
-        boundary=bounding[0].polygon if drawn.boundary is None else drawn.boundary,
-        obstacles=_obstacles([area for area in areas if area.group != BOUNDARY]),
+        boundary=bounding[0].footprint if drawn.boundary is None else drawn.boundary,
+        obstacles=_obstacles([area for area in areas if area.name != BOUNDARY]),
         notices=tuple(notices),
     )
 
@@ -483,24 +474,31 @@ def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) ->
     return drawn.metre
 
 
-def _place(found: Polyline | Unread) -> str:
+def _place(found: _Shape) -> str:
     return f"layer {found.layer!r}, {found.name()}"
 
 
-def _areas(name: str, shapes: list[Polyline], drawn: Drawn) -> Iterator[_Area | Problem]:
+def _areas(name: str, shapes: list[Polyline], drawn: Drawn) -> Iterator[Obstacle | Problem]:
     """Yield the areas of a group, closed outlines first, in the order of the drawing."""
+
+    def area(polygon: Polygon, at: _Heights) -> Obstacle:
+        return Obstacle(name=name, footprint=polygon, bottom=at[0], top=at[1])
+
     group = drawn.group(name)
     levels: dict[_Heights, list[Polygon]] = {}
     lines: dict[_Heights, list[Polyline]] = {}
     filled: list[tuple[_Heights, shapely.Geometry]] = []
-    closed = [shape for shape in shapes if shape.closed]
+    closed = [shape for shape in shapes if shape.closed and shape.area is None]
     polygons = polygons_of([shape.corners for shape in closed])
     sound = shapely.is_valid(polygons) & (shapely.area(polygons) > 0)
     bounded = zip(polygons, sound.tolist(), strict=True)
     for shape in shapes:
         at = group.z or _heights(shape)
+        if shape.area is not None:
+            filled.append((at, shape.area))
+            continue
         polygon, whole = next(bounded) if shape.closed else (None, False)
-        if group.line_width is not None and not shape.filled:
+        if group.line_width is not None:
             ring = shape.corners if polygon is None else polygon.exterior
             wall = shapely.LineString(ring).buffer(
                 group.line_width / 2, cap_style="square", join_style="mitre"
@@ -510,13 +508,10 @@ def _areas(name: str, shapes: list[Polyline], drawn: Drawn) -> Iterator[_Area | 
             lines.setdefault(at, []).append(shape)
         elif not whole:
             yield Problem(polygon_fault(polygon), _place(shape))
-        elif shape.filled:
-            hatched = polygon if shape.holes is None else polygon.difference(shape.holes)
-            filled.append((at, hatched))
         elif group.hollow:
             levels.setdefault(at, []).append(polygon)
         else:
-            yield _Area(name, polygon, *at)
+            yield area(polygon, at)
     for at, loose_lines in lines.items():
         found, loose = enclosed([shape.corners for shape in loose_lines], drawn.snap)
         levels.setdefault(at, []).extend(found)
@@ -524,10 +519,10 @@ def _areas(name: str, shapes: list[Polyline], drawn: Drawn) -> Iterator[_Area | 
             yield Problem(_open(one, drawn), _place(loose_lines[one.index]))
     for at, found in levels.items():
         for polygon in opened(found) if group.hollow else found:
-            yield _Area(name, polygon, *at)
+            yield area(polygon, at)
     pieces, of = pieces_of([area for _, area in filled])
     for piece, k in zip(pieces, of.tolist(), strict=True):
-        yield _Area(name, piece, *filled[k][0])
+        yield area(piece, filled[k][0])
 
 
 def _heights(shape: Polyline) -> _Heights:
@@ -545,8 +540,8 @@ def _open(loose: Loose, drawn: Drawn) -> str:
     return near
 
 
-def _boundary_problem(count: int, areas: list[_Area], drawn: Drawn) -> Problem:
-    groups = ", ".join(sorted({area.group for area in areas})) or "none"
+def _boundary_problem(count: int, areas: list[Obstacle], drawn: Drawn) -> Problem:
+    groups = ", ".join(sorted({area.name for area in areas})) or "none"
     if drawn.groups is None:
         where = f"on the layer {BOUNDARY!r}, found {count} (layers with outlines: {groups})"
     else:
@@ -554,20 +549,19 @@ def _boundary_problem(count: int, areas: list[_Area], drawn: Drawn) -> Problem:
     return Problem(f"expected one outline {where}")
 
 
-def _obstacles(areas: list[_Area]) -> tuple[Obstacle, ...]:
+def _obstacles(areas: list[Obstacle]) -> tuple[Obstacle, ...]:
     """Return the areas as obstacles, named by group and numbered where it has several.
 
     A number is left out where another group has that name.
     """
-    several = Counter(area.group for area in areas)
+    several = Counter(area.name for area in areas)
     numbers = {group: itertools.count(1) for group in several}
     taken = {group for group, count in several.items() if count == 1}
     found = []
     for area in areas:
-        name = area.group
-        if several[area.group] > 1:
-            numbered = (f"{area.group}{k}" for k in numbers[area.group])
-            name = next(one for one in numbered if one not in taken)
-            taken.add(name)
-        found.append(Obstacle(name=name, footprint=area.polygon, bottom=area.bottom, top=area.top))
+        if several[area.name] > 1:
+            numbered = (f"{area.name}{k}" for k in numbers[area.name])
+            area = replace(area, name=next(one for one in numbered if one not in taken))
+            taken.add(area.name)
+        found.append(area)
     return tuple(found)
