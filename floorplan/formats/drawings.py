@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from typing import TypeAlias
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
+from ..checks import polygon_fault
 from ..files.fields import LARGEST, are_figures, is_figure
 from ..files.problems import Problem, suggestion
-from ..model import Point
+from ..model import DEFAULT_HEIGHT, Obstacle, Point
 
 BOUNDARY = "boundary"
 """The group of the outline of the floor; without groups, the layer of that name."""
@@ -263,9 +267,10 @@ class Unread:
     wanted: bool = True
 
 
-def line(
-    layer: str, name: Name, corners: Floats, closed: bool, thickness: float
-) -> Polyline | Unread:
+Shape: TypeAlias = Polyline | Unread
+
+
+def line(layer: str, name: Name, corners: Floats, closed: bool, thickness: float) -> Shape:
     """Return an entity with these corners (N, 3), in metres; it is closed if its ends meet."""
     if not (are_figures(corners).all() and is_figure(thickness)):
         return Unread(layer, name, OUTSIZED)
@@ -279,7 +284,7 @@ def line(
     return Polyline(layer, name, corners[:, :2], closed, float(corners[:, 2].min()), thickness)
 
 
-def hatched(layer: str, name: Name, outlines: Sequence[Floats]) -> Iterator[Polyline | Unread]:
+def hatched(layer: str, name: Name, outlines: Sequence[Floats]) -> Iterator[Shape]:
     """Yield the areas of a hatch, whose `outlines` are (N, 3) corners in metres.
 
     By the even-odd rule, an outline inside an odd number of others is an opening.
@@ -293,3 +298,101 @@ def hatched(layer: str, name: Name, outlines: Sequence[Floats]) -> Iterator[Poly
         yield Polyline(layer, name, ring, True, float(outlines[-1][:, 2].min()), 0.0, part)
     if not parts:
         yield Unread(layer, name, "encloses no area")
+
+
+Heights = tuple[float, float]
+
+
+def place_of(found: Shape) -> str:
+    """Return the place of a shape in the drawing."""
+    return f"layer {found.layer!r}, {found.name()}"
+
+
+def areas_in(name: str, shapes: list[Polyline], drawn: Drawn) -> Iterator[Obstacle | Problem]:
+    """Yield the areas of a group, closed outlines first, in the order of the drawing."""
+
+    def area(polygon: Polygon, at: Heights) -> Obstacle:
+        return Obstacle(name=name, footprint=polygon, bottom=at[0], top=at[1])
+
+    group = drawn.group(name)
+    levels: dict[Heights, list[Polygon]] = {}
+    lines: dict[Heights, list[Polyline]] = {}
+    filled: list[tuple[Heights, shapely.Geometry]] = []
+    closed = [shape for shape in shapes if shape.closed and shape.area is None]
+    polygons = polygons_of([shape.corners for shape in closed])
+    sound = shapely.is_valid(polygons) & (shapely.area(polygons) > 0)
+    bounded = zip(polygons, sound.tolist(), strict=True)
+    for shape in shapes:
+        at = group.z or _heights(shape)
+        if shape.area is not None:
+            filled.append((at, shape.area))
+            continue
+        polygon, whole = next(bounded) if shape.closed else (None, False)
+        if group.line_width is not None:
+            ring = shape.corners if polygon is None else polygon.exterior
+            wall = shapely.LineString(ring).buffer(
+                group.line_width / 2, cap_style="square", join_style="mitre"
+            )
+            filled.append((at, wall))
+        elif polygon is None:
+            lines.setdefault(at, []).append(shape)
+        elif not whole:
+            yield Problem(polygon_fault(polygon), place_of(shape))
+        elif group.hollow:
+            levels.setdefault(at, []).append(polygon)
+        else:
+            yield area(polygon, at)
+    for at, loose_lines in lines.items():
+        found, loose = enclosed([shape.corners for shape in loose_lines], drawn.snap)
+        levels.setdefault(at, []).extend(found)
+        for one in loose:
+            yield Problem(_open(one, drawn), place_of(loose_lines[one.index]))
+    for at, found in levels.items():
+        for polygon in opened(found) if group.hollow else found:
+            yield area(polygon, at)
+    pieces, of = pieces_of([area for _, area in filled])
+    for piece, k in zip(pieces, of.tolist(), strict=True):
+        yield area(piece, filled[k][0])
+
+
+def _heights(shape: Polyline) -> Heights:
+    low, high = sorted((shape.bottom, shape.bottom + (shape.thickness or DEFAULT_HEIGHT)))
+    return low, high
+
+
+def _open(loose: Loose, drawn: Drawn) -> str:
+    x, y = loose.end
+    if loose.gap is None:
+        return "is open; it encloses nothing together with the lines that it meets"
+    near = f"is open; close it: no line meets its end at ({x:.3f}, {y:.3f}) m"
+    if loose.gap < 0.1:
+        return f"{near}, the nearest is {loose.gap:.4f} m away; a `snap` of that closes it"
+    return near
+
+
+def boundary_problem(count: int, areas: list[Obstacle], drawn: Drawn) -> Problem:
+    """Return the problem of a drawing with `count` outlines of the floor."""
+    groups = ", ".join(sorted({area.name for area in areas})) or "none"
+    if drawn.groups is None:
+        where = f"on the layer {BOUNDARY!r}, found {count} (layers with outlines: {groups})"
+    else:
+        where = f"in the group {BOUNDARY!r} of `layers`, found {count} (with outlines: {groups})"
+    return Problem(f"expected one outline {where}")
+
+
+def numbered(areas: list[Obstacle]) -> tuple[Obstacle, ...]:
+    """Return the areas as obstacles, named by group and numbered where it has several.
+
+    A number is left out where another group has that name.
+    """
+    several = Counter(area.name for area in areas)
+    numbers = {group: itertools.count(1) for group in several}
+    taken = {group for group, count in several.items() if count == 1}
+    found = []
+    for area in areas:
+        if several[area.name] > 1:
+            names = (f"{area.name}{k}" for k in numbers[area.name])
+            area = replace(area, name=next(one for one in names if one not in taken))
+            taken.add(area.name)
+        found.append(area)
+    return tuple(found)

@@ -9,42 +9,38 @@ what is no shape (texts, dimensions, points), are left out.
 from __future__ import annotations
 
 import io
-import itertools
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from itertools import chain
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
-from shapely.geometry import Polygon
 
-from ..checks import WIDEST, polygon_fault
+from ..checks import WIDEST
 from ..files.fields import are_figures
 from ..files.problems import FloorplanError, Problem, UserError
 from ..files.reading import no_garbage, require_readable
-from ..model import DEFAULT_HEIGHT, Obstacle
+from ..model import Obstacle
 from ..plan import Floorplan
 from .drawings import (
     BOUNDARY,
     OUTSIZED,
     Drawn,
-    Loose,
     Name,
     Polyline,
+    Shape,
     Unread,
-    enclosed,
+    areas_in,
+    boundary_problem,
     hatched,
     line,
-    opened,
-    pieces_of,
-    polygons_of,
+    numbered,
+    place_of,
 )
 
 if TYPE_CHECKING:
@@ -243,7 +239,6 @@ class _Inserted:
 
 
 _MODEL_SPACE = _Inserted()
-_Shape: TypeAlias = Polyline | Unread
 _XYZ = attrgetter("xyz")
 
 
@@ -267,11 +262,11 @@ class Reader:
         }
         self._hidden = lru_cache(None)(lambda layer: hidden.get(layer.casefold(), (False, False)))
 
-    def shapes(self) -> Iterator[_Shape]:
+    def shapes(self) -> Iterator[Shape]:
         """Yield the shapes of the model space, and what is left out of it."""
         return self._read(map(_Entity, self._drawing.modelspace()), _MODEL_SPACE)
 
-    def _read(self, entities: Iterable[_Entity], block: _Inserted) -> Iterator[_Shape]:
+    def _read(self, entities: Iterable[_Entity], block: _Inserted) -> Iterator[Shape]:
         for one in entities:
             kind, layer = one.kind, one.layer
             if block.layer is not None and layer == "0":
@@ -298,7 +293,7 @@ class Reader:
             else:
                 yield from self._put(one.entity, layer, name, block)
 
-    def _insert(self, one: _Entity, layer: str, within: _Inserted) -> Iterator[_Shape]:
+    def _insert(self, one: _Entity, layer: str, within: _Inserted) -> Iterator[Shape]:
         insert = one.entity
         name = insert.dxf.get("name", "")
         block = insert.block()
@@ -323,7 +318,7 @@ class Reader:
             inserted = within.block(name, layer, place, step, matrix)
             yield from self._read(self._blocks[name], inserted)
 
-    def _put(self, entity: Any, layer: str, name: Name, block: _Inserted) -> Iterator[_Shape]:
+    def _put(self, entity: Any, layer: str, name: Name, block: _Inserted) -> Iterator[Shape]:
         """Yield what a curve of a block is where the block stands: drawn out at its size there."""
         from ezdxf.transform import copies
 
@@ -341,7 +336,7 @@ class Reader:
         for part in parts:
             yield from self._traced(_Entity(part), layer, name)
 
-    def _traced(self, one: _Entity, layer: str, name: Name) -> Iterator[_Shape]:
+    def _traced(self, one: _Entity, layer: str, name: Name) -> Iterator[Shape]:
         if one.kind in PARTED:
             for part in one.entity.virtual_entities():
                 yield self._line(_Entity(part), layer, name)
@@ -350,7 +345,7 @@ class Reader:
         else:
             yield self._line(one, layer, name)
 
-    def _line(self, one: _Entity, layer: str, name: Name) -> _Shape:
+    def _line(self, one: _Entity, layer: str, name: Name) -> Shape:
         kind, entity = one.kind, one.entity
         refuse = partial(Unread, layer, name)
         if kind not in LINES | OUTLINES:
@@ -370,7 +365,7 @@ class Reader:
         metre = self._metre
         return line(layer, name, corners * metre, one.closed, one.thickness * metre)
 
-    def _hatch(self, hatch: Any, layer: str, name: Name) -> Iterator[_Shape]:
+    def _hatch(self, hatch: Any, layer: str, name: Name) -> Iterator[Shape]:
         if self._drawn.groups is None:
             why = "hatches are read only from layers that `layers` names"
             yield Unread(layer, name, why, False)
@@ -404,9 +399,6 @@ class Reader:
         return np.fromiter(chain.from_iterable(map(_XYZ, corners)), float).reshape(-1, 3)
 
 
-_Heights = tuple[float, float]
-
-
 @no_garbage()
 def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     """The floorplan in the DXF file at `path`; `FloorplanError` with all that is wrong with it."""
@@ -424,12 +416,12 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
                     shapes.setdefault(str(reader.group_of(found.layer)), []).append(found)
                 else:
                     to = problems if found.wanted else notices
-                    to.append(Problem(found.why, _place(found)))
+                    to.append(Problem(found.why, place_of(found)))
     except DAMAGED as why:
         raise FloorplanError.of(path, f"has a damaged entity: {why}") from None
     areas: list[Obstacle] = []
     for name, held in shapes.items():
-        for area in _areas(name, held, drawn):
+        for area in areas_in(name, held, drawn):
             if isinstance(area, Problem):
                 problems.append(area)
             else:
@@ -437,14 +429,14 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     problems += drawn.unmatched(reader.layers)
     bounding = [area for area in areas if area.name == BOUNDARY]
     if drawn.boundary is None and len(bounding) != 1 and not problems:
-        problems.append(_boundary_problem(len(bounding), areas, drawn))
+        problems.append(boundary_problem(len(bounding), areas, drawn))
     if problems:
         raise FloorplanError(file, problems)
     return Floorplan(
         name=path.stem,
         source=f"{path.name} (DXF)",
         boundary=bounding[0].footprint if drawn.boundary is None else drawn.boundary,
-        obstacles=_obstacles([area for area in areas if area.name != BOUNDARY]),
+        obstacles=numbered([area for area in areas if area.name != BOUNDARY]),
         notices=tuple(notices),
     )
 
@@ -472,96 +464,3 @@ def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) ->
         message = f"the drawing gives {unit.name.lower()} as its unit ($INSUNITS)"
         notices.append(Problem(f"{message}; the `units` of the floor on top of it count"))
     return drawn.metre
-
-
-def _place(found: _Shape) -> str:
-    return f"layer {found.layer!r}, {found.name()}"
-
-
-def _areas(name: str, shapes: list[Polyline], drawn: Drawn) -> Iterator[Obstacle | Problem]:
-    """Yield the areas of a group, closed outlines first, in the order of the drawing."""
-
-    def area(polygon: Polygon, at: _Heights) -> Obstacle:
-        return Obstacle(name=name, footprint=polygon, bottom=at[0], top=at[1])
-
-    group = drawn.group(name)
-    levels: dict[_Heights, list[Polygon]] = {}
-    lines: dict[_Heights, list[Polyline]] = {}
-    filled: list[tuple[_Heights, shapely.Geometry]] = []
-    closed = [shape for shape in shapes if shape.closed and shape.area is None]
-    polygons = polygons_of([shape.corners for shape in closed])
-    sound = shapely.is_valid(polygons) & (shapely.area(polygons) > 0)
-    bounded = zip(polygons, sound.tolist(), strict=True)
-    for shape in shapes:
-        at = group.z or _heights(shape)
-        if shape.area is not None:
-            filled.append((at, shape.area))
-            continue
-        polygon, whole = next(bounded) if shape.closed else (None, False)
-        if group.line_width is not None:
-            ring = shape.corners if polygon is None else polygon.exterior
-            wall = shapely.LineString(ring).buffer(
-                group.line_width / 2, cap_style="square", join_style="mitre"
-            )
-            filled.append((at, wall))
-        elif polygon is None:
-            lines.setdefault(at, []).append(shape)
-        elif not whole:
-            yield Problem(polygon_fault(polygon), _place(shape))
-        elif group.hollow:
-            levels.setdefault(at, []).append(polygon)
-        else:
-            yield area(polygon, at)
-    for at, loose_lines in lines.items():
-        found, loose = enclosed([shape.corners for shape in loose_lines], drawn.snap)
-        levels.setdefault(at, []).extend(found)
-        for one in loose:
-            yield Problem(_open(one, drawn), _place(loose_lines[one.index]))
-    for at, found in levels.items():
-        for polygon in opened(found) if group.hollow else found:
-            yield area(polygon, at)
-    pieces, of = pieces_of([area for _, area in filled])
-    for piece, k in zip(pieces, of.tolist(), strict=True):
-        yield area(piece, filled[k][0])
-
-
-def _heights(shape: Polyline) -> _Heights:
-    low, high = sorted((shape.bottom, shape.bottom + (shape.thickness or DEFAULT_HEIGHT)))
-    return low, high
-
-
-def _open(loose: Loose, drawn: Drawn) -> str:
-    x, y = loose.end
-    if loose.gap is None:
-        return "is open; it encloses nothing together with the lines that it meets"
-    near = f"is open; close it: no line meets its end at ({x:.3f}, {y:.3f}) m"
-    if loose.gap < 0.1:
-        return f"{near}, the nearest is {loose.gap:.4f} m away; a `snap` of that closes it"
-    return near
-
-
-def _boundary_problem(count: int, areas: list[Obstacle], drawn: Drawn) -> Problem:
-    groups = ", ".join(sorted({area.name for area in areas})) or "none"
-    if drawn.groups is None:
-        where = f"on the layer {BOUNDARY!r}, found {count} (layers with outlines: {groups})"
-    else:
-        where = f"in the group {BOUNDARY!r} of `layers`, found {count} (with outlines: {groups})"
-    return Problem(f"expected one outline {where}")
-
-
-def _obstacles(areas: list[Obstacle]) -> tuple[Obstacle, ...]:
-    """Return the areas as obstacles, named by group and numbered where it has several.
-
-    A number is left out where another group has that name.
-    """
-    several = Counter(area.name for area in areas)
-    numbers = {group: itertools.count(1) for group in several}
-    taken = {group for group, count in several.items() if count == 1}
-    found = []
-    for area in areas:
-        if several[area.name] > 1:
-            numbered = (f"{area.name}{k}" for k in numbers[area.name])
-            area = replace(area, name=next(one for one in numbered if one not in taken))
-            taken.add(area.name)
-        found.append(area)
-    return tuple(found)
