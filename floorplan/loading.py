@@ -19,6 +19,7 @@ from .checks import check, faults, keep_sound
 from .files.documents import Document, parse_yaml, read_yaml
 from .files.problems import Fault, FloorplanError, Place, Problem, UserError, suggestion
 from .files.reading import is_there
+from .formats import LAYERED, OF_SUFFIX, READ, YAML, function
 from .model import Axis, Door, Gantry, Gate, Lane, Obstacle, Point, Station, Zone
 from .plan import Floorplan
 
@@ -237,11 +238,6 @@ BUILT_IN = Path(__file__).parent / "data"
 FAR_OUT = 5.0
 """Sizes of a floor. What is farther away from it was probably meant in another unit."""
 
-YAML_SUFFIXES = (".yaml", ".yml")
-LAYERED = (".dxf", ".geojson", ".json")
-"""Suffixes of drawings with layers."""
-DRAWINGS = (*LAYERED, ".wkt", ".map")
-"""Suffixes of formats whose unit may be left open."""
 IMAGES = (".pgm", ".png", ".bmp")
 """Suffixes that the image of a ROS map usually has."""
 
@@ -261,7 +257,7 @@ def load(source: str | Path) -> Floorplan:
         return parse((BUILT_IN / f"{text}.yaml").read_text(encoding="utf-8"), file=text)
     path = Path(source)
     plan = _read(path, None, ())
-    if path.suffix.lower() not in YAML_SUFFIXES:  # those are checked, with the lines of faults
+    if path.suffix.lower() not in YAML.suffixes:  # those are checked, with the lines of faults
         check(plan, file=text)
     return plan
 
@@ -283,17 +279,21 @@ def build(document: Document, folder: Path | None = None, name: str = "") -> Flo
 def _read(path: Path, drawn: Drawn | None, above: tuple[Path, ...]) -> Floorplan:
     """Return the floor in the file at `path`, below the files `above`; it need not be sound."""
     suffix = path.suffix.lower()
-    if suffix in YAML_SUFFIXES:
+    if suffix in YAML.suffixes:
         document = read_yaml(path, FloorplanError)
         if _is_ros_map(document):
             from .formats.ros_map import build_ros_map
 
             return build_ros_map(document)
         return _build(document, path.parent, (*above, path.resolve()))
-    if suffix in DRAWINGS:
-        return _read_drawing(path, drawn)
+    if suffix in READ:
+        from .formats.drawings import AS_IT_IS
+
+        read = function(OF_SUFFIX[suffix].reader)
+        plan: Floorplan = read(path, drawn or AS_IT_IS)
+        return plan
     if is_there(path):
-        known = ", ".join((*YAML_SUFFIXES, *DRAWINGS))
+        known = ", ".join(READ)
         message = f"the name of a floorplan's file ends in one of {known}"
         beside = path.with_suffix(".yaml")
         if suffix in IMAGES and is_there(beside):
@@ -306,33 +306,6 @@ def _read(path: Path, drawn: Drawn | None, above: tuple[Path, ...]) -> Floorplan
 def _is_ros_map(document: Document) -> bool:
     """Return whether a YAML document is one of map_server's, by its keys."""
     return isinstance(document.data, dict) and not {"image", "resolution"}.isdisjoint(document.data)
-
-
-def _read_drawing(path: Path, drawn: Drawn | None) -> Floorplan:
-    """Return the floor of a drawing, None to read it as it is.
-
-    The formats are imported here because most floors need none of them.
-    """
-    from .formats.drawings import AS_IT_IS
-
-    drawn = drawn or AS_IT_IS
-    match path.suffix.lower():
-        case ".dxf":
-            from .formats.dxf import load_dxf
-
-            return load_dxf(path, drawn)
-        case ".wkt":
-            from .formats.wkt import load_wkt
-
-            return load_wkt(path, drawn)
-        case ".map":
-            from .formats.movingai import load_drawn_map
-
-            return load_drawn_map(path, drawn)
-        case _:
-            from .formats.geojson import load_geojson
-
-            return load_geojson(path, drawn)
 
 
 def _build(document: Document, folder: Path, above: tuple[Path, ...], name: str = "") -> Floorplan:
@@ -399,8 +372,6 @@ def _base(
     if path.resolve() in above:
         message = f"{name!r} lies below itself"
         raise FloorplanError(document.file, [document.problem(message, "base")])
-    if path.suffix.lower() not in DRAWINGS:
-        return _read(path, None, above)
     return _read(path, _drawn(schema, boundary), above)
 
 

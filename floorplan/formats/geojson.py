@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 import shapely
 from pydantic import BaseModel, ConfigDict, ValidationError
-from shapely.geometry import Polygon, shape as shape_of
+from shapely.geometry import Point, Polygon, mapping, shape as shape_of
 
 from ..checks import polygon_fault
 from ..files.fields import LARGEST, Angle, Number, are_figures
 from ..files.problems import FloorplanError, Problem, field_name, misfits, shown
 from ..files.reading import read_text
-from ..model import DEFAULT_HEIGHT, Obstacle, SafeZone, Station
+from ..model import DEFAULT_HEIGHT, Floor, Obstacle, SafeZone, Station
 from ..plan import Floorplan
 from .drawings import BOUNDARY, Drawn, pieces_of
 from .wkt import joined
@@ -210,3 +210,26 @@ def _named(parts: _Parts) -> Iterator[Obstacle]:
             counter = counters.setdefault(label, itertools.count(1))
             name = next(one for k in counter if (one := f"{label}{k}") not in taken)
         yield Obstacle(name=name, footprint=polygon, bottom=bottom, top=top)
+
+
+def write_geojson(plan: Floor, path: Path) -> None:
+    """Write the boundary, the obstacles, the stations and the safe zone of `plan` as GeoJSON."""
+    features = [
+        json.dumps({"type": "Feature", "properties": properties, "geometry": mapping(shape)})
+        for properties, shape in _features(plan)
+    ]
+    lines = ",\n".join(features)
+    text = f'{{"type": "FeatureCollection", "features": [\n{lines}\n]}}\n'
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _features(plan: Floor) -> Iterator[tuple[dict[str, Any], shapely.Geometry]]:
+    yield {"kind": "boundary", "name": plan.name}, plan.boundary
+    for obstacle in plan.obstacles:
+        heights = {"bottom": float(obstacle.bottom), "top": float(obstacle.top)}
+        yield {"kind": "obstacle", "name": obstacle.name, **heights}, obstacle.footprint
+    for station in plan.stations:
+        yield {"kind": "station", "name": station.name}, Point(station.position)
+    if plan.safe_zone is not None:
+        heading = {"heading": float(plan.safe_zone.heading)}
+        yield {"kind": "safe_zone", **heading}, Point(plan.safe_zone.position)

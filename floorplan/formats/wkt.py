@@ -16,8 +16,9 @@ from shapely.geometry import Polygon
 
 from ..checks import polygon_fault
 from ..files.fields import LARGEST, are_figures
-from ..files.problems import FloorplanError, Problem
+from ..files.problems import FloorplanError, Problem, UserError
 from ..files.reading import read_text
+from ..model import Floor
 from ..plan import Floorplan
 from .drawings import Drawn
 
@@ -79,3 +80,23 @@ def _problems(geometry: shapely.Geometry) -> Iterator[Problem]:
             yield Problem(f"has coordinates that are not numbers of at most {LARGEST:g} m", place)
         elif fault := polygon_fault(part):
             yield Problem(fault, place)
+
+
+def walkable(plan: Floor) -> shapely.Geometry:
+    """Return the area that people can walk on: `ValueError` if there is none."""
+    area = shapely.force_2d(plan.free(0.0, plan.human.height))
+    if area.is_empty:
+        raise UserError(f"people can walk nowhere on the floor {plan.name!r}")
+    return area
+
+
+def write_wkt(plan: Floor, path: Path) -> None:
+    """Write the area of `plan` that people can walk on; `UserError` if it is not one area."""
+    area = walkable(plan)
+    if area.geom_type != "Polygon":
+        count = len(area.geoms)
+        raise UserError(
+            f"people on the floor {plan.name!r} walk on {count} separate areas; a WKT file has one"
+        )
+    text = f"{shapely.to_wkt(area, rounding_precision=-1)}\n"
+    path.write_text(text, encoding="utf-8", newline="\n")

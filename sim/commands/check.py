@@ -197,7 +197,8 @@ def convert(
 ) -> None:
     """Convert a floorplan to the format of OUT. With --resolution, a .yaml file is a ROS map."""
     import floorplan
-    from floorplan.plan import lost as lost_in, map_files
+    from floorplan.formats import OF_SUFFIX
+    from floorplan.formats.ros_map import map_files
 
     plan = floorplan.load(source)
     print_floor_notices(plan)
@@ -209,7 +210,7 @@ def convert(
             if one.exists() and one.samefile(source):
                 raise floorplan.UserError(f"{target}: {one} would replace IN; choose another name")
     plan.save(target, resolution=resolution)
-    if lost := lost_in(plan, suffix):
+    if lost := OF_SUFFIX[suffix].lost(plan):
         say(f"warning: {target} cannot contain: {', '.join(lost)}", err=True)
     say(f"Wrote {' and '.join(map(str, written))}")
 
