@@ -34,7 +34,7 @@ _BEYOND_ITS_AREA: _Parts = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Format:
+class FloorFormat:
     """Format of floors, with the suffixes of its files."""
 
     suffixes: tuple[str, ...]
@@ -52,23 +52,23 @@ class Format:
 
 
 FORMATS = (
-    Format(suffixes=(".yaml", ".yml"), writer="plan.write_yaml"),
-    Format(suffixes=(".dxf",), reader="formats.dxf.load_dxf", has_layers=True),
-    Format(
+    FloorFormat(suffixes=(".yaml", ".yml"), writer="plan.write_yaml"),
+    FloorFormat(suffixes=(".dxf",), reader="formats.dxf.load_dxf", has_layers=True),
+    FloorFormat(
         suffixes=(".geojson", ".json"),
         reader="formats.geojson.load_geojson",
         writer="formats.geojson.write_geojson",
         has_layers=True,
         left_out=_BEYOND_SHAPES,
     ),
-    Format(
+    FloorFormat(
         suffixes=(".wkt",),
         reader="formats.wkt.load_wkt",
         writer="formats.wkt.write_wkt",
         left_out=_BEYOND_ITS_AREA,
     ),
-    Format(suffixes=(".map",), reader="formats.movingai.load_drawn_map"),
-    Format(suffixes=(".pgm",), writer="formats.ros_map.write_map", left_out=_BEYOND_ITS_AREA),
+    FloorFormat(suffixes=(".map",), reader="formats.movingai.load_drawn_map"),
+    FloorFormat(suffixes=(".pgm",), writer="formats.ros_map.write_map", left_out=_BEYOND_ITS_AREA),
 )
 """All formats. The image of a ROS map stands for both of its files."""
 
