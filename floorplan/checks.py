@@ -34,10 +34,21 @@ ENDS = 0.05
 
 
 def check(plan: Floor, *, file: str = "") -> None:
-    """Check that `plan` is sound: `FloorplanError` lists everything about it that is not.
+    """Check the geometry, the names and the values of a floorplan.
 
-    The error names `file`, or else the plan. `TypeError` if it is no floorplan, or a field of it
-    is not of its type.
+    Parameters
+    ----------
+    plan : Floorplan
+        Floorplan to check. A floorplan that is correct is checked only once.
+    file : str, optional
+        Name of the floorplan in errors.
+
+    Raises
+    ------
+    FloorplanError
+        With all problems of the floorplan, each with its field.
+    TypeError
+        If `plan` is no `Floorplan`, or if a field has another type.
     """
     require(plan, Floor, "floorplan.load", "a Floorplan")
     if SOUND in vars(plan):
@@ -48,12 +59,12 @@ def check(plan: Floor, *, file: str = "") -> None:
 
 
 def keep_sound(plan: Floor) -> None:
-    """Keep in mind that `plan` is sound, so that `check` need not look again."""
+    """Mark `plan` as correct, so that `check` need not repeat its work."""
     vars(plan)[SOUND] = True
 
 
 def faults(plan: Floor) -> Iterator[Fault]:
-    """Yield everything about `plan` that is not sound."""
+    """Yield all faults of `plan`."""
     fault = polygon_fault(plan.boundary)
     if fault:
         yield fault, ("boundary",)

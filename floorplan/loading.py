@@ -243,14 +243,40 @@ IMAGES = (".pgm", ".png", ".bmp")
 
 
 def builtin() -> tuple[str, ...]:
-    """Return the names of the floorplans that come with Floorwalker, sorted."""
+    """Return the names of the built-in floorplans.
+
+    Returns
+    -------
+    tuple of str
+        Names in alphabetical order.
+    """
     return tuple(sorted(path.stem for path in BUILT_IN.glob("*.yaml")))
 
 
 def load(source: str | Path) -> Floorplan:
-    """Return the floorplan called `source` (a built-in name) or in the file at `source`.
+    """Return a built-in floorplan, or read one from a file.
 
-    `FloorplanError` lists everything that is wrong with the file, each with its place.
+    Parameters
+    ----------
+    source : str or pathlib.Path
+        Built-in name, or path of a file. The suffix determines the format.
+
+    Returns
+    -------
+    Floorplan
+        Floorplan in metres. `notices` lists what the reader ignored or assumed.
+
+    Raises
+    ------
+    FloorplanError
+        With all problems of the file, each with its line or field.
+
+    Examples
+    --------
+    >>> import floorplan
+    >>> plan = floorplan.load("ariac2023")
+    >>> plan.stations["station1"].position
+    (-5.0, 3.75)
     """
     text = str(source)
     if text in builtin():
@@ -263,15 +289,33 @@ def load(source: str | Path) -> Floorplan:
 
 
 def parse(text: str, *, file: str = "<text>") -> Floorplan:
-    """Return the floorplan in `text`, in the YAML format; errors call it `file`."""
+    """Return the floorplan in a text in the YAML format.
+
+    Parameters
+    ----------
+    text : str
+        Text of a floorplan file.
+    file : str, optional
+        Name of the text in errors.
+
+    Returns
+    -------
+    Floorplan
+        Floorplan in metres.
+
+    Raises
+    ------
+    FloorplanError
+        With all problems of the text, each with its line and field.
+    """
     return build(parse_yaml(text, file, FloorplanError))
 
 
 def build(document: Document, folder: Path | None = None, name: str = "") -> Floorplan:
-    """Return the floorplan in `document`; `FloorplanError` with all that is wrong with it.
+    """Return the floorplan in `document`; `FloorplanError` lists all its problems.
 
-    A base of it is looked up from `folder`, that of the document's file by default. If it has no
-    name of its own it is called `name`, or else as the file.
+    A base is looked up in `folder`, by default the folder of the document. A floorplan without a
+    name gets `name`, or the name of the file.
     """
     return _build(document, Path(document.file).parent if folder is None else folder, (), name)
 

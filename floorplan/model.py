@@ -29,9 +29,21 @@ Point = tuple[float, float]
 
 
 def rectangle(centre: Point, direction: Point, length: float, width: float) -> Polygon:
-    """Return the rectangle around `centre`, `length` along the unit vector `direction`.
+    """Return a rectangle in any direction.
 
-    And `width` across; all in metres.
+    Parameters
+    ----------
+    centre : Point
+        Centre (x, y) in metres.
+    direction : Point
+        Unit vector along the rectangle.
+    length, width : float
+        Extent along `direction` and across it, in metres.
+
+    Returns
+    -------
+    shapely.Polygon
+        Rectangle with its corners counterclockwise.
     """
     (x, y), (c, s) = centre, direction
     corners = [
@@ -48,7 +60,17 @@ def rectangle(centre: Point, direction: Point, length: float, width: float) -> P
 
 @dataclass(frozen=True, kw_only=True)
 class Obstacle:
-    """Something that stands on or hangs over the floor: a footprint from `bottom` up to `top`."""
+    """Obstacle that stands on the floor or hangs above it.
+
+    Parameters
+    ----------
+    name : str
+        Unique name.
+    footprint : shapely.Polygon
+        Area on the floor in metres. It may have holes.
+    bottom, top : float
+        Heights above the floor in metres.
+    """
 
     name: str
     footprint: Polygon
@@ -56,13 +78,21 @@ class Obstacle:
     top: float
 
     def overlaps(self, bottom: float, top: float) -> bool:
-        """Return whether its heights overlap the open range from `bottom` to `top` (metres)."""
+        """Return whether the obstacle has heights between `bottom` and `top` (metres)."""
         return self.bottom < top and bottom < self.top
 
 
 @dataclass(frozen=True)
 class Station:
-    """A named place that people go to."""
+    """Named place that people go to.
+
+    Parameters
+    ----------
+    name : str
+        Unique name.
+    position : Point
+        Position (x, y) in metres.
+    """
 
     name: str
     position: Point
@@ -70,9 +100,18 @@ class Station:
 
 @dataclass(frozen=True, kw_only=True)
 class Door:
-    """A door between the two `ends`: nothing where it is open, and a wall where it is closed.
+    """Door between two points. A closed door is a wall.
 
-    Open or closed is how it is where a trial does not say otherwise. Lengths in metres.
+    Parameters
+    ----------
+    name : str
+        Unique name.
+    ends : tuple of Point
+        Both ends (x, y) in metres.
+    is_open : bool, optional
+        State of the door unless a trial sets it.
+    thickness, height : float, optional
+        Thickness of the closed door and its height in metres.
     """
 
     name: str
@@ -83,7 +122,7 @@ class Door:
 
     @property
     def footprint(self) -> Polygon:
-        """The rectangle that it covers where it is closed."""
+        """Rectangle of the closed door."""
         (ax, ay), (bx, by) = self.ends
         width = math.dist(*self.ends)
         direction = ((bx - ax) / width, (by - ay) / width)
@@ -91,7 +130,7 @@ class Door:
 
     @property
     def closed(self) -> Obstacle:
-        """The obstacle that it is where it is closed."""
+        """Obstacle of the closed door."""
         return Obstacle(name=self.name, footprint=self.footprint, bottom=0.0, top=self.height)
 
 
@@ -101,11 +140,23 @@ ALONG = 0.2
 
 @dataclass(frozen=True, kw_only=True)
 class Zone:
-    """An area with a rule for the people and AGVs whose names match one of `concerns`.
+    """Area with a rule for some people and AGVs.
 
-    They go no faster than `max_speed` (m/s) in it, or not at all where it is `forbidden`. Where it
-    is `one_way` (x, y) they enter it over the side that faces against that direction only, and
-    leave it over the opposite one. A pattern may have * and ?.
+    Parameters
+    ----------
+    name : str
+        Unique name.
+    area : shapely.Polygon
+        Area on the floor in metres.
+    max_speed : float, optional
+        Speed limit in m/s.
+    forbidden : bool, optional
+        True if nobody concerned may enter.
+    concerns : tuple of str, optional
+        Names of people and AGVs, or patterns with `*` and `?`. By default everybody.
+    one_way : Point, optional
+        Direction (x, y). People enter over the side that faces against it, and leave over the
+        opposite side.
     """
 
     name: str
@@ -116,12 +167,12 @@ class Zone:
     one_way: Point | None = None
 
     def is_about(self, name: str) -> bool:
-        """Return whether its rule is for the person or AGV of that name."""
+        """Return whether the rule concerns the person or AGV called `name`."""
         return _is_one_of(name, self.concerns)
 
     @property
     def gates(self) -> "tuple[Gate, ...]":
-        """The sides of a one-way zone that lie across its direction, as gates."""
+        """Sides of a one-way zone across its direction, as gates."""
         if self.one_way is None or not any(self.one_way):
             return ()
         ring = shapely.orient_polygons(self.area).exterior.coords
@@ -148,10 +199,18 @@ class Zone:
 
 @dataclass(frozen=True, kw_only=True)
 class Gate:
-    """A line between two `ends`, from wall to wall, that is crossed in one direction only.
+    """Line from wall to wall that people cross in one direction only.
 
-    That is to the side on which the place `towards` is. It binds the people and AGVs whose names
-    match one of `concerns`; a pattern may have * and ?. Lengths in metres.
+    Parameters
+    ----------
+    name : str
+        Unique name.
+    ends : tuple of Point
+        Both ends (x, y) in metres.
+    towards : Point
+        Point (x, y) on the side to which people may cross, in metres.
+    concerns : tuple of str, optional
+        Names of people and AGVs, or patterns with `*` and `?`. By default everybody.
     """
 
     name: str
@@ -160,12 +219,12 @@ class Gate:
     concerns: tuple[str, ...] = EVERYBODY
 
     def is_about(self, name: str) -> bool:
-        """Return whether it binds the person or AGV of that name."""
+        """Return whether the gate concerns the person or AGV called `name`."""
         return _is_one_of(name, self.concerns)
 
     @property
     def normal(self) -> Point:
-        """The unit vector at right angles to it that points to the side of `towards`."""
+        """Unit normal of the line that points to the side of `towards`."""
         (ax, ay), (bx, by) = self.ends
         width = math.dist(*self.ends)
         x, y = (ay - by) / width, (bx - ax) / width
@@ -179,7 +238,15 @@ def _is_one_of(name: str, patterns: tuple[str, ...]) -> bool:
 
 @dataclass(frozen=True)
 class SafeZone:
-    """Start of people, and their place after a violation: metres, and heading in radians."""
+    """Start of people, and their position after a violation.
+
+    Parameters
+    ----------
+    position : Point
+        Position (x, y) in metres.
+    heading : float, optional
+        Heading in radians.
+    """
 
     position: Point
     heading: float = 0.0
@@ -187,7 +254,17 @@ class SafeZone:
 
 @dataclass(frozen=True, kw_only=True)
 class Human:
-    """Measures of the people on this floor (metres, seconds), unless a trial says otherwise."""
+    """Measures of the people on a floor, unless a trial sets others.
+
+    Parameters
+    ----------
+    radius, height : float, optional
+        Radius and height of a person in metres.
+    max_speed, max_acceleration : float, optional
+        Limits in m/s and m/s².
+    goal_tolerance : float, optional
+        Distance in metres at which a person has reached a goal.
+    """
 
     __pydantic_config__ = KEYS
 
@@ -200,10 +277,28 @@ class Human:
 
 @dataclass(frozen=True, kw_only=True)
 class Lane:
-    """The straight lane of one AGV.
+    """Straight lane of an AGV.
 
-    The AGV's centre is at `origin` where its lane position q is 0, and moves by `heading` from
-    there. `locations` names lane positions, `serves` the locations by the names orders use.
+    Parameters
+    ----------
+    name : str
+        Name of the AGV.
+    origin : Point
+        Centre of the AGV (x, y) at lane position 0, in metres.
+    heading : float
+        Direction of the lane in radians.
+    limits : tuple of float
+        Range of lane positions in metres.
+    locations : mapping of str to float
+        Lane positions by name, in metres.
+    start : str
+        Location at the start of a trial.
+    length, width, height : float
+        Size of the AGV in metres. The length is along the lane.
+    max_speed, max_acceleration : float
+        Limits in m/s and m/s².
+    serves : mapping of str to str, optional
+        Locations by the names that orders use.
     """
 
     name: str
@@ -221,18 +316,31 @@ class Lane:
 
     @cached_property
     def direction(self) -> Point:
-        """The unit vector along the lane; exact where the lane follows an axis."""
+        """Unit vector along the lane. It is exact if the lane is parallel to an axis."""
         return (round(math.cos(self.heading), 15), round(math.sin(self.heading), 15))
 
     def position(self, q: float) -> Point:
-        """Return the centre of the AGV (x, y) at lane position `q`, all in metres."""
+        """Return the centre of the AGV (x, y) at lane position `q`, in metres."""
         (x, y), (c, s) = self.origin, self.direction
         return (x + q * c, y + q * s)
 
     def lane_position(self, to: str | float) -> float:
-        """Return the lane position (metres) of a location, of a name it serves, or `to` itself.
+        """Return a lane position in metres.
 
-        `ValueError` if there is no such location, or if it is outside the lane's limits.
+        Parameters
+        ----------
+        to : str or float
+            Location, a name that it serves, or a lane position in metres.
+
+        Returns
+        -------
+        float
+            Lane position in metres.
+
+        Raises
+        ------
+        UserError
+            If there is no such location, or if the position is outside the limits.
         """
         if isinstance(to, str):
             location = self.serves.get(to, to)
@@ -248,7 +356,7 @@ class Lane:
         return to
 
     def footprint(self, q: float) -> Polygon:
-        """Return the rectangle that the AGV covers at lane position `q` (metres)."""
+        """Return the rectangle of the AGV at lane position `q` (metres)."""
         known: tuple[float, Polygon] | None = vars(self).get("_footprint")  # mostly the same one
         if known is None or known[0] != q:
             known = q, rectangle(self.position(q), self.direction, self.length, self.width)
@@ -262,7 +370,15 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """One axis of the gantry: its range and limits, in metres or radians, and seconds."""
+    """Axis of the gantry: its range and its limits.
+
+    Parameters
+    ----------
+    low, high : float
+        Range in metres, or in radians for the rotation.
+    max_speed, max_acceleration, max_jerk : float
+        Limits in m/s, m/s² and m/s³, or in radians.
+    """
 
     low: float
     high: float
@@ -271,16 +387,28 @@ class Axis:
     max_jerk: Positive
 
     def reaches(self, value: float) -> bool:
-        """Return True if `value` is within its range, but for rounding."""
+        """Return whether `value` is within the range, apart from rounding."""
         return self.low - ROUNDING <= value <= self.high + ROUNDING
 
 
 @dataclass(frozen=True, kw_only=True)
 class Gantry:
-    """An overhead robot: a bridge (x), a trolley (y) and a rotation about z that carry a torso.
+    """Overhead robot: a bridge (x), a trolley (y) and a torso that rotates about z.
 
-    `torso` is the box around the axis (length, width, bottom, top) in metres; the folded arm
-    stays within `arm_reach` of the axis above `arm_bottom`. `start` is x, y, rotation.
+    Parameters
+    ----------
+    x, y, rotation : Axis
+        Axes.
+    start : tuple of float
+        Initial x and y in metres, and rotation in radians.
+    torso : tuple of float
+        Box around the axis: length, width, bottom and top in metres.
+    arm_mount : tuple of float
+        Distance of the shoulder from the axis, and its height, in metres.
+    arm_reach, arm_bottom : float
+        Radius around the axis and lower end of the folded arm, in metres.
+    rail_height, tray_height : float
+        Heights of the rails and of a carried tray in metres. They do not affect results.
     """
 
     x: Axis
@@ -307,7 +435,7 @@ class Gantry:
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
-        """x, y and rotation."""
+        """Axes x, y and rotation."""
         return (self.x, self.y, self.rotation)
 
 
@@ -343,13 +471,13 @@ class Floor:
 
     @cached_property
     def middles(self) -> dict[str, Point]:
-        """The middles of the footprints of obstacles (x, y in metres), by name."""
+        """Centroids of obstacles by name (x, y in metres)."""
         found = ((one.name, one.footprint.centroid) for one in self.obstacles)
         return {name: (middle.x, middle.y) for name, middle in found}
 
     @cached_property
     def one_ways(self) -> tuple[Gate, ...]:
-        """All that is crossed in one direction only: gates, and the ends of one-way zones."""
+        """All gates, and the ends of one-way zones."""
         return (*self.gates, *(gate for zone in self.zones for gate in zone.gates))
 
     @classmethod
@@ -375,25 +503,36 @@ class Floor:
 
     @property
     def patrolled(self) -> tuple[Station, ...]:
-        """The stations of the patrol, in its order; `KeyError` if there is none of a name."""
+        """Stations of the patrol in its order; `KeyError` for an unknown name."""
         if self.patrol is None:
             return self.stations
         return tuple(self.station(name) for name in self.patrol)
 
     def station(self, name: str) -> Station:
-        """Return the station called `name`, as `stations[name]`."""
+        """Return the station called `name`, like `stations[name]`."""
         return self.stations[name]
 
     def lane(self, name: str) -> Lane:
-        """Return the lane of the AGV called `name`, as `lanes[name]`."""
+        """Return the lane of the AGV called `name`, like `lanes[name]`."""
         return self.lanes[name]
 
     def obstacle(self, name: str) -> Obstacle:
-        """Return the obstacle called `name`, as `obstacles[name]`."""
+        """Return the obstacle called `name`, like `obstacles[name]`."""
         return self.obstacles[name]
 
     def free(self, bottom: float, top: float) -> Polygon:
-        """The boundary minus every obstacle with heights between `bottom` and `top` (metres)."""
+        """Return the free area at some heights.
+
+        Parameters
+        ----------
+        bottom, top : float
+            Range of heights in metres.
+
+        Returns
+        -------
+        shapely.Geometry
+            Boundary without the obstacles in this range.
+        """
         return free_area(self.boundary, self.blocked(bottom, top))
 
     def blocked(self, bottom: float, top: float) -> list[Polygon]:

@@ -170,25 +170,80 @@ FINEST = 1e-4
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Floorplan(Floor):
-    """A floor: its boundary and what stands on it. Compare with `==`, share freely.
+    """Floor with everything that stands on it, as an immutable value.
 
-    Fields are those of `Floor`: obstacles, stations and lanes are tuples that also answer to
-    names: `stations["dock"]`. `patrol` names the stations that people go to, in their order; None
-    stands for all of them. `notices` are what was left out of the drawing it was read from, or
-    taken for granted there.
+    Obstacles, stations, lanes, doors, zones and gates are tuples that also accept names, as in
+    `stations["dock"]`. Floorplans are compared with `==`.
+
+    Parameters
+    ----------
+    name : str
+        Name.
+    boundary : shapely.Polygon
+        Outline of the floor in metres.
+    obstacles : sequence of Obstacle, optional
+        Obstacles.
+    stations : sequence of Station, optional
+        Stations.
+    patrol : tuple of str, optional
+        Names of the stations that people visit, in their order. By default all stations.
+    safe_zone : SafeZone, optional
+        Start of people.
+    human : Human, optional
+        Measures of people.
+    lanes : sequence of Lane, optional
+        Lanes of AGVs.
+    gantry : Gantry, optional
+        Overhead robot.
+    doors : sequence of Door, optional
+        Doors.
+    zones : sequence of Zone, optional
+        Zones.
+    gates : sequence of Gate, optional
+        One-way gates.
+    title, source : str, optional
+        Title, and origin of the data.
+    notices : tuple of Problem, optional
+        Parts of a drawing that were ignored or assumed.
+
+    Examples
+    --------
+    >>> from shapely.geometry import box
+    >>> from floorplan import Floorplan, Obstacle, Station
+    >>> table = Obstacle(name="table", footprint=box(2, 2, 3, 3.5), bottom=0.0, top=1.0)
+    >>> Floorplan(
+    ...     name="cell",
+    ...     boundary=box(0, 0, 10, 6),
+    ...     obstacles=[table],
+    ...     stations=[Station("press", (4.0, 1.0))],
+    ... )
+    <Floorplan 'cell': 10 x 6 m, 1 obstacles, 1 stations, 0 lanes>
     """
 
     def save(self, path: str | Path, *, resolution: float | None = None) -> None:
-        """Write the floor to the file at `path`, in the format that its suffix says.
+        """Write the floorplan to a file.
 
-        Only Floorwalker's own (.yaml, .yml) holds all of it. GeoJSON (.geojson, .json) has no
-        machines, no patrol and no measures of people; WKT (.wkt) is only the area that people can
-        walk on. A ROS map (.pgm, with its .yaml beside it; or .yaml with a `resolution`) is this
-        area in cells of `resolution` metres, 0.05 by default: a cell is free if all of it is.
+        Only YAML (`.yaml`, `.yml`) holds all of it. GeoJSON (`.geojson`, `.json`) has no machines,
+        no patrol and no measures of people. WKT (`.wkt`) and ROS maps (`.pgm` with `.yaml`) hold
+        the area that people can walk on. A cell of a map is free if all of it is free.
 
-        `FloorplanError` if the floor is not sound, `ValueError` for another suffix, for a YAML
-        file too long to be read, or where people could walk nowhere, or in too many cells;
-        `OSError` says why it can't be written.
+        Parameters
+        ----------
+        path : str or pathlib.Path
+            File to write. Its suffix determines the format.
+        resolution : float, optional
+            Side of a cell of a ROS map in metres, 0.05 by default. It makes a `.yaml` file a ROS
+            map.
+
+        Raises
+        ------
+        FloorplanError
+            If the floorplan is not correct.
+        UserError
+            If the suffix is unknown, the result too large to be read, or if people can walk
+            nowhere.
+        OSError
+            If the file cannot be written.
         """
         check(self)
         path = Path(path)
@@ -210,6 +265,6 @@ class Floorplan(Floor):
             )
 
     def to_yaml(self) -> str:
-        """Return the text of a file in Floorwalker's own format that holds this floor."""
+        """Return the floorplan as a text in the YAML format."""
         check(self)
         return yaml_text(floor_keys(self))

@@ -23,7 +23,17 @@ LONGEST = 600
 
 @dataclass(frozen=True)
 class Problem:
-    """One problem, with its place in the file where it has one."""
+    """Problem of a file or value.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong.
+    field : str, optional
+        Field with the problem, as in `stations.dock`.
+    line : int, optional
+        Line of the file.
+    """
 
     message: str
     field: str = ""
@@ -47,15 +57,23 @@ def shown(value: object) -> str:
 
 
 class UserError(ValueError):
-    """A mistake of the user's; its text says what is wrong, where, and what would be right.
+    """Mistake of the user. Its text says what is wrong, where, and what would be right.
 
-    Only errors of this kind, and the system's, reach a user as a sentence. A plain `ValueError`
-    that gets as far as the command line is a defect.
+    The command line shows these errors, and errors of the system, as a sentence. Any other
+    `ValueError` there is a defect.
     """
 
 
 class InputError(UserError):
-    """A file that can't be used: `file` and all of its `problems`, in order of their lines."""
+    """File that cannot be used.
+
+    Parameters
+    ----------
+    file : str
+        Name of the file.
+    problems : iterable of Problem
+        All problems. The attribute `problems` has them in the order of their lines.
+    """
 
     def __init__(self, file: str, problems: Iterable[Problem]) -> None:
         self.file = file
@@ -81,7 +99,7 @@ class InputError(UserError):
 
 
 class FloorplanError(InputError):
-    """A floorplan that can't be used."""
+    """Floorplan that cannot be used."""
 
 
 def suggestion(name: str, known: Iterable[object]) -> str:

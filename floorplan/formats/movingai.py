@@ -44,12 +44,30 @@ _HEADER = (
 
 
 def load_movingai(path: Path, cell: float = CELL) -> Floorplan:
-    """Return the floorplan in the map at `path`, its cells `cell` metres wide.
+    """Read a map of the MovingAI benchmarks.
 
-    The floor is the whole rectangle, and what can't be walked on are obstacles in it: a map may
-    have areas apart from each other. The lower left corner is at (0, 0), and y points up. Cells
-    that touch only at a corner are not connected, as there a step may not cut a corner.
-    `FloorplanError` lists all that is wrong with the file.
+    The floor is the whole rectangle, with obstacles where people cannot walk, because a map may
+    have separate areas. The lower left corner is at (0, 0), and y points up. Cells that touch only
+    at a corner are not connected.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        File that ends in `.map`.
+    cell : float, optional
+        Side of a cell in metres, from 0.001 to 1000.
+
+    Returns
+    -------
+    Floorplan
+        Floorplan without stations.
+
+    Raises
+    ------
+    FloorplanError
+        With all problems of the file.
+    UserError
+        If `cell` is out of range.
     """
     if not 1e-3 <= cell <= 1000:
         raise UserError(f"a cell must be from 0.001 to 1000 m wide, found {cell:g}")
