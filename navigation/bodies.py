@@ -100,7 +100,7 @@ def edges_of_room(room: shapely.Geometry) -> list[Floats]:
 
 
 def edges_of_solid(solid: shapely.Geometry) -> list[Floats]:
-    """The closed rings ((n + 1, 2), metres) around a `solid` thing: the room is on their left."""
+    """Return the closed rings ((n + 1, 2), metres) around a `solid`, with the room on their left."""
     return _rings(shapely.orient_polygons(solid, exterior_cw=True))
 
 
@@ -174,7 +174,7 @@ def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:
 
 
 def around_disc(centre: tuple[float, float], radius: float, step: float) -> Polygon:
-    """The regular polygon around a disc, its sides seen from the centre under `step` or less."""
+    """Return the regular polygon around a disc whose sides subtend at most `step` radians."""
     return Polygon(bends(round_corner(centre, radius), 0.0, step).point)
 
 
@@ -257,7 +257,20 @@ radius too large at most, less than paths keep beyond theirs."""
 
 @dataclass(frozen=True)
 class Disc:
-    """A round footprint: centre and radius in metres."""
+    """Round footprint.
+
+    Parameters
+    ----------
+    centre : Point
+        Centre (x, y) in metres.
+    radius : float
+        Radius in metres.
+
+    Raises
+    ------
+    ValueError
+        If a value is not finite, or the radius not positive.
+    """
 
     centre: Point
     radius: float

@@ -25,7 +25,21 @@ Reason = Literal["start_blocked", "goal_blocked", "unreachable", "not_found"]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Path:
-    """A polyline on the floor that a disc can follow without touching anything."""
+    """Polyline on the floor that a disc can follow without touching anything.
+
+    It converts to an array of its points, as in `walk(path)`.
+
+    Parameters
+    ----------
+    points : numpy.ndarray
+        Waypoints, shape (N, 2), in metres. The first and last are exactly start and goal.
+    clear : float or callable
+        Clearance in metres, or a function that computes it.
+    planner : str
+        Name of the planner.
+    checks : int
+        Number of collision queries of the search.
+    """
 
     points: NDArray[np.float64]
     """(N, 2) metres, the start first and the goal last, exactly as they were given."""
@@ -50,25 +64,29 @@ class Path:
 
     @cached_property
     def clearance(self) -> float:
-        """Metres from the polyline to the nearest thing anywhere along it.
+        """Minimum distance in metres from the polyline to obstacles and bodies.
 
-        It is computed when first read, from the world as it was.
+        It is computed when it is first read, for the world at the time of planning.
         """
         return self.clear if isinstance(self.clear, float) else self.clear()
 
     @property
     def length(self) -> float:
-        """Metres."""
+        """Length in metres."""
         return float(np.hypot(*np.diff(self.points[:, :2], axis=0).T).sum())
 
 
 class PlanningError(Exception):
-    """Reason why there is no path.
+    """There is no path, or none was found.
 
-    `reason` is "start_blocked" or "goal_blocked" if there is no room to stand there,
-    "unreachable" if it is proved that no path leads from one to the other, and "not_found" if a
-    planner spent its budget of samples without finding one that may well exist. `message` names
-    what is in the way; it is computed when first read, from the world as it was.
+    Parameters
+    ----------
+    reason : str
+        "start_blocked" or "goal_blocked" without room at that end; "unreachable" if it is proved
+        that there is no path; "not_found" if a planner's budget ended first.
+    message : str or callable
+        Explanation with the obstacles in the way, or a function that returns it. It is computed
+        when it is first read, for the world at the time of planning.
     """
 
     def __init__(self, reason: Reason, message: str | Callable[[], str]) -> None:
@@ -78,7 +96,7 @@ class PlanningError(Exception):
 
     @property
     def message(self) -> str:
-        """The reason in a sentence, with the things that are in the way."""
+        """Explanation with the obstacles in the way."""
         if not isinstance(self._message, str):
             self._message = self._message()
         return self._message
@@ -91,12 +109,12 @@ class PlanningError(Exception):
 
 
 class PlannerError(UserError):
-    """A planner that can't be found, or that failed: its path may be no answer."""
+    """Planner that is unknown, or that failed."""
 
 
 @dataclass(frozen=True)
 class PlannerInfo:
-    """A planner that one can ask for by name."""
+    """Planner with a name."""
 
     name: str
     summary: str
@@ -109,17 +127,17 @@ class PlannerInfo:
 
 
 class Watch:
-    """Watches a search, of one of OMPL's planners, while it goes on. This one does nothing.
+    """Observer of a search of OMPL's planners. This one does nothing.
 
-    A budget of time, or a curve of cost over time, is a subclass.
+    Subclasses implement a time limit, or a curve of cost over time.
     """
 
     def iteration(self, planner: Any) -> bool:
-        """Return True to end the search here; called before each iteration of `planner`, OMPL's."""
+        """Return True to end the search. It is called before each iteration of OMPL's `planner`."""
         return False
 
     def solved(self) -> None:
-        """Called when a path was found, before it is simplified."""
+        """Handle a path that was found, before it is simplified."""
 
 
 ROADMAP = "Roadmap"
@@ -163,12 +181,25 @@ _DEFAULT = PlannerInfo(ROADMAP, "the shortest path along the corners of what sta
 
 
 def planners() -> tuple[PlannerInfo, ...]:
-    """Return every planner that can be asked for by name, the default one first."""
+    """Return all planners with a name.
+
+    Returns
+    -------
+    tuple of PlannerInfo
+        `name`, `summary`, `optimal`, `iterations` (default budget) and `parameters` of each
+        planner. The default planner is the first.
+
+    Examples
+    --------
+    >>> from navigation import planners
+    >>> [info.name for info in planners()][:3]
+    ['Roadmap', 'AORRTC', 'BFMT']
+    """
     return (_DEFAULT, *_sampling_planners())
 
 
 def planner_info(name: str) -> PlannerInfo:
-    """Return the planner that is called `name`; `ValueError` with a hint if there is none."""
+    """Return the planner called `name`; `UserError` with a hint if there is none."""
     if name == ROADMAP:
         return _DEFAULT
     known = {info.name: info for info in planners()}
@@ -246,6 +277,7 @@ def _snake(name: str) -> str:
 
 
 def set_parameter(planner: Any, parameter: str, value: object) -> None:
+    """Set a parameter of OMPL's `planner` by name; `UserError` if the value is unfit."""
     (camel,) = (m[3:] for m in dir(planner) if m[:3] == "set" and _snake(m[3:]) == parameter)
     now = getattr(planner, f"get{camel}")()
     getattr(planner, f"set{camel}")(fit(parameter, value, now))

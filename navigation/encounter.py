@@ -44,7 +44,20 @@ def _require_solid(solid: Cylinder | Box) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Cylinder:
-    """An upright cylinder around a body's axis; metres, heights above the floor."""
+    """Upright cylinder around the axis of a body.
+
+    Parameters
+    ----------
+    radius : float
+        Radius in metres.
+    bottom, top : float
+        Heights above the floor in metres. The bottom is 0 by default.
+
+    Raises
+    ------
+    ValueError
+        If a value is not positive, or if `top` is not above `bottom`.
+    """
 
     radius: float
     bottom: float = 0.0
@@ -55,25 +68,35 @@ class Cylinder:
 
     @classmethod
     def of_arm(cls, gantry: Gantry) -> Self:
-        """Return what a gantry's folded arm may sweep as it turns, up to its torso's top."""
+        """Return the cylinder that a gantry's folded arm may cover, up to the top of its torso."""
         return cls(radius=gantry.arm_reach, bottom=gantry.arm_bottom, top=gantry.torso[3])
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
-        """The points whose hull, grown by `rounding`, is the footprint."""
+        """Points whose hull, grown by `rounding`, is the footprint."""
         return ((0.0, 0.0),)
 
     @property
     def rounding(self) -> float:
-        """See `corners`; metres."""
+        """Radius around `corners` in metres."""
         return self.radius
 
 
 @dataclass(frozen=True, kw_only=True)
 class Box:
-    """An upright box around a body's axis that turns with it; metres, heights above the floor.
+    """Upright box around the axis of a body that turns with it.
 
-    `length` is along the body's heading, `width` across.
+    Parameters
+    ----------
+    length, width : float
+        Size along the heading and across it in metres.
+    bottom, top : float
+        Heights above the floor in metres. The bottom is 0 by default.
+
+    Raises
+    ------
+    ValueError
+        If a value is not positive, or if `top` is not above `bottom`.
     """
 
     length: float
@@ -92,30 +115,40 @@ class Box:
 
     @classmethod
     def of_agv(cls, lane: Lane) -> Self:
-        """Return the box of the AGV of a lane, with its load."""
+        """Return the box of the AGV of a lane with its load."""
         return cls(length=lane.length, width=lane.width, top=lane.height)
 
     def is_level_with(self, other: Box) -> bool:
-        """Return whether their heights overlap: neither is above the other."""
+        """Return whether the heights of both boxes overlap."""
         return self.bottom < other.top and other.bottom < self.top
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
-        """The points whose hull, grown by `rounding`, is the footprint."""
+        """Points whose hull, grown by `rounding`, is the footprint."""
         x, y = self.length / 2, self.width / 2
         return ((x, y), (-x, y), (-x, -y), (x, -y))
 
     @property
     def rounding(self) -> float:
-        """See `corners`; metres."""
+        """Radius around `corners` in metres."""
         return 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class Shapes:
-    """The solids of a person and of a machine, whose parts move as one.
+    """Solids of a person and a machine.
 
-    A person has no front: the cylinder stands around the person's position.
+    Parameters
+    ----------
+    person : Cylinder, optional
+        Cylinder around the person's position. By default its radius is 0.3 m and its height 1.75 m.
+    machine : tuple of Cylinder or Box
+        Solids of the machine, which move together.
+
+    Raises
+    ------
+    ValueError
+        If the person is no `Cylinder`, or if the machine has no solid.
     """
 
     person: Cylinder = Cylinder(radius=PERSON_RADIUS, top=PERSON_HEIGHT)
@@ -132,7 +165,7 @@ class Shapes:
 
     @property
     def gauges(self) -> tuple[Gauge, ...]:
-        """What measures between the person and each part of the machine."""
+        """Kernels that measure between the person and each solid of the machine."""
         return tuple(_gauge(self.person, part) for part in self.machine)
 
 
@@ -151,9 +184,18 @@ that is integrated with eight nodes: the error is then below 2e-13 of the stretc
 
 @dataclass(frozen=True, kw_only=True)
 class Enclosure:
-    """A figure over an interval: within `slack` of `value` + `slope` u + `curve` u² / 2.
+    """Value over an interval, within `slack` of `value` + `slope` u + `curve` u² / 2.
 
-    u is the time from the middle of the interval, in seconds. At an instant `value` is exact.
+    u is the time since the middle of the interval in seconds. Custom laws return enclosures.
+
+    Parameters
+    ----------
+    value : float
+        Value in the middle, which is exact for a single time.
+    slope, curve : float, optional
+        First and second derivative.
+    slack : float, optional
+        Maximum deviation.
     """
 
     value: float
@@ -163,11 +205,11 @@ class Enclosure:
 
     @staticmethod
     def between(low: float, high: float) -> Enclosure:
-        """Return a figure of which only bounds are known."""
+        """Return the enclosure of a value between two bounds."""
         return Enclosure(value=(low + high) / 2, slope=0.0, slack=(high - low) / 2)
 
     def range(self, half: float) -> tuple[float, float]:
-        """Return the least and the most it may be on an interval of twice `half` (seconds)."""
+        """Return minimum and maximum on an interval of twice `half` seconds."""
         around = (abs(self.slope) + abs(self.curve) * half / 2) * half + self.slack
         return self.value - around, self.value + around
 
@@ -206,7 +248,7 @@ class Odometer(PathLength):
         self.motion = motion
 
     def ahead(self, begin: float, end: float, seconds: float) -> Enclosure:
-        """The path length (metres) within `seconds` of each instant from `begin` to `end`."""
+        """Return the path length (metres) in the `seconds` after each time from `begin` to `end`."""
         return enclosure_of(self.path_ahead(begin, end, seconds))
 
     def speed(self, begin: float, end: float) -> Enclosure:
@@ -301,9 +343,17 @@ class Bounds(NamedTuple):
 
 
 class Encounter(EncounterBounds):
-    """A stretch of time in which the motions of a person and a machine are one cubic each.
+    """Time span in which the motions of a person and a machine are one cubic each.
 
-    Distances are those between the two on the floor, or between surfaces, by `gauges`.
+    It gives custom conditions and laws bounds on distances and speeds. Distances are between
+    centres on the floor, or between surfaces.
+
+    Parameters
+    ----------
+    person, machine : Motion
+        Motions.
+    gauges : sequence of Gauge, optional
+        Kernels that measure between surfaces: see `Shapes.gauges`.
     """
 
     def __init__(self, person: Motion, machine: Motion, gauges: Sequence[Gauge] = ()) -> None:
@@ -312,57 +362,57 @@ class Encounter(EncounterBounds):
 
     @property
     def begin(self) -> float:
-        """The instant at which the stretch begins, seconds."""
+        """Begin of the time span in seconds."""
         return self.stretch()[0]
 
     @property
     def end(self) -> float:
-        """The instant at which the stretch ends, seconds."""
+        """End of the time span in seconds."""
         return self.stretch()[1]
 
     @cached_property
     def human(self) -> Odometer:
-        """The odometer of the person's whole motion."""
+        """Path length and speed of the person's whole motion."""
         return Odometer(self._motions[0])
 
     @cached_property
     def robot(self) -> Odometer:
-        """The odometer of the machine's whole motion."""
+        """Path length and speed of the machine's whole motion."""
         return Odometer(self._motions[1])
 
     def odometers(self) -> tuple[Odometer, Odometer]:
-        """Return those of the person and of the machine."""
+        """Return `human` and `robot`."""
         return self.human, self.robot
 
     def distance(self, t: float) -> float:
-        """Return the distance between the two at `t` (metres), 0 where surfaces overlap."""
+        """Return the distance at `t` in metres, 0 if surfaces overlap."""
         return self.bounds_apart(t, t, 0.0, 0.0)[0]
 
     def closing(self, begin: float, end: float) -> tuple[float, float]:
-        """Return bounds on the rate of half the squared distance from `begin` to `end` (m²/s).
+        """Return bounds on the derivative of half the squared distance in m²/s.
 
-        Negative while the two places come closer, positive while they part.
+        It is negative while the centres approach each other.
         """
         return self.bounds_closing(begin, end)
 
     def bounds(self, begin: float, end: float) -> Bounds:
-        """Return the bounds from `begin` to `end`, an interval within this stretch."""
+        """Return bounds on distance and speeds from `begin` to `end`, within this time span."""
         return Bounds(*self.all_bounds(begin, end))
 
     def apart(
         self, begin: float, end: float, slope: float = 0.0, curve: float = 0.0
     ) -> tuple[float, float, float]:
-        """Bounds on distance − `slope` u − `curve` u² / 2 over an interval, u from its middle.
+        """Return bounds on distance − `slope` u − `curve` u² / 2, u from the interval's middle.
 
-        Slope (m/s) and curve (m/s²) are those of a required distance that changes while the two
-        move. The third number is an instant at which the figure is near the low.
+        Slope (m/s) and curve (m/s²) are derivatives of a required distance. The third value is a
+        time near the minimum.
         """
         return self.bounds_apart(begin, end, slope, curve)
 
     def human_speed(self, begin: float, end: float) -> Enclosure:
-        """Return the human's speed over an interval within this stretch, m/s."""
+        """Return the human's speed in m/s over an interval within this time span."""
         return enclosure_of(self.speed_of(False, begin, end))
 
     def robot_speed(self, begin: float, end: float) -> Enclosure:
-        """Return the robot's speed over an interval within this stretch, m/s."""
+        """Return the robot's speed in m/s over an interval within this time span."""
         return enclosure_of(self.speed_of(True, begin, end))

@@ -26,7 +26,7 @@ from .motion import Cubic, Motion, Piece, State, Table, TablePieces
 
 @dataclass(frozen=True)
 class AxisLimits:
-    """Limits of one axis: m/s, m/s², m/s³ (or the same in radians). No jerk limit is inf."""
+    """Limits of one axis in m/s, m/s² and m/s³, or in radians. Without a jerk limit it is inf."""
 
     max_speed: float
     max_acceleration: float
@@ -41,7 +41,7 @@ class AxisLimits:
 
 @dataclass(frozen=True)
 class AxisState:
-    """State of one axis: metres (or radians) and seconds."""
+    """State of one axis in metres (or radians) and seconds."""
 
     position: float
     velocity: float = 0.0
@@ -255,7 +255,7 @@ class Stop(NamedTuple):
 
 
 def gantry_limits(gantry: Gantry) -> GantryLimits:
-    """Return the limits of the gantry on a floorplan."""
+    """Return the limits of the gantry of a floorplan."""
     x, y, rotation = (
         AxisLimits(axis.max_speed, axis.max_acceleration, axis.max_jerk) for axis in gantry.axes
     )
@@ -269,12 +269,35 @@ def gantry_move(
     *,
     limits: Gantry | GantryLimits = ARIAC_GANTRY,
 ) -> Motion:
-    """Return the fastest move to `target` (x, y in metres, rotation in radians), to end at rest.
+    """Return the fastest motion of a gantry to a target, where it stops.
 
-    `current` is where the gantry stands, or its `State` if it moves: position, velocity and
-    acceleration go on without a jump. The axes arrive together, and from rest go straight. The
-    move begins at `start` (seconds), and keeps within `limits`: those of ARIAC's gantry by default,
-    or of the gantry of a floorplan.
+    All axes arrive together. From rest they move along a straight line.
+
+    Parameters
+    ----------
+    current : tuple of float or State
+        Present x and y in metres and rotation in radians, or the present state of a moving gantry.
+    target : tuple of float
+        x and y in metres, and the rotation in radians.
+    start : float, optional
+        Start time in seconds.
+    limits : Gantry or tuple of AxisLimits, optional
+        Limits of the axes, by default those of ARIAC's gantry.
+
+    Returns
+    -------
+    Motion
+        Motion without a jump in position or velocity.
+
+    Raises
+    ------
+    ValueError
+        If a pose is invalid, or if no motion exists within the limits.
+
+    Notes
+    -----
+    Ruckig computes the profiles: L. Berscheid and T. Kröger, "Jerk-limited Real-time Trajectory
+    Generation with Arbitrary Target States", Robotics: Science and Systems 2021.
     """
     target = _plain(target)
     limits = gantry_limits(limits) if isinstance(limits, Gantry) else limits
@@ -288,9 +311,21 @@ def gantry_move(
 def gantry_stop(
     current: State, start: float, *, limits: Gantry | GantryLimits = ARIAC_GANTRY
 ) -> Motion:
-    """Return the fastest stop from `current` within `limits`; it begins at `start` (seconds).
+    """Return the fastest stop of a gantry.
 
-    `limits` are as in `gantry_move`.
+    Parameters
+    ----------
+    current : State
+        Present state.
+    start : float
+        Start time in seconds.
+    limits
+        See `gantry_move`.
+
+    Returns
+    -------
+    Motion
+        Motion in which each axis stops independently.
     """
     limits = gantry_limits(limits) if isinstance(limits, Gantry) else limits
     state = [*map(float, (*current.position, *current.velocity, *current.acceleration))]
@@ -299,18 +334,35 @@ def gantry_stop(
 
 @lru_cache
 def gantry_stops(limits: GantryLimits = ARIAC_GANTRY) -> AxisStops:
-    """Return how a gantry with these `limits` stops: each axis by itself, as fast as it can."""
+    """Return how a gantry with these `limits` stops, each axis independently."""
     return AxisStops([c for axis in limits for c in (axis.max_acceleration, axis.max_jerk)])
 
 
 def agv_run(
     lane: Lane, current: float | State | AxisState, target: str | float, start: float = 0.0
 ) -> Motion:
-    """Return a run along `lane` from where the AGV is in `current` to `target`, to end at rest.
+    """Return the fastest motion of an AGV along its lane to a target, where it stops.
 
-    `current` is the lane position (metres) at which it stands, or its `State` if it moves. `target`
-    is a lane position in metres or the name of a location; `ValueError` if the lane has no such
-    place. The run begins at `start` (seconds).
+    Parameters
+    ----------
+    lane : Lane
+        Lane of the AGV.
+    current : float, State or AxisState
+        Present lane position in metres, or the present state of a moving AGV.
+    target : str or float
+        Location, or lane position in metres.
+    start : float, optional
+        Start time in seconds.
+
+    Returns
+    -------
+    Motion
+        Motion along the lane.
+
+    Raises
+    ------
+    floorplan.UserError
+        If the lane has no such position.
     """
     limits = AxisLimits(lane.max_speed, lane.max_acceleration)
     begin, end = _on_lane(lane, current), AxisState(lane.lane_position(target))
@@ -319,7 +371,22 @@ def agv_run(
 
 
 def agv_stop(lane: Lane, current: State | AxisState, start: float = 0.0) -> Motion:
-    """Return the fastest stop on `lane` of an AGV in the state `current`, begun at `start` (s)."""
+    """Return the fastest stop of an AGV on its lane.
+
+    Parameters
+    ----------
+    lane : Lane
+        Lane of the AGV.
+    current : State or AxisState
+        Present state.
+    start : float, optional
+        Start time in seconds.
+
+    Returns
+    -------
+    Motion
+        Motion along the lane.
+    """
     now = _on_lane(lane, current)
     state = (now.position, now.velocity, now.acceleration)
     return Motion(TablePieces(agv_stops(lane).after(*state, float(start))))
@@ -332,16 +399,16 @@ def _on_lane(lane: Lane, current: float | State | AxisState) -> AxisState:
 
 
 def agv_stops(lane: Lane) -> LaneStops:
-    """Return how an AGV stops on `lane`, as fast as it can."""
+    """Return how an AGV stops on `lane`."""
     return LaneStops(
         *lane.origin, *lane.direction, lane.heading, *lane.limits, lane.max_acceleration
     )
 
 
 def lane_state(lane: Lane, state: State) -> AxisState:
-    """Return the lane position of an AGV in `state`, and its motion along the lane.
+    """Return the lane position of an AGV in `state` and its motion along the lane.
 
-    It is on the lane, whatever rounding says.
+    The position is within the limits of the lane.
     """
     (low, high), (c, s) = lane.limits, lane.direction
     (x, y), (vx, vy, _), (ax, ay, _) = state.at, state.velocity, state.acceleration
@@ -350,11 +417,10 @@ def lane_state(lane: Lane, state: State) -> AxisState:
 
 
 def longest_stop(machine: Machine) -> Stop:
-    """Return the longest and the farthest stop that the limits of `machine` leave it.
+    """Return the longest and farthest stop of a machine within its limits.
 
-    A gantry brakes each axis by itself. It stands when the slowest axis does, rotation included,
-    and goes farthest if x and y both do. An AGV brakes along its lane, without a limit of jerk.
-    `TypeError` for anything else.
+    The axes of a gantry stop independently. Its time is that of the slowest axis, and its distance
+    that of x and y together. An AGV has no jerk limit. `TypeError` for anything else.
     """
     if isinstance(machine, Lane):
         return _longest_of_axis(AxisLimits(machine.max_speed, machine.max_acceleration))

@@ -197,7 +197,7 @@ class Courses:
         return _totals(self._stretches.body, figures, len(self._motions))
 
     def _sudden_turns(self) -> Array:
-        """The angles by which the bodies turn on the spot, together (radians)."""
+        """Return the sum of the angles by which the bodies turn on the spot (radians)."""
         body, durations, jumped, pieces = self._stretches
         rotation, u = pieces[:, 2], durations
         ends = rotation[:, 0] + u * (rotation[:, 1] + u * (rotation[:, 2] + u * rotation[:, 3]))
@@ -265,7 +265,7 @@ class _Meetings:
         return self.groups, self.durations, self.present, self.apart, self.less
 
     def _extremes(self, squared: Array, count: int) -> tuple[Array, Array]:
-        """The least and the greatest distance of each body: (count,) of metres."""
+        """Return the minimum and maximum distance of each body: (count,) of metres."""
         most = self.present.shape[1]
         row, other = np.nonzero(self.present)
         group = self.groups[row] * most + other
@@ -327,7 +327,7 @@ def _cuts(motions: Sequence[Motion], spans: Array) -> Array:
 
 
 def _totals(groups: Index, figures: Array, count: int) -> Array:
-    """The sum of the figures of each group: (count,)."""
+    """Return the sum of the values of each group: (count,)."""
     return np.bincount(groups, figures, count).astype(np.float64)
 
 

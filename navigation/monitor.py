@@ -46,12 +46,26 @@ ROUNDING = 1e-11
 
 
 class Condition(Protocol):
-    """A condition that may hold between a person and a machine."""
+    """Interface of conditions on the motions of a person and a machine.
+
+    Conditions combine as `~condition` and `condition & other`.
+    """
 
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """Return whether it holds throughout the interval (True), nowhere in it (False), or None.
+        """Evaluate the condition over an interval.
 
-        At an instant (`begin` equals `end`) it must be decided.
+        Parameters
+        ----------
+        encounter : Encounter
+            Bounds on the two motions.
+        begin, end : float
+            Interval within the encounter in seconds.
+
+        Returns
+        -------
+        bool or None
+            True if the condition holds throughout, False if it holds nowhere, None if undecided. It
+            must be decided if `begin` equals `end`.
         """
         ...
 
@@ -78,7 +92,18 @@ class _KernelCondition:
 
 @dataclass(frozen=True)
 class TooClose(_KernelCondition):
-    """The two are closer than `law` requires. `ValueError` if the law makes no sense."""
+    """Condition that the two are closer than a law requires.
+
+    Parameters
+    ----------
+    law : Law or MotionLaw
+        Law.
+
+    Raises
+    ------
+    ValueError
+        If the law has no method for it, or decreases with a speed.
+    """
 
     law: AnyLaw
 
@@ -88,29 +113,50 @@ class TooClose(_KernelCondition):
 
 @dataclass(frozen=True)
 class Moving(_KernelCondition):
-    """The machine moves, which is faster than `speed` (m/s)."""
+    """Condition that the machine moves.
+
+    Parameters
+    ----------
+    speed : float, optional
+        Minimum speed in m/s.
+    """
 
     speed: float = STANDING_SPEED
 
 
 @dataclass(frozen=True)
 class Approaching(_KernelCondition):
-    """The centres of the two come closer to each other."""
+    """Condition that the centres approach each other."""
 
 
 @dataclass(frozen=True)
 class Apart(_KernelCondition):
-    """The distance between the two is at least `metres`."""
+    """Condition that the two are apart.
+
+    Parameters
+    ----------
+    metres : float
+        Minimum distance in metres.
+    """
 
     metres: float
 
 
 @dataclass(frozen=True)
 class Overlapping(_KernelCondition):
-    """The boxes of two bodies overlap by more than `depth` metres, along the floor.
+    """Condition that the boxes of two bodies overlap.
 
-    `one` turns with the first body and `other` with the second. They never do if one is above the
-    other. `ValueError` for a depth below 0.
+    Parameters
+    ----------
+    one, other : Box
+        Boxes that turn with the first and the second body.
+    depth : float, optional
+        Minimum depth on the floor in metres. Boxes above each other do not overlap.
+
+    Raises
+    ------
+    ValueError
+        If `depth` is negative.
     """
 
     one: Box
@@ -124,14 +170,14 @@ class Overlapping(_KernelCondition):
 
 @dataclass(frozen=True)
 class Not(_KernelCondition):
-    """The other condition does not hold."""
+    """Condition that another condition does not hold."""
 
     condition: Condition
 
 
 @dataclass(frozen=True)
 class Both(_KernelCondition):
-    """Two conditions hold at once."""
+    """Condition that two conditions hold."""
 
     first: Condition
     second: Condition
@@ -213,10 +259,31 @@ def when(
     *,
     shapes: Shapes | None = None,
 ) -> Iterator[tuple[float, float]]:
-    """Yield the maximal intervals between `begin` and `end` (seconds) in which `condition` holds.
+    """Yield the maximal intervals in which a condition holds.
 
-    It is a condition on the motions of `person` and `machine`. Distances are taken between the
-    centres on the floor, or between the surfaces of `shapes`.
+    Parameters
+    ----------
+    condition : Condition
+        Condition on the two motions.
+    person, machine : Motion
+        Motions of the two bodies.
+    begin, end : float
+        Time span in seconds.
+    shapes : Shapes, optional
+        Solids between whose surfaces distances are measured. By default distances are between
+        centres on the floor.
+
+    Yields
+    ------
+    tuple of float
+        Begin and end of an interval in seconds, within the time span.
+
+    Raises
+    ------
+    TypeError
+        If `person` or `machine` is no `Motion`.
+    ValueError
+        If the time span is invalid.
     """
     watch = _watch(condition, person, machine, begin, end, shapes)
     while (since := watch.change()) is not None:
@@ -234,9 +301,22 @@ def first_time(
     *,
     shapes: Shapes | None = None,
 ) -> float | None:
-    """The first instant between `begin` and `end` (seconds) at which `condition` holds, or None.
+    """Return the first time at which a condition holds.
 
-    `person`, `machine` and `shapes` are as in `when`.
+    Parameters
+    ----------
+    condition, person, machine, begin, end, shapes
+        See `when`.
+
+    Returns
+    -------
+    float or None
+        Time in seconds, at most 1e-7 s late.
+
+    Raises
+    ------
+    TypeError, ValueError
+        See `when`.
     """
     judge = kept_judge_of(condition) if shapes is None else None
     if judge is not None and _makes_sense(person, machine, begin, end):
@@ -248,10 +328,7 @@ def first_time(
 def first_interval(
     condition: Condition, person: Motion, machine: Motion, begin: float, end: float
 ) -> tuple[float, float] | None:
-    """Return the first of the intervals that `when` yields, None if there is none.
-
-    `condition`, `person`, `machine`, `begin` and `end` are what they are there.
-    """
+    """Return the first interval that `when` yields, or None."""
     judge = kept_judge_of(condition)
     if judge is None or not _makes_sense(person, machine, begin, end):
         return next(when(condition, person, machine, begin, end), None)
@@ -295,11 +372,39 @@ def first_violation(
     *,
     shapes: Shapes | None = None,
 ) -> float | None:
-    """The first instant in [begin, end] (seconds) at which the two are closer than `law` asks.
+    """Return the first time at which two motions are closer than a law requires.
 
-    The two are the motions of `person` and `machine`. Distances are taken between the centres on
-    the floor, or between the surfaces of `shapes`. At most `RESOLUTION` late.
-    None if there is none.
+    Parameters
+    ----------
+    person, machine : Motion
+        Motions of the two bodies.
+    law : Law or MotionLaw
+        Law.
+    begin, end : float
+        Time span in seconds.
+    shapes : Shapes, optional
+        See `when`.
+
+    Returns
+    -------
+    float or None
+        Time in seconds, at most 1e-7 s late.
+
+    Raises
+    ------
+    TypeError
+        If `person` or `machine` is no `Motion`.
+    ValueError
+        If the time span or the law is invalid.
+
+    Examples
+    --------
+    >>> from navigation import SeparationLaw, first_violation, gantry_move, walk
+    >>> person = walk([(0.0, 0.0), (10.0, 0.0)])
+    >>> gantry = gantry_move((12.0, 0.0, 0.0), (8.0, 0.0, 0.0))
+    >>> law = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
+    >>> round(first_violation(person, gantry, law, 0.0, 60.0), 3)
+    4.538
     """
     return first_time(TooClose(law), person, machine, begin, end, shapes=shapes)
 
@@ -313,10 +418,22 @@ def violations(
     *,
     shapes: Shapes | None = None,
 ) -> list[tuple[float, float]]:
-    """Return all intervals (begin, end) in seconds in which the two are closer than `law` asks.
+    """Return all intervals in which two motions are closer than a law requires.
 
-    `person`, `machine`, `law` and `shapes` are as in `first_violation`; the intervals are cut at
-    `begin` and `end`.
+    Parameters
+    ----------
+    person, machine, law, begin, end, shapes
+        See `first_violation`.
+
+    Returns
+    -------
+    list of tuple of float
+        Begin and end of each interval in seconds, within the time span.
+
+    Raises
+    ------
+    TypeError, ValueError
+        See `first_violation`.
     """
     return list(when(TooClose(law), person, machine, begin, end, shapes=shapes))
 
@@ -329,10 +446,23 @@ def minimum_separation(
     *,
     shapes: Shapes | None = None,
 ) -> tuple[float, float]:
-    """Return when `person` and `machine` are nearest from `begin` to `end`: (seconds, metres).
+    """Return when two motions are closest.
 
-    Between the centres on the floor, or between the surfaces of `shapes`. The first of several
-    such instants. The distance is exact to 1e-9 m.
+    Parameters
+    ----------
+    person, machine, begin, end, shapes
+        See `first_violation`.
+
+    Returns
+    -------
+    tuple of float
+        Time in seconds, the first of several, and distance in metres. The distance is exact to
+        1e-9 m.
+
+    Raises
+    ------
+    TypeError, ValueError
+        See `first_violation`.
     """
     encounter = _encounter(person, machine, begin, end, shapes)
     return least(None, encounter, float(begin), float(end), EXACT)
@@ -347,12 +477,24 @@ def minimum_margin(
     *,
     shapes: Shapes | None = None,
 ) -> tuple[float, float]:
-    """Return when distance − required distance is least, and that margin: (seconds, metres).
+    """Return when distance minus required distance is minimal.
 
-    Looked for from `begin` to `end`; `person`, `machine`, `law` and `shapes` are as in
-    `first_violation`. Negative where the two are closer than `law` asks. Where the requirement
-    jumps with a speed, both sides of the jump count. The first of several such instants. Exact to
-    1e-9 m for every law that is a `MotionLaw`, to 1e-6 m for those that only know speeds.
+    Parameters
+    ----------
+    person, machine, law, begin, end, shapes
+        See `first_violation`.
+
+    Returns
+    -------
+    tuple of float
+        Time in seconds, the first of several, and margin in metres. The margin is negative during a
+        violation. If the requirement jumps with a speed, both sides of the jump count. The margin
+        is exact to 1e-9 m for a `MotionLaw`, and to 1e-6 m for other laws.
+
+    Raises
+    ------
+    TypeError, ValueError
+        See `first_violation`.
     """
     require_sense(law)
     encounter = _encounter(person, machine, begin, end, shapes)
@@ -365,7 +507,7 @@ def minimum_margin(
 
 
 class StoppingHorizon(kernel.Lookout):
-    """The test for a machine to which `law` applies; `margin` metres are kept in addition."""
+    """Stopping test for a machine with a `law`, which keeps `margin` metres in addition."""
 
     def __init__(self, law: AnyLaw, margin: float) -> None:
         super().__init__(kernel_of(law), margin, ROUNDING, RESOLUTION)

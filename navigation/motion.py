@@ -38,7 +38,16 @@ JUMP_TOLERANCE = 1e-6
 
 
 class Piece(NamedTuple):
-    """One stretch of a motion: x, y (metres) and rotation (radians) as cubics of time."""
+    """Part of a motion in which x, y and rotation are cubic functions of time.
+
+    Parameters
+    ----------
+    begin, end : float
+        Begin and end in seconds.
+    x, y, rotation : tuple of float
+        Coefficients c of c[0] + c[1] u + c[2] u² + c[3] u³ with u the time since `begin`, in metres
+        and radians.
+    """
 
     begin: float
     end: float
@@ -48,16 +57,16 @@ class Piece(NamedTuple):
 
     @property
     def moves(self) -> bool:
-        """True if it goes anywhere over the floor; to turn on the spot is not to move."""
+        """True if the position changes. Turning on the spot does not count."""
         return any((*self.x[1:], *self.y[1:]))
 
     @property
     def stands(self) -> bool:
-        """True if it neither moves nor turns."""
+        """True if neither position nor rotation changes."""
         return not (self.moves or any(self.rotation[1:]))
 
     def cut(self, begin: float, end: float) -> Piece:
-        """Return the same motion between two instants within the piece."""
+        """Return the part between two times within the piece."""
         if begin == self.begin:
             return self._replace(end=end)
         u = begin - self.begin
@@ -65,7 +74,7 @@ class Piece(NamedTuple):
 
 
 class State(NamedTuple):
-    """A body at an instant: x, y, rotation of each (metres, radians, seconds)."""
+    """State of a body at one time: x, y and rotation in metres and radians."""
 
     position: tuple[float, float, float]
     velocity: tuple[float, float, float]
@@ -73,22 +82,33 @@ class State(NamedTuple):
 
     @property
     def at(self) -> tuple[float, float]:
-        """The position on the floor: x, y."""
+        """Position on the floor (x, y)."""
         return self.position[:2]
 
     @property
     def speed(self) -> float:
-        """The speed over the floor, m/s."""
+        """Speed on the floor in m/s."""
         return math.hypot(self.velocity[0], self.velocity[1])
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A function of continuous time: piecewise cubic, still before `start` and after `end`.
+    """Motion of a body as a function of continuous time.
 
-    `pieces` run forwards and follow each other without a gap in time. The position is continuous,
-    except at the instants in `jumps`, where the body was put elsewhere. `ValueError` if this does
-    not hold.
+    It is piecewise cubic, and stationary before `start` and after `end`. `walk`, `gantry_move`,
+    `agv_run`, `standing`, `join` and `from_samples` create motions.
+
+    Parameters
+    ----------
+    pieces : sequence of Piece
+        Consecutive pieces without gaps in time.
+    jumps : frozenset of float, optional
+        Times in seconds at which the position is discontinuous.
+
+    Raises
+    ------
+    ValueError
+        If there is no piece, a gap in time, or an unexpected jump.
     """
 
     pieces: Sequence[Piece]
@@ -115,15 +135,28 @@ class Motion:
 
     @classmethod
     def from_samples(cls, t: ArrayLike, xy: ArrayLike, rotation: ArrayLike | None = None) -> Motion:
-        """Return a motion through samples, of a person who was tracked or a robot's log.
+        """Return a motion through samples of a tracked person or of a robot.
 
-        `t` (N,) are seconds, each later than the one before; `xy` (N, 2) metres; `rotation` (N,)
-        radians, 0 throughout if None, and taken the short way round where it steps by more than
-        π from one sample to the next. Between samples the motion is a monotone cubic of time in x,
-        y and rotation: position and velocity are continuous, each coordinate stays between those
-        of the two samples, and who stands in both stands in between. The monitor is exact for
-        this motion, as for any other; how far it is from what the body did between the samples,
-        it can't know. `ValueError` says which samples are unfit.
+        Parameters
+        ----------
+        t : array_like
+            Increasing times in seconds, shape (N,).
+        xy : array_like
+            Positions in metres, shape (N, 2).
+        rotation : array_like, optional
+            Rotations in radians, shape (N,). Steps of more than π count as turns the other way. By
+            default 0.
+
+        Returns
+        -------
+        Motion
+            Monotone cubics between samples: position and velocity are continuous, and each
+            coordinate stays between its two samples.
+
+        Raises
+        ------
+        ValueError
+            If shapes differ, a value is not finite, or times do not increase.
         """
         times, places = np.asarray(t, dtype=float), np.asarray(xy, dtype=float)
         turned = np.zeros(times.shape) if rotation is None else np.asarray(rotation, dtype=float)
@@ -160,35 +193,68 @@ class Motion:
 
     @cached_property
     def start(self) -> float:
-        """The instant at which it begins, seconds."""
+        """Start time in seconds."""
         return self.pieces[0].begin
 
     @cached_property
     def end(self) -> float:
-        """The instant from which on the body stands, seconds."""
+        """Time in seconds after which the body is stationary."""
         return self.pieces[-1].end
 
     @property
     def last_begin(self) -> float:
-        """The instant at which its last piece begins, seconds."""
+        """Start time of the last piece in seconds."""
         return self.table[-POSE_WIDTH]
 
     def position(self, t: ArrayLike) -> Array:
-        """Return the position at `t` (seconds): x, y in metres, (2,) or (N, 2)."""
+        """Return the position at some times.
+
+        Parameters
+        ----------
+        t : array_like
+            Times in seconds, a scalar or shape (N,).
+
+        Returns
+        -------
+        numpy.ndarray
+            x and y in metres, shape (2,) or (N, 2).
+        """
         return _value(*self._found(t))[..., :2]
 
     def velocity(self, t: ArrayLike) -> Array:
-        """The velocity at `t` (seconds): m/s, (2,) or (N, 2). At a change, the one after it."""
+        """Return the velocity at some times.
+
+        Parameters
+        ----------
+        t : array_like
+            Times in seconds, a scalar or shape (N,).
+
+        Returns
+        -------
+        numpy.ndarray
+            Velocity in m/s, shape (2,) or (N, 2). At a change it is the velocity after it.
+        """
         return np.where(self._moves(t)[..., None], _slope(*self._found(t)), 0.0)[..., :2]
 
     def rotation(self, t: ArrayLike) -> Array:
-        """The rotation at `t` (seconds): radians, () or (N,); 0 along x, counterclockwise."""
+        """Return the rotation at some times.
+
+        Parameters
+        ----------
+        t : array_like
+            Times in seconds, a scalar or shape (N,).
+
+        Returns
+        -------
+        numpy.ndarray
+            Rotation in radians, shape () or (N,): 0 along x, counterclockwise.
+        """
         return _value(*self._found(t))[..., 2]
 
     def cubics(self, t: ArrayLike) -> Array:
-        """Return x, y and rotation as cubics of the time since each of `t` (seconds): (..., 3, 4).
+        """Return x, y and rotation as cubics of the time since each of `t` (s): shape (..., 3, 4).
 
-        They hold up to the next change; at one they are those after it.
+        They are valid until the next change.
         """
         u, c = self._found(t)
         found = np.stack((_value(u, c), _slope(u, c), c[..., 2] + u * 3 * c[..., 3], c[..., 3]), -1)
@@ -196,7 +262,7 @@ class Motion:
         return found
 
     def state(self, t: float) -> State:
-        """Return position, velocity and acceleration at the instant `t` (seconds)."""
+        """Return position, velocity and acceleration at `t` (seconds)."""
         kept = self.__dict__
         known: tuple[float, State] | None = kept.get("known")  # asked often of one instant
         if known is not None and known[0] == t:
@@ -208,20 +274,20 @@ class Motion:
         return found
 
     def state_before(self, t: float) -> State:
-        """Return the state just before `t`, before a change or a jump at that instant."""
+        """Return the state just before `t`, before a change or a jump at that time."""
         t = float(t)
         # The last piece that began before t, not at it: the one that ends there.
         row = max(0, bisect_left(self._begins, t) - 1)
         return State(*evaluate(self.table, row, t, self.start < t <= self.end))
 
     def cut(self, begin: float, end: float) -> Motion:
-        """Return the motion from `begin` to `end` (seconds), standing included."""
+        """Return the motion from `begin` to `end` (seconds), including stationary parts."""
         table = between(self.table, float(begin), float(end))
         jumps = frozenset(t for t in self.jumps if begin < t < end) if self.jumps else self.jumps
         return motion_of(table, jumps)
 
     def translated(self, dx: float, dy: float) -> Motion:
-        """Return the same motion `dx` and `dy` metres further along x and y."""
+        """Return the motion shifted by `dx` and `dy` metres."""
         if dx == dy == 0.0:
             return self
         pieces = [
@@ -231,7 +297,7 @@ class Motion:
         return Motion(tuple(pieces), self.jumps)
 
     def pieces_from(self, t: float) -> Sequence[Piece]:
-        """Return the pieces that are not over at `t` (seconds)."""
+        """Return the pieces that end after `t` (seconds)."""
         return self.pieces[max(0, bisect_right(self._begins, t) - 1) :]
 
     @cached_property
@@ -336,23 +402,47 @@ def _of_doubles(values: array[float], jumps: frozenset[float]) -> Motion:
 
 
 def standing(at: tuple[float, float], *, heading: float = 0.0, start: float = 0.0) -> Motion:
-    """Standing `at` (x, y in metres), turned by `heading` (radians), from `start` (s) for ever."""
+    """Return the motion of a stationary body.
+
+    Parameters
+    ----------
+    at : tuple of float
+        Position (x, y) in metres.
+    heading : float, optional
+        Rotation in radians.
+    start : float, optional
+        Start time in seconds.
+
+    Returns
+    -------
+    Motion
+        Motion without end.
+    """
     start = float(start)
     return Motion(TablePieces(rest(start, start, float(at[0]), float(at[1]), float(heading))))
 
 
 def still(at: tuple[float, float, float], begin: float, end: float) -> Piece:
-    """Return standing at `at` (x, y, rotation) from `begin` to `end` (seconds)."""
+    """Return a stationary piece at `at` (x, y, rotation) from `begin` to `end` (seconds)."""
     x, y, rotation = (float(c) for c in at)
     along_x, along_y, turning = ((c, 0.0, 0.0, 0.0) for c in (x, y, rotation))
     return Piece(float(begin), float(end), along_x, along_y, turning)
 
 
 def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
-    """Return `motions` as one: each until the next starts, the last until `end` (seconds).
+    """Return motions one after another as one motion.
 
-    In between the body stands; where a motion starts elsewhere than the one before ended, the
-    whole has a jump.
+    Parameters
+    ----------
+    motions : iterable of Motion
+        Motions in the order of their starts. Each is valid until the next starts.
+    end : float, optional
+        End of the last motion in seconds.
+
+    Returns
+    -------
+    Motion
+        Motion that is stationary in between. It jumps if a motion starts elsewhere.
     """
     pieces: list[Piece] = []
     jumps: set[float] = set()
@@ -406,7 +496,7 @@ def shift(c: Cubic, u: float) -> Cubic:
 
 
 class Track:
-    """Motions one after another, as they were carried out."""
+    """Recorder of successive motions of a body."""
 
     def __init__(self) -> None:
         self._pack = Pack()
@@ -420,10 +510,9 @@ class Track:
         return self._end is not None
 
     def add(self, motion: Motion, begin: float, end: float) -> None:
-        """Go on with `motion` from `begin` to `end` (seconds).
+        """Append `motion` from `begin` to `end` (seconds); `ValueError` if there is a gap in time.
 
-        If it is elsewhere then than where the last one ended, that is a jump. `ValueError` if it
-        doesn't begin when the last one ended.
+        A start at another position is a jump.
         """
         if self._end is not None and self._end != begin:
             raise ValueError(f"a track has a gap from t = {self._end} s to {begin} s")
@@ -434,5 +523,5 @@ class Track:
             self._jumps.update(t for t in motion.jumps if begin < t < end)
 
     def motion(self) -> Motion:
-        """Return all of it until now as one motion."""
+        """Return everything so far as one motion."""
         return Motion(TablePieces(self._pack.pieces()), frozenset(self._jumps))

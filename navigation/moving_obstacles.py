@@ -65,10 +65,16 @@ Limits = tuple[float, float]
 
 @dataclass(frozen=True, eq=False)
 class Mover:
-    """A body that moves as is known: `motion`, with a solid around its axis.
+    """Body with a known motion. It stands before and after the motion.
 
-    It stands where the motion begins and ends before and after. `name` is that of the body in the
-    collision world, if it has one there.
+    Parameters
+    ----------
+    name : str
+        Name of the body in the collision world, if it has one there.
+    motion : Motion
+        Motion of its axis.
+    solid : Box or Cylinder
+        Solid around the axis.
     """
 
     name: str
@@ -78,7 +84,17 @@ class Mover:
 
 @dataclass(frozen=True, eq=False)
 class Passage:
-    """A path among bodies that move, and the motion along it that touches none of them."""
+    """Path among moving bodies, and a motion along it that touches none of them.
+
+    Parameters
+    ----------
+    path : Path
+        Path.
+    motion : Motion
+        Motion along the path.
+    waits : tuple
+        Position (x, y) in metres and duration in seconds of each wait.
+    """
 
     path: Path
     motion: Motion
@@ -87,7 +103,7 @@ class Passage:
 
     @property
     def arrives(self) -> float:
-        """Instant of arrival (seconds)."""
+        """Time of arrival in seconds."""
         return self.motion.end
 
 
@@ -148,17 +164,43 @@ def plan_among(
     gap: float = GAP,
     patience: float = PATIENCE,
 ) -> Passage:
-    """Return the passage from `start` to `goal` that arrives first of those that are looked at.
+    """Return the passage from `start` to `goal` that arrives first.
 
-    Paths are the `planner`'s, for a person of its radius and this `height` (metres), who walks at
-    `max_speed` (m/s) and `max_acceleration` (m/s²) at most. At the time `at` (seconds) they stand
-    at `start` and look in the direction `heading` (radians). They wait `patience` seconds at most,
-    once: there, at a waypoint, or short of a place where a body would touch them. Paths looked at
-    are the shortest one regardless of what is `moving`, and those round where it stands now, where
-    it comes to rest, and all that it covers on its way. Until the arrival, no such body that has
-    set out comes closer than `gap` metres, or closer than it is at the beginning where that is
-    less: the monitor has checked it for the motion as it is returned. One that still stands is
-    passed like all that stands. `PlanningError` if there is none.
+    Candidates are the shortest path regardless of moving bodies, and paths around where they are
+    now, where they stop, and everything that they cover. The person waits at most once: at the
+    start, at a waypoint, or before a body would touch them.
+
+    Parameters
+    ----------
+    planner : PathPlanner
+        Planner of paths, with the person's radius.
+    start, goal : array_like
+        Positions (x, y) in metres.
+    moving : sequence of Mover
+        Moving bodies.
+    at : float, optional
+        Start time in seconds.
+    heading : float, optional
+        Heading at the start in radians.
+    max_speed, max_acceleration : float, optional
+        Limits of the person in m/s and m/s².
+    height : float, optional
+        Height of the person in metres.
+    gap : float, optional
+        Minimum distance in metres to bodies that have started to move. If the person is closer at
+        the start, that distance is kept.
+    patience : float, optional
+        Maximum time to wait in seconds.
+
+    Returns
+    -------
+    Passage
+        Path and motion. The monitor has checked the motion.
+
+    Raises
+    ------
+    PlanningError
+        If no such passage was found.
     """
     watches = [_watch(planner, mover, start, at, height, gap) for mover in moving]
     best: Passage | None = None

@@ -131,13 +131,41 @@ _STEP = HAIR / 100
 
 
 class PathPlanner:
-    """Finds paths through a `CollisionWorld` for a disc of `radius` metres.
+    """Planner of paths through a `CollisionWorld` for a disc.
 
-    The world is read as it is when a path is asked for. `ignore` names bodies that are no
-    obstacle, above all the person for whom the planner plans. Paths go round corners in bends of
-    `step` radians at most: smaller ones hug the corners closer, and are more. `planner` is the one
-    to ask: see `PlannerChoice.of`; `seed` is that of its samples. Of the paths found since anything
-    on the floor moved, the last `keep` are kept, and are the answer to the same question.
+    It reads the world when a path is requested.
+
+    Parameters
+    ----------
+    world : CollisionWorld
+        World.
+    radius : float, optional
+        Radius in metres, by default the radius of the floor's people.
+    ignore : collection of str, optional
+        Names of bodies that are no obstacles, such as the person who plans.
+    step : float, optional
+        Maximum turn per waypoint around a corner in radians. Smaller turns follow corners more
+        closely and give more waypoints.
+    planner : str, mapping, type or PlannerChoice, optional
+        Planner by name, with its parameters, or the class of a custom planner.
+    seed : int, optional
+        Seed of planners that draw samples.
+    keep : int, optional
+        Maximum number of paths to cache until a body moves.
+
+    Raises
+    ------
+    floorplan.UserError
+        If a value is out of range, or if the planner or a parameter is unknown.
+
+    Examples
+    --------
+    >>> import floorplan
+    >>> from navigation import CollisionWorld, PathPlanner
+    >>> world = CollisionWorld(floorplan.load("ariac2023"))
+    >>> path = PathPlanner(world, radius=0.3).plan((-15.0, -10.0), (-5.0, 3.75))
+    >>> round(path.length, 2)
+    17.0
     """
 
     def __init__(
@@ -184,13 +212,35 @@ class PathPlanner:
         seed: int | None = None,
         watch: Watch | None = None,
     ) -> Path:
-        """Return a path from `start` to `goal` (x, y in metres) that keeps the radius clear.
+        """Return a path from `start` to `goal`.
 
-        The default planner's paths are the shortest there are, to within 0.6 % of the arcs around
-        corners. Others are OMPL's, by name (see `planners`), with OMPL's `parameters` by name;
-        the same `seed` gives the same path. `watch` is told how a search of OMPL's goes on.
-        `PlanningError` says why there is none; `ValueError` if a place, the planner or a parameter
-        makes no sense.
+        Paths of the default planner are the shortest, except for at most 0.6 % of their arcs around
+        corners. Other planners are those of OMPL.
+
+        Parameters
+        ----------
+        start, goal : array_like
+            Positions (x, y) in metres.
+        planner : str, mapping, type or PlannerChoice, optional
+            Planner for this query, by default the planner of the constructor.
+        parameters : mapping of str to bool, int, float or str, optional
+            Parameters of the planner by name.
+        seed : int, optional
+            Seed for this query. The same seed gives the same path.
+        watch : Watch, optional
+            Observer of a search of OMPL's planners.
+
+        Returns
+        -------
+        Path
+            Path along which the disc touches nothing.
+
+        Raises
+        ------
+        PlanningError
+            If there is no path, with the reason.
+        floorplan.UserError
+            If a position is not finite, or if the planner or a parameter is unknown.
         """
         choice = self._choice(planner, parameters)
         seed = self.seed if seed is None else seed
@@ -232,11 +282,11 @@ class PathPlanner:
         )
 
     def roadmap(self, step: float | None = None) -> Roadmap:
-        """Return the network of paths between the fixed things, made when first needed."""
+        """Return the visibility graph of the floor, with turns of at most `step` radians."""
         return self.world.roadmap(self.radius, self.step if step is None else step)
 
     def prepare(self) -> None:
-        """Compute now what the first plan would have to wait for."""
+        """Compute in advance what the first query needs."""
         roadmap = self.roadmap()
         _ = roadmap.passages
         for body in self.world.bodies:
@@ -376,22 +426,30 @@ _LEAST = 1e-3
 
 
 class GantryPath(Path):
-    """A path of the gantry's axis, whose rotation goes along in step with it.
+    """Path of the gantry's axis with its rotation.
 
-    `points` are (N, 3): x, y in metres and the rotation in radians.
+    `points` have the shape (N, 3): x and y in metres, and the rotation in radians.
     """
 
 
 class GantryPlanner:
-    """Finds paths for the gantry of a floorplan, with its arm folded.
+    """Planner of paths for the gantry of a floorplan, with its arm folded.
 
-    Torso and folded arm together are taken as a disc about the axis, so the rotation is free
-    everywhere: its radius is the arm's reach or, if that is more, half the torso's diagonal, and it
-    begins at the lower of the two bottoms. What is not as tall is passed over. `agvs` gives AGVs
-    that count as obstacles, by name, and where they stand (a location or a lane position, metres);
-    by default none does, since the gantry works above them.
+    Torso and folded arm count as a disc around the axis, so the rotation is free everywhere. Lower
+    obstacles are crossed.
 
-    `ValueError` if the floorplan has no gantry.
+    Parameters
+    ----------
+    plan : Floorplan
+        Floorplan with a gantry.
+    agvs : mapping of str to float or str, optional
+        AGVs that are obstacles, with lane positions in metres or locations. By default none,
+        because the gantry works above them.
+
+    Raises
+    ------
+    floorplan.UserError
+        If the floorplan has no gantry.
     """
 
     def __init__(self, plan: Floorplan, *, agvs: Mapping[str, float | str] | None = None) -> None:
@@ -425,12 +483,29 @@ class GantryPlanner:
         parameters: Mapping[str, Setting] | None = None,
         seed: int = 0,
     ) -> GantryPath:
-        """Return a path of the axis from `start` to `goal` (x, y in metres, rotation in radians).
+        """Return a path of the axis from `start` to `goal`.
 
-        It keeps the arm's reach from what is tall, and the axis out of the discs `keep_out`
-        (x, y, radius in metres), or out of the arm's reach of their centres where that is more.
-        Of a disc that it stands in at the start it comes no nearer to the centre.
-        `PlanningError` says why there is no path; `ValueError` if a pose is beyond an axis's range.
+        Parameters
+        ----------
+        start, goal : tuple of float
+            x and y in metres, and the rotation in radians.
+        keep_out : sequence of tuple of float, optional
+            Discs (x, y, radius) in metres that the axis stays out of. It also keeps the arm's reach
+            from their centres. From inside a disc, it comes no closer to the centre.
+        planner, parameters, seed
+            See `PathPlanner.plan`.
+
+        Returns
+        -------
+        GantryPath
+            Path with the rotation in proportion to the length.
+
+        Raises
+        ------
+        PlanningError
+            If there is no path, with the reason.
+        floorplan.UserError
+            If a pose is outside the range of an axis.
         """
         for pose, end in ((start, "start"), (goal, "goal")):
             self._check_range(pose, end)

@@ -140,7 +140,7 @@ def derivative(x: Array) -> Array:
 
 
 def time_negative(polynomials: Array, durations: Array) -> Array:
-    """The time (M,) in which any of A polynomials is negative: Bernstein (M, A, n), s (M,)."""
+    """Return the time (M,) in which any of A Bernstein polynomials (M, A, n) is negative."""
     total = np.zeros(len(durations))
     rows, width = np.arange(len(durations)), durations
     while len(rows):
@@ -158,7 +158,7 @@ def time_negative(polynomials: Array, durations: Array) -> Array:
 
 
 def least(polynomials: Array, groups: Index, count: int) -> Array:
-    """The least value (count,) of the polynomials of each group: Bernstein (M, n), groups (M,)."""
+    """Return the minimum (count,) of the Bernstein polynomials (M, n) of each group (M,)."""
     best = np.full(count, np.inf)
     for _ in range(20):
         # The first and the last Bernstein coefficients are values of the polynomial, at its two

@@ -25,28 +25,49 @@ _TRIED = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 1.0))
 
 
 class Law(Protocol):
-    """Any rule for the distance that must be kept at these speeds.
+    """Interface of laws that depend on two speeds.
 
-    `distance` must not shrink when either speed grows: the monitor relies on it to judge whole
-    intervals of time at once.
+    The required distance must not decrease with either speed. The monitor relies on that to
+    evaluate whole intervals.
     """
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """Return the required distance in metres for these speeds in m/s."""
+        """Return the required distance.
+
+        Parameters
+        ----------
+        human_speed, robot_speed : float
+            Speeds in m/s.
+
+        Returns
+        -------
+        float
+            Distance in metres.
+        """
         ...
 
 
 class MotionLaw(Protocol):
-    """A rule on the motions of the two, not only on their speeds at an instant.
+    """Interface of laws that depend on the motions of both bodies.
 
-    A `Law` that is also one of these is judged more finely (see `minimum_margin`).
+    If a law implements both interfaces, the monitor uses this one, with finer tolerance.
     """
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
-        """Return the distance in metres that is required from `begin` to `end` (seconds).
+        """Return the required distance over an interval.
 
-        The interval lies within `encounter`; at an instant the value is exact. Where a speed
-        jumps at `end`, what is required from then on may be left out.
+        Parameters
+        ----------
+        encounter : Encounter
+            Bounds on the two motions.
+        begin, end : float
+            Interval within the encounter in seconds. If a speed jumps at `end`, the requirement
+            after it may be ignored.
+
+        Returns
+        -------
+        Enclosure
+            Distance in metres. It must be exact if `begin` equals `end`.
         """
         ...
 
@@ -72,15 +93,37 @@ class _KernelLaw:
 
 @dataclass(frozen=True, kw_only=True)
 class SeparationLaw(_KernelLaw):
-    """The protective separation distance of speed and separation monitoring, linear form.
+    """Protective separation distance of speed and separation monitoring, linear form.
 
-    d = k_H (t1 + t2) + k_R t1 + B + δ with k_H the human's speed, k_R the robot's, `t1` the
-    time to sense and react, `t2` the time to stop (seconds), B the distance covered while
-    `stopping` and δ the `intrusion` allowance (metres).
+    Parameters
+    ----------
+    t1 : float
+        Time in seconds to sense and react.
+    t2 : float
+        Time in seconds to stop.
+    stopping : float, optional
+        Distance in metres that the machine covers while it stops.
+    intrusion : float, optional
+        Intrusion distance in metres.
 
-    Source: ISO/TS 15066:2016, clause 5.5.4; linear form as in J. A. Marvel and R. Norcross,
-    "Implementing speed and separation monitoring in collaborative robot workcells", Robotics
-    and Computer-Integrated Manufacturing 44, 2017. `ValueError` if a term is negative.
+    Raises
+    ------
+    ValueError
+        If a value is negative or not finite.
+
+    Notes
+    -----
+    d = k_H (t1 + t2) + k_R t1 + B + δ with k_H and k_R the speeds of human and robot, B the
+    `stopping` distance and δ the `intrusion` distance. Source: ISO/TS 15066:2016, clause 5.5.4.
+    Linear form: J. A. Marvel and R. Norcross, "Implementing speed and separation monitoring in
+    collaborative robot workcells", Robotics and Computer-Integrated Manufacturing 44, 2017.
+
+    Examples
+    --------
+    >>> from navigation import SeparationLaw
+    >>> law = SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
+    >>> law.distance(human_speed=1.0, robot_speed=0.5)
+    4.0
     """
 
     t1: float
@@ -90,20 +133,38 @@ class SeparationLaw(_KernelLaw):
 
     @classmethod
     def for_machine(cls, machine: Machine, *, t1: float, intrusion: float = 0.0) -> SeparationLaw:
-        """Return the law whose `t2` and `stopping` are those of the longest stop of `machine`.
+        """Return the law with the longest stop of a machine as `t2` and `stopping`.
 
-        The machine is a floorplan's `Gantry` or `Lane`, or `GantryLimits`. From no state within
-        its limits does it take longer to stand, or come farther from where braking begins: S_S of
-        ISO/TS 15066:2016, clause 5.5.4.2.3, at its largest. An axis with top speed v,
-        acceleration a and jerk j takes at most v / a + 2 a / j (no jerk limit: v / a); both axes
-        of a gantry may be that fast at once. `t1` in seconds, `intrusion` in metres. `TypeError`
-        if it is no machine.
+        Parameters
+        ----------
+        machine : Gantry, Lane or tuple of AxisLimits
+            Gantry or lane of a floorplan, or limits of a gantry.
+        t1 : float
+            Time in seconds to sense and react.
+        intrusion : float, optional
+            Intrusion distance in metres.
+
+        Returns
+        -------
+        SeparationLaw
+            Law that is valid for all states of the machine within its limits.
+
+        Raises
+        ------
+        TypeError
+            If `machine` is none.
+
+        Notes
+        -----
+        The stop is the maximum of S_S in ISO/TS 15066:2016, clause 5.5.4.2.3. An axis with maximum
+        speed v, acceleration a and jerk j stops within v / a + 2 a / j, or v / a without a jerk
+        limit. Both axes of a gantry may have maximum speed.
         """
         time, distance = longest_stop(machine)
         return cls(t1=t1, t2=time, stopping=distance, intrusion=intrusion)
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """Return the required distance in metres for these speeds in m/s."""
+        """Return the required distance in metres at these speeds in m/s."""
         return (
             human_speed * (self.t1 + self.t2)
             + robot_speed * self.t1
@@ -114,22 +175,40 @@ class SeparationLaw(_KernelLaw):
 
 @dataclass(frozen=True, kw_only=True)
 class IntegralLaw(_KernelLaw):
-    """The protective separation distance of speed and separation monitoring, integral form.
+    """Protective separation distance of speed and separation monitoring, integral form.
 
-    S(t0) = S_H + S_R + S_S + C + Z_D + Z_R, in the terms of ISO/TS 15066:2016, clause 5.5.4.2.3:
+    It uses the future speeds of the known motions. At constant speeds and with `stopping` it equals
+    `SeparationLaw`.
 
-    - S_H, the path of the human from t0 to t0 + `t1` + `t2`: ∫ v_H dt,
-    - S_R, the path of the robot from t0 to t0 + `t1`, while it is sensed and reacted to: ∫ v_R dt,
-    - S_S, the path of the robot from t0 + `t1` to t0 + `t1` + `t2`, while it stops: `stopping`
-      metres, or if None, that of a speed which falls evenly from v_R(t0 + `t1`) to 0,
-    - C, the `intrusion` distance; Z_D and Z_R, the uncertainties of where the human is
-      (`human_uncertainty`) and the robot (`robot_uncertainty`), all in metres.
+    Parameters
+    ----------
+    t1 : float
+        Time in seconds to sense and react.
+    t2 : float
+        Time in seconds to stop.
+    stopping : float, optional
+        Distance in metres that the machine covers while it stops. By default its speed at t0 + `t1`
+        decreases linearly to 0.
+    intrusion : float, optional
+        Intrusion distance C in metres.
+    human_uncertainty, robot_uncertainty : float, optional
+        Position uncertainties Z_D and Z_R in metres.
 
-    The speeds are those of the known motions, into the future: the human counts as if every step
-    led towards the robot. At constant speeds, and with `stopping` given, this is `SeparationLaw`.
+    Raises
+    ------
+    ValueError
+        If a value is negative or not finite.
+
+    Notes
+    -----
+    S(t0) = S_H + S_R + S_S + C + Z_D + Z_R as in ISO/TS 15066:2016, clause 5.5.4.2.3:
+
+    - S_H is the path length of the human from t0 to t0 + t1 + t2, as if directed towards the robot,
+    - S_R is the path length of the robot from t0 to t0 + t1,
+    - S_S is the path length of the robot from t0 + t1 to t0 + t1 + t2, while it stops.
+
     Discussed in J. A. Marvel and R. Norcross, "Implementing speed and separation monitoring in
     collaborative robot workcells", Robotics and Computer-Integrated Manufacturing 44, 2017.
-    `ValueError` if a term is negative.
     """
 
     t1: float
@@ -142,12 +221,27 @@ class IntegralLaw(_KernelLaw):
 
 @dataclass(frozen=True, kw_only=True)
 class ApproachLaw(_KernelLaw):
-    """The distance to people whose speed is not known: S = K T + C of ISO 13855:2010, clause 5.
+    """Distance to people with unknown speed, independent of both speeds.
 
-    T is the `time` in seconds from sensing a person to the end of the machine's motion, K the
-    approach `speed` in m/s (people who walk: 1.6), C the `intrusion` distance in metres. ISO/TS
-    15066:2016, clause 5.5.4.2.3, takes the same speed where the human's is not monitored.
-    `ValueError` if a term is negative.
+    Parameters
+    ----------
+    time : float
+        Time in seconds from sensing a person to the end of the machine's motion.
+    intrusion : float, optional
+        Intrusion distance in metres.
+    speed : float, optional
+        Approach speed in m/s.
+
+    Raises
+    ------
+    ValueError
+        If a value is negative or not finite.
+
+    Notes
+    -----
+    S = K T + C with K the approach speed, T the time and C the intrusion distance: ISO 13855:2010,
+    clause 5. ISO/TS 15066:2016, clause 5.5.4.2.3, takes the same speed if the human's is not
+    monitored.
     """
 
     time: float
@@ -155,26 +249,49 @@ class ApproachLaw(_KernelLaw):
     speed: float = WALKING_SPEED
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """Return the required distance in metres, whatever the speeds."""
+        """Return the required distance in metres at any speeds."""
         return self.speed * self.time + self.intrusion
 
 
 @dataclass(frozen=True)
 class FixedDistance(_KernelLaw):
-    """The same distance at any speed, in metres."""
+    """Same distance at any speeds.
+
+    Parameters
+    ----------
+    metres : float
+        Distance in metres.
+
+    Raises
+    ------
+    ValueError
+        If the distance is negative or not finite.
+    """
 
     metres: float
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """Return the required distance in metres, whatever the speeds."""
+        """Return the required distance in metres at any speeds."""
         return self.metres
 
 
 @dataclass(frozen=True)
 class Scaled(_KernelLaw):
-    """`factor` times another law, capped at `cap` metres first: when people notice a machine.
+    """Multiple of another law, such as the distance at which people notice a machine.
 
-    The distance is at most `factor` · `cap` metres. `ValueError` if either is negative.
+    Parameters
+    ----------
+    law : Law or MotionLaw
+        Other law.
+    factor : float
+        Factor.
+    cap : float, optional
+        Maximum distance of the other law in metres. The result is at most `factor` times `cap`.
+
+    Raises
+    ------
+    ValueError
+        If `factor` or `cap` is negative.
     """
 
     law: AnyLaw
@@ -187,9 +304,9 @@ class Scaled(_KernelLaw):
             raise ValueError(f"cap must be at least 0, not {self.cap}")
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """Return the scaled distance in metres for these speeds in m/s.
+        """Return the scaled distance in metres at these speeds in m/s.
 
-        `TypeError` if the other law asks for more than speeds (see `is_of_speeds`).
+        `TypeError` if the other law depends on more than two speeds.
         """
         if not is_of_speeds(self.law):
             raise TypeError(f"{self.law!r} asks for more than two speeds")
@@ -197,14 +314,14 @@ class Scaled(_KernelLaw):
 
 
 def is_of_speeds(law: AnyLaw) -> TypeGuard[Law]:
-    """Return whether two speeds are all that `law` asks for; if not, it is only a `MotionLaw`."""
+    """Return whether `law` depends on two speeds alone. Otherwise it is only a `MotionLaw`."""
     if isinstance(law, Scaled):
         return is_of_speeds(law.law)
     return hasattr(law, "distance")
 
 
 def is_of_motions(law: AnyLaw) -> TypeGuard[MotionLaw]:
-    """Return whether `law` judges motions."""
+    """Return whether `law` evaluates motions."""
     return hasattr(law, "required")
 
 
@@ -217,7 +334,7 @@ def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> 
 
 
 def kernel_of(law: AnyLaw) -> LawEvaluator:
-    """Return what computes `law` in the monitor's kernel: a law of one's own is asked in Python."""
+    """Return the kernel's evaluator of `law`. Custom laws are called in Python."""
     make = _KERNELS.get(type(law))  # derived classes may change what they ask for
     if make is None:
         return PythonLaw(law, is_of_speeds(law), is_of_motions(law))
@@ -239,18 +356,15 @@ _KERNELS: dict[type, Callable[[Any], LawEvaluator]] = {
 
 
 def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float:
-    """Return the distance in metres that `law` requires of `person` and `machine` at `t` (seconds).
+    """Return the distance in metres that `law` requires of two motions at `t` (seconds).
 
-    Where a speed changes at once, it is what is required from then on.
+    At a change of speed it is the requirement after it.
     """
     return required_along(law, person, machine)(t)
 
 
 def required_along(law: AnyLaw, person: Motion, machine: Motion) -> Callable[[float], float]:
-    """Return the function of t (seconds) that `required_at` is for `law`, `person` and `machine`.
-
-    Motions are worked out once for all instants that it is asked for.
-    """
+    """Return `required_at` as a function of t (seconds), for many times."""
     if is_of_speeds(law):
         distance = law.distance
         return lambda t: float(distance(person.state(t).speed, machine.state(t).speed))
@@ -265,10 +379,7 @@ def required_along(law: AnyLaw, person: Motion, machine: Motion) -> Callable[[fl
 
 
 def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> float:
-    """Return the distance in metres that `law` requires of two who go on at these speeds.
-
-    `human_speed` and `robot_speed` are in m/s.
-    """
+    """Return the distance in metres that `law` requires at constant speeds (m/s)."""
     if is_of_speeds(law):
         return float(law.distance(human_speed, robot_speed))
     return required_at(law, _steady(human_speed), _steady(robot_speed), 0.0)
@@ -286,9 +397,9 @@ def _require_length(name: str, length: float) -> None:
 
 
 def require_sense(law: AnyLaw) -> None:
-    """Raise `ValueError` if an object is no law, or asks for less when a speed grows.
+    """Raise `ValueError` if an object is no law, or decreases with a speed.
 
-    Only a few speeds are tried: a law that asks for less at others is not found out.
+    Only a few speeds are tested.
     """
     if not (hasattr(law, "distance") or is_of_motions(law)):
         raise ValueError(f"a law has a method distance or required, {law!r} has neither")

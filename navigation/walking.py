@@ -32,10 +32,10 @@ _NONE = numbers(())
 
 
 class Swath(NamedTuple):
-    """The floor that a disc's centre takes from an instant on: its table, and the bounds of it.
+    """Floor that a disc's centre covers from some time on: its table and bounds.
 
-    The `table` is one of `discs`; `rests` is when the final standing begins (seconds); `box` bounds
-    the whole: least x and y, greatest x and y (metres).
+    The `table` is one of `discs`. The final stop begins at `rests` (seconds). `box` has the minimum
+    x and y, and the maximum x and y, in metres.
     """
 
     table: MutableSequence[float]
@@ -44,7 +44,7 @@ class Swath(NamedTuple):
 
     @staticmethod
     def of(table: MutableSequence[float], box: MutableSequence[float]) -> Swath:
-        """Return the swath of a table within bounds."""
+        """Return the swath of a table with these bounds."""
         return Swath(table, table[-ROW], box)
 
     @staticmethod
@@ -59,10 +59,10 @@ class Swath(NamedTuple):
         lead: Swath | None = None,
         since: float | None = None,
     ) -> Swath | None:
-        """Return where the `walk` along `corners` goes that keeps to `top_speed`, from `start` on.
+        """Return the swath of a `walk` along `corners` from `start` on, at most at `top_speed`.
 
-        It follows on the walk `lead`, if there is one, or on standing from `since` (seconds) on.
-        None where it can't come to rest, or slow down enough for a corner.
+        It continues the walk `lead`, or follows a stop that begins at `since` (seconds). Return
+        None if the person cannot stop in time, or slow down enough for a corner.
         """
         places, before, bounds = flat([*corners]), _NONE, _NONE
         if lead is not None:
@@ -84,21 +84,21 @@ class Swath(NamedTuple):
         return Swath.of(table, box)
 
     def motion(self, heading: float) -> Motion:
-        """Return the motion along it: turned to where it goes, at first by `heading` (radians)."""
+        """Return the motion, with `heading` (radians) before it moves."""
         return motion_of(turned(self.table, heading))
 
     @property
     def walk(self) -> MutableSequence[float]:
-        """Its table without the final standing."""
+        """Table without the final stop."""
         return self.table[:-ROW]
 
     @property
     def place(self) -> tuple[float, float]:
-        """Where it comes to stand."""
+        """Final position (x, y) in metres."""
         return (self.table[2 - ROW], self.table[6 - ROW])
 
     def gone(self, since: float, t: float) -> float:
-        """Return the metres that a walk along straight legs goes from `since` to `t` (seconds)."""
+        """Return the distance (metres) walked on straight segments from `since` to `t` (seconds)."""
         return distance_travelled(self.table, since, t)
 
 
@@ -110,11 +110,10 @@ def swath(motion: Motion, begin: float) -> Swath:
 
 
 def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> float | None:
-    """Return the first instant from `begin` on at which two centres are closer than `least`.
+    """Return the first time from `begin` on at which two centres are closer than `least`.
 
-    Seconds and metres; None if there is none. The swaths of `one` and of the `other` reach back to
-    `begin`. Never misses one; finds one too many only where the two stay within rounding of
-    `least`.
+    Both swaths reach back to `begin`. Units are seconds and metres. Return None if there is no such
+    time. Distances that equal `least` within rounding may count as closer.
     """
     low_x, low_y, high_x, high_y = other.box
     a = one.box
@@ -145,15 +144,47 @@ def walk(
     initial_speed: float = 0.0,
     top_speed: float | Sequence[float] | None = None,
 ) -> Motion:
-    """Return a walk along `points` ((N, 2), metres) that begins at `start` (seconds).
+    """Return the motion of a person who walks along a path and stops at its end.
 
-    It sets out at `initial_speed` (m/s) along the path and ends at rest; its speed never exceeds
-    `max_speed` nor changes faster than `max_acceleration`, and at every corner it is at most
-    `corner_speed`. The rotation is the heading. `ValueError` if the points are not finite, or if
-    the path is too short to come to rest from `initial_speed`.
+    The rotation of the motion is the heading.
 
-    With a `top_speed`, or one for each leg between `points`, the walk slows down to it as soon as
-    `max_acceleration` lets it: `initial_speed` may be higher.
+    Parameters
+    ----------
+    points : array_like
+        Waypoints, shape (N, 2), in metres.
+    start : float, optional
+        Start time in seconds.
+    max_speed, max_acceleration : float, optional
+        Limits in m/s and m/s².
+    initial_speed : float, optional
+        Speed along the path at the start in m/s.
+    top_speed : float or sequence of float, optional
+        Speed limit in m/s, one for all segments or one for each. The person slows down to it as
+        soon as `max_acceleration` permits, so `initial_speed` may exceed it.
+
+    Returns
+    -------
+    Motion
+        Motion that is stationary after the path.
+
+    Raises
+    ------
+    ValueError
+        If the points are not finite, a limit is not positive, or the path is too short to stop.
+
+    Notes
+    -----
+    A corner is taken as an arc that leaves it by at most 0.05 m and is no longer than half of each
+    segment. The speed on an arc of radius r is at most √(a r) with a the maximum acceleration. This
+    is the junction deviation of machine tools (S. K. Jeon, "Improving Grbl: Cornering Algorithm",
+    2011).
+
+    Examples
+    --------
+    >>> from navigation import walk
+    >>> motion = walk([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0)], start=10.0)
+    >>> motion.position(12.0)
+    array([1.8, 0. ])
     """
     _check_limits(max_speed, max_acceleration)
     if top_speed is not None:
@@ -192,9 +223,21 @@ def _check_limits(max_speed: float, max_acceleration: float) -> None:
 
 
 def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCELERATION) -> Motion:
-    """Return the walk `motion` broken off at `t` (seconds).
+    """Return the motion of a person who stops walking.
 
-    It brakes at `max_acceleration` (m/s²) along its own path.
+    Parameters
+    ----------
+    motion : Motion
+        Walk.
+    t : float
+        Time in seconds at which braking begins.
+    max_acceleration : float, optional
+        Braking in m/s².
+
+    Returns
+    -------
+    Motion
+        Motion from `t` on along the path of `motion`.
     """
     t = float(t)
     state = motion.state(t)
@@ -209,7 +252,20 @@ def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCE
 
 
 def remaining_path(motion: Motion, t: float) -> list[Corner]:
-    """Return the corners of the walk `motion` still to come at `t` (s), after where it is then."""
+    """Return the path that a walk still has to follow.
+
+    Parameters
+    ----------
+    motion : Motion
+        Walk.
+    t : float
+        Time in seconds.
+
+    Returns
+    -------
+    list of tuple of float
+        Position at `t` and later waypoints (x, y) in metres.
+    """
     return _corners([motion.state(t).at, *walks.ends_after(motion.table, t)])
 
 
@@ -219,12 +275,9 @@ def corner_speed(
     after: tuple[float, float],
     max_acceleration: float = MAX_ACCELERATION,
 ) -> float:
-    """The speed (m/s) at which a person turns at `corner` on the path from `before` to `after`.
+    """Return the maximum speed (m/s) at `corner` on the path from `before` to `after`.
 
-    The corner is taken as an arc that leaves it by at most 0.05 m and is no longer than half of
-    each leg; on an arc of radius r, the speed is √(a r), where a is `max_acceleration` (m/s²). This
-    is the junction deviation of machine tool controllers (S. K. Jeon, "Improving Grbl: Cornering
-    Algorithm", 2011). Infinite where the path goes straight on, 0 where it turns back.
+    It is inf on a straight path and 0 at a reversal. See the notes of `walk`.
     """
     return walks.corner_speed(before, corner, after, max_acceleration)
 
@@ -232,11 +285,11 @@ def corner_speed(
 def leg_to(
     motion: Motion, since: float, t: float, before: tuple[float, float] = (0.0, 0.0)
 ) -> tuple[float, float]:
-    """Return the straight leg on which a person comes to where they are at `t` (s), metres.
+    """Return the straight segment on which a person arrives at their position at `t` (x, y in m).
 
-    They follow `motion` since `since` (s), where they came on the leg `before`. It is from their
-    last turn on, along x and y, and no longer than their velocity makes in a second.
-    At a corner it is the leg that ends there.
+    It begins at their last turn since `since`, and is at most as long as one second of their
+    velocity. `before` is the segment on which they came at `since`. At a corner it is the segment
+    before it.
     """
     return walks.leg_before(motion.table, since, t, *before)
 
@@ -247,11 +300,10 @@ def can_go_on(
     max_acceleration: float,
     leg: tuple[float, float] | None = None,
 ) -> bool:
-    """Return whether a person in `state` may turn `towards` a point without slowing down first.
+    """Return whether a person in `state` can turn `towards` a point without slowing down first.
 
-    That is so where the turn takes no more than `max_acceleration` (m/s²). `leg` is the straight
-    leg on which they come here, along x and y (metres); left out it is what their velocity makes
-    in a second.
+    The turn then needs at most `max_acceleration` (m/s²). `leg` is the segment on which they come
+    (x, y in metres), by default one second of their velocity.
     """
     if state.speed == 0.0:
         return True

@@ -30,14 +30,37 @@ _ROUNDING = 10 * TOLERANCE
 
 
 class CollisionWorld:
-    """Collision geometry of a floorplan, with AGVs and other bodies where they are now.
+    """Collision geometry of a floorplan with its AGVs and other bodies at their present positions.
 
-    `bottom` and `top` (metres) are the heights of interest, a person's by default: what stands
-    lower or hangs higher is no obstacle. AGVs stand at the start of their lanes until they are
-    moved. All queries are about discs on the floor, in metres, and are answered by FCL; a disc is
-    swept as one shape. Its centre crosses none of the one-way `gates` against its direction, by
-    default those of the floor that bind everybody. `FloorplanError` for a floorplan that is not
-    sound (see `floorplan.check`).
+    Queries are about discs on the floor. FCL answers them, and sweeps a disc along a segment as one
+    exact shape. AGVs are at the start of their lanes until they are moved. The centre of a disc
+    crosses one-way gates in their direction only.
+
+    Parameters
+    ----------
+    plan : Floorplan
+        Floorplan.
+    bottom, top : float, optional
+        Range of heights in metres, by default that of a person. Everything below or above is
+        ignored.
+    gates : iterable of Gate, optional
+        One-way gates. By default the gates of the floor that concern everybody.
+
+    Raises
+    ------
+    floorplan.FloorplanError
+        If the floorplan is not correct.
+    floorplan.UserError
+        If `top` is not above `bottom`.
+
+    Examples
+    --------
+    >>> import floorplan
+    >>> from navigation import CollisionWorld
+    >>> world = CollisionWorld(floorplan.load("ariac2023"))
+    >>> world.move_agv("agv1", "as1")
+    >>> world.free((-5.0, 3.75), radius=0.3)
+    True
     """
 
     def __init__(
@@ -85,9 +108,21 @@ class CollisionWorld:
     # Bodies
 
     def move_agv(self, name: str, to: float | str) -> None:
-        """Put AGV `name` at lane position `to` (metres), or at a location of that name.
+        """Move an AGV.
 
-        `KeyError` for an unknown AGV, `ValueError` for a place that isn't on its lane.
+        Parameters
+        ----------
+        name : str
+            Name of the AGV.
+        to : float or str
+            Lane position in metres, or location.
+
+        Raises
+        ------
+        KeyError
+            If there is no such AGV.
+        floorplan.UserError
+            If the position is not on its lane.
         """
         if self._agvs.get(name) == to:
             return
@@ -99,17 +134,28 @@ class CollisionWorld:
         self._put(name, lane.footprint(q), 0.0, lane.height)
 
     def agv_position(self, name: str) -> float:
-        """Return the lane position of AGV `name` (metres)."""
+        """Return the lane position of the AGV called `name` in metres."""
         self.plan.lane(name)
         return self._agvs[name]
 
     def place(
         self, name: str, shape: Polygon | Disc, bottom: float = 0.0, top: float | None = None
     ) -> None:
-        """Put a body on the floor, or move the one of this name there.
+        """Add a body, or move the body of this name.
 
-        `bottom` and `top` are its heights in metres, the whole range of interest by default.
-        `ValueError` if the floorplan has something of that name, or the shape is unfit.
+        Parameters
+        ----------
+        name : str
+            Name of the body.
+        shape : shapely.Polygon or Disc
+            Footprint in metres.
+        bottom, top : float, optional
+            Heights in metres, by default the whole range of the world.
+
+        Raises
+        ------
+        floorplan.UserError
+            If the floorplan has something of this name, or if the shape is invalid.
         """
         obstacles, lanes = self.plan.obstacles, self.plan.lanes
         fixed = {"boundary", *(o.name for o in obstacles), *(lane.name for lane in lanes)}
@@ -118,7 +164,7 @@ class CollisionWorld:
         self._put(name, shape, bottom, self.top if top is None else top)
 
     def remove(self, name: str) -> None:
-        """Take a placed body away; `KeyError` if there is none of this name."""
+        """Remove the body called `name`; `KeyError` if there is none."""
         if name in self._agvs or name not in self._bodies:
             placed = ", ".join(n for n in self._bodies if n not in self._agvs) or "none"
             raise KeyError(f"no placed body is called {name!r} (there are: {placed})")
@@ -129,11 +175,26 @@ class CollisionWorld:
     def as_if(
         self, there: Mapping[str, Polygon | Disc] | None = None, *, away: Collection[str] = ()
     ) -> CollisionWorld:
-        """Return this world as it would be with other bodies; this one stays as it is.
+        """Return a copy of this world with other bodies. This world does not change.
 
-        Bodies stand `there`, by name, over the whole range of heights; those named in `away` are
-        gone. Both share all that the floor alone decides. `ValueError` as for `place`, `KeyError`
-        for a name in `away` that no body has.
+        Parameters
+        ----------
+        there : mapping of str to shapely.Polygon or Disc, optional
+            Additional footprints by name, over the whole range of heights.
+        away : collection of str, optional
+            Names of bodies that the copy lacks.
+
+        Returns
+        -------
+        CollisionWorld
+            Copy that shares everything that depends on the floor alone.
+
+        Raises
+        ------
+        KeyError
+            If a name in `away` is unknown.
+        floorplan.UserError
+            See `place`.
         """
         known = {*self._bodies, *(lane.name for lane in self.plan.lanes)}
         for name in away:
@@ -151,12 +212,12 @@ class CollisionWorld:
 
     @property
     def bodies(self) -> Named[CollisionBody]:
-        """The bodies on the floor now, within the heights of interest."""
+        """Bodies on the floor within the range of heights."""
         return self._standing[0]
 
     @property
     def bounds(self) -> MutableSequence[float]:
-        """The bounds of the bodies: least x and y, greatest x and y of each, metres."""
+        """Bounds of the bodies: minimum x and y, maximum x and y of each in metres."""
         return self._standing[1]
 
     @property
@@ -168,7 +229,7 @@ class CollisionWorld:
         return self._there
 
     def near(self, a: Point, b: Point, radius: float) -> list[CollisionBody]:
-        """Return the bodies whose bounds a disc of `radius` metres from a to b comes into."""
+        """Return the bodies whose bounds a disc of `radius` metres meets between a and b."""
         bodies, bounds = self._standing
         return [bodies[k] for _, k in come_into(bounds, [a, b], radius)]
 
@@ -189,11 +250,11 @@ class CollisionWorld:
 
     @property
     def walkable(self) -> shapely.Geometry:
-        """The floor minus everything that stands on it now (shapely, metres), not shrunk."""
+        """Floor without everything on it (shapely, metres). It is not shrunk by a radius."""
         return self.floor.difference(shapely.union_all([body.footprint for body in self.bodies]))
 
     def free_space(self, radius: float) -> FreeSpace:
-        """Return the free space of the centre of a disc of `radius` metres, as it is now."""
+        """Return the free space of the centre of a disc of `radius` metres."""
         there = self.bodies
         known = self._free_space.get(radius)
         if known is not None and known[0] == there:
@@ -203,27 +264,28 @@ class CollisionWorld:
         return fresh
 
     def fixed_space(self, radius: float) -> FreeSpace:
-        """Return its free space on a floor without bodies, computed once for each radius."""
+        """Return the free space without bodies. It is computed once per radius."""
         known = self._fixed_space.get(radius)
         if known is None:
             known = self._fixed_space[radius] = ground.fixed_space(self.floor, radius)
         return known
 
     def narrows(self, radius: float, abreast: int = 2) -> Narrows:
-        """Return where discs of `radius` metres can't go so many `abreast`, and 0.35 m around it.
+        """Return the narrow places of the floor, and 0.35 m around them.
 
-        On a floor without bodies, computed once for each radius and number.
+        Discs of `radius` metres do not pass there `abreast`. Bodies do not count.
         """
         return ground.narrow_places(self.floor, radius, abreast)
 
     def walls(self, radius: float) -> Walls:
-        """Return the walls of the floor as discs of `radius` metres see them; no bodies."""
+        """Return the walls of the floor for discs of `radius` metres. Bodies do not count."""
         return ground.walls(self.floor, radius)
 
     def roadmap(self, radius: float, step: float) -> Roadmap:
-        """Return the network of paths between the fixed things for discs of `radius` metres.
+        """Return the visibility graph of the floor for discs of `radius` metres.
 
-        It bends by `step` radians at most. Computed once for each radius and step.
+        Its paths turn by at most `step` radians per waypoint. It is computed once per radius and
+        step.
         """
         known = self._roadmaps.get((radius, step))
         if known is None:
@@ -240,10 +302,21 @@ class CollisionWorld:
     def segment_free(
         self, a: Point, b: Point, radius: float, among: Iterable[CollisionBody] | None = None
     ) -> bool:
-        """Return whether a disc of `radius` metres touches nothing on the segment from a to b.
+        """Return whether a disc can move along a segment.
 
-        Nor goes through a gate against its direction. Of the bodies only those `among` the given
-        ones count, by default all.
+        Parameters
+        ----------
+        a, b : Point
+            Ends of the segment (x, y) in metres.
+        radius : float
+            Radius in metres.
+        among : iterable of CollisionBody, optional
+            Bodies to check, by default all.
+
+        Returns
+        -------
+        bool
+            True if the disc touches nothing, and crosses no gate against its direction.
         """
         self.checks += 1
         if self.gates.lines and not self.gates.allow(a, b):
@@ -260,7 +333,7 @@ class CollisionWorld:
         return not (near and any(touch(sweep, body.solid) for body in near))
 
     def hits(self, a: Point, b: Point, radius: float) -> list[CollisionBody]:
-        """Return the bodies that a disc of `radius` metres touches on the segment from a to b."""
+        """Return the bodies that a disc of `radius` metres touches between a and b."""
         near = self.near(a, b, radius)
         if not near:
             return []
@@ -269,7 +342,10 @@ class CollisionWorld:
         return [body for body in near if touch(sweep, body.solid)]
 
     def distance(self, point: Point) -> float:
-        """Return the metres from `point` to the nearest thing or the boundary; 0 inside one."""
+        """Return the distance from `point` to the nearest obstacle, body or boundary in metres.
+
+        It is 0 inside an obstacle and outside the boundary.
+        """
         self.checks += 1
         if not self._within(point, point, 0.0):
             return 0.0
@@ -277,9 +353,20 @@ class CollisionWorld:
         return min(self._sweep.distance(point, solid) for solid in solids)
 
     def clearance(self, points: ArrayLike, among: Iterable[CollisionBody] | None = None) -> float:
-        """Return the least distance (metres) along the polyline `points` ((N, 2), metres).
+        """Return the minimum distance along a polyline.
 
-        Of the bodies only those `among` the given ones count, by default all.
+        Parameters
+        ----------
+        points : array_like
+            Waypoints, shape (N, 2), in metres.
+        among : iterable of CollisionBody, optional
+            Bodies to check, by default all.
+
+        Returns
+        -------
+        float
+            Distance to obstacles, bodies and boundary in metres, 0 if the polyline leaves the
+            floor.
         """
         self.checks += 1
         along = np.asarray(points, dtype=float)
@@ -292,14 +379,14 @@ class CollisionWorld:
         return min([least, *(body.clear_of(line) for body in bodies)])
 
     def nearest(self, point: Point) -> tuple[str, float]:
-        """Return the name of the thing nearest to `point`, and its distance (metres, 0 inside it).
+        """Return the name of the nearest obstacle or body, and its distance in metres.
 
-        The edge of the floor is called "boundary"; outside it, the answer is ("boundary", 0.0).
+        The edge of the floor is called "boundary". Outside it, the answer is ("boundary", 0.0).
         """
         return self.neighbours(point)[0]
 
     def neighbours(self, point: Point) -> list[tuple[str, float]]:
-        """Return the name and distance (metres) of every thing, nearest first."""
+        """Return names and distances (metres) of all obstacles and bodies, nearest first."""
         self.checks += 1
         at = shapely.Point(point)
         inside = self.plan.boundary.contains(at)
@@ -312,21 +399,18 @@ class CollisionWorld:
         return sorted(found, key=lambda named: named[1])
 
     def things(self) -> list[tuple[str, Polygon]]:
-        """Return the name and footprint of everything that stands on the floor now."""
+        """Return names and footprints of all obstacles and bodies."""
         fixed = [
             (o.name, o.footprint) for o in self.plan.obstacles if o.overlaps(self.bottom, self.top)
         ]
         return fixed + [(body.name, body.footprint) for body in self._bodies.values()]
 
     def reaches(self, start: Point, goal: Point, radius: float) -> bool:
-        """Return whether a disc of `radius` metres can get from `start` to `goal` as things are."""
+        """Return whether a disc of `radius` metres can move from `start` to `goal` at present."""
         return self.gates.reach(self.free_space(radius), start, goal)
 
     def nearest_free(self, point: Point, radius: float) -> Point | None:
-        """Return the place nearest to `point` where a disc of `radius` metres stands free.
-
-        None if it fits nowhere.
-        """
+        """Return the nearest position with room for a disc of `radius` metres, or None."""
         # Bodies that are neither at the point, nor at the nearest place of the floor without them
         # and at the sides that this is on, nor between, leave all of that as it is: to cut them
         # out would change nothing.
@@ -341,11 +425,23 @@ class CollisionWorld:
         return self.free_space(radius).nearest(point)
 
     def exits(self, point: Point, radius: float) -> list[Point]:
-        """Return places to step out to, straight, from a point where bodies leave a disc no room.
+        """Return positions to leave a point where bodies leave a disc no room.
 
-        One for each piece of the free space that can be reached like that, nearest first. On the
-        segment to it the disc (`radius` in metres) touches nothing but the bodies that it touches
-        at `point`, and comes no closer to these. None where something fixed is too close.
+        There is one for each reachable piece of the free space, nearest first. On the straight
+        segment to it, the disc touches only the bodies that it touches at `point`, and comes no
+        closer to them. Without fixed obstacles in the way only.
+
+        Parameters
+        ----------
+        point : Point
+            Position (x, y) in metres.
+        radius : float
+            Radius in metres.
+
+        Returns
+        -------
+        list of Point
+            Positions (x, y) in metres.
         """
         keep = radius - _ROUNDING
         touched = self.hits(point, point, radius + HAIR)

@@ -45,14 +45,16 @@ class _Counting(Composer):
         self._values = 0
 
     def descend_resolver(self, parent: yaml.Node | None, index: object) -> None:
-        """Count a value: PyYAML calls this for each node, to resolve tags by path. Keys have no
-        index."""
+        """Count a value: PyYAML calls this for each node, to resolve tags by path.
+
+        Keys have no index.
+        """
         self._values += index is not None
         if self._values > MOST_VALUES:
             raise UserError(too_many())
 
     def ascend_resolver(self) -> None:
-        """Called after each node."""
+        """Do nothing after a node."""
 
 
 def too_many() -> str:

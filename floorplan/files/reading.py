@@ -69,7 +69,7 @@ def read_bytes(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT
 
 
 def read_text(path: Path, error: type[InputError], most: int = LARGEST_DOCUMENT) -> str:
-    """The text of the UTF-8 file at `path`, at most `most` bytes; `error` as for `read_bytes`.
+    """Return the UTF-8 text of at most `most` bytes in a file; `error` as for `read_bytes`.
 
     A byte order mark, with which spreadsheets begin their CSV, is left out.
     """

@@ -401,7 +401,7 @@ class Reader:
 
 @no_garbage()
 def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
-    """The floorplan in the DXF file at `path`; `FloorplanError` with all that is wrong with it."""
+    """Return the floorplan in the DXF file at `path`; `FloorplanError` lists all its problems."""
     file = str(path)
     drawing = open_drawing(path)
     notices: list[Problem] = []

@@ -61,7 +61,7 @@ class _Parts:
 
 
 def load_geojson(path: Path, drawn: Drawn) -> Floorplan:
-    """The floorplan in the GeoJSON file at `path`; `FloorplanError` with all its faults."""
+    """Return the floorplan in the GeoJSON file at `path`; `FloorplanError` lists its problems."""
     file, text = str(path), read_text(path, FloorplanError)
     try:
         data = json.loads(text)

@@ -161,11 +161,12 @@ class IntricateError(UserError):
 
 
 def trace(cells: NDArray[np.bool_], tolerance: float) -> shapely.Geometry:
-    """The area of the cells that are set: (rows, columns), cell [r, c] covers x c…c+1, y r…r+1.
+    """Return the area of the cells that are set in the mask `cells`, shape (rows, columns).
 
-    Cells that touch only at a corner stay apart. Rings are simplified, but no point of them moves
-    by more than `tolerance` cells. `IntricateError` if there are more than `MOST_OUTLINES`
-    of them, or if they have more than `MOST_CORNERS` corners.
+    Cell [r, c] covers x from c to c + 1 and y from r to r + 1. Cells that touch only at a corner
+    stay apart. Rings are simplified: no point moves by more than `tolerance` cells.
+    `IntricateError` if there are more than `MOST_OUTLINES` rings, or if these have more than
+    `MOST_CORNERS` corners.
     """
     shells, holes = _rings(np.pad(cells, 1))
     if (count := len(shells) + len(holes)) > MOST_OUTLINES:

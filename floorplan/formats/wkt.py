@@ -24,7 +24,7 @@ from .drawings import Drawn
 
 
 def load_wkt(path: Path, drawn: Drawn) -> Floorplan:
-    """The floorplan in the WKT file at `path`; `FloorplanError` with all that is wrong with it."""
+    """Return the floorplan in the WKT file at `path`; `FloorplanError` lists all its problems."""
     return parse_wkt(read_text(path, FloorplanError), file=str(path), metre=drawn.metre or 1.0)
 
 
