@@ -100,7 +100,7 @@ def edges_of_room(room: shapely.Geometry) -> list[Floats]:
 
 
 def edges_of_solid(solid: shapely.Geometry) -> list[Floats]:
-    """Return the closed rings ((n + 1, 2), metres) around a `solid`, with the room on their left."""
+    """Return the closed rings ((n + 1, 2), metres) around a `solid`: the room is on their left."""
     return _rings(shapely.orient_polygons(solid, exterior_cw=True))
 
 

@@ -248,7 +248,7 @@ class Odometer(PathLength):
         self.motion = motion
 
     def ahead(self, begin: float, end: float, seconds: float) -> Enclosure:
-        """Return the path length (metres) in the `seconds` after each time from `begin` to `end`."""
+        """Return the path length (m) in the `seconds` after each time from `begin` to `end`."""
         return enclosure_of(self.path_ahead(begin, end, seconds))
 
     def speed(self, begin: float, end: float) -> Enclosure:

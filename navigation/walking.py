@@ -98,7 +98,7 @@ class Swath(NamedTuple):
         return (self.table[2 - ROW], self.table[6 - ROW])
 
     def gone(self, since: float, t: float) -> float:
-        """Return the distance (metres) walked on straight segments from `since` to `t` (seconds)."""
+        """Return the distance (m) walked on straight segments from `since` to `t` (s)."""
         return distance_travelled(self.table, since, t)
 
 
