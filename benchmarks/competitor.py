@@ -25,9 +25,6 @@ Row = dict[str, str]
 
 MEASURES: dict[str, Callable[[Row], float]] = {
     "score": lambda row: float(row["score"]),
-    "kits submitted": lambda row: sum(
-        bool(value) for key, value in row.items() if key.endswith(".submitted")
-    ),
     "penalties": lambda row: float(row["penalties"]),
     "caused by the gantry": lambda row: float(row["violations.gantry"]),
     "gantry disabled, s": lambda row: float(row["gantry_disabled_time"]),

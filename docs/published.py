@@ -132,11 +132,10 @@ def _paths(rows: list[PlannerRow]) -> str:
             row.faults or "0",
             f"{row.ratio.value:.4f}",
             f"{row.ratio_most:.4f}",
-            f"{row.clearance_least:.4f}",
         )
         for row in rows
     ]
-    return make_tables.table((*head, "least clearance, m"), lines)
+    return make_tables.table(head, lines)
 
 
 PUBLISHED = {
