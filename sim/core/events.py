@@ -327,7 +327,7 @@ class GantryDetected(EventKind):
 
 
 class Violation(EventKind):
-    """The distance between a person and a machine falls below the required one."""
+    """A person and a machine come closer than required."""
 
     person: _Person
     with_: _Machine
@@ -389,7 +389,7 @@ class AgvMoved(EventKind):
 
 
 class AgvYielded(EventKind):
-    """An AGV waits for a person at this `distance`, to keep the `required` one."""
+    """An AGV waits, to keep the `required` distance to a person."""
 
     agv: _Agv
     person: _Person
@@ -398,7 +398,7 @@ class AgvYielded(EventKind):
 
 
 class AgvBlocked(EventKind):
-    """An AGV goes no further than the lane position `at` (m), blocked `by` an object."""
+    """An AGV stops at the lane position `at` (m), blocked `by` an object."""
 
     agv: _Agv
     by: str
@@ -406,7 +406,7 @@ class AgvBlocked(EventKind):
 
 
 class Collision(EventKind):
-    """The boxes of two machines begin to overlap, with relative `speed` (m/s)."""
+    """The boxes of two machines begin to overlap, at relative `speed` (m/s)."""
 
     machine: _Machine
     with_: _Machine
@@ -481,7 +481,7 @@ class JobDone(JobStarted):
 
 
 class PartDropped(EventKind):
-    """The gripper has lost a part. Its job restarts with another part if there is one."""
+    """The gripper has lost a part. Its job restarts."""
 
     part: _Part | None = None
     order: _Order | None = None
@@ -499,7 +499,7 @@ class PartFaulty(EventKind):
 
 
 class PartCame(EventKind):
-    """A part appears on the conveyor `at` a place. It would fall off at `to` at time `falls`."""
+    """A part appears on the conveyor. It would fall off at `to` at time `falls`."""
 
     part: _Part
     number: int
@@ -509,7 +509,7 @@ class PartCame(EventKind):
 
 
 class PartTaken(EventKind):
-    """The gantry has picked a part from the conveyor, `at` this place."""
+    """The gantry has picked a part from the conveyor."""
 
     part: _Part
     number: int
@@ -606,7 +606,7 @@ class PeopleTooNear(EventKind):
 
 
 class Blocked(EventKind):
-    """A person has been blocked by other people for longer than their patience."""
+    """Other people have blocked a person for longer than their patience."""
 
     person: _Person
     by: _Person
@@ -631,7 +631,7 @@ class ShiftEnded(EventKind):
 
 
 class TaskTaken(EventKind):
-    """A person takes a task, which other people can no longer take."""
+    """A person takes a task."""
 
     person: _Person
     task: str
