@@ -10,8 +10,6 @@ from shapely.geometry import Polygon, box
 from .files.fields import Angle, Flag, Number, Pair, Positive, Range, Strictly
 from .files.problems import UserError
 from .model import (
-    DEFAULT_HEIGHT,
-    EVERYBODY,
     Axis,
     Door,
     Gantry,
@@ -66,18 +64,18 @@ class DoorSchema(Strictly):
     """A door between two points."""
 
     between: tuple[Pair, Pair]
-    open: Flag = True
-    thickness: Positive = 0.1
-    height: Positive = DEFAULT_HEIGHT
+    open: Flag = Door.is_open
+    thickness: Positive = Door.thickness
+    height: Positive = Door.height
 
 
 class ZoneSchema(FootprintSchema):
     """An area, and the rule that holds in it for some."""
 
     max_speed: Positive | None = None
-    forbidden: Flag = False
+    forbidden: Flag = Zone.forbidden
     one_way: Pair | None = None
-    concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
+    concerns: Annotated[list[Name], Field(min_length=1)] = [*Zone.concerns]
 
     @model_validator(mode="after")
     def _one_rule(self) -> "ZoneSchema":
@@ -91,14 +89,14 @@ class GateSchema(Strictly):
 
     between: tuple[Pair, Pair]
     towards: Pair
-    concerns: Annotated[list[Name], Field(min_length=1)] = [*EVERYBODY]
+    concerns: Annotated[list[Name], Field(min_length=1)] = [*Gate.concerns]
 
 
 class SafeZoneSchema(Strictly):
     """Start of people."""
 
     at: Pair
-    heading: Angle = 0.0
+    heading: Angle = SafeZone.heading
 
 
 class LaneSchema(Strictly):

@@ -234,7 +234,7 @@ def check_parameters(info: PlannerInfo, parameters: Mapping[str, Setting]) -> No
         if name not in info.parameters:
             hint = suggestion(name, info.parameters)
             raise UserError(f"{info.name} has no parameter {name!r}; {hint}")
-    settings = without_every(parameters)
+    *_, settings = divided(parameters)
     if settings:
         space = ob.RealVectorStateSpace(2)
         planner = getattr(og, info.name)(ob.SpaceInformation(space))
@@ -248,7 +248,7 @@ def check_own(kind: type, parameters: Mapping[str, Setting]) -> None:
         signature = inspect.signature(kind)
     except (TypeError, ValueError):  # written in C++
         return
-    given = without_every(parameters)
+    *_, given = divided(parameters)
     try:
         signature.bind(None, **given)
     except TypeError as why:
@@ -258,12 +258,17 @@ def check_own(kind: type, parameters: Mapping[str, Setting]) -> None:
         raise UserError(f"{kind.__qualname__}: {why}{hint}") from None
 
 
-def without_every(parameters: Mapping[str, Setting]) -> dict[str, Setting]:
-    """Return `parameters` without those that all planners have; `ValueError` if one is unfit."""
+def divided(
+    parameters: Mapping[str, Setting], iterations: int = ITERATIONS
+) -> tuple[int, bool, dict[str, Setting]]:
+    """Return `iterations`, whether to simplify paths, and the other parameters.
+
+    `UserError` if one of the first two is unfit.
+    """
     rest = dict(parameters)
-    fit("iterations", rest.pop("iterations", 1), 1)
-    fit("simplify", rest.pop("simplify", True), True)
-    return rest
+    budget: int = fit("iterations", rest.pop("iterations", iterations), 1)
+    simplify: bool = fit("simplify", rest.pop("simplify", True), True)
+    return budget, simplify, rest
 
 
 def _setters(kind: type) -> tuple[str, ...]:
@@ -328,11 +333,6 @@ class PlannerChoice:
         """True if it is code of the user's own."""
         return self.kind is not None or ":" in self.name
 
-    @property
-    def own_parameters(self) -> dict[str, Setting]:
-        """The parameters but for those that every planner has."""
-        return {name: value for name, value in self.parameters if name not in EVERY}
-
     @staticmethod
     def of(given: PlannerChoice | str | Mapping[str, Any] | type) -> PlannerChoice:
         """Return the choice that is written as `given`; `ValueError` if it is none.
@@ -367,7 +367,7 @@ class PlannerChoice:
         if self.kind is not None:
             check_own(self.kind, dict(self.parameters))
         elif self.is_own:
-            without_every(dict(self.parameters))
+            divided(dict(self.parameters))
         else:
             check_parameters(planner_info(self.name), dict(self.parameters))
 

@@ -30,7 +30,7 @@ from .catalog import (
     PlannerError,
     Setting,
     Watch,
-    fit,
+    divided,
     planner_info,
     set_parameter,
 )
@@ -239,9 +239,7 @@ def sample_path(
     if choice.name in _LOST_IF_STRAIGHT and question.free(question.start, question.goal):
         return [question.start, question.goal]
     usual = planner_info(choice.name).iterations if choice.kind is None else ITERATIONS
-    settings = dict(choice.parameters)
-    iterations = fit("iterations", settings.pop("iterations", usual), 1)
-    simplify = fit("simplify", settings.pop("simplify", True), True)
+    iterations, simplify, settings = divided(dict(choice.parameters), usual)
     # OMPL takes this as the first seed of all that follows only if it is not 0.
     with no_log():
         ou.RNG.setSeed(int(seed) + 1)

@@ -346,7 +346,7 @@ def areas_in(name: str, shapes: list[Polyline], drawn: Drawn) -> Iterator[Obstac
         found, loose = enclosed([shape.corners for shape in loose_lines], drawn.snap)
         levels.setdefault(at, []).extend(found)
         for one in loose:
-            yield Problem(_open(one, drawn), place_of(loose_lines[one.index]))
+            yield Problem(_open(one), place_of(loose_lines[one.index]))
     for at, found in levels.items():
         for polygon in opened(found) if group.hollow else found:
             yield area(polygon, at)
@@ -360,7 +360,7 @@ def _heights(shape: Polyline) -> Heights:
     return low, high
 
 
-def _open(loose: Loose, drawn: Drawn) -> str:
+def _open(loose: Loose) -> str:
     x, y = loose.end
     if loose.gap is None:
         return "is open; it encloses nothing together with the lines that it meets"

@@ -101,7 +101,7 @@ def _whole_cells(taken: shapely.Geometry) -> list[shapely.Polygon]:
 
     The outline keeps an eighth of a cell from corners at which two cells of floor touch, and so
     what is taken is joined there. Put back on the corner, it touches itself or another piece at a
-    point, through which no body comes. No piece has a hole, since footprints have none.
+    point, through which no body comes. A piece with a hole is cut across it.
     """
     pieces = shapely.get_parts(shapely.transform(taken, np.round))
     touching = ~shapely.is_valid(pieces)
@@ -115,7 +115,7 @@ def _whole_cells(taken: shapely.Geometry) -> list[shapely.Polygon]:
 
 
 def _solid(piece: shapely.Polygon) -> Iterator[shapely.Polygon]:
-    """Yield parts of `piece` (cells) without holes, since footprints have none."""
+    """Yield parts of `piece` (cells) without holes."""
     if not piece.interiors:
         yield piece
         return

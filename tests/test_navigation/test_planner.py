@@ -15,9 +15,6 @@ from shapely.geometry import Polygon, box
 
 import floorplan
 from navigation import CollisionWorld, Disc, PathPlanner, PlanningError, planners
-from navigation.catalog import PlannerChoice
-from navigation.planner import COARSE
-from navigation.roadmap_planner import Links, RoadmapSearch
 
 SAMPLING = [info for info in planners() if info.name != "Roadmap"]
 
@@ -309,16 +306,20 @@ def test_links_are_what_fcl_says_is_free(world, monkeypatch):
     assert all({a, b} in asked for a, b in itertools.pairwise(points))
 
 
-def test_a_link_that_is_refused_is_gone_round(world):
+def test_a_link_that_is_refused_is_gone_round(world, monkeypatch):
     start, goal = (-15.0, -10.0), (-19.0, 0.0)
-    # A radius of its own: what was asked for others is remembered with the floor.
-    links, refused = Links(world, 0.3 + 2e-9), []
+    ask, refused = CollisionWorld.segment_free, []
+
+    def refusing(self, a, b, radius, among=None):
+        return {a, b} not in refused and ask(self, a, b, radius, among)
+
+    monkeypatch.setattr(CollisionWorld, "segment_free", refusing)
 
     def path():
-        world.roadmap(links.radius, COARSE).asked.clear()
-        links.judged.clear()
-        ask = lambda a, b: {a, b} not in refused  # noqa: E731
-        return RoadmapSearch(links, start, goal, COARSE, ask).path()
+        # A radius of its own: what was asked for others is remembered with the floor.
+        planner = PathPlanner(world, 0.3 + 2e-9)
+        planner.roadmap().asked.clear()
+        return [*map(tuple, planner.plan(start, goal).points.tolist())]
 
     shortest = path()
     for k in range(3):
@@ -416,10 +417,10 @@ def test_nothing_is_printed_at_exit():
         ("my_planner:Straight: {step: 0.5}", "my_planner:Straight", {"step": 0.5}),
     ],
 )
-def test_forms_of_a_choice(given, name, parameters):
-    choice = PlannerChoice.of(given)
+def test_forms_of_a_choice(world, given, name, parameters):
+    choice = PathPlanner(world, planner=given).choice
     assert (choice.name, dict(choice.parameters)) == (name, parameters)
-    assert PlannerChoice.of(str(choice)) == choice
+    assert PathPlanner(world, planner=str(choice)).choice == choice
 
 
 @pytest.mark.parametrize(
@@ -438,9 +439,9 @@ def test_forms_of_a_choice(given, name, parameters):
         ("Roadmap: {range: 1}", "Roadmap has no parameters, found range"),
     ],
 )
-def test_choices_that_make_no_sense(given, message):
+def test_choices_that_make_no_sense(world, given, message):
     with pytest.raises(ValueError, match=re.escape(message)):
-        PlannerChoice.of(given).check()
+        PathPlanner(world, planner=given)
 
 
 def test_a_path_planner_keeps_to_its_choice():
