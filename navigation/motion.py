@@ -40,7 +40,7 @@ JUMP_TOLERANCE = 1e-6
 class Piece(NamedTuple):
     """Part of a motion in which x, y and rotation are cubic functions of time.
 
-    Parameters
+    Attributes
     ----------
     begin, end : float
         Begin and end in seconds.
