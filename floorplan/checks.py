@@ -5,18 +5,16 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator
-from functools import cache
 from itertools import combinations
-from typing import Any, get_args, get_type_hints
 
 import numpy as np
 import shapely
 from shapely.geometry import LineString, Point, Polygon
 from shapely.validation import explain_validity
 
-from .files.fields import LARGEST, SMALLEST, Positive, size_fault
+from .files.fields import LARGEST, SMALLEST
 from .files.problems import Fault, FloorplanError, Place, refuse
-from .files.values import SOUND, require, require_fields
+from .files.values import SOUND, range_faults, require, require_fields
 from .model import Floor, Gate, Lane, Obstacle, Zone
 
 WIDEST = 1e6
@@ -327,15 +325,7 @@ def _range(ends: tuple[float, float], *place: str) -> Iterator[Fault]:
         yield f"must be [low, high], both within ±{WIDEST:g}, not {list(ends)}", place
 
 
-def _sizes(thing: Any, *place: str) -> Iterator[Fault]:
-    """Yield the fields that must be above 0, where one is given, and are not."""
-    for name in _positive_fields(thing.__class__):
-        value = getattr(thing, name)
-        if value is not None and (fault := size_fault(value)):
-            yield fault, (*place, name)
-
-
-@cache
-def _positive_fields(kind: type) -> list[str]:
-    hints = get_type_hints(kind, include_extras=True)
-    return [name for name, hint in hints.items() if Positive in (hint, *get_args(hint))]
+def _sizes(thing: object, *place: str) -> Iterator[Fault]:
+    """Yield the fields of `thing` that must be above 0, and are not."""
+    for message, inner in range_faults(thing):
+        yield message, (*place, *inner)

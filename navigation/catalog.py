@@ -42,13 +42,9 @@ class Path:
     """
 
     points: NDArray[np.float64]
-    """(N, 2) metres, the start first and the goal last, exactly as they were given."""
     clear: float | Callable[[], float] = field(repr=False)
-    """Its `clearance`, or a function that works it out."""
     planner: str
-    """The name of the planner that found it."""
     checks: int
-    """Number of collision queries that it took."""
 
     def __repr__(self) -> str:
         figures = f"{len(self.points)} waypoints, {self.clearance:.3f} m clear"

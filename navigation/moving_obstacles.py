@@ -92,14 +92,13 @@ class Passage:
         Path.
     motion : Motion
         Motion along the path.
-    waits : tuple
+    waits : tuple, optional
         Position (x, y) in metres and duration in seconds of each wait.
     """
 
     path: Path
     motion: Motion
     waits: tuple[tuple[Point, float], ...] = ()
-    """Where on the path to wait, and for how many seconds."""
 
     @property
     def arrives(self) -> float:

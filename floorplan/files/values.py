@@ -227,8 +227,8 @@ def _faults(value: object, hint: Any) -> Iterator[Fault]:
             yield from _field_faults(value)
 
 
-def range_faults(value: Keyed) -> Iterator[Fault]:
-    """Yield what in a value, and in those within it, is excluded by its annotations.
+def range_faults(value: object) -> Iterator[Fault]:
+    """Yield what in a dataclass, and in the keyed ones within it, its annotations exclude.
 
     Fields of the types in `floorplan.files.fields` have ranges; of a `Literal` there are few.
     """
