@@ -100,7 +100,7 @@ class SafeZoneSchema(Strictly):
 
 
 class LaneSchema(Strictly):
-    """Keys of a single AGV; those that all AGVs share count where it has none of its own."""
+    """Keys of a single AGV. They take precedence over the keys that all AGVs share."""
 
     origin: Pair
     heading: Angle = 0.0
@@ -329,7 +329,7 @@ def _gantry(entry: GantrySchema) -> Gantry:
 
 
 def footprint(entry: FootprintSchema) -> Polygon:
-    """Return the polygon that the keys of `entry` stand for."""
+    """Return the polygon of a footprint."""
     if entry.polygon is not None:
         return Polygon(entry.polygon, entry.holes)
     if entry.x is not None and entry.y is not None:

@@ -112,7 +112,7 @@ def polygon_fault(polygon: Polygon) -> str:
 def starting_fault(plan: Floor, at: tuple[float, float], radius: float | None = None) -> str:
     """Return the reason why a person can't start at `at` on `plan`, or an empty text.
 
-    As `standing_fault` with this `radius`; besides, there must be no AGV.
+    See `standing_fault`. In addition, no AGV may be there at the start.
     """
     if SOUND not in vars(plan):
         return _starting_fault(plan, at, radius)

@@ -212,7 +212,7 @@ def _unknown(name: str, names: Sequence[str]) -> str:
 def laid_over(base: Floorplan, top: Floorplan, given: Iterable[str]) -> Floorplan:
     """Return `base` with `top` over it; `given` are the keys that `top` has.
 
-    Of two things of one kind and name, that of `top` stands.
+    If both have something of the same kind and name, that of `top` remains.
     """
     laid = {_FIELDS[key]: getattr(top, _FIELDS[key]) for key in given if key in _FIELDS}
     return replace(

@@ -151,9 +151,9 @@ class Zone:
     max_speed : float, optional
         Speed limit in m/s.
     forbidden : bool, optional
-        True if nobody concerned may enter.
+        True if those concerned must not enter.
     concerns : tuple of str, optional
-        Names of people and AGVs, or patterns with `*` and `?`. By default everybody.
+        Names of people and AGVs, or patterns with `*` and `?`. By default all.
     one_way : Point, optional
         Direction (x, y). People enter over the side that faces against it, and leave over the
         opposite side.
@@ -210,7 +210,7 @@ class Gate:
     towards : Point
         Point (x, y) on the side to which people may cross, in metres.
     concerns : tuple of str, optional
-        Names of people and AGVs, or patterns with `*` and `?`. By default everybody.
+        Names of people and AGVs, or patterns with `*` and `?`. By default all.
     """
 
     name: str
@@ -445,13 +445,7 @@ LEFT_OUT_IF_EMPTY = ("doors", "zones", "gates")
 
 @dataclass(frozen=True, kw_only=True)
 class Floor:
-    """A floor as data: its boundary and what stands on it. Compare with `==`, share freely.
-
-    Obstacles, stations, lanes, doors, zones and gates are tuples that also answer to names:
-    `stations["dock"]`. `patrol` names the stations that people go to, in their order; None stands
-    for all of them.
-    `notices` are what was left out of the drawing it was read from, or taken for granted there.
-    """
+    """Data of a floor: see `Floorplan`, which adds the formats of files."""
 
     name: str
     boundary: Polygon

@@ -80,7 +80,7 @@ class Bends:
         return len(self.point)
 
     def take(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> Bends:
-        """Those of the bends that are marked in `keep` (N,), or that it has the numbers of."""
+        """Return the bends that are marked in `keep` (N,), or whose numbers it contains."""
         return Bends(*(column[keep] for column in vars(self).values()))
 
     def columns(self) -> Floats:

@@ -310,8 +310,8 @@ _FORMS = "a name, or {name: RRTConnect, range: 1.0}"
 class PlannerChoice:
     """A planner by its name, with parameters by theirs.
 
-    The name is one of `planners()`, or `package.module:Class` for one of the user's own, whose
-    class, a subclass of `ompl.base.Planner`, is `kind` once it has been imported.
+    The name is one of `planners()`, or `package.module:Class` of a custom planner. After the
+    import, `kind` is its class, a subclass of `ompl.base.Planner`.
     """
 
     name: str = ROADMAP
@@ -326,15 +326,15 @@ class PlannerChoice:
 
     @property
     def is_own(self) -> bool:
-        """True if it is code of the user's own."""
+        """True for a custom planner."""
         return self.kind is not None or ":" in self.name
 
     @staticmethod
     def of(given: PlannerChoice | str | Mapping[str, Any] | type) -> PlannerChoice:
         """Return the choice that is written as `given`; `ValueError` if it is none.
 
-        That is a name, `{name: RRTConnect, range: 1.0}`, `{RRTConnect: {range: 1.0}}`, a text with
-        one of these in YAML, or the class of a planner of one's own.
+        Valid are a name, `{name: RRTConnect, range: 1.0}`, `{RRTConnect: {range: 1.0}}`, one of
+        these as YAML text, and the class of a custom planner.
         """
         if isinstance(given, PlannerChoice):
             return given
@@ -358,7 +358,7 @@ class PlannerChoice:
     def check(self) -> None:
         """Raise `ValueError` if there is no such planner, or if a parameter does not fit it.
 
-        Of a planner of the user's own that has not been imported, only a run can tell.
+        A custom planner is checked only after its import.
         """
         if self.kind is not None:
             check_own(self.kind, dict(self.parameters))

@@ -1,7 +1,7 @@
 """Free space of a disc: connected pieces, one-way gates, narrow places and walls.
 
-What is on the line of a gate counts as on its far side. So each place is on one side or the other,
-and a path crosses a gate if, and only if, one of its legs does, wherever it bends.
+A position on the line of a gate is on its far side. So each position is on one side, and a path
+crosses a gate if and only if one of its segments does.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class FreeSpace:
         return piece is not None and piece == self.piece_of(other)
 
     def nearest(self, point: Point) -> Point | None:
-        """Return the place nearest to `point`, or None where there is none at all."""
+        """Return the position nearest to `point`, or None if there is none."""
         return _once(self._nearest, point, self._nearest_to)
 
     def _nearest_to(self, point: Point) -> Point | None:
@@ -189,7 +189,7 @@ _THIN = 1e-7
 
 
 class Gates:
-    """Some gates, as those see them who mind them."""
+    """Gates for the people and AGVs that they concern."""
 
     def __init__(self, gates: Iterable[Gate] = ()) -> None:
         self.all = tuple(gates)
@@ -307,7 +307,7 @@ _NICHE = 0.3
 
 
 class Narrows:
-    """Narrow places of a floor, and just before them: where nobody should stop."""
+    """Narrow places of a floor and the areas before them, where people should not stop."""
 
     def __init__(self, area: shapely.Geometry) -> None:
         self._area = area
@@ -329,7 +329,7 @@ class Narrows:
 
 
 def narrows(space: FreeSpace, radius: float, abreast: int) -> Narrows:
-    """Return where nobody should stop: the narrow places of a free space, and their aprons.
+    """Return the narrow places of a free space and the areas before them.
 
     The narrow places for discs of `radius` metres are the free space of their centres less its
     opening by a disc as wide as so many `abreast` need: a passage, or a dead end of some size.

@@ -1,8 +1,7 @@
-"""Results that depend on shapes alone, kept for the next world on the same floor.
+"""Cache of results that depend on shapes alone, for other worlds on the same floor.
 
-All of it is a pure function of the geometry of the floor and of bodies, so that nothing depends on
-whether it was kept. What was used last is kept, for each thread its own: GEOS's prepared geometries
-are not made to be shared between threads.
+All results are pure functions of the geometry, so nothing depends on the cache. Each thread has its
+own cache of the latest results, because prepared geometries of GEOS cannot be shared.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ class Company:
 
 
 class Courses:
-    """Motions side by side, each looked at between two instants of its own.
+    """Motions of several bodies, each over its own time span.
 
     `spans` has (begin, end) in seconds for each motion. Results that are arrays have one figure
     for each motion. A jump to another place adds neither length nor turning.

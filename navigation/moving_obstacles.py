@@ -65,7 +65,7 @@ Limits = tuple[float, float]
 
 @dataclass(frozen=True, eq=False)
 class Mover:
-    """Body with a known motion. It stands before and after the motion.
+    """Body with a known motion. It is stationary before and after.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ HAIR = 1e-4
 class Roadmap:
     """The network of a floor for discs of one radius (metres), bends at most `step` radians.
 
-    Each bend is linked when a search first comes to it, and then takes about 0.2 kB for its links.
+    A bend is linked when a search first reaches it. Its links take about 0.2 kB.
     The floor alone makes the network. Bodies are given with each question, and cost only where
     a path meets them. Where there are one-way `gates`, a link against the direction of one is not
     there: links then depend on the direction. No other places to bend
@@ -125,7 +125,7 @@ class Roadmap:
         return np.array([self._room.holds(x, y) for x, y in zip(*columns, strict=True)], dtype=bool)
 
     def around(self, body: CollisionBody) -> Floats:
-        """Return the columns of the bends around `body`, kept for as long as it stands there."""
+        """Return the columns of the bends around `body`, cached until it moves."""
         known = self._bodies.get(body)
         if known is None:
             known = self._bodies[body] = self._standing_bends(body.corners).columns()

@@ -1,4 +1,4 @@
-"""The roadmap as a planner of OMPL's: the shortest path along the corners of what stands there."""
+"""Planner of OMPL that searches the roadmap for the shortest path along corners."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _SURE = 2 * TOLERANCE
 
 
 class Links:
-    """What is in the way of links, for discs of `radius` metres.
+    """Collision tests of links for discs of `radius` metres.
 
     A search asks what the floor and the bodies leave clear, worked out in the plane; OMPL asks
     whether links are `free`, which FCL decides.
@@ -47,13 +47,13 @@ class Links:
 
     @property
     def judged(self) -> dict[tuple[Point, Point], tuple[bool, int]]:
-        """What FCL said of links between bends since a body moved, and in how many checks."""
+        """FCL's answers about links since a body moved, with their numbers of checks."""
         if self._judged_at != self.world.changes:
             self._judged, self._judged_at = {}, self.world.changes
         return self._judged
 
     def holds(self, place: Point) -> bool:
-        """Return whether there is room at a place, and so much that FCL can't but agree."""
+        """Return whether a position certainly has room, so that FCL need not be asked."""
         if not self._place.holds(*place):
             return False
         near = self.world.near(place, place, self._keep + _SURE)
@@ -98,8 +98,8 @@ class Links:
 class RoadmapSearch:
     """One search of the roadmap from `start` to `goal`, in bends of `step` radians at most.
 
-    It goes by what is clear in the plane; of the path that it finds, `ask` decides about each link.
-    Where one is refused, it searches on without that.
+    It uses tests in the plane. `ask` then decides about each link of the path that was found. If it
+    rejects one, the search continues without that link.
     """
 
     def __init__(

@@ -91,7 +91,7 @@ class OmplFloor:
         """Two states to put places into, of which OMPL keeps copies."""
 
     def moves(self, a: Point, b: Point) -> bool:
-        """Return whether OMPL's motion validator lets one go straight from a to b."""
+        """Return whether OMPL's motion validator finds the segment from a to b free."""
         here, there = self.here, self.there
         here[0], here[1] = a
         there[0], there[1] = b
@@ -125,7 +125,7 @@ class OmplSetup:
         """True once the planner has said that it solved the problem."""
 
     def use(self, planner: Any) -> None:
-        """Let `planner`, OMPL's, answer."""
+        """Use OMPL's `planner` for the search."""
         self.planner = planner
         self._setup.setPlanner(planner)
         self._setup.setup()

@@ -1,10 +1,10 @@
 """Motions of people: walks along paths with limited speed at corners, and conflicts between walks.
 
-Both follow motions that end in a standing which counts for ever. Where they go is kept in tables
-of plain numbers, in which the kernel of `discs` looks.
+Walks end with a stop of unlimited duration. Tables of plain numbers hold their positions for the
+kernel of `discs`.
 
-A person among others weighs many courses before taking one, and slows down to speeds below the
-one they have. Courses that are weighed are swaths; the one taken becomes a motion.
+A person in a crowd compares many candidate paths, also with lower speeds. Candidates are swaths.
+The chosen one becomes a motion.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ class CollisionWorld:
         Range of heights in metres, by default that of a person. Everything below or above is
         ignored.
     gates : iterable of Gate, optional
-        One-way gates. By default the gates of the floor that concern everybody.
+        One-way gates. By default the gates of the floor that concern all.
 
     Raises
     ------

@@ -141,7 +141,7 @@ class Document:
     """Place of the values in the file, if they are not all of it."""
 
     def part(self, key: str) -> Document:
-        """Return the values of an outermost key as a document of their own."""
+        """Return the values of an outermost key as a document."""
         lines = {place[1:]: line for place, line in self.lines.items() if place[:1] == (key,)}
         return Document(self.file, self.data[key], lines, (*self.at, key))
 
@@ -259,7 +259,7 @@ def _kind(value: object) -> str:
 
 
 def yaml_text(data: Any) -> str:
-    """Return `data` as YAML: outermost keys on lines of their own, innermost values on one."""
+    """Return `data` as YAML: outermost keys on separate lines, innermost values on one."""
     text: str = yaml.dump(
         data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
     )
@@ -274,7 +274,7 @@ class _Dumper(yaml.SafeDumper):
         return True
 
     def represent(self, data: Any) -> None:
-        """Write `data`: the outermost keys on lines of their own, innermost values on one line."""
+        """Write `data`: the outermost keys on separate lines, innermost values on one line."""
         node: Any = self.represent_data(data)
         node.flow_style = False
         self.serialize(node)

@@ -85,8 +85,8 @@ def _checked_angle(value: float) -> float:
 class Reads:
     """Annotation that says in pydantic's own terms how a value is read.
 
-    What many fields have in common is so worked out once, not for each of them. `fault` returns
-    the reason why a number that was given in Python is out of range, or an empty text.
+    Fields share one schema, which is computed once. `fault` returns the reason why a number given
+    in Python is out of range, or an empty text.
     """
 
     def __init__(self, schema: CoreSchema, fault: Callable[[Any], str] = lambda value: "") -> None:

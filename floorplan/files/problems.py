@@ -28,7 +28,7 @@ class Problem:
     Parameters
     ----------
     message : str
-        What is wrong.
+        Description.
     field : str, optional
         Field with the problem, as in `stations.dock`.
     line : int, optional

@@ -40,7 +40,7 @@ Thing = TypeVar("Thing", bound=_HasName)
 
 
 class Named(tuple[Thing, ...]):
-    """A tuple of things that also answers to their names: `stations["dock"]`.
+    """A tuple that also accepts the names of its elements: `stations["dock"]`.
 
     A name may also stand before `in`. `KeyError` that suggests a name where there is none; of
     several with one name, the first is meant.
@@ -77,7 +77,7 @@ class Named(tuple[Thing, ...]):
 
 
 class NamedField(Generic[Thing]):
-    """A field of a dataclass that takes any sequence of things, and gives them as `Named`."""
+    """Field of a dataclass that is set by any sequence, and read as `Named`."""
 
     def __set_name__(self, owner: type, name: str) -> None:
         self._name = name
@@ -130,7 +130,7 @@ def require(value: object, kind: type, reader: str = "", name: str = "") -> None
 def require_fields(value: object) -> None:
     """Check that the fields of `value`, a dataclass, and of those within it are of their types.
 
-    `TypeError` says which is not. Lists and arrays stand for tuples, whole numbers for floats.
+    `TypeError` says which is not. Lists and arrays count as tuples, whole numbers as floats.
     """
     for message, place in _field_faults(value):
         raise TypeError(f"{type(value).__name__}.{field_name(place)}: {message}")

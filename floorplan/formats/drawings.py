@@ -28,7 +28,7 @@ class LayerGroup:
     """Layers by patterns (`A-WALL*`), in capitals or not, and how their shapes are read.
 
     `z` are the heights of the shapes (metres) instead of the drawn ones. With a `line_width`
-    (metres) every line stands for a wall this wide. Where it is `hollow`, outlines inside outlines
+    (metres) every line is a wall of this width. Where it is `hollow`, outlines inside outlines
     are openings.
     """
 
@@ -234,7 +234,7 @@ Name = Callable[[], str]
 """Function that returns the name of an entity: few names are ever needed."""
 
 OUTSIZED = f"has coordinates that are not numbers of at most {LARGEST:g} m"
-"""Reason why an entity with such coordinates is not read."""
+"""Reason why a shape with such coordinates is not read."""
 
 TOUCHING = 1e-9
 """Metres. Closer ends of an outline are one corner: arcs end with rounding errors."""

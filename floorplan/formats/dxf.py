@@ -263,7 +263,7 @@ class Reader:
         self._hidden = lru_cache(None)(lambda layer: hidden.get(layer.casefold(), (False, False)))
 
     def shapes(self) -> Iterator[Shape]:
-        """Yield the shapes of the model space, and what is left out of it."""
+        """Yield the shapes of the model space, and the entities that are not read."""
         return self._read(map(_Entity, self._drawing.modelspace()), _MODEL_SPACE)
 
     def _read(self, entities: Iterable[_Entity], block: _Inserted) -> Iterator[Shape]:

@@ -18,19 +18,16 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from shapely.geometry import Point, Polygon, mapping, shape as shape_of
 
 from ..checks import polygon_fault
-from ..files.fields import LARGEST, Angle, Number, are_figures
+from ..files.fields import Angle, Number, are_figures
 from ..files.problems import FloorplanError, Problem, field_name, misfits, shown
 from ..files.reading import read_text
 from ..model import DEFAULT_HEIGHT, Floor, Obstacle, SafeZone, Station
 from ..plan import Floorplan
-from .drawings import BOUNDARY, Drawn, pieces_of
+from .drawings import BOUNDARY, OUTSIZED, Drawn, pieces_of
 from .wkt import joined
 
 DEGREES = ("CRS84", "4326")
 """Parts of the names of systems whose coordinates are degrees."""
-
-OUTSIZED = f"has coordinates that are not numbers of at most {LARGEST:g} m"
-"""What is wrong with a geometry that nothing can be worked out with."""
 
 KINDS = ("boundary", "obstacle", "station", "safe_zone")
 

@@ -15,12 +15,12 @@ import shapely
 from shapely.geometry import Polygon
 
 from ..checks import polygon_fault
-from ..files.fields import LARGEST, are_figures
+from ..files.fields import are_figures
 from ..files.problems import FloorplanError, Problem, UserError
 from ..files.reading import read_text
 from ..model import Floor
 from ..plan import Floorplan
-from .drawings import Drawn
+from .drawings import OUTSIZED, Drawn
 
 
 def load_wkt(path: Path, drawn: Drawn) -> Floorplan:
@@ -77,7 +77,7 @@ def _problems(geometry: shapely.Geometry) -> Iterator[Problem]:
         elif part.is_empty:
             yield Problem("is empty", place)
         elif not are_figures(shapely.get_coordinates(part)).all():
-            yield Problem(f"has coordinates that are not numbers of at most {LARGEST:g} m", place)
+            yield Problem(OUTSIZED, place)
         elif fault := polygon_fault(part):
             yield Problem(fault, place)
 

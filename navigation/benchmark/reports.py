@@ -1,6 +1,6 @@
 """Results of the planner benchmark: estimates with confidence intervals, tables, and OMPL's log.
 
-Answers to the same question are alike, so each question counts once, with the share or the median
+Answers to the same question are similar, so each question counts once, with the share or the median
 of its runs. The questions are the sample.
 """
 

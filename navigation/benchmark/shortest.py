@@ -1,8 +1,8 @@
 """Lengths of shortest paths, with which the answers of planners are compared.
 
-All edges of the floor are grown by the radius. Every corner of what is left is linked with every
-other that it sees, and Dijkstra's algorithm searches these links. Grown corners are drawn from
-inside, so lengths are never too long, and too short by no more than `SHORTFALL` of their arcs.
+All edges of the floor are grown by the radius. Dijkstra's algorithm searches the visibility graph
+of the remaining floor. Arcs of grown corners are inscribed polygons, so lengths are never too long,
+and too short by at most `SHORTFALL` of their arcs.
 """
 
 from __future__ import annotations
