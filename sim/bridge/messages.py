@@ -18,7 +18,7 @@ from navigation.machines import lane_state
 from navigation.motion import State
 
 from ..core.body import Body
-from ..core.scenario import AssemblyTask, KittingTask, Order, PartType
+from ..core.entries import AssemblyTask, KittingTask, Order, PartType
 
 _MESSAGES = """
 builtin_interfaces/Time: int32 sec, uint32 nanosec

@@ -9,7 +9,7 @@ from floorplan import Floorplan, Problem
 from floorplan.files.documents import Document
 from floorplan.files.problems import Place, suggestion
 
-from ..core.scenario import KittingTask, Order, PartType, Workload
+from ..core.entries import KittingTask, Order, PartType, Workload
 from .inventory import errands, lacking
 from .schema import AriacTrialFile, Challenge, OrderEntry, StartCondition, angle
 

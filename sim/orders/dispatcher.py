@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any
 
 from ..core.body import Machine
+from ..core.entries import AssemblyTask, CombinedTask, KittingTask, Order, Workload
 from ..core.events import OrderAnnounced, OrderSubmitted, RobotMalfunction
-from ..core.scenario import AssemblyTask, CombinedTask, KittingTask, Order, Workload
 from ..core.stage import Stage
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot

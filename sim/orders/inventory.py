@@ -15,8 +15,8 @@ from floorplan import Floorplan, Lane, Point
 from navigation import Motion
 from navigation.motion import Piece
 
+from ..core.entries import Conveyor, Item, Load, PartType, Workload
 from ..core.events import PartCame, PartMissed, PartTaken
-from ..core.scenario import Conveyor, Item, Load, PartType, Workload
 from ..core.stage import Stage
 from ..machines.agv.agv import Agv
 from ..machines.gantry.tasks import Passing, Step

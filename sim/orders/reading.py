@@ -13,26 +13,24 @@ import floorplan
 from floorplan import Floorplan, Problem
 from floorplan.files.documents import Document
 
-from ..core.entries import Blackout, Start
-from ..core.rules import ARIAC2023
-from ..core.scenario import (
+from ..core.entries import (
     AssemblyTask,
+    Blackout,
     ChallengePerson,
     CombinedTask,
     Conveyor,
     Drop,
-    GantryEntry,
     Item,
     KittingTask,
     Load,
     Malfunction,
     Order,
     PartType,
-    PersonEntry,
-    Scenario,
-    TrialError,
+    Start,
     Workload,
 )
+from ..core.rules import ARIAC2023
+from ..core.scenario import GantryEntry, PersonEntry, Scenario, TrialError
 from ..machines.gantry.robot import GANTRY
 from .checks import agv_name, notices, problems
 from .inventory import BELT_REACH

@@ -11,9 +11,9 @@ from typing import Any
 
 from floorplan import Floorplan, Point
 
+from ..core.entries import AssemblyTask, CombinedTask, Item, KittingTask, Load, Order, PartType
 from ..core.events import PartFaulty
 from ..core.recorder import Record
-from ..core.scenario import AssemblyTask, CombinedTask, Item, KittingTask, Load, Order, PartType
 from ..machines.gantry.tasks import Handling, Step, Task
 from .inventory import (
     BELT,

@@ -19,15 +19,8 @@ from floorplan.plan import floor_keys, obstacle_keys
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
-from ..core.entries import Command, Start
-from ..core.scenario import (
-    USUAL_PLANNER,
-    Job,
-    PersonalityChange,
-    PersonEntry,
-    Scenario,
-    Workload,
-)
+from ..core.entries import Command, Start, Workload
+from ..core.scenario import USUAL_PLANNER, Job, PersonalityChange, PersonEntry, Scenario
 from ..core.schedule import Duration, TimedObstacle
 from ..core.stage import MachineEntry
 from ..machines.gantry.controllers import CONTROLLERS

@@ -14,8 +14,8 @@ from floorplan import Point, UserError
 from navigation import Motion
 
 from ...core.clock import Alarm, Clock, Turn
-from ...core.entries import Pose
-from ...core.scenario import Drop, Job
+from ...core.entries import Drop, Pose
+from ...core.scenario import Job
 
 
 @dataclass(frozen=True, kw_only=True)
