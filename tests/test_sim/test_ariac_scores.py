@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 import floorplan
-from sim import orders as ariac
+from sim.core.entries import AssemblyTask, CombinedTask, Item, KittingTask, Load, PartType
 from sim.orders.inventory import TABLES, bin_slot, quadrant_on, tool_stand, tray_on, tray_slot
 from sim.orders.schema import angle
+from sim.orders.scoring import Inserted, assembly_score, best_score, kitting_score
 
 COLORS = ("blue", "green", "orange", "purple", "red")
 TYPES = ("battery", "pump", "regulator", "sensor")
@@ -24,10 +25,10 @@ QUADRANT = {
 ASSEMBLY = {(True, True): 3, (True, False): 2, (False, True): 2, (False, False): 1}
 COMBINED = {(True, True): 5, (True, False): 4, (False, True): 4, (False, False): 3}
 
-parts = st.builds(ariac.PartType, st.sampled_from(COLORS), st.sampled_from(TYPES))
+parts = st.builds(PartType, st.sampled_from(COLORS), st.sampled_from(TYPES))
 quadrants = st.integers(1, 4)
 kits = st.dictionaries(quadrants, parts, min_size=1)
-items = st.dictionaries(quadrants, st.builds(ariac.Item, parts, st.booleans()))
+items = st.dictionaries(quadrants, st.builds(Item, parts, st.booleans()))
 trays = st.none() | st.integers(0, 2)
 faults = st.sets(quadrants)
 products = st.lists(parts, min_size=1, max_size=4, unique_by=lambda part: part.type)
@@ -48,18 +49,18 @@ def test_kits(kit, lying, tray, tray_there, arrived, faulty):
     if len(lying) > len(kit):
         points -= len(lying) - len(kit)
     wanted = max(points, 0) * (1 if arrived else 0)
-    task = ariac.KittingTask(agv="agv1", tray=tray, destination="warehouse", products=kit)
-    load = ariac.Load(tray_there, lying)
-    assert ariac.kitting_score(task, load, arrived=arrived, faulty=faulty) == wanted
+    task = KittingTask(agv="agv1", tray=tray, destination="warehouse", products=kit)
+    load = Load(tray_there, lying)
+    assert kitting_score(task, load, arrived=arrived, faulty=faulty) == wanted
 
 
 @given(products, products, st.data())
 def test_inserts(asked, inserted, data):
     poses = {part.type: data.draw(st.booleans()) for part in inserted}
-    there = {part.type: ariac.Inserted(part, poses[part.type]) for part in inserted}
+    there = {part.type: Inserted(part, poses[part.type]) for part in inserted}
     for task, table in (
-        (ariac.AssemblyTask("as1", ("agv1",), tuple(asked)), ASSEMBLY),
-        (ariac.CombinedTask("as1", tuple(asked)), COMBINED),
+        (AssemblyTask("as1", ("agv1",), tuple(asked)), ASSEMBLY),
+        (CombinedTask("as1", tuple(asked)), COMBINED),
     ):
         points = 0
         for part in asked:
@@ -68,20 +69,20 @@ def test_inserts(asked, inserted, data):
                     points += table[other.color == part.color, poses[part.type]]
         if points == max(table.values()) * len(asked):
             points += 4 * len(asked)
-        assert ariac.assembly_score(task, there) == points
+        assert assembly_score(task, there) == points
 
 
 @given(kits, products)
 def test_the_best_score_is_that_of_a_faultless_order(kit, asked):
-    kitting = ariac.KittingTask(agv="agv1", tray=4, destination="as1", products=kit)
-    load = ariac.Load(4, {quadrant: ariac.Item(part) for quadrant, part in kit.items()})
-    assert ariac.best_score(kitting) == ariac.kitting_score(kitting, load, arrived=True)
-    there = {part.type: ariac.Inserted(part) for part in asked}
+    kitting = KittingTask(agv="agv1", tray=4, destination="as1", products=kit)
+    load = Load(4, {quadrant: Item(part) for quadrant, part in kit.items()})
+    assert best_score(kitting) == kitting_score(kitting, load, arrived=True)
+    there = {part.type: Inserted(part) for part in asked}
     for task in (
-        ariac.AssemblyTask("as1", ("agv1",), tuple(asked)),
-        ariac.CombinedTask("as1", tuple(asked)),
+        AssemblyTask("as1", ("agv1",), tuple(asked)),
+        CombinedTask("as1", tuple(asked)),
     ):
-        assert ariac.best_score(task) == ariac.assembly_score(task, there)
+        assert best_score(task) == assembly_score(task, there)
 
 
 def test_what_is_where_is_the_competitions():
