@@ -18,7 +18,7 @@ from floorplan.files.problems import form_keys, forms
 from sim.studies.design import _StudyKeys as StudyKeys
 from sim.trials import feasibility
 from sim.trials.keys import TrialKeys
-from sim.trials.rules_file import RuleKeys
+from sim.trials.rules_file import RuleForm
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -154,10 +154,10 @@ REFERENCE = {
         "rules.md",
         "floorplan-formats.md",
     ),
-    RuleKeys: ("rules.md",),
+    RuleForm: ("rules.md",),
     StudyKeys: ("studies.md",),
 }
-WRITTEN_ONLY = {RuleKeys: {"source"}, StudyKeys: {"word"}, TrialKeys: {"stream", "number"}}
+WRITTEN_ONLY = {RuleForm: {"source"}, StudyKeys: {"word"}, TrialKeys: {"stream", "number"}}
 """Keys that stand for a text, or that only `to_yaml` writes."""
 
 

@@ -61,7 +61,7 @@ def _read(file: str, own_code: bool) -> str:
     import bdi
     import floorplan
 
-    from ..trials.rules_file import RuleKeys, load_rules
+    from ..trials.rules_file import RuleForm, load_rules
     from ..trials.trial import Trial
     from .sources import outermost_keys
 
@@ -76,7 +76,7 @@ def _read(file: str, own_code: bool) -> str:
             return _study(path, own_code)
         if {"boundary", "base", "image"} & keys:
             return _floor(floorplan.load(path))
-        if keys & {*RuleKeys.model_fields} - {"name", "source"} and "floorplan" not in keys:
+        if keys & {*RuleForm.model_fields} - {"name", "source"} and "floorplan" not in keys:
             return f"the rule set {load_rules(path, own_code=own_code).name}"
         return _trial(Trial.load(path, own_code=own_code), file)
     return _floor(floorplan.load(file))
