@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -47,10 +48,6 @@ def plan(
             autocompletion=complete_planner,
         ),
     ] = None,
-    parameter: Annotated[
-        list[str] | None,
-        typer.Option(help="NAME=VALUE of a planner parameter; repeat for more."),
-    ] = None,
     radius: Radius = None,
     agv: Annotated[
         list[str] | None,
@@ -73,52 +70,32 @@ def plan(
     from ..people.programs import find_planner
 
     world = navigation.CollisionWorld(floors.load(floorplan))
-    for name, place in _pairs(agv or [], "--agv"):
-        _move(world, name, place)
-    parameters = {name: _value(text) for name, text in _pairs(parameter or [], "--parameter")}
+    for text in agv or ():
+        _move(world, text)
     choice = PlannerChoice() if planner is None else PlannerChoice.of(planner)
     seeker = navigation.PathPlanner(world, radius, planner=find_planner(choice, CodeFolder()))
     begin = time.process_time()
-    planned = seeker.plan((x0, y0), (x1, y1), parameters=parameters, seed=seed)
+    planned = seeker.plan((x0, y0), (x1, y1), seed=seed)
     cpu_seconds = time.process_time() - begin
     if plot is not None:
         _draw(world, planned, seeker.radius, plot)
     say(_as_json(planned, cpu_seconds) if json else _path_in_words(planned, cpu_seconds))
 
 
-def _pairs(texts: list[str], option: str) -> list[tuple[str, str]]:
-    pairs = []
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise typer.BadParameter(f"expected NAME=VALUE, found {text!r}", param_hint=option)
-        pairs.append((name, value))
-    return pairs
-
-
-def _move(world: CollisionWorld, name: str, place: str) -> None:
+def _move(world: CollisionWorld, text: str) -> None:
+    """Move an AGV to the place that NAME=PLACE gives, a location or a lane position."""
     from floorplan import UserError
 
+    name, equals, place = text.partition("=")
+    if not (name and equals and place):
+        raise typer.BadParameter(f"expected NAME=PLACE, found {text!r}", param_hint="--agv")
+    to: str | float = place
+    with suppress(ValueError):
+        to = float(place)
     try:
-        world.move_agv(name, float(_value(place)) if _is_number(place) else place)
+        world.move_agv(name, to)
     except KeyError as why:
         raise UserError(why.args[0]) from None
-
-
-def _is_number(text: str) -> bool:
-    return isinstance(_value(text), (int, float)) and not isinstance(_value(text), bool)
-
-
-def _value(text: str) -> float | int | bool | str:
-    """Return `text` as the number or yes/no that it spells, or as it is."""
-    if text.lower() in ("true", "false"):
-        return text.lower() == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text
 
 
 def _path_in_words(planned: PlannedPath, cpu_seconds: float) -> str:

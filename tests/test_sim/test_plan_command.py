@@ -26,7 +26,7 @@ def test_a_way_in_words(floorwalker):
 def test_a_way_as_json_with_options(floorwalker):
     done = floorwalker(
         *("plan", "ariac2023", -11.3, 6, -11.3, 3.5, "--json", "--radius", 0.25),
-        *("--planner", "RRTConnect", "--parameter", "range=2", "--seed", 3, "--agv", "agv1=9.0"),
+        *("--planner", "RRTConnect: {range: 2}", "--seed", 3, "--agv", "agv1=9.0"),
     )
     way = json.loads(done.stdout)
     assert way["points"][0] == [-11.3, 6.0]
@@ -50,7 +50,7 @@ def test_no_way_is_one_sentence_and_exit_1(floorwalker):
     ("words", "why"),
     [
         (("--planner", "RTConnect"), "did you mean 'RRTConnect'?"),
-        (("--parameter", "range=1"), "Roadmap has no parameters, found range"),
+        (("--planner", "Roadmap: {range: 1}"), "Roadmap has no parameters, found range"),
         (("--agv", "agv9=1"), "'agv9'"),
         (("--agv", "agv1=99"), "its lane runs from 0 to 18"),
         (("--radius", "-1"), "a radius must be positive"),
