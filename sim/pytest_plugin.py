@@ -118,7 +118,7 @@ def pytest_runtest_makereport(
 
 @pytest.fixture
 def ariac_cell(request: pytest.FixtureRequest) -> Trial:
-    """The ARIAC 2023 floor for 120 s: an indifferent operator, a gantry that carries parts."""
+    """Return a trial of 120 s: the ARIAC 2023 floor, an operator, a gantry that carries parts."""
     from .trials.trial import Trial
 
     own_code = _own_code(request.config)

@@ -26,63 +26,63 @@ FLOORS = (*YAML, ".wkt", ".dxf", ".map")
 
 
 def complete_trial(incomplete: str) -> list[str]:
-    """A built-in trial, or a file; among the folders, runs."""
+    """Return built-in trials, and files; among the folders, runs."""
     return _offer(incomplete, _data("sim", "data/trials/*.yaml"), YAML)
 
 
 def complete_study(incomplete: str) -> list[str]:
-    """A study's file."""
+    """Return files of studies."""
     return _offer(incomplete, (), YAML)
 
 
 def complete_floor(incomplete: str) -> list[str]:
-    """A built-in floorplan, or a file with one."""
+    """Return built-in floorplans, and files with one."""
     return _offer(incomplete, _floors(), FLOORS)
 
 
 def complete_program(incomplete: str) -> list[str]:
-    """A personality, or an AgentSpeak program."""
+    """Return personalities, and AgentSpeak programs."""
     return _offer(incomplete, _personalities(), (".asl",))
 
 
 def complete_rules(incomplete: str) -> list[str]:
-    """A built-in rule set, or a file with one."""
+    """Return built-in rule sets, and files with one."""
     return _offer(incomplete, RULE_SETS, YAML)
 
 
 def complete_controller(incomplete: str) -> list[str]:
-    """A built-in controller of the gantry; one's own is for the user to type."""
+    """Return built-in controllers of the gantry; custom ones are for the user to type."""
     return _offer(incomplete, CONTROLLERS)
 
 
 def complete_planner(incomplete: str) -> list[str]:
-    """A planner that every supported OMPL has, or our own."""
+    """Return planners that every supported OMPL has, and the roadmap planner."""
     return _offer(incomplete, PLANNERS)
 
 
 def complete_contender(incomplete: str) -> list[str]:
-    """A planner, or one of another package."""
+    """Return planners, and those of other packages."""
     return _offer(incomplete, (*PLANNERS, *PEERS))
 
 
 def complete_questions(incomplete: str) -> list[str]:
-    """A file with questions for planners."""
+    """Return files with questions for planners."""
     return _offer(incomplete, (), (".csv", ".scen"))
 
 
 def complete_backend(incomplete: str) -> list[str]:
-    """A backend on which the rows of a study can run."""
+    """Return backends on which the rows of a study can run."""
     return _offer(incomplete, BACKENDS)
 
 
 def complete_floor_source(incomplete: str) -> list[str]:
-    """A floorplan, a trial, or a run's folder."""
+    """Return floorplans, trials, and folders of runs."""
     names = {*_floors(), *_data("sim", "data/trials/*.yaml")}
     return _offer(incomplete, sorted(names), FLOORS)
 
 
 def complete_checked(incomplete: str) -> list[str]:
-    """Anything that `floorwalker check` reads."""
+    """Return all that `floorwalker check` reads."""
     names = {*_floors(), *_personalities(), *RULE_SETS, *_data("sim", "data/trials/*.yaml")}
     return _offer(incomplete, sorted(names), (*FLOORS, ".asl"))
 

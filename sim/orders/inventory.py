@@ -135,7 +135,7 @@ def errands(
 
 
 def _facing(table: str) -> int:
-    """The first table is turned by half a turn against the second, whose axes are the floor's."""
+    """Return 1 for a table whose axes are the floor's, -1 for one turned by half a turn."""
     return -1 if table == TABLES[0] else 1
 
 

@@ -70,7 +70,6 @@ def sources_of(
     actions of one name the later counts.
     `OwnCodeError` says what is missing, or that own code is refused.
     """
-
     found = [folder.find_module(module, ACTIONS) for module in modules]
     for source in found:
         if not _names_in(source):

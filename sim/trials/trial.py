@@ -39,7 +39,7 @@ class Trial(Scenario):
 
     @classmethod
     def load(cls, source: str | Path, *, own_code: bool = True) -> Trial:
-        """The built-in trial called `source`, or the one in the YAML file at `source`.
+        """Return the built-in trial called `source`, or the one in the YAML file at `source`.
 
         Python of the user's own that it names (a controller, a law) has to stand beside it. It is
         read, but not imported before the trial is run; without `own_code` it is refused.
@@ -70,7 +70,7 @@ class Trial(Scenario):
         folder: str | Path = ".",
         own_code: bool = True,
     ) -> Trial:
-        """The trial in `text`, as if it stood in `folder`; errors call it `file`.
+        """Return the trial in `text`, as if it stood in `folder`; errors call it `file`.
 
         `own_code` is as of `load`.
         """
@@ -79,7 +79,7 @@ class Trial(Scenario):
         return build(cls, parse_yaml(text, file, TrialError), CodeFolder(Path(folder), own_code))
 
     def to_yaml(self, folder: str | Path = ".") -> str:
-        """The text of a trial file that stands in `folder`, to be read as the same trial.
+        """Return the text of a trial file that stands in `folder`, to be read as the same trial.
 
         A floor that came from no file is written into it. `ValueError` if its orders, a law or a
         program came from no file, if the floor is not sound, or if it names code of the user's own

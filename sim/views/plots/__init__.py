@@ -68,7 +68,7 @@ class RunPlots:
         within: Span | None = None,
         width: Width = "double",
     ) -> Figure:
-        """The distance of people to a machine over time, and the required distance.
+        """Draw the distance of people to a machine over time, and the required distance.
 
         Of many people those with the least margin, unless they are named: `person` is a name, or
         several.
@@ -76,23 +76,23 @@ class RunPlots:
         return separation(self._run, person, machine, within=within, width=width)
 
     def space_time(self, *, within: Span | None = None, width: Width = "double") -> Figure:
-        """x and y of all that moves, over time."""
+        """Draw x and y of all that moves, over time."""
         return space_time(self._run, within=within, width=width)
 
     def trails(self, *, within: Span | None = None, width: Width = "double") -> Figure:
-        """The paths of people and machines on the floor."""
+        """Draw the paths of people and machines on the floor."""
         return trails(self._run, within=within, width=width)
 
     def heat_map(self, *, width: Width = "double") -> Figure:
-        """The time for which each spot was occupied by people."""
+        """Draw the time for which each spot was occupied by people."""
         return heat_map(self._run, width=width)
 
     def density_map(
         self, *, of: Of = "density", within: Span | None = None, width: Width = "double"
     ) -> Figure:
-        """The mean density of people over the floor, or their mean speed."""
+        """Draw the mean density of people over the floor, or their mean speed."""
         return density_map(self._run, of=of, within=within, width=width)
 
     def risk_map(self, *, of: Risk = "margin", width: Width = "double") -> Figure:
-        """The least margin at each spot, the time nearer than required, or the speed meanwhile."""
+        """Draw the least margin at each spot, the time of negative margins, or the speed then."""
         return risk_map(self._run, of=of, width=width)
