@@ -180,7 +180,7 @@ def report(
     from floorplan import UserError
 
     from ..studies import Study, safety_report
-    from ..views.safety_report.page import require_writable
+    from ..views.safety_page import require_writable
     from .sources import is_study, run_from
 
     require_writable(out)

@@ -35,7 +35,7 @@ from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
 from ..trials.trial import Trial
 from ..views.report_page import figure
-from ..views.safety_report.page import (
+from ..views.safety_page import (
     Picture,
     clock,
     counted,
@@ -45,7 +45,7 @@ from ..views.safety_report.page import (
     run_pictures,
     write_safety_page,
 )
-from ..views.safety_report.run_report import about, laws_of, run_report, software
+from ..views.safety_run_report import about, laws_of, run_report, software
 from .comparison import Comparison, Measure, StudyResults, Trend, sensitivities, spread
 from .design import Study
 from .folder import RESULTS, identity

@@ -14,7 +14,7 @@ from ..core.body import PERSON
 from ..core.events import EVENT_KINDS, Form
 from ..core.scenario import Scenario
 from ..machines.gantry.controllers import CONTROLLERS
-from ..machines.gantry.worksites import fixed_places
+from ..machines.gantry.tasks import fixed_places
 from ..machines.kinds import KINDS, is_own, kind_name, on_floor
 from ..safety.laws import own_laws
 

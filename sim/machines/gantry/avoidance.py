@@ -18,8 +18,7 @@ from ...core.entries import Pose
 from ...safety.stopping_check import Pedestrian, Stoppable, StoppingCheck
 from .drive import Steps
 from .robot import GantryRobot, Sighting
-from .tasks import Task
-from .worksites import REACH
+from .tasks import REACH, Task
 
 SHARES = (1.0, 0.5, 0.25, 0.1)
 """The shares of its top speeds that the gantry chooses from."""

@@ -21,7 +21,7 @@ from ...core.scenario import GantryEntry, Job
 from ...core.stage import MachineModel, Stage
 from .controllers import find_controller, supervised
 from .robot import GantryRobot, gantry_shape
-from .worksites import fixed_places
+from .tasks import fixed_places
 
 
 @dataclass(frozen=True, kw_only=True)

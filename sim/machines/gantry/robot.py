@@ -21,8 +21,7 @@ from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ...safety.proximity import ApproachMonitor
 from .drive import Drive, Interruption, Interrupts, Steps
-from .tasks import Gripper, Handling, Passing, Step, Task, Tasks, tasks_of
-from .worksites import Worksites
+from .tasks import Gripper, Handling, Passing, Step, Task, Tasks, Worksites, tasks_of
 
 GANTRY = "gantry"
 """The name of the floor's own gantry, which events leave out."""

@@ -11,19 +11,19 @@ from typing import TYPE_CHECKING, Any
 
 from floorplan import Floorplan
 
-from ...record.incidents import CELL, Incident, Risk
-from ...record.outcome import Outcome
-from ...record.output import replacing, writing
-from ...record.sampling import MOMENT, CellArray
-from ...record.words import told_apart
-from ..film import in_browser, open_page, require_browser
-from ..report_page import MissingExtraError, figure, minus, require_place, signed, write_report_page
+from ..record.incidents import CELL, Incident, Risk
+from ..record.outcome import Outcome
+from ..record.output import replacing, writing
+from ..record.sampling import MOMENT, CellArray
+from ..record.words import told_apart
+from .film import in_browser, open_page, require_browser
+from .report_page import MissingExtraError, figure, minus, require_place, signed, write_report_page
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from playwright.sync_api import Browser
 
-    from ...core.body import MachineShape
+    from ..core.body import MachineShape
 
 
 def listed(names: Sequence[str]) -> str:
@@ -176,7 +176,7 @@ def floor_picture(plan: Floorplan) -> list[Picture]:
     """Return the floor with everything that has a name."""
 
     def draw() -> Figure:
-        from ..plots import floorplan
+        from .plots import floorplan
 
         return floorplan(plan)
 
@@ -197,7 +197,7 @@ def risk_pictures(
             continue
 
         def draw(of: Risk = of, found: CellArray = found) -> Figure:
-            from ..plots.maps import drawn_risk
+            from .plots.maps import drawn_risk
 
             return drawn_risk(plan, machines, found, of=of)
 
@@ -211,7 +211,7 @@ def run_pictures(run: Outcome, worst: Sequence[Incident], name: str = "") -> lis
     dense = sum(len(motion.pieces) for motion in run.motions.values()) > LONG
 
     def paths() -> Figure:
-        from ..plots import heat_map, trails
+        from .plots import heat_map, trails
 
         return heat_map(run) if dense else trails(run)
 
@@ -231,7 +231,7 @@ def run_pictures(run: Outcome, worst: Sequence[Incident], name: str = "") -> lis
 
 def _distance(run: Outcome, person: str, machine: str, name: str) -> Iterator[Picture]:
     def draw() -> Figure:
-        from ..plots import separation
+        from .plots import separation
 
         return separation(run, person, machine)
 
@@ -261,7 +261,7 @@ def _instants(run: Outcome, worst: Sequence[Incident], name: str) -> Iterator[Pi
             )
 
         def draw(one: Incident = one, before: float = before) -> Figure:
-            from ..plots.paths import moment
+            from .plots.paths import moment
 
             return moment(run, before, one.person, one.machine)
 
@@ -271,7 +271,7 @@ def _instants(run: Outcome, worst: Sequence[Incident], name: str) -> Iterator[Pi
 def _drawn(title: str, words: str, name: str, draw: Callable[[], Figure]) -> Iterator[Picture]:
     """Yield a picture, or nothing where there is no matplotlib."""
     try:
-        from ..plots.style import figure_element
+        from .plots.style import figure_element
 
         element = figure_element(draw(), name, f"{title}. {words}")
         yield {"title": title, "words": words, "element": element}

@@ -14,18 +14,18 @@ from navigation import Motion
 from navigation.kernels import COMPILED
 from navigation.separation import AnyLaw
 
-from ...core.body import MachineShape
-from ...core.entries import COMMANDS, Start
-from ...core.recorder import Scene
-from ...core.rules import RuleSet
-from ...core.scenario import ASSUMED, PersonEntry, Scenario
-from ...core.schedule import Drawn, Duration, WorkTask, as_given
-from ...machines.kinds import in_words, models_of, on_floor, short_laws
-from ...record.incidents import RISKS, incidents, risk, time_on_floor, time_too_close, worst_first
-from ...record.outcome import Outcome
-from ...record.summary import figures_in_words
-from ..report_page import minus
-from .page import (
+from ..core.body import MachineShape
+from ..core.entries import COMMANDS, Start
+from ..core.recorder import Scene
+from ..core.rules import RuleSet
+from ..core.scenario import ASSUMED, PersonEntry, Scenario
+from ..core.schedule import Drawn, Duration, WorkTask, as_given
+from ..machines.kinds import in_words, models_of, on_floor, short_laws
+from ..record.incidents import RISKS, incidents, risk, time_on_floor, time_too_close, worst_first
+from ..record.outcome import Outcome
+from ..record.summary import figures_in_words
+from .report_page import minus
+from .safety_page import (
     MOST_INCIDENTS,
     counted,
     exposure,
