@@ -118,7 +118,7 @@ def pytest_runtest_makereport(
 
 @pytest.fixture
 def ariac_cell(request: pytest.FixtureRequest) -> Trial:
-    """Return a trial of 120 s: the ARIAC 2023 floor, an operator, a gantry that carries parts."""
+    """Return a trial of 120 s on the ARIAC 2023 floor with an operator and a working gantry."""
     from .trials.trial import Trial
 
     own_code = _own_code(request.config)

@@ -167,9 +167,10 @@ class Simulation(InProgress):
     --------
     >>> simulation = sim.Simulation(sim.Trial.load("ariac2023"))
     >>> simulation.advance(10.0)
-    >>> simulation.person("operator").body.at
-    (-15.0, -10.0)
-    >>> run = simulation.finish()
+    >>> simulation.over
+    False
+    >>> simulation.finish().duration
+    10.0
     """
 
     @supervised()

@@ -3,6 +3,7 @@
 import ast
 import copy
 import dataclasses
+import doctest
 import importlib
 import inspect
 import pickle
@@ -11,13 +12,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import get_origin, get_type_hints
 
+import griffe
 import pytest
 from IPython.core.completer import IPCompleter, provisionalcompleter
 
+import bdi
 import floorplan
 import navigation
 import sim
 
+ROOT = Path(__file__).parents[1]
 PACKAGES = ("floorplan", "navigation", "bdi", "sim")
 NAMES = [
     f"{package}.{name}" for package in PACKAGES for name in importlib.import_module(package).__all__
@@ -71,6 +75,58 @@ def test_functions_say_what_each_parameter_is():
         if not re.search(rf"\b{parameter}\b", own_docstring(value(name)))
     ]
     assert unnamed == []
+
+
+def documented_members(package):
+    """Yield the public functions and methods of a package, as its API page finds them."""
+    found = griffe.load(package, search_paths=[ROOT], docstring_parser="numpy")
+    for name in importlib.import_module(package).__all__:
+        of = found[name].final_target if found[name].is_alias else found[name]
+        if of.is_function:
+            yield name, of
+        elif of.is_class:
+            members = ((key, of.all_members[key]) for key in of.all_members if key[0] != "_")
+            yield from ((f"{name}.{key}", one) for key, one in members if one.is_function)
+
+
+def sections(of):
+    return (
+        {one.kind.value: one.value for one in of.docstring.parse("numpy")} if of.docstring else {}
+    )
+
+
+@pytest.mark.parametrize("package", ["bdi", "sim"])
+def test_sections_have_every_parameter(package):
+    undocumented = {}
+    for name, of in documented_members(package):
+        known = sections(of).get("parameters", [])
+        wanted = [p.name for p in of.parameters if p.name not in ("self", "cls")]
+        if [one.name.lstrip("*") for one in known] != wanted:
+            undocumented[name] = wanted
+    assert undocumented == {}
+
+
+@pytest.mark.parametrize("package", ["bdi", "sim"])
+def test_sections_have_results(package):
+    silent = [
+        name
+        for name, of in documented_members(package)
+        if str(of.returns) not in ("None", "NoReturn")
+        if not {"returns", "yields"} & sections(of).keys()
+        if not of.docstring.value.startswith("Return ")
+    ]
+    assert silent == []
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if ">>>" in own_docstring(value(name))])
+def test_examples_in_docstrings_run(name):
+    names = {"bdi": bdi, "sim": sim, "floorplan": floorplan, "navigation": navigation}
+    finder = doctest.DocTestFinder(recurse=False)
+    runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
+    examples = finder.find(value(name), name, globs={**names, "replace": replace})
+    results = [runner.run(example) for example in examples]
+    assert sum(one.attempted for one in results) > 0
+    assert sum(one.failed for one in results) == 0
 
 
 GEOMETRY = ("floorplan", "navigation")

@@ -26,57 +26,57 @@ FLOORS = (*YAML, ".wkt", ".dxf", ".map")
 
 
 def complete_trial(incomplete: str) -> list[str]:
-    """Return built-in trials, and files; among the folders, runs."""
+    """Complete a built-in trial, a file, or the folder of a run."""
     return _offer(incomplete, _data("sim", "data/trials/*.yaml"), YAML)
 
 
 def complete_study(incomplete: str) -> list[str]:
-    """Return files of studies."""
+    """Complete the file of a study."""
     return _offer(incomplete, (), YAML)
 
 
 def complete_floor(incomplete: str) -> list[str]:
-    """Return built-in floorplans, and files with one."""
+    """Complete a built-in floorplan or a file."""
     return _offer(incomplete, _floors(), FLOORS)
 
 
 def complete_program(incomplete: str) -> list[str]:
-    """Return personalities, and AgentSpeak programs."""
+    """Complete a personality or the file of an AgentSpeak program."""
     return _offer(incomplete, _personalities(), (".asl",))
 
 
 def complete_rules(incomplete: str) -> list[str]:
-    """Return built-in rule sets, and files with one."""
+    """Complete a built-in rule set or a file."""
     return _offer(incomplete, RULE_SETS, YAML)
 
 
 def complete_controller(incomplete: str) -> list[str]:
-    """Return built-in controllers of the gantry; custom ones are for the user to type."""
+    """Complete a built-in controller of the gantry."""
     return _offer(incomplete, CONTROLLERS)
 
 
 def complete_planner(incomplete: str) -> list[str]:
-    """Return planners that every supported OMPL has, and the roadmap planner."""
+    """Complete the roadmap or a planner that every supported OMPL has."""
     return _offer(incomplete, PLANNERS)
 
 
 def complete_contender(incomplete: str) -> list[str]:
-    """Return planners, and those of other packages."""
+    """Complete a planner of this or another package."""
     return _offer(incomplete, (*PLANNERS, *PEERS))
 
 
 def complete_questions(incomplete: str) -> list[str]:
-    """Return files with questions for planners."""
+    """Complete a file with queries for planners."""
     return _offer(incomplete, (), (".csv", ".scen"))
 
 
 def complete_backend(incomplete: str) -> list[str]:
-    """Return backends on which the rows of a study can run."""
+    """Complete a backend that can run the rows of a study."""
     return _offer(incomplete, BACKENDS)
 
 
 def complete_floor_source(incomplete: str) -> list[str]:
-    """Return floorplans, trials, and folders of runs."""
+    """Complete a floorplan, a trial, or the folder of a run."""
     names = {*_floors(), *_data("sim", "data/trials/*.yaml")}
     return _offer(incomplete, sorted(names), FLOORS)
 

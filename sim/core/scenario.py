@@ -488,7 +488,13 @@ class Scenario:
         return CodeFolder(self.folder, self.own_code)
 
     def with_people(self, change: Callable[[PersonEntry], PersonEntry]) -> Self:
-        """Return the same scenario with the people that `change` returns for its own."""
+        """Return this trial with all people changed.
+
+        Parameters
+        ----------
+        change : callable
+            Function that takes a `PersonEntry` and returns the changed one.
+        """
         return replace(self, people=tuple(map(change, self.people)))
 
     def leader(self, person: PersonEntry) -> PersonEntry | None:

@@ -177,8 +177,8 @@ class Stage(InProgress):
         The floor.
     rules : RuleSet
         Rules of the trial.
-    folder : Path
-        Folder of the trial.
+    code_folder : CodeFolder
+        Folder of the trial, and whether its custom code is allowed.
     end : float
         Duration of the trial in seconds.
     clock : Clock
@@ -191,8 +191,6 @@ class Stage(InProgress):
         Collision world without restricted zones and gates.
     fastest : float
         Highest speed of people in m/s.
-    own_code : bool, optional
-        Whether custom code is allowed.
     people : sequence of Bystander, optional
         People. All are complete before the first one acts.
     machines : dict, optional

@@ -135,7 +135,7 @@ def errands(
 
 
 def _facing(table: str) -> int:
-    """Return 1 for a table whose axes are the floor's, -1 for one turned by half a turn."""
+    """Return the orientation of a table: the first one is rotated by half a turn."""
     return -1 if table == TABLES[0] else 1
 
 

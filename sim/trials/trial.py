@@ -23,12 +23,68 @@ MOST_NAMED = 5
 
 
 def builtin_trials() -> tuple[str, ...]:
-    """Return the names of the trials that come with Floorwalker, sorted."""
+    """Return the names of the built-in trials in alphabetical order."""
     return tuple(sorted(path.stem for path in BUILT_IN.glob("*.yaml")))
 
 
 class Trial(Scenario):
-    """Everything that decides a run, as a `Scenario` has it; it can be loaded and saved."""
+    """Trial that can be loaded and saved. The same trial has the same run, byte for byte.
+
+    Parameters
+    ----------
+    floorplan : Floorplan
+        The floor.
+    name : str, optional
+        Name of the trial.
+    duration : float, optional
+        Duration in seconds.
+    seed : int, optional
+        Random seed.
+    rules : RuleSet, optional
+        Separation rules.
+    planner : PlannerChoice, optional
+        Path planner of people.
+    people : tuple of PersonEntry, optional
+        People.
+    gantry : GantryEntry, optional
+        Gantry of the floor.
+    agvs : dict, optional
+        Moves of AGVs (`AgvMove`) by the name of the AGV.
+    yielding : frozenset of str, optional
+        Names of the AGVs that yield to people.
+    steering : str, optional
+        Custom steering of people among people, as `module:Class`.
+    actions : str, optional
+        Module beside the trial with internal actions for all people.
+    machines : dict of str to MachineEntry, optional
+        Machines that are not in the floorplan.
+    expect : dict, optional
+        Expectations, as in a trial file.
+    folder : Path, optional
+        Folder of the files that the trial names.
+    floorplan_source : str, optional
+        Name or file of the floorplan, if it has one.
+    workload : Workload, optional
+        Orders of an ARIAC trial.
+    until_submitted : bool, optional
+        Whether the run ends when all orders are submitted.
+    notices : tuple of Problem, optional
+        Warnings about the trial file.
+    own_code : bool, optional
+        Whether the trial may use custom Python code.
+    work : dict of str to WorkList, optional
+        Shared work lists.
+    doors : dict of str to DoorTimes, optional
+        Times at which doors are open or closed.
+    obstacles : tuple of TimedObstacle, optional
+        Temporary obstacles.
+    blackouts : tuple of Blackout, optional
+        Time spans in which machines do not detect people.
+    commands : tuple of Command, optional
+        External commands.
+    sources : dict, optional
+        Sources of assumed values, for reports.
+    """
 
     def __repr__(self) -> str:
         people = ", ".join(person.name for person in self.people[:MOST_NAMED]) or "nobody"
@@ -39,12 +95,23 @@ class Trial(Scenario):
 
     @classmethod
     def load(cls, source: str | Path, *, own_code: bool = True) -> Trial:
-        """Return the built-in trial called `source`, or the one in the YAML file at `source`.
+        """Return a built-in trial or the trial in a YAML file.
 
-        Python of the user's own that it names (a controller, a law) has to stand beside it. It is
-        read, but not imported before the trial is run; without `own_code` it is refused.
-        Raises `TrialError` (or `FloorplanError`, `bdi.ProgramError` for what it names) with
-        everything that is wrong, each with its place.
+        Custom Python code that it names must be beside the file. It is imported when the trial is
+        run.
+
+        Parameters
+        ----------
+        source : str or Path
+            Name of a built-in trial (see `builtin_trials`) or path of a file.
+        own_code : bool, optional
+            Whether the trial may use custom Python code.
+
+        Raises
+        ------
+        TrialError, FloorplanError, bdi.ProgramError
+            If the file, its floorplan or a program cannot be read or contains errors. All errors
+            are reported together.
         """
         from .building import build
 
@@ -70,35 +137,78 @@ class Trial(Scenario):
         folder: str | Path = ".",
         own_code: bool = True,
     ) -> Trial:
-        """Return the trial in `text`, as if it stood in `folder`; errors call it `file`.
+        """Return the trial in a text.
 
-        `own_code` is as of `load`.
+        Parameters
+        ----------
+        text : str
+            YAML.
+        file : str, optional
+            Name of the text in messages.
+        folder : str or Path, optional
+            Folder of the files that it names.
+        own_code : bool, optional
+            Whether the trial may use custom Python code.
+
+        Raises
+        ------
+        TrialError, FloorplanError, bdi.ProgramError
+            If the text contains errors. See `load`.
         """
         from .building import build
 
         return build(cls, parse_yaml(text, file, TrialError), CodeFolder(Path(folder), own_code))
 
     def to_yaml(self, folder: str | Path = ".") -> str:
-        """Return the text of a trial file that stands in `folder`, to be read as the same trial.
+        """Return the text of a trial file.
 
-        A floor that came from no file is written into it. `ValueError` if its orders, a law or a
-        program came from no file, if the floor is not sound, or if it names code of the user's own
-        that stands neither in `folder` nor above it.
+        A floorplan that was not read from a file is included.
+
+        Parameters
+        ----------
+        folder : str or Path, optional
+            Folder of the file. Paths in it are relative to this folder.
+
+        Raises
+        ------
+        ValueError
+            If orders, a law or a program were not read from a file, if the floorplan is invalid, or
+            if custom code is not in `folder` or above.
         """
         from .writing import to_yaml
 
         return to_yaml(self, Path(folder))
 
     def save(self, path: str | Path) -> None:
-        """Write the trial into the file at `path`, from where its files are found as well."""
+        """Write the trial to a YAML file.
+
+        Parameters
+        ----------
+        path : str or Path
+            File.
+
+        Raises
+        ------
+        ValueError
+            If the trial cannot be written. See `to_yaml`.
+        """
         path = Path(path)
         write_whole(path, self.to_yaml(path.parent))
 
     def with_personality(self, personality: str | bdi.Program) -> Trial:
-        """Return the same trial in which everybody has this personality all along.
+        """Return this trial with one personality for all people, without changes.
 
-        It is as in `PersonEntry`. `TrialError` if there is none of that name, `bdi.ProgramError`
-        if there is something wrong in it.
+        Parameters
+        ----------
+        personality : str or bdi.Program
+            Personality, as in `PersonEntry`.
+
+        Raises
+        ------
+        TrialError
+            If there is no personality of that name.
+        bdi.ProgramError
+            If the program contains errors.
         """
         from ..people.programs import load_program, modules_of
 

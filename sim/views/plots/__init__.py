@@ -51,10 +51,12 @@ __all__ = [
 
 
 class RunPlots:
-    """Draws a run; every method returns a figure.
+    """Plots of a run. Every method returns a matplotlib `Figure`.
 
-    `within` is the stretch of time to draw (from, to in seconds), the whole run by default;
-    `width` is the number of columns of a paper that the picture takes.
+    Parameters
+    ----------
+    run : Run
+        The run.
     """
 
     def __init__(self, run: Outcome) -> None:
@@ -70,29 +72,72 @@ class RunPlots:
     ) -> Figure:
         """Draw the distance of people to a machine over time, and the required distance.
 
-        Of many people those with the least margin, unless they are named: `person` is a name, or
-        several.
+        Parameters
+        ----------
+        person : str or sequence of str, optional
+            Names of people. By default all are drawn, or those with the least margin if there are
+            many.
+        machine : str, optional
+            Name of the machine. See `plots.separation` for the default.
+        within : (float, float), optional
+            Begin and end in seconds. Defaults to the whole run.
+        width : {"single", "double"}, optional
+            Number of columns of a paper.
         """
         return separation(self._run, person, machine, within=within, width=width)
 
     def space_time(self, *, within: Span | None = None, width: Width = "double") -> Figure:
-        """Draw x and y of all that moves, over time."""
+        """Draw x and y of all people and machines over time.
+
+        Parameters
+        ----------
+        within, width
+            See `separation`.
+        """
         return space_time(self._run, within=within, width=width)
 
     def trails(self, *, within: Span | None = None, width: Width = "double") -> Figure:
-        """Draw the paths of people and machines on the floor."""
+        """Draw the paths of people and machines on the floor.
+
+        Parameters
+        ----------
+        within, width
+            See `separation`.
+        """
         return trails(self._run, within=within, width=width)
 
     def heat_map(self, *, width: Width = "double") -> Figure:
-        """Draw the time for which each spot was occupied by people."""
+        """Draw the time for which each cell was occupied by people.
+
+        Parameters
+        ----------
+        width
+            See `separation`.
+        """
         return heat_map(self._run, width=width)
 
     def density_map(
         self, *, of: Of = "density", within: Span | None = None, width: Width = "double"
     ) -> Figure:
-        """Draw the mean density of people over the floor, or their mean speed."""
+        """Draw the mean density or speed of people on the floor.
+
+        Parameters
+        ----------
+        of : {"density", "speed"}, optional
+            Quantity.
+        within, width
+            See `separation`.
+        """
         return density_map(self._run, of=of, within=within, width=width)
 
     def risk_map(self, *, of: Risk = "margin", width: Width = "double") -> Figure:
-        """Draw the least margin at each spot, the time of negative margins, or the speed then."""
+        """Draw the risk in each cell of the floor.
+
+        Parameters
+        ----------
+        of : {"margin", "time", "severity"}, optional
+            Quantity. See `plots.risk_map`.
+        width
+            See `separation`.
+        """
         return risk_map(self._run, of=of, width=width)
