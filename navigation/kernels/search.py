@@ -194,7 +194,7 @@ class Search:
         return (place.x, place.y)
 
     def _lay_out(self, start: Place, goal: Place, parts: list[NDArray[np.float64]]) -> cython.int:
-        """Number the places of a question. None is reached yet."""
+        """Assign numbers to the places of a query, none of which is reached yet."""
         k: cython.Py_ssize_t
         cut(self.bends, _BEND * self.fixed)
         for part in parts:
