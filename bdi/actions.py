@@ -124,9 +124,9 @@ class InternalActions(dict[str, InternalAction]):
             If the name contains no dot or is taken.
         """
         if "." not in name:
-            raise ValueError(f"the name of a function has a dot in it, and '{name}' none")
+            raise ValueError(f"the name of a function must contain a dot, not '{name}'")
         if name in self or name in self.functions:
-            raise ValueError(f"there is a function or an internal action '{name}' already")
+            raise ValueError(f"a function or internal action '{name}' exists already")
 
         def register(function: Callable[..., float]) -> Callable[..., float]:
             self.functions[name] = function
@@ -164,9 +164,9 @@ class InternalActions(dict[str, InternalAction]):
             If the name contains no dot or is taken.
         """
         if "." not in name:
-            raise ValueError(f"the name of an internal action has a dot in it, and '{name}' none")
+            raise ValueError(f"the name of an internal action must contain a dot, not '{name}'")
         if name in self:
-            raise ValueError(f"there is an internal action '{name}' already")
+            raise ValueError(f"an internal action '{name}' exists already")
 
         def register(function: InternalFunction) -> InternalFunction:
             self[name] = InternalAction(function, least, most, in_context)

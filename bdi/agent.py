@@ -58,7 +58,7 @@ class ReasoningCycle:
         state = self._state
         clock = nanoseconds(time)
         if clock < state.clock:
-            raise ValueError(f"time goes forward: {time} s comes before {state.now} s")
+            raise ValueError(f"time must not decrease, but {time} s is before {state.now} s")
         # Most calls find nothing to do: time passes, and that is all.
         if self._has_begun and not (
             state.percepts.coming
@@ -348,7 +348,7 @@ class Agent:
         max_intentions: int = 20_000,
     ) -> None:
         if not isinstance(program, Program):
-            raise TypeError(f"expected a program, as bdi.load reads one, found {program!r}")
+            raise TypeError(f"program must be a bdi.Program (see bdi.load), not {program!r}")
         society = Society() if society is None else society
         self.name = name
         self.program = program
@@ -495,7 +495,7 @@ class Agent:
         """
         wanted = action if isinstance(action, int) else _as_literal(action)
         if not self._state.circumstance.report(wanted, success):
-            raise ValueError(f"no action {action} is waiting for its outcome")
+            raise ValueError(f"no action {action} is pending")
 
     @property
     def has_mail(self) -> bool:

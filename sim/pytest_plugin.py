@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _MARKERS = (
     "trials(file, ...): run the test once for each trial, by file or by built-in name",
-    "personalities(name, ...): give everybody each personality; 'all' for all built-in ones",
+    "personalities(name, ...): give all people each personality; 'all' for all built-in ones",
     "controllers(name, ...): give the gantry each controller; 'all' for all built-in ones",
     "rule_sets(name, ...): apply each rule set; 'all' for all built-in ones",
     "seeds(seed, ...): run with each seed; also seeds(range(10))",
@@ -59,7 +59,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--no-own-code",
         action="store_true",
-        help="refuse trials that name Python of somebody's own: laws, controllers",
+        help="reject custom Python code such as laws and controllers",
     )
 
 

@@ -248,7 +248,7 @@ def range_(call: Call, number: Term, first: Term, last: Term, *step: Term) -> ob
     if isinstance(number, float):
         return begin <= int(number) <= end
     if by == 0:
-        raise wrong("range", "a step of 0 leads nowhere")
+        raise wrong("range", "the step must not be 0")
     return call.each(number, range(begin, end + (1 if by > 0 else -1), by))
 
 

@@ -228,7 +228,7 @@ def send(call: Call, receiver: Term, force: Term, content: Term, *more: Term) ->
     ]
     waits = how in _ASKS and bool(more)
     if waits and call.intention is None:
-        raise wrong("send", "a question is asked from a plan's body")
+        raise wrong("send", "only the body of a plan can ask a question")
     reply_to = 0
     if more and not waits:
         reply_to = _number(more[0])

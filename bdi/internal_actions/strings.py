@@ -52,7 +52,7 @@ def replace(call: Call, whole: Term, pattern: Term, by: Term, result: Term) -> o
     try:
         replaced = re.sub(pattern, lambda found: found.expand(_groups(by)), plain_text(whole))
     except re.error as error:
-        raise wrong("replace", f"'{pattern}' is no regular expression: {error}") from None
+        raise wrong("replace", f"'{pattern}' is not a regular expression: {error}") from None
     return call.unify(result, replaced)
 
 

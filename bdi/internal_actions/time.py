@@ -189,12 +189,12 @@ def at(call: Call, when: Term, event: Term) -> bool:
         )
     trigger = a_trigger(event)
     if trigger is None:
-        raise wrong("at", f"'{text(event)}' is no event")
+        raise wrong("at", f"'{text(event)}' is not an event")
     agent = call.agent
     milliseconds = _milliseconds(parsed[1] or "0", (parsed[2] or "").strip())
     literal = rename(trigger.literal, agent.names, {})
     if not isinstance(literal, Literal):
-        raise wrong("at", f"'{text(event)}' is no event")
+        raise wrong("at", f"'{text(event)}' is not an event")
 
     announced = agent.circumstance.future_events
 
@@ -239,6 +239,6 @@ def signal(call: Call, event: Term, *kind: Term) -> bool:
     trigger = a_trigger(event)
     literal = None if trigger is None else rename(trigger.literal, call.agent.names, {})
     if trigger is None or not isinstance(literal, Literal):
-        raise wrong("signal", f"'{text(event)}' is no event")
+        raise wrong("signal", f"'{text(event)}' is not an event")
     call.agent.circumstance.post(Event(trigger.sort, with_source(literal)))
     return True

@@ -120,7 +120,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
 
     def plan(self, meta: Meta, label: Literal | Var | None, *parts: Any) -> Plan:
         if isinstance(label, Var):
-            raise ClauseError(meta, "a label that is a variable stands in plans in braces only")
+            raise ClauseError(meta, "only plans in braces may have a variable as label")
         return self._plan(meta, label, *parts)
 
     def _plan(
@@ -190,10 +190,10 @@ class Builder(Transformer_NonRecursive[Token, Any]):
         if isinstance(belief, PlanTerm):
             action = plan_change(operator, belief)
             if action is None:
-                raise ClauseError(meta, f"'{operator}' and a plan do not combine")
+                raise ClauseError(meta, f"'{operator}' cannot be applied to a plan")
             return Act(action, self._place(meta))
         if isinstance(belief, RuleTerm) and operator == "-+":
-            raise ClauseError(meta, "'-+' and a rule do not combine")
+            raise ClauseError(meta, "'-+' cannot be applied to a rule")
         if not isinstance(belief, Literal | Var | Qualified | RuleTerm):
             raise ClauseError(meta, f"'{operator}' is followed by a belief, not by {text(belief)}")
         self._not_internal(meta, operator, belief)
@@ -206,7 +206,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
             return formula.body
         if isinstance(formula, Relation):
             return Constraint(formula, self._place(meta))
-        raise ClauseError(meta, f"{text(formula)} is nothing a plan can do")
+        raise ClauseError(meta, f"{text(formula)} cannot be a step of a plan")
 
     def fork(self, meta: Meta, one: _Steps, sign: Token, other: _Steps) -> ForkJoin:
         all_of = sign == "|&|"

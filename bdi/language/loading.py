@@ -286,7 +286,7 @@ MAX_TEXT = 4_000_000
 _HANDED_OVER = re.compile(r"/dev/(stdin|fd/\d+)|/proc/self/fd/\d+")
 """Files passed by a shell, as for `<(command)`. They are read although they are not regular."""
 
-_TOO_LONG = f"is longer than {MAX_TEXT:,} characters, the most that is read"
+_TOO_LONG = f"is longer than the limit of {MAX_TEXT:,} characters"
 
 
 INCLUDED_ONLY = ("group.asl", "patrol.asl")
@@ -576,7 +576,7 @@ def find_included(name: str, folder: Path | None) -> Path | str:
             if path.is_file():
                 return path
         except (OSError, ValueError):
-            return f"'{name}' is no name of a file"
+            return f"'{name}' is not a file name"
     if name in _built_in():
         return _built_in()[name]
     where = "and none is built in" if folder is None else f"in {folder}, and none is built in"

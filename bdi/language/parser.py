@@ -256,7 +256,7 @@ def parse_clause(tokens: Sequence[Token], file: str) -> Any:
     """Return the clause of the tokens; raise an error of lark's, or TooDeepError."""
     for brackets, most in MOST_NESTED.items():
         if len(tokens) > most and nesting(tokens, brackets) > most:
-            raise TooDeepError(f"brackets within brackets, more than {most} deep")
+            raise TooDeepError(f"brackets nested more than {most} deep")
     parser = grammar().parse_interactive()
     for token in tokens:
         parser.feed_token(token)
@@ -374,8 +374,8 @@ def _subplans(
     return tuple(plans)
 
 
-_NOT_CLOSED = "the braces around the plans inside a plan are not closed"
-_NO_PLAN = "inside a plan there are plans only"
+_NOT_CLOSED = "the braces around subplans are not closed"
+_NO_PLAN = "the braces of a plan may contain only plans"
 
 
 _remembered_clauses = lru_cache(maxsize=64)(_read_clauses)

@@ -478,7 +478,7 @@ def measure(terms: tuple[Term, ...]) -> tuple[int, int]:
 def _refuse(size: int) -> NoReturn:
     if size > MAX_SIZE:
         raise TooDeepError(f"a term of more than {MAX_SIZE:,} parts")
-    raise TooDeepError(f"terms within terms, more than {MAX_DEPTH} deep")
+    raise TooDeepError(f"terms nested more than {MAX_DEPTH} deep")
 
 
 # ---- namespaces
@@ -536,7 +536,7 @@ def _term(value: object) -> Term:
     if isinstance(value, Real):
         return float(value)
     if not isinstance(value, str) and not hasattr(value, "ground"):
-        raise TypeError(f"an argument is a number, a text or a term, not {value!r}")
+        raise TypeError(f"an argument must be a number, a text or a term, not {value!r}")
     return value  # type: ignore[return-value]
 
 
@@ -552,7 +552,7 @@ def make_term(value: object) -> Term:
         return make_list(make_term(element) for element in value)
     if isinstance(value, str) or hasattr(value, "depth"):  # as all other terms have
         return cast(Term, value)
-    raise TypeError(f"{type(value).__name__} cannot be made a term: {value!r}")
+    raise TypeError(f"{type(value).__name__} cannot be converted to a term: {value!r}")
 
 
 # ---- printing

@@ -173,7 +173,7 @@ def nanoseconds(seconds: float) -> int:
     Raises `ValueError` if the time is not finite.
     """
     if not math.isfinite(seconds):
-        raise ValueError(f"a time is a number of seconds, not {seconds}")
+        raise ValueError(f"a time must be a finite number of seconds, not {seconds}")
     return round(seconds * SECOND)
 
 

@@ -70,7 +70,9 @@ class RosbridgeConnection:
                 logger=logger,
             )
         except InvalidURI:
-            raise ConnectError(f"{self.url} is no address; one looks like ws://host:9090") from None
+            raise ConnectError(
+                f"{self.url} is not an address; one looks like ws://host:9090"
+            ) from None
         except (OSError, InvalidHandshake, EOFError) as why:
             reason = getattr(why, "strerror", None) or str(why) or "no answer"
             raise ConnectError(f"can't connect to {self.url}: {reason}") from None

@@ -176,7 +176,7 @@ class Exchange:
             if whole is not None:
                 inner = protocol.decode(whole)
                 if isinstance(inner, protocol.Fragment):
-                    raise ProtocolError("a fragment of fragments", operation.id)
+                    raise ProtocolError("nested fragments are not allowed", operation.id)
                 self._perform(client, inner)
 
     def _advertise(self, client: Client, request: protocol.Advertise) -> None:
@@ -197,7 +197,7 @@ class Exchange:
         if len(text) > protocol.LONGEST_MESSAGE:
             raise RefusedError(
                 f"a message of {len(text)} characters once it is complete;"
-                f" {protocol.LONGEST_MESSAGE} is the most that is passed on"
+                f" {protocol.LONGEST_MESSAGE} is the maximum"
             )
         self._add_publisher(topic, client)
         if topic.heard is not None:
@@ -211,7 +211,7 @@ class Exchange:
         subscription = client.subscriptions.get(name)
         most = client.subscriptions if subscription is None else subscription.requests
         if len(most) >= MOST_TOPICS:
-            raise RefusedError(f"{MOST_TOPICS} subscriptions are the most")
+            raise RefusedError(f"{MOST_TOPICS} subscriptions are the maximum")
         if topic is None:
             if request.type is None:
                 raise RefusedError(f"no topic is called {name!r}; give its type to wait for it")
@@ -251,7 +251,7 @@ class Exchange:
     def _create(self, name: str, type_: MessageType) -> Topic:
         """Return a new topic of the clients' own, on which they hear each other."""
         if len(self.topics) - self._own >= MOST_TOPICS:
-            raise RefusedError(f"{MOST_TOPICS} topics are the most that clients may bring")
+            raise RefusedError(f"{MOST_TOPICS} topics of clients are the maximum")
         topic = self.topics[name] = Topic(name, type_)
         return topic
 
@@ -290,7 +290,7 @@ class Exchange:
             self._respond(client, request, answer)
         elif len(client.calls) >= MOST_CALLS:
             answer.close()
-            self._respond(client, request, f"{MOST_CALLS} calls are the most")
+            self._respond(client, request, f"{MOST_CALLS} calls are the maximum")
         else:
             client.begin_call(asyncio.ensure_future(self._await(client, request, answer)))
 

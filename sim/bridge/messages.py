@@ -134,7 +134,9 @@ def _field(type_: str, value: Any, place: str) -> Any:
         if not isinstance(value, list):
             raise MessageError(f"{place} should be a list of {inner}, not {_shown(value)}")
         if len(value) > _LONGEST_ARRAY:
-            raise MessageError(f"{place} has {len(value)} elements; {_LONGEST_ARRAY} is the most")
+            raise MessageError(
+                f"{place} has {len(value)} elements; {_LONGEST_ARRAY} is the maximum"
+            )
         return [_field(inner, one, f"{place}[{k}]") for k, one in enumerate(value)]
     if "/" in type_:
         return conform(MESSAGES[type_], value, place)

@@ -227,7 +227,7 @@ def decode(text: str | bytes) -> Operation:
     """Return the operation that `text` is; `ProtocolError` says what is wrong with it."""
     if len(text) > LONGEST_MESSAGE:
         raise ProtocolError(
-            f"a message of {len(text)} characters; {LONGEST_MESSAGE} is the most that is taken"
+            f"a message of {len(text)} characters; {LONGEST_MESSAGE} is the maximum"
         )
     try:
         data = from_json(text, allow_inf_nan=False)
@@ -305,7 +305,7 @@ class Reassembly:
         if len(self._unfinished) > _MOST_UNFINISHED:
             oldest = next(iter(self._unfinished))
             self._drop(oldest)
-            raise ProtocolError(f"{_MOST_UNFINISHED} messages in fragments are the most", oldest)
+            raise ProtocolError(f"{_MOST_UNFINISHED} messages in fragments are the maximum", oldest)
         return None
 
     def clear(self) -> None:

@@ -273,15 +273,15 @@ class RosbridgeServer:
         for origin in request.headers.get_all("Origin"):
             if not self._origins.trust(origin, host):
                 page = f"web page of {origin[:_LONGEST_SHOWN]!a}"
-                self._notice_once(f"a {page} was not let in; --origin would let it in")
-                return connection.respond(403, f"a {page} is not let in here\n")
+                self._notice_once(f"a {page} was rejected; allow it with --origin")
+                return connection.respond(403, f"a {page} is not allowed here\n")
         return None
 
     def _complain(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Report in a sentence that there is no room for another client; asyncio repeats it."""
         why = context.get("exception")
         if "socket" in context and isinstance(why, OSError) and why.errno in _EXHAUSTED:
-            self._notice_once(f"no more clients can be taken for now: {why.strerror}")
+            self._notice_once(f"no more clients are accepted for now: {why.strerror}")
         elif self._is_closed and "_start_serving" in context.get("message", ""):
             pass  # asyncio tries again to take clients, at a socket that is closed
         elif self._pass_on is not None:
@@ -297,7 +297,7 @@ class RosbridgeServer:
     async def _attend(self, connection: ServerConnection) -> None:
         assert isinstance(connection, Incoming)  # as `open` has it
         if len(self.clients) >= MOST_CLIENTS:
-            await connection.close(1013, f"{MOST_CLIENTS} clients are here already")
+            await connection.close(1013, f"{MOST_CLIENTS} clients are connected already")
             return
         # asyncio does so itself only where it opened the listening socket.
         connection.transport.get_extra_info("socket").setsockopt(
@@ -308,7 +308,7 @@ class RosbridgeServer:
         def let_go(why: str) -> None:
             client.clear()
             self._exchange.forget(client)
-            self._notice_once(f"a client was let go: {why}")
+            self._notice_once(f"a client was disconnected: {why}")
             connection.dismiss(why)
 
         connection.account.let_go = let_go

@@ -51,7 +51,7 @@ class BridgeTempo:
     def change(self, *, speed: float | None = None, paused: bool | None = None) -> None:
         """Go on with another speed, pause, or go on; a run without a speed gets none."""
         if speed is not None and not self.speed:
-            raise UserError("time goes on as soon as all clients can follow: it has no speed")
+            raise UserError("the pace depends on the clients, so it has no speed")
         if speed is not None:
             self.speed = checked_speed(speed)
         if paused is not None:

@@ -308,7 +308,7 @@ def broken_off() -> Iterator[None]:
         place = own_line(why)
         if not place:
             raise
-        raise OwnCodeError(f"code of your own did not come to its end{place}") from why
+        raise OwnCodeError(f"your code was interrupted{place}") from why
 
 
 def is_under_way(frame: FrameType | None) -> bool:

@@ -248,7 +248,7 @@ class Origins:
             normal = _normal(origin)
             if not _ORIGIN.fullmatch(normal):
                 raise OriginError(
-                    f"{origin!r} is no origin of a page; one looks like http://host:8080"
+                    f"{origin!r} is not an origin of a page; one looks like http://host:8080"
                 )
             self._named.add(normal)
 

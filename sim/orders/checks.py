@@ -235,15 +235,16 @@ def notices(file: AriacTrialFile, workload: Workload, document: Document) -> Ite
 
 def _not_simulated(file: AriacTrialFile, document: Document) -> Iterator[Problem]:
     if file.assembly_inserts:
-        message = "how inserts are turned makes no difference here"
+        message = "the rotation of inserts is ignored"
         yield document.problem(message, "assembly_inserts")
     challenges = file.challenges or []
     blind = [(k, one.sensor_blackout) for k, one in enumerate(challenges)]
     idle = [k for k, blackout in blind if blackout and not blackout.is_of_people]
     if idle:
         places = f" ({len(idle)} places)" if len(idle) > 1 else ""
-        message = "break beams, proximity sensors and laser profilers see no people: their blackout"
-        message += f" makes no difference here{places}"
+        message = "break beams, proximity sensors and laser profilers do not detect people:"
+        message += " their blackout"
+        message += f" has no effect{places}"
         yield document.problem(message, "challenges", idle[0], "sensor_blackout")
     floor = [k for k, challenge in enumerate(challenges) if _is_of_floor_robot(challenge)]
     if floor:
@@ -252,7 +253,7 @@ def _not_simulated(file: AriacTrialFile, document: Document) -> Iterator[Problem
     kits = {entry.id for entry in file.orders if entry.kitting_task is not None}
     for k, challenge in enumerate(challenges):
         if challenge.faulty_part is not None and challenge.faulty_part.order_id not in kits:
-            message = "faulty parts are found in kits alone: those of this order are good"
+            message = "faulty parts are only found in kits; those of this order are good"
             yield document.problem(message, "challenges", k, "faulty_part", "order_id")
 
 
@@ -280,7 +281,7 @@ def _angle_slips(value: object, place: Place, document: Document) -> Iterator[Pr
         for k, one in enumerate(value):
             yield from _angle_slips(one, (*place, k), document)
     elif isinstance(value, str) and angle(value) is None:
-        message = f"{value!r} is no angle; taken as 0, as the competition takes it"
+        message = f"{value!r} is not an angle; 0 is used, as in the competition"
         yield document.problem(message, *place)
 
 
@@ -299,7 +300,7 @@ def _nowhere(workload: Workload, document: Document) -> Iterator[Problem]:
         if isinstance(task, KittingTask):
             load = workload.loads.get(task.agv)
             if task.tray not in trays and (load is None or load.tray != task.tray):
-                message = f"tray {task.tray} is nowhere: the kit will be made without it"
+                message = f"tray {task.tray} does not exist; the kit will be made without it"
                 yield document.problem(message, *place, "tray_id")
         for j, part in enumerate(_products(order)):
             if not _found(order, j, part, left, on_agvs):
@@ -325,7 +326,7 @@ def _never(file: AriacTrialFile, document: Document) -> Iterator[Problem]:
             if not any(None in (on, agv) or on == agv for agv in met):
                 message = f"no order has a {wanted.color} {wanted.type} put on {on or 'an AGV'}"
                 yield document.problem(
-                    f"{message}: it waits in vain", *place, "part_place_condition"
+                    f"{message}; it waits forever", *place, "part_place_condition"
                 )
 
 

@@ -82,8 +82,12 @@ class Interaction:
         """
         others = [one for one in self._stage.people if one.body is not self._walker.body]
         if not any(one.name == who for one in others):
-            hint = suggestion(who, [one.name for one in others]) if others else "they are alone"
-            raise NobodyError(f"nobody else is called {who!r}; {hint}")
+            hint = (
+                suggestion(who, [one.name for one in others])
+                if others
+                else "there are no other people"
+            )
+            raise NobodyError(f"no other person is called {who!r}; {hint}")
         found = self._crowd.find(who)
         return None if found is None or self._is_away(found) else found
 

@@ -312,7 +312,7 @@ class Person:
         the person has no mind of their own.
         """
         if not isinstance(self.mind, bdi.Agent):
-            raise UserError(f"{self.name} is told from outside what to do")
+            raise UserError(f"{self.name} is controlled from outside")
         if not isinstance(personality, bdi.Program):
             personality = bdi.load(find_program(str(personality), self._stage.code_folder.path))
         change = partial(self._become, personality)
@@ -438,7 +438,7 @@ class Person:
         since, count = self._instant
         self._instant = (now, count + 1 if since == now else 1)
         if self._instant[1] > MOST_AT_ONCE:
-            raise MindError(f"{self.name} acts for ever at t = {now:g} s without letting time pass")
+            raise MindError(f"{self.name} repeats actions without end at t = {now:g} s")
 
     def _enforce(self) -> None:
         put_home_at = self._actions.put_home_at

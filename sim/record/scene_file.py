@@ -135,7 +135,7 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
         raise SceneError(f"{place}: {first['msg'][:1].lower()}{first['msg'][1:]}") from None
     for person in scene.people:
         if person.name not in scene.starts:
-            raise SceneError(f"starts: there is none for {person.name!r}")
+            raise SceneError(f"starts: no pose for {person.name!r}")
     return Scene(
         trial=scene.trial,
         seed=scene.seed,
@@ -189,7 +189,7 @@ def _with_polygons(data: Any, *place: str | int) -> Any:
         with np.errstate(invalid="ignore"):  # reported below
             polygon = shape(data)
     except (LookupError, OverflowError, TypeError, ValueError, GEOSException) as why:
-        raise SceneError(f"{field_name(place)}: is no polygon: {why}") from None
+        raise SceneError(f"{field_name(place)}: invalid polygon: {why}") from None
     if fault := polygon_fault(polygon):
         raise SceneError(f"{field_name(place)}: {fault}")
     return polygon
@@ -210,7 +210,7 @@ def _rules(data: dict[str, Any]) -> RuleSet:
         raise SceneError(f"rules: {why}") from None
     known = (rules.gantry_law, rules.agv_law, notice.law, *laws.values())
     if not (isinstance(notice.law, Scaled) and all(map(_is_law, known))):
-        raise SceneError("rules: a law is none")
+        raise SceneError("rules: invalid law")
     return rules
 
 

@@ -175,7 +175,7 @@ class Recording(InProgress, Listener):
                 self._lines[name] = WholeLines(self.folder / name)
         except FileExistsError as why:
             if why.filename == str(self.folder):
-                raise OutputError(f"can't write to {self.folder}: it is no folder") from None
+                raise OutputError(f"can't write to {self.folder}: it is not a folder") from None
             raise self._taken(Path(why.filename).name) from None
         except OSError as why:
             raise OutputError(f"can't write to {self.folder}: {why.strerror}") from None
@@ -261,7 +261,7 @@ class Recording(InProgress, Listener):
 
     def _taken(self, name: str) -> OutputError:
         return OutputError(
-            f"{self.folder} holds a run already ({name}); give another folder with --out"
+            f"{self.folder} already contains a run ({name}); give another folder with --out"
         )
 
     def _add(self, name: str, line: str) -> None:
@@ -284,8 +284,8 @@ class Recording(InProgress, Listener):
 
     def _full(self, why: OSError) -> OutputError:
         return OutputError(
-            f"can't go on writing to {self.folder}: {why.strerror or why};"
-            " what was recorded until then is kept"
+            f"cannot continue writing to {self.folder}: {why.strerror or why};"
+            " the recording up to then is kept"
         )
 
 
@@ -369,7 +369,7 @@ def load_run(folder: str | Path, *, damage: Callable[[str], None] | None = None)
     ends += [event["t"] for event in events] if broken_off else []
     duration = max(ends, default=0.0)
     if damages and not duration:
-        raise RecordingError.of(folder, f"holds nothing that can be shown: {damages[-1]}")
+        raise RecordingError.of(folder, f"contains nothing that can be shown: {damages[-1]}")
     if not broken_off:
         violations, requirements = _violations(folder / "violations.jsonl", scene, reading)
     if broken_off or damages:
@@ -444,7 +444,7 @@ def _motion(line: MotionLine, before: Sequence[Motion]) -> Motion:
     """Return the motion of a line after those `before` it; `ValueError` if it can't be."""
     motion = Motion(tuple(Piece(*piece) for piece in line["pieces"]))
     if before and motion.start < before[-1].start:
-        raise UserError(f"a motion from t = {motion.start} s on stands below a later one")
+        raise UserError(f"a motion from t = {motion.start} s on comes after a later one")
     if any(_reach(piece) > LARGEST for piece in motion.pieces):
         raise UserError(f"a motion goes further than {LARGEST:g} m")
     return motion

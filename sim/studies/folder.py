@@ -435,7 +435,7 @@ def _damaged(path: Path, line: int, message: str) -> TableError:
 def _require_regular(path: Path) -> None:
     """`TableError` if `path` is a named pipe or the like, which would be waited for."""
     if path.exists() and not path.is_file():
-        raise TableError(f"{path} is no regular file; give another folder with --out")
+        raise TableError(f"{path} is not a regular file; give another folder with --out")
 
 
 def _check_names(path: Path, names: list[str]) -> None:

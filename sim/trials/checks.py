@@ -151,7 +151,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     yield from _below(expectation_problems(trial), "expect")
     submits = trial.workload is not None or any(job.kind == "submit" for job in trial.gantry.jobs)
     if trial.until_submitted and not submits:
-        message = "nothing is handed in: there is no ariac, and no job of the gantry is submit"
+        message = "no order is submitted: there are no ariac orders, and no job is submit"
         yield message, ("until_submitted",)
 
 
@@ -160,7 +160,7 @@ def name_fault(name: str) -> str:
     size = len(name.encode(errors="replace"))
     if not re.search(r"[\0\ud800-\udfff]", name) and size <= MOST_BYTES:
         return ""
-    return f"no folder can be called so; give a name of at most {MOST_BYTES} bytes: {name[:60]!r}"
+    return f"invalid folder name; give a name of at most {MOST_BYTES} bytes: {name[:60]!r}"
 
 
 def _below(found: Iterable[Fault], *place: str | int) -> Iterator[Fault]:
@@ -188,7 +188,7 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         yield message, ("recorded",)
     yield from _coming_faults(person, trial)
     if person.agent_lag is not None and person.personality == EXTERNAL:
-        message = "a person commanded from outside has no agent of its own; leave it out"
+        message = "a person controlled from outside has no agent; omit it"
         yield message, ("agent_lag",)
     if person.planner is not None:
         yield from _planner_faults(person.planner, trial, "planner")
@@ -219,7 +219,7 @@ def _overlaps(trial: Scenario) -> Iterator[Fault]:
                     f" their size need {needed:g} m between their centres"
                 )
                 if place == there:
-                    message += "; leave at out, or give anywhere, for a place of their own"
+                    message += "; omit at, or give anywhere, for a free position"
                 yield message, ("people", k, "at")
                 break
         placed.append((person, place))
@@ -230,9 +230,9 @@ def _coming_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     source = person.source
     if source is not None:
         if person.at is not None:
-            yield "who has a source is not there at the beginning; leave at out", ("at",)
+            yield "a person with a source has no start position; omit at", ("at",)
         if person.start != AT_ONCE:
-            yield "who has a source starts when they come in; leave start out", ("start",)
+            yield "a person with a source starts on entry; omit start", ("start",)
         yield from _spot_faults(person, source.at, trial, "source", "at")
     yield from _spot_faults(person, person.sink, trial, "sink")
 

@@ -174,7 +174,7 @@ def _interval_faults(spans: Sequence[Interval], trial: Scenario) -> Iterator[tup
             given = f"{as_given(begin)} … {as_given(until)}"
             yield f"ends before it begins, or at once: {given}", k
         elif begin < end:
-            given = f"begins at {as_given(begin)}, before the one in front of it ends at"
+            given = f"begins at {as_given(begin)}, before the previous one ends at"
             yield f"{given} {as_given(end)}", k
         elif begin >= trial.duration:
             yield f"begins at {begin:g} s of the trial, which ends at {trial.duration:g} s", k
@@ -225,7 +225,7 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
         for fault, at in range_faults(command):
             yield fault, (k, *at)
         if command.time < before:
-            yield f"comes before the command in front of it, at {before:g} s", (k, "time")
+            yield f"comes before the previous command, at {before:g} s", (k, "time")
         before = max(before, command.time)
         if sum(getattr(command, name) is not None for name in COMMANDS) != 1:
             yield f"must be one of {', '.join(COMMANDS)}", (k,)
@@ -248,7 +248,7 @@ def _faults(command: Command, trial: Scenario, placed: set[str]) -> Iterator[tup
     if (command.send is None) != (command.to is None):
         yield "a person is sent to a place: [x, y], or the name of a station or a door", "to"
     elif any(one.name == command.send and one.recorded is not None for one in trial.people):
-        yield f"{command.send} walks as measured, and can't be sent anywhere", "send"
+        yield f"{command.send} walks as measured and cannot be sent", "send"
     elif command.to is not None:
         yield from ((message, "to") for message in _place_faults(command, trial))
     if (one := command.block) is not None:
@@ -290,7 +290,7 @@ def list_faults(trial: Scenario) -> Iterator[Fault]:
         if not held.tasks:
             yield "has no tasks", (name,)
         if name not in taken:
-            yield "nobody takes tasks from this list: name it in the work of a person", (name,)
+            yield "no person takes tasks from this list; add it to the work of a person", (name,)
 
 
 def person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
@@ -321,7 +321,7 @@ def person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
             message = f"ends before it begins, or at once: {as_given(begin)} … {as_given(until)}"
             yield message, ("shifts", k)
         elif begin < end:
-            message = f"begins at {as_given(begin)}, before the one in front of it ends"
+            message = f"begins at {as_given(begin)}, before the previous one ends"
             yield message, ("shifts", k)
         elif begin >= trial.duration:
             yield _too_late(begin, trial), ("shifts", k)

@@ -148,12 +148,10 @@ class PersonKeys(PersonEntry):
             return made
         needless = sorted(keys.keys() - OF_RECORDED)
         if made.recorded is not None and needless:
-            raise UserError(
-                f"somebody who is recorded walks as measured: leave out {', '.join(needless)}"
-            )
+            raise UserError(f"a recorded person walks as measured: omit {', '.join(needless)}")
         for key in ("at", "count", "start"):
             if made.source is not None and key in keys:
-                raise UserError(f"{key} and source don't go together; leave it out")
+                raise UserError(f"{key} cannot be combined with source; omit it")
         return made
 
     @property
@@ -206,7 +204,7 @@ def begins_in(data: Any) -> float:
 
 def _as_assumed(name: str) -> str:
     if name not in ASSUMED:
-        raise UserError(f"{name!r} is nothing that has a source; {suggestion(name, ASSUMED)}")
+        raise UserError(f"{name!r} is not an assumed value; {suggestion(name, ASSUMED)}")
     return name
 
 

@@ -119,15 +119,15 @@ def charts(
         ),
         (
             "Length",
-            "How much longer than the shortest path, of what was found.",
+            "Excess length of the paths that were found.",
             (WIDTH, height),
             if_known(boxes(lambda a: 100 * (a.ratio - 1), "excess length (%)", "symlog")),
         ),
         (
             "Success over time",
-            "Questions with a path that nothing is wrong with, after so much time on each.",
+            "Share of queries with a valid path after a given time.",
             (WIDTH, CURVES + legend),
-            curves(success_over_time, "share of questions"),
+            curves(success_over_time, "share of queries"),
         ),
         (
             "Cost over time",
@@ -196,7 +196,7 @@ def _curves(
     if not changes:
         return _say_instead(axes, "no path was found")
     if not any(np.isfinite(curve.value).any() for _, curve in found):
-        return _say_instead(axes, "fewer than half of the questions have a path")
+        return _say_instead(axes, "fewer than half of the queries have a path")
     last = max(seconds[-1] for seconds in changes)
     if not last > 0:  # a logarithmic axis has no place for it
         return _say_instead(axes, _UNMEASURED)

@@ -219,7 +219,7 @@ def render(
         known = ", ".join(run.scene.starts)
         raise UserError(f"nobody is called {follow!r}, to be followed (there are: {known})")
     if not 200 <= width <= 4000:
-        raise UserError(f"a film is 200 to 4000 pixels wide, not {width}")
+        raise UserError(f"width must be from 200 to 4000 pixels, not {width}")
     times = _times(run, speed, fps, within)
     size = _size(run, width, view)
     look = {"view": view, "speed": speed, "follow": follow}
@@ -271,9 +271,9 @@ def require_renderable(path: str | Path) -> None:
 def _times(run: Outcome, speed: float, fps: int, within: Span | None) -> list[float]:
     """Return the times (s) of the pictures; `UserError` if they make no film."""
     if not (math.isfinite(speed) and speed > 0):
-        raise UserError(f"a film's speed is more than 0, not {speed:g}")
+        raise UserError(f"speed must be more than 0, not {speed:g}")
     if not 1 <= fps <= 50:
-        raise UserError(f"a film has 1 to 50 pictures a second, not {fps}")
+        raise UserError(f"fps must be from 1 to 50, not {fps}")
     begin, end = span_of(run, within)
     count = int((end - begin) * fps / speed + 1e-9) + 1
     if count > MOST_PICTURES:

@@ -118,5 +118,5 @@ def test_an_include_stays_in_the_folder_of_the_program(tmp_path, name):
 
 
 def test_an_include_of_a_name_that_no_file_can_have_is_refused(tmp_path):
-    with pytest.raises(bdi.ProgramError, match="is no name of a file"):
+    with pytest.raises(bdi.ProgramError, match="is not a file name"):
         bdi.parse(f'{{ include("{"x" * 300}") }}', folder=tmp_path)

@@ -175,7 +175,7 @@ def test_functions_of_ones_own_stand_in_terms():
         ("{ begin nothing(g) } { end }", "there is no { begin nothing }"),
         ("{ namespace(1) }", "namespace takes a name"),
         ("{ namespace(a, secret) }", "local or global, not secret"),
-        ("+!g <- a. { +!h <- b. c. }", "inside a plan there are plans only"),
+        ("+!g <- a. { +!h <- b. c. }", "the braces of a plan may contain only plans"),
         ("+!g <- a. { +!h <- b.", "are not closed"),
         ("{ begin sga(a, b, c) } { end }", "sga takes an event"),
     ],

@@ -153,7 +153,7 @@ def test_without_tray_and_parts_the_rest_is_submitted():
     trial = trial_of(kitting("A", tray=5, q1="red pump", q2="red sensor"), bins=BINS)
     assert [notice.message for notice in trial.notices] == [
         "no red sensor is left for it: the order will be submitted without",
-        "tray 5 is nowhere: the kit will be made without it",
+        "tray 5 does not exist; the kit will be made without it",
     ]
     run = sim.run(alone(trial))
     order = run.summary["orders"]["A"]

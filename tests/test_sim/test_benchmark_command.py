@@ -161,5 +161,5 @@ def test_a_report_is_written_where_few_questions_have_a_path(tmp_path, times):
     assert 0 < summary(attempts)[0].solved.value < 0.5
     page = tmp_path / "report.html"
     write_page(attempts, [plan], page, terms={}, on_the_clock=False)
-    assert "fewer than half of the questions have a path" in page.read_text()
+    assert "fewer than half of the queries have a path" in page.read_text()
     assert ("no time could be measured" in page.read_text()) == (times == 0.0)

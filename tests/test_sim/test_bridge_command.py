@@ -77,7 +77,7 @@ def test_what_is_wrong_is_told_and_leaves_no_folder_behind(folder, floorwalker):
                 "watch: cannot be combined with --connect",
             ),
             (["--connect", "ws://127.0.0.1:1"], 1, "can't connect to ws://127.0.0.1:1"),
-            (["--connect", "nonsense"], 1, "nonsense is no address"),
+            (["--connect", "nonsense"], 1, "nonsense is not an address"),
         ):
             done = floorwalker("bridge", *arguments, cwd=folder)
             assert (done.returncode, done.stdout) == (code, ""), done.stderr

@@ -59,7 +59,7 @@ def test_one_that_fails_is_named_by_its_qualified_name():
 
     with pytest.raises(sim.ControllerError, match=r"<locals>.late' failed at t = 1 s \(.*line"):
         sim.run(driven_by(late))
-    with pytest.raises(sim.ControllerError, match="3 is no gantry controller; give a name"):
+    with pytest.raises(sim.ControllerError, match="3 is not a gantry controller; give a name"):
         sim.run(driven_by(3))
 
 

@@ -515,7 +515,7 @@ def test_a_run_on_the_bridge_has_a_page_too(speed):
             assert answer_to({"command": {"send": "operator", "to": [-6.5, 5.0]}}) == ""
             has_speed = answer_to({"pace": {"speed": 40.0}})
             assert has_speed == (
-                "" if speed else "time goes on as soon as all clients can follow: it has no speed"
+                "" if speed else "the pace depends on the clients, so it has no speed"
             )
             assert session.now == paused
             assert answer_to({"pace": {"paused": False}}) == ""

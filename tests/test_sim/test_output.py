@@ -80,7 +80,7 @@ def test_runs_that_begin_at_once_get_folders_of_their_own(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("out", "why"), [("file", "it is no folder"), ("file/inside", "Not a directory")]
+    ("out", "why"), [("file", "it is not a folder"), ("file/inside", "Not a directory")]
 )
 def test_a_run_that_can_not_be_written_says_so(tmp_path, floorwalker, out, why):
     (tmp_path / "file").write_text("")

@@ -143,7 +143,7 @@ WALK = [stamped(t, 2 + t, 5.0) for t in TIMES]
 BAD = {
     "nowhere": (
         {"/eve/pose": [*WALK[:3], stamped(1.5, math.nan, 5.0)]},
-        "topic /eve/pose, message 3: (nan, 5) is no place",
+        "topic /eve/pose, message 3: (nan, 5) is not a place",
     ),
     "another frame": (
         {"/eve/pose": [*WALK[:3], stamped(1.5, 3.5, 5.0, frame="odom")]},

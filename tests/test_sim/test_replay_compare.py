@@ -208,7 +208,7 @@ def test_a_recording_can_be_dropped_on_the_page(open_page, recording, other):
     [
         ("", "cut off or damaged"),
         ('{"format": "floorwalker-replay/1"}', "floorplan: missing"),
-        ("<!DOCTYPE html><p>Hello", "this is no replay page"),
+        ("<!DOCTYPE html><p>Hello", "this is not a replay page"),
         ("\x00\x01", "cut off or damaged"),
     ],
 )

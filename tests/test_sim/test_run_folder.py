@@ -188,7 +188,7 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         (
             "motions.jsonl",
             lambda text: text + text.partition("\n")[0] + "\n",
-            r"line \d+: a motion from t = 0.0 s on stands below a later one",
+            r"line \d+: a motion from t = 0.0 s on comes after a later one",
         ),
         (
             "motions.jsonl",
@@ -218,7 +218,7 @@ def test_a_run_of_nobody_comes_back(tmp_path):
         (
             "scene.json",
             lambda text: text.replace('"starts":{"ada"', '"starts":{"eve"'),
-            "starts: there is none for 'ada'",
+            "starts: no pose for 'ada'",
         ),
         ("motions.jsonl", None, "there is no such file"),
         ("scene.json", None, "there is no scene.json in it; a recording is a folder"),

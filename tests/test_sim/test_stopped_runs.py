@@ -20,7 +20,7 @@ def test_a_recording_on_a_full_disk_stays_whole(tmp_path, floorwalker, room_for,
         done = floorwalker(*command, "--duration", "60", "--out", "out", cwd=tmp_path)
     assert done.returncode == 1
     *notices, said = done.stderr.splitlines()
-    assert said.startswith("floorwalker: can't go on writing to out: ")
+    assert said.startswith("floorwalker: cannot continue writing to out: ")
     assert all(notice.startswith(("serving", "the trial begins")) for notice in notices)
     assert len(notices) == (0 if command == ["run"] else 2)
     out = tmp_path / "out"

@@ -241,10 +241,10 @@ work:
         " canteen",
         "11: people[0].breaks[0]: begins at 120 s, before schedule[0] ends at 360 s",
         "12: people[0].shifts[0]: ends before it begins, or at once: 10 s … 5 s",
-        "12: people[0].shifts[2]: begins at 25 s, before the one in front of it ends",
+        "12: people[0].shifts[2]: begins at 25 s, before the previous one ends",
         "14: work.line[0].at: no station is called 'pres'; did you mean 'press'?",
         "14: work.line[0].time: is at 700 s of the trial, which ends at 600 s",
-        "14: work.line: nobody takes tasks from this list: name it in the work of a person",
+        "14: work.line: no person takes tasks from this list; add it to the work of a person",
     ]
 
 

@@ -44,7 +44,7 @@ safe_zone: {at: [2, 8]}
 TRIALS = {
     "doors: {lover: {closed: [[1, 2]]}}": "no door is called 'lover'; did you mean 'lower'?",
     "doors: {lower: {closed: [[5, 2]]}}": "ends before it begins",
-    "doors: {lower: {closed: [[1, 5], [4, 9]]}}": "before the one in front of it ends at 5 s",
+    "doors: {lower: {closed: [[1, 5], [4, 9]]}}": "before the previous one ends at 5 s",
     "doors: {lower: {closed: [[500, 501]]}}": "begins at 500 s of the trial, which ends at",
     "doors: {lower: {closed: [[1, 2]], open: [[3, 4]]}}": "give one of closed and open",
     "obstacles: {middle: {x: [1, 2], y: [1, 2], z: [0, 1], there: [[1, 2]]}}": "called 'middle'",

@@ -109,7 +109,7 @@ def controller_source(name: str | Controller, folder: CodeFolder) -> CustomCode 
     if callable(name):
         return None
     raise ControllerError(
-        f"{name!r} is no gantry controller; give a name, or a function of one argument"
+        f"{name!r} is not a gantry controller; give a name, or a function of one argument"
     )
 
 
@@ -121,7 +121,7 @@ def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
     """Return the steps of `controller`, which a trial names `name`.
 
     `ControllerError` names the fault: it raised something, yielded something that can't be
-    waited for, or is no generator at all.
+    waited for, or is not a generator at all.
     """
     steps: Any = None
     try:
@@ -145,7 +145,7 @@ def _fault(why: Exception) -> str:
 
 def _iterated(steps: Any) -> Steps:
     if not hasattr(steps, "__iter__"):
-        raise TypeError(f"what it returned, {steps!r}, is no generator")
+        raise TypeError(f"what it returned, {steps!r}, is not a generator")
     yield from steps
 
 
@@ -156,7 +156,7 @@ def _checked(steps: Steps, gantry: GantryRobot) -> Steps:
     while True:
         now, yields = gantry.now, yields + 1 if gantry.now == now else 0
         if yields > MOST_AT_ONCE:
-            raise RuntimeError("it goes on for ever without letting time pass")
+            raise RuntimeError("it never lets time pass")
         try:
             event = go_on()
         except StopIteration:

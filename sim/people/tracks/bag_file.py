@@ -210,7 +210,7 @@ def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _BagTrack]:
 def _fault(track: _BagTrack, topic: str, frame: str, place: tuple[float, float]) -> str:
     """Return what keeps a pose from being one of the track, if anything."""
     if not are_figures(place).all():
-        return f"({place[0]:g}, {place[1]:g}) is no place"
+        return f"({place[0]:g}, {place[1]:g}) is not a place"
     if topic != track.topic:
         return f"the topic {track.topic} has a body of that name as well"
     if frame != track.frame:

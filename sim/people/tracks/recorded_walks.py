@@ -51,7 +51,7 @@ def read_bag_tracks(path: Path) -> Tracks:
     """
     for file in files_of(path):
         if not stat.S_ISREG(file.stat().st_mode):
-            raise TrackError.of(path, f"{file.name} is no regular file")
+            raise TrackError.of(path, f"{file.name} is not a regular file")
     try:
         from .bag_file import read
 
@@ -72,7 +72,7 @@ def files_of(path: Path) -> Iterator[Path]:
     if (path / "scene.json").is_file():
         raise TrackError.of(path, "this folder is a recorded run: give its trajectory.csv")
     if not (path / METADATA).is_file():
-        raise TrackError.of(path, f"there is no {METADATA} in it: this folder is no ROS 2 bag")
+        raise TrackError.of(path, f"there is no {METADATA} in it: this folder is not a ROS 2 bag")
     yield from sorted(file for file in path.iterdir() if not file.is_dir())
 
 
