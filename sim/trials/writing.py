@@ -26,6 +26,7 @@ from ..core.stage import MachineEntry
 from ..machines.gantry.controllers import CONTROLLERS
 from ..machines.kinds import KINDS
 from ..people.programs import written_personality
+from .keys import TrialKeys
 from .names import own_names
 from .rules_file import written_rules
 
@@ -58,16 +59,11 @@ def to_yaml(trial: Scenario, folder: Path) -> str:
 
 
 def _trial(trial: Scenario) -> Data:
-    data: Data = {
-        "name": trial.name,
+    special: Data = {
+        "folder": None,
         "floorplan": _floorplan(trial),
-        "duration": trial.duration,
-        "seed": trial.seed,
         "rules": written_rules(trial.rules),
         "planner": None if trial.planner == USUAL_PLANNER else _value(trial.planner, trial),
-        "people": _value(trial.people, trial),
-        "steering": trial.steering,
-        "actions": trial.actions,
         "gantry": _value(replace(trial.gantry, controller=_controller(trial)), trial),
         "agvs": {
             name: _agv(trial, name)
@@ -75,13 +71,14 @@ def _trial(trial: Scenario) -> Data:
         },
         "machines": {name: _machine(name, entry) for name, entry in trial.machines.items()},
         "until_submitted": trial.until_submitted or None,
-        "work": {name: _value(held, trial) for name, held in trial.work.items()},
-        "doors": {name: _value(times, trial) for name, times in trial.doors.items()},
         "obstacles": {one.obstacle.name: _value(one, trial) for one in trial.obstacles},
-        "blackouts": _value(trial.blackouts, trial),
-        "commands": _value(trial.commands, trial),
-        "sources": trial.sources,
         "expect": trial.expect,
+    }
+    known = {field.name for field in fields(Scenario)}
+    data: Data = {
+        key: special[key] if key in special else _value(getattr(trial, key), trial)
+        for key in TrialKeys.model_fields
+        if key in known
     }
     data = _without(data, None, [], {})
     return data if trial.workload is None else data | _orders(trial, trial.workload)
@@ -144,6 +141,8 @@ def _value(value: Any, trial: Scenario) -> Any:
             return {**obstacle_keys(value.obstacle), "there": _value(value.there, trial)}
         case tuple():
             return [_value(one, trial) for one in value]
+        case dict():
+            return {name: _value(one, trial) for name, one in value.items()}
         case _ if is_dataclass(value):
             return _fields(value, trial)
     return value
