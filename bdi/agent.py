@@ -497,11 +497,6 @@ class Agent:
         if not self._state.circumstance.report(wanted, success):
             raise ValueError(f"no action {action} is pending")
 
-    @property
-    def has_mail(self) -> bool:
-        """Whether there are unread messages."""
-        return bool(self._state.mailbox)
-
     def receive(self, message: Message) -> None:
         """Add a message to the mailbox. Each cycle reads one.
 

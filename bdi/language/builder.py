@@ -179,7 +179,7 @@ class Builder(Transformer_NonRecursive[Token, Any]):
     def _not_internal(self, meta: Meta, operator: str, literal: Term) -> None:
         if isinstance(literal, Literal) and literal.is_internal_action:
             raise ClauseError(
-                meta, f"'{operator}' and the internal action {literal.functor} do not combine"
+                meta, f"'{operator}' cannot be applied to the internal action {literal.functor}"
             )
 
     def test(self, meta: Meta, formula: Term) -> Test:

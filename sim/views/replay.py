@@ -209,7 +209,7 @@ def recordings_in(page: str) -> list[dict[str, Any]]:
             _check_format(recording)
             recordings.append(recording)
     if not recordings:
-        raise UserError("is no replay page: it holds no recording")
+        raise UserError("is not a replay page: it contains no recording")
     return recordings
 
 

@@ -80,9 +80,9 @@ def test_time_goes_forward():
 @pytest.mark.parametrize("time", [math.nan, math.inf, -math.inf])
 def test_a_time_is_a_number_of_seconds(time):
     program = bdi.parse("")
-    with pytest.raises(ValueError, match=f"a number of seconds, not {time}"):
+    with pytest.raises(ValueError, match=f"a finite number of seconds, not {time}"):
         bdi.Agent(program).advance(time)
-    with pytest.raises(ValueError, match=f"a number of seconds, not {time}"):
+    with pytest.raises(ValueError, match=f"a finite number of seconds, not {time}"):
         bdi.Agent(program, start=time)
 
 

@@ -49,8 +49,8 @@ def test_everything_that_a_file_says():
 
 def test_slips_in_angles_are_reported_with_their_line():
     said = notices(TEXT.replace("rotation: pi/2", "rotation: p1/2").replace("-pi/2]", "-pl/2]", 1))
-    assert "line 15, parts.bins.bin1[0].rotation: 'p1/2' is no angle; taken as 0" in said
-    assert "products[0].assembled_pose.rpy[2]: '-pl/2' is no angle" in said
+    assert "line 15, parts.bins.bin1[0].rotation: 'p1/2' is not an angle; 0 is used" in said
+    assert "products[0].assembled_pose.rpy[2]: '-pl/2' is not an angle" in said
 
 
 def test_what_is_not_simulated_is_reported_once():

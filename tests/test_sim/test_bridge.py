@@ -498,7 +498,7 @@ def test_an_agent_whose_connection_breaks_off_tries_again():
 def test_an_agent_needs_somebody_to_connect_to():
     with pytest.raises(ConnectError, match="can't connect"):
         drive("ws://127.0.0.1:1", "indifferent")
-    with pytest.raises(ConnectError, match="is no address"):
+    with pytest.raises(ConnectError, match="is not an address"):
         drive("http://127.0.0.1", "indifferent")
     with pytest.raises(BridgeError, match="--personality"):
         RemoteAgent("ws://127.0.0.1:1", trial(), trial().people[0])

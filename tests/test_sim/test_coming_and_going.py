@@ -133,7 +133,7 @@ def test_a_trial_is_written_and_read_back():
         (("sink: out", "sink: [30, 2]"), r"line 13, people\[1\].sink: .*30"),
         (("rate: 0.5", "rate: 0"), r"line 12, people\[1\].source.rate: expected more than 0"),
         (("rate: 0.5, count: 5", "rate: 0.5"), r"line 12, people\[1\].source: .*give count"),
-        (("    sink: out", "    at: [2, 2]"), r"people\[1\]: .*at and source don't go together"),
+        (("    sink: out", "    at: [2, 2]"), r"people\[1\]: .*at cannot be combined with source"),
         (("host,", "host, group: crew,"), r"line 9, people\[0\].group: a group has from 2 to 5"),
         (("sink: out", "manners: {comfort: -1}"), "line 13, people.*comfort"),
     ],

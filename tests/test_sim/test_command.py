@@ -134,7 +134,7 @@ def test_a_second_run_gets_a_folder_of_its_own(recorded, floorwalker):
     assert (folder / "ariac2023-2" / "summary.json").exists()
     taken = floorwalker("run", "--out", folder / "ariac2023", cwd=folder.parent)
     assert taken.returncode == 1
-    assert "holds a run already" in taken.stderr
+    assert "already contains a run" in taken.stderr
 
 
 @pytest.mark.parametrize("trial", ["ariac2023", "scene_helpful"])

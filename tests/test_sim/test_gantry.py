@@ -193,7 +193,7 @@ def back_and_forth(gantry):
         ("def go():\n    yield\n", "takes 0 positional arguments"),
         (
             "def go(gantry):\n    while True:\n        yield gantry.wait(0)\n",
-            "without letting time pass",
+            "it never lets time pass",
         ),
     ],
 )

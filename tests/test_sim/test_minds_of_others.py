@@ -146,7 +146,7 @@ def test_avoiding_somebody_is_walking_away_from_them(meet):
 
 def test_nobody_of_that_name_is_an_error_that_names_those_there_are(meet):
     with pytest.raises(
-        floorplan.UserError, match=r"ada: the action follow\(bne\): nobody else .* 'ben'"
+        floorplan.UserError, match=r"ada: the action follow\(bne\): no other person .* 'ben'"
     ):
         meet(ada=("+human_start <- follow(bne).", (8, 4)), ben=(STAND, (6, 4)))
     with pytest.raises(floorplan.UserError, match=r"follow\(1\) should be follow\(who\)"):

@@ -269,7 +269,9 @@ def test_programs_that_ask_for_what_nobody_can_do(program, text, message):
 
 def test_a_program_that_acts_for_ever_at_one_instant_is_stopped(program):
     """Being told of a blocked way at once, and asking for the same way at once."""
-    with pytest.raises((floorplan.UserError, bdi.ProgramError), match="without letting time pass"):
+    with pytest.raises(
+        (floorplan.UserError, bdi.ProgramError), match="repeats actions without end"
+    ):
         program("!go. +!go <- move(-7.7, 3, 0). +goal_blocked(_) <- move(-7.7, 3, 0).")
 
 

@@ -124,7 +124,7 @@ LAW = navigation.FixedDistance(1.0)
         (lambda: navigation.CollisionWorld("warehouse"), r"floorplan.load\('warehouse'\)"),
         (lambda: navigation.PathPlanner(FLOOR), "expected a CollisionWorld"),
         (lambda: navigation.first_violation((0, 0), (1, 1), LAW, 0, 1), "expected a Motion"),
-        (lambda: bdi.Agent("human.asl"), "expected a program, as bdi.load reads"),
+        (lambda: bdi.Agent("human.asl"), "program must be a bdi.Program"),
         (lambda: bdi.Literal("at", (None,)), "is a number, a text or a term, not None"),
         (trial(floorplan="ariac2023"), "Trial.floorplan: expected a Floorplan"),
         (trial(duration="5"), "Trial.duration: expected a number, found '5'"),

@@ -355,7 +355,7 @@ def test_bad_tracks_are_refused_with_their_row(tmp_path, name):
 
 
 def test_what_makes_no_sense_of_somebody_recorded_is_refused(tmp_path):
-    with pytest.raises(sim.TrialError, match="leave out at, personality"):
+    with pytest.raises(sim.TrialError, match="omit at, personality"):
         trial(tmp_path, "people: [{name: e, recorded: t.csv, personality: scared, at: [1, 1]}]\n")
     with pytest.raises(sim.TrialError, match="there is no such file"):
         trial(tmp_path, "people: [{name: e, recorded: t.csv}]\n")

@@ -72,7 +72,7 @@ def test_an_operation_is_read():
         ('{"op": "subscribe", "topic": "/a", "throttle_rate": -1}', "throttle_rate"),
         ('{"op": "set_level", "level": "loud"}', "level"),
         ("[" * 100_000, "not JSON"),
-        (" " * 1_000_001, "is the most"),
+        (" " * 1_000_001, "is the maximum"),
         (b"\xff\x00", "not JSON"),
     ],
 )
@@ -141,7 +141,7 @@ def test_types_go_by_either_name():
         ("ariac_msgs/AGVStatus", {"location": -129}, "location = -129 is outside -128 … 127"),
         ("sensor_msgs/JointState", {"name": "a"}, "name should be a list of string"),
         ("sensor_msgs/JointState", {"name": ["a", 1]}, "name[1] should be a string, not 1"),
-        ("sensor_msgs/JointState", {"position": [0.0] * 10_001}, "10000 is the most"),
+        ("sensor_msgs/JointState", {"position": [0.0] * 10_001}, "10000 is the maximum"),
         (
             "tf2_msgs/TFMessage",
             {"transforms": [{"transform": {"rotation": {"w": None}}}]},
@@ -196,7 +196,7 @@ def test_fragments_do_not_pile_up():
     with pytest.raises(ProtocolError, match="more than"):
         for num in range(100):
             reassembly.add(fragment("big", num, 1000, "x" * 100_000))
-    with pytest.raises(ProtocolError, match="are the most"):
+    with pytest.raises(ProtocolError, match="are the maximum"):
         for id in range(100):
             reassembly.add(fragment(f"many{id}", 0, 2))
     with pytest.raises(ProtocolError, match="fragment 3 of 2"):

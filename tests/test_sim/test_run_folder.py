@@ -59,7 +59,7 @@ def test_of_two_runs_that_begin_in_one_folder_the_second_is_refused(tmp_path):
     first, second = (sim.Recording(tmp_path / "run") for _ in range(2))
     simulation = sim.Simulation(trial, first)
     simulation.start()
-    with pytest.raises(sim.OutputError, match=r"holds a run already \(events.jsonl\)"):
+    with pytest.raises(sim.OutputError, match=r"already contains a run \(events.jsonl\)"):
         sim.Simulation(trial, second).start()
     simulation.advance(1.0)
     run = simulation.finish()
@@ -213,7 +213,7 @@ def test_a_run_of_nobody_comes_back(tmp_path):
             "polygon",
         ),
         ("scene.json", lambda text: text.replace("-7.2", '"inf"', 1), "is not a simple polygon"),
-        ("scene.json", lambda text: text.replace("-7.2", '"nan"', 1), "footprint: is no polygon"),
+        ("scene.json", lambda text: text.replace("-7.2", '"nan"', 1), "footprint: invalid polygon"),
         ("scene.json", lambda text: text.replace('"radius":0.3', '"radius":"inf"'), "valid number"),
         (
             "scene.json",

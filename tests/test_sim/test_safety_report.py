@@ -208,7 +208,7 @@ def test_a_pdf_is_printed_where_there_is_a_browser(run, tmp_path):
 def test_sources_are_written_and_refused_for_what_has_none():
     before = replace(trial(), rules=sim.PAPER)
     assert sim.Trial.parse(before.to_yaml()).sources == before.sources != {}
-    with pytest.raises(sim.TrialError, match="'speed' is nothing that has a source"):
+    with pytest.raises(sim.TrialError, match="'speed' is not an assumed value"):
         sim.Trial.parse("{floorplan: ariac2023, sources: {speed: me}}")
 
 

@@ -78,7 +78,7 @@ def changes(personality, time=5.0):
         (jobs(sim.Job("wait", seconds=-1.0)), r"gantry.jobs\[0\].wait: must be more than 0"),
         (jobs(sim.Job("move", target=(9.0, 0.0, 0.0))), r"jobs\[0\].move: x = 9 is outside"),
         (jobs(sim.Job("pick_place", pick="bin1", place="bni2")), r"jobs\[0\].place: .*'bni2'"),
-        ({"until_submitted": True}, "until_submitted: nothing is handed in"),
+        ({"until_submitted": True}, "until_submitted: no order is submitted"),
         (moves((1.0, "as1"), agv="agv7"), "agvs.agv7: no AGV is called 'agv7'"),
         (moves((1.0, "as9")), r"agvs.agv1\[0\].to: agv1 has no location 'as9'"),
         (moves((1.0, 500.0)), r"agvs.agv1\[0\].to: agv1 can't be at 500 m"),

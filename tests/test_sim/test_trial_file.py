@@ -66,7 +66,7 @@ def test_every_builtin_trial_loads(name):
         (("duration: 60", f"name: {'9' * 900}"), "line 2, name: expected text, found 999"),
         (("duration: 60", "name: 2026-13-01"), "line 2: is not YAML: '2026-13-01' is not what"),
         (("duration: 60", 'name: "a\\0b"'), "line 2, name: a text can't have the character U+0000"),
-        (("duration: 60", f"name: {'x' * 300}"), "line 2, name: no folder can be called so"),
+        (("duration: 60", f"name: {'x' * 300}"), "line 2, name: invalid folder name"),
         (("duration: 60", "rules: papper"), "did you mean 'paper'?"),
         (("floorplan: ariac2023", "floorplan: ariac2024"), "did you mean 'ariac2023'?"),
         (("personality: antagonistic", "personality: helpfull"), "did you mean 'helpful'?"),
@@ -95,7 +95,7 @@ def test_every_builtin_trial_loads(name):
         (("controller: oblivious", "controller: a.py:c"), "without its ending: a:c"),
         (
             ("duration: 60", "until_submitted: true"),
-            "line 2, until_submitted: nothing is handed in",
+            "line 2, until_submitted: no order is submitted",
         ),
     ],
 )

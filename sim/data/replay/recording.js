@@ -26,7 +26,7 @@ function readRecording(name = "recording") {
 async function readFile(text) {
   if (!/^\s*</.test(text)) return parseRecording(text);
   const page = new DOMParser().parseFromString(text, "text/html");
-  if (!page.getElementById("recording")) throw new RecordingError(["this is no replay page: it holds no recording"]);
+  if (!page.getElementById("recording")) throw new RecordingError(["this is not a replay page: it contains no recording"]);
   return recordingIn(page, "recording");
 }
 
