@@ -100,7 +100,7 @@ def test_a_page_that_can_not_be_written_is_told(folder, tmp_path, floorwalker):
     [
         (lambda path: None, "no such file or folder"),
         (lambda path: path.mkdir(), "there is no scene.json in it"),
-        (lambda path: path.write_text("<p>Hello"), "is not a replay page: it contains no recording"),
+        (lambda path: path.write_text("<p>Hello"), "is not a replay page: it contains"),
         (lambda path: path.write_bytes(b"\xff\xfe\x00"), "is not UTF-8 text"),
         (lambda path: path.write_text(page('{"format": 1')), "the recording in it is damaged"),
         (lambda path: path.write_text(page("[" * 100_000)), "damaged: recursion limit exceeded"),
