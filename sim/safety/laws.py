@@ -148,7 +148,7 @@ class OwnLaw:
         except LawError:
             raise
         except ValueError as why:
-            raise LawError(f"invalid law: {why}") from why
+            raise LawError(f"the law is invalid: {why}") from why
 
 
 def own_laws(rules: RuleSet) -> Iterator[OwnLaw]:

@@ -95,7 +95,7 @@ def test_very_many_facts_are_believed(count):
 
 
 def test_a_program_too_long_to_read_is_refused():
-    with pytest.raises(bdi.ProgramError, match="longer than 4,000,000 characters"):
+    with pytest.raises(bdi.ProgramError, match="longer than the limit of 4,000,000 characters"):
         bdi.parse("// " + "x" * 5_000_000)
 
 

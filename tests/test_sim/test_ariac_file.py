@@ -69,7 +69,7 @@ orders:
 """
     text = TEXT.replace("orders:\n", more, 1)
     said = notices(text).splitlines()
-    words = ["see no people", "red battery put on agv2", "floor robot"]
+    words = ["do not detect people", "red battery put on agv2", "floor robot"]
     assert [word in line for word, line in zip(words, said, strict=True)] == [True] * 3
     assert "(2 places)" in said[0]
 

@@ -140,7 +140,7 @@ def test_a_lag_is_written_and_read_again():
     [
         ("agent_lag: -1", "agent_lag"),
         ("agent_lag: [2, 1]", "agent_lag"),
-        ("agent_lag: 1, personality: external", "agent_lag: .*no agent of its own"),
+        ("agent_lag: 1, personality: external", "agent_lag: .*no agent; omit it"),
     ],
 )
 def test_a_lag_that_cannot_be(given, message):

@@ -106,8 +106,8 @@ except sim.OutputError as why:
     [
         (("ariac2023", "--out", "a.avi"), "the name of a film ends in one of .gif, .mp4"),
         (("ariac2023", "--out", "no/a.gif"), "there is no folder no"),
-        (("ariac2023", "--out", "a.gif", "--speed", "0"), "speed is more than 0, not 0"),
-        (("ariac2023", "--out", "a.gif", "--speed", "inf"), "speed is more than 0, not inf"),
+        (("ariac2023", "--out", "a.gif", "--speed", "0"), "speed must be more than 0, not 0"),
+        (("ariac2023", "--out", "a.gif", "--speed", "inf"), "speed must be more than 0, not inf"),
         (("ariac2023", "--out", "a.gif", "--fps", "60"), "fps must be from 1 to 50, not 60"),
         (("ariac2023", "--out", "a.gif", "--width", "9"), "from 200 to 4000 pixels, not 9"),
         (("ariac2023", "--out", "a.gif", "--speed", "0.01"), "550,001 pictures, more than 20,000"),
