@@ -1,0 +1,155 @@
+"""Scenes with crowds: the number of legs that people finish, and the time they lose to others."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Sequence
+
+import pytest
+from run_events import events
+
+import floorplan
+import sim
+
+Place = tuple[float, float]
+Room = tuple[Place, Place]
+"""Minimum and maximum corner of the positions in a room, m."""
+
+GO = """
++human_start <- !next.
++!next : todo([g(X, Y) | T]) <- -+todo(T); move(X, Y, 0).
++!next <- +done.
++work_completed(_) <- !next.
+"""
+
+
+def lost(run: sim.Run) -> float:
+    """Return the time that all people together lose to others, s."""
+    return sum(person["time_lost_to_others"] for person in run.summary["people"].values())
+
+
+def places(rng: random.Random, count: int, room: Room) -> list[Place]:
+    """Return random positions in a room, 0.65 m apart."""
+    (low_x, low_y), (high_x, high_y) = room
+    found: list[Place] = []
+    while len(found) < count:
+        place = (round(rng.uniform(low_x, high_x), 3), round(rng.uniform(low_y, high_y), 3))
+        if all(math.dist(place, other) > 0.65 for other in found):
+            found.append(place)
+    return found
+
+
+def there_and_back(
+    tmp_path, boundary: Place, walls: Sequence[tuple[float, ...]], sides: tuple[Room, Room], count
+) -> sim.Run:
+    """Run `count` people on each of two sides for 240 s, to the other side and back."""
+    rng = random.Random(1)
+    people = []
+    for here, there in (sides, sides[::-1]):
+        starts, goals = places(rng, count, here), places(rng, count, there)
+        people += [(start, [goal, start]) for start, goal in zip(starts, goals, strict=True)]
+    width, depth = boundary
+    lines = [f"boundary: [[0, 0], [{width}, 0], [{width}, {depth}], [0, {depth}]]", "obstacles:"]
+    for k, (x0, y0, x1, y1) in enumerate(walls):
+        lines.append(f"  wall{k}: {{x: [{x0}, {x1}], y: [{y0}, {y1}], z: [0, 2]}}")
+    (tmp_path / "go.asl").write_text(GO)
+    return sim.run(
+        sim.Trial(
+            floorplan=floorplan.parse("\n".join(lines if walls else lines[:1])),
+            duration=240.0,
+            rules=sim.RULE_SETS["observe"],
+            folder=tmp_path,
+            people=tuple(
+                sim.PersonEntry(
+                    name=f"p{k}",
+                    personality="go.asl",
+                    at=start,
+                    beliefs=("todo([" + ", ".join(f"g({x}, {y})" for x, y in goals) + "])",),
+                )
+                for k, (start, goals) in enumerate(people)
+            ),
+        )
+    )
+
+
+def two_rooms(tmp_path, count: int, gap: float, thickness: float, width: float) -> sim.Run:
+    """Run `count` people in each of two rooms, joined by a gap in a wall of a thickness (m)."""
+    depth = width
+    far = width + thickness
+    walls = [
+        (width, 0.0, far, (depth - gap) / 2),
+        (width, (depth + gap) / 2, far, depth),
+    ]
+    west = ((0.4, 0.4), (width - 0.9, depth - 0.4))
+    east = ((far + 0.9, 0.4), (far + width - 0.4, depth - 0.4))
+    return there_and_back(tmp_path, (far + width, depth), walls, (west, east), count)
+
+
+def corridor(tmp_path, count: int, length: float, width: float) -> sim.Run:
+    """Run `count` people at each end of a closed corridor."""
+    west = ((0.4, 0.35), (0.42 * length, width - 0.35))
+    east = ((0.58 * length, 0.35), (length - 0.4, width - 0.35))
+    return there_and_back(tmp_path, (length, width), [], (west, east), count)
+
+
+@pytest.mark.parametrize(
+    ("name", "legs", "most_lost"),
+    [
+        ("people_aisle", 17, 23.0),
+        ("people_blind_spot", 6, 1.0),
+        ("people_bottleneck", 10, 22.0),
+        ("people_corner", 8, 13.0),
+        ("people_counterflow", 17, 52.0),
+        ("people_crossing", 14, 1.0),
+        ("people_door", 30, 94.0),
+        ("people_frontal", 5, 1.0),
+        ("people_group", 2, 1.0),
+        ("people_overtaking", 1, 1.0),
+        ("people_parallel", 5, 8.0),
+        ("people_perpendicular", 7, 1.0),
+        ("people_queue", 15, 3.0),
+    ],
+)
+def test_people_of_a_scene_arrive_without_losing_much_time(name, legs, most_lost):
+    run = sim.run(sim.Trial.load(name))
+    assert run.summary["overlaps"] == 0
+    assert len(events(run, "arrived")) >= legs
+    assert lost(run) <= most_lost
+
+
+@pytest.mark.parametrize(
+    ("scene", "arguments", "legs", "most_lost"),
+    [
+        pytest.param(two_rooms, (15, 1.5, 10.0, 6.0), 50, 5000.0, id="aisle for two, 15 + 15"),
+        pytest.param(two_rooms, (8, 1.0, 10.0, 6.0), 32, 1100.0, id="aisle for one, 8 + 8"),
+        pytest.param(two_rooms, (20, 0.8, 0.2, 7.0), 80, 3900.0, id="door of 0.8 m, 20 + 20"),
+        pytest.param(corridor, (15, 30.0, 2.0), 38, 5200.0, id="corridor of 2 m, 15 + 15"),
+        pytest.param(corridor, (3, 10.0, 1.5), 12, 150.0, id="closed aisle for two, 3 + 3"),
+        pytest.param(
+            two_rooms,
+            (30, 1.5, 10.0, 9.0),
+            36,
+            15000.0,
+            id="aisle for two, 30 + 30",
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_a_jam_dissolves(tmp_path, scene, arguments, legs, most_lost):
+    run = scene(tmp_path, *arguments)
+    assert run.summary["overlaps"] == 0
+    assert len(events(run, "arrived")) >= legs
+    assert lost(run) <= most_lost
+
+
+def test_a_patrol_of_fifty_keeps_walking():
+    run = sim.run(
+        sim.Trial.parse(
+            "floorplan: ariac2023\nduration: 275\nrules: observe\nseed: 1\n"
+            "people: [{name: crew, count: 50, at: anywhere}]\n"
+        )
+    )
+    assert run.summary["overlaps"] == 0
+    assert len(events(run, "arrived")) >= 920
+    assert lost(run) <= 4000
