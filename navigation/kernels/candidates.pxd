@@ -60,6 +60,9 @@ cdef class Candidates:
     cpdef void add(
         self, double loss, double length, double top_speed, double delay
     ) except *
+    cpdef void add_aside(
+        self, double along, double side, double length, double top_speed
+    ) except *
     cpdef void add_asides(
         self,
         Numbers sides,
@@ -76,16 +79,6 @@ cdef class Candidates:
         self, list[Py_ssize_t] near, Throng throng, double own
     ) except -1
     cdef bint next_course(self) except -1
-    cdef bint is_free_aside(
-        self,
-        double length,
-        double top_speed,
-        double along,
-        double side,
-        list[Py_ssize_t] near,
-        Throng throng,
-        double own,
-    ) except -1
     cdef bint _is_free(
         self, list[Py_ssize_t] near, Throng throng, double own
     ) except -1

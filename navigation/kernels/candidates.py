@@ -161,6 +161,10 @@ class Candidates:
                     loss += extra
                 self._add(loss, length, top_speed, 0.0, along, side)
 
+    def add_aside(self, along: float, side: float, length: float, top_speed: float) -> None:
+        """Add the walk that is `side` metres to the left `along` metres on."""
+        self._add(0.0, length, top_speed, 0.0, along, side)
+
     def next_course(self) -> bool:
         """Come to the walk that loses least of those not looked at; False if there is none.
 
@@ -233,28 +237,6 @@ class Candidates:
             if self._is_free(near, throng, own):
                 return True
         return False
-
-    def is_free_aside(
-        self,
-        length: float,
-        top_speed: float,
-        along: float,
-        side: float,
-        near: list[cython.Py_ssize_t],
-        throng: Throng,
-        own: float,
-    ) -> bool:
-        """Come to a walk that is `side` metres to the left `along` metres on.
-
-        Of its `length` metres at most, at up to `top_speed` (m/s). Return whether it meets nobody
-        `near`, as in `next_free`.
-        """
-        self._go_aside(along, side)
-        self.length = length
-        self.top_speed = top_speed
-        self.delay = 0.0
-        self.side = side
-        return self._can_turn() and self._is_free(near, throng, own)
 
     def _is_free(self, near: list[cython.Py_ssize_t], throng: Throng, own: float) -> bool:
         """Draw up the walk that is looked at; return whether it meets nobody `near`."""

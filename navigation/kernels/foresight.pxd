@@ -7,7 +7,6 @@ from navigation.kernels.throng cimport Throng
 cdef double _STEP
 cdef double _FARTHEST
 cdef double _AROUND
-cdef Numbers _TO_EITHER_SIDE
 cdef Numbers _DETOURS
 cdef double _WIDEST
 cdef Numbers _PACES
@@ -60,8 +59,9 @@ cdef class TrajectoryChoice:
     cdef Py_ssize_t ahead
     cdef double ahead_speed
     cdef double ahead_walks_on
+    cdef double beside
     cpdef bint wish(self) except -1
-    cpdef bint choose(self, bint impatient) except -1
+    cpdef bint choose(self) except -1
     cpdef double stop_beyond(self, double length) except -1.0
     cdef double stop_before(self, double length) except -1.0
     cdef bint is_narrow(self, double length) except -1
@@ -79,14 +79,14 @@ cdef class TrajectoryChoice:
     cdef double _speed_beside(self, double side) except? -1.0
     cdef bint _keep_apart(self, Py_ssize_t near, double near_at) except -1
     cdef int _add_later_or_shorter(
-        self, double hit_at, bint at_rest, bint follows, bint impatient
+        self, double hit_at, bint at_rest, bint follows
     ) except -1
-    cdef bint _goes_in(self, double length, bint follows, bint impatient) except -1
+    cdef bint _goes_in(self, double length, bint follows) except -1
     cdef bint _is_opposed(self, double length) except -1
     cdef int _add_files(self) except -1
-    cdef int _add_asides(
-        self, Py_ssize_t k, double t, Numbers widths, bint past, bint opposed
-    ) except -1
+    cdef int _add_asides(self, Py_ssize_t k, double t, bint opposed) except -1
+    cdef int _add_detours(self, Py_ssize_t k, double t) except -1
+    cdef double _come_beside(self, Py_ssize_t k, double t) except? -1.0
     cdef bint _take_first_free(self) except -1
     cpdef bint aside(self, double along, double side, list[Py_ssize_t] near) except -1
     cdef bint _has_room(self) except -1

@@ -22,30 +22,20 @@ if not cython.compiled:
 
     from .discs import first_met, gone
     from .following import followed, speed_behind
-    from .numbers import Doubles, Numbers, at, cut, numbers, put, room
+    from .numbers import Doubles, Numbers, at, numbers, room
 
     INFINITY = inf
 else:
     from cython.cimports.libc.math import INFINITY, ceil
     from cython.cimports.navigation.kernels.discs import first_met, gone
     from cython.cimports.navigation.kernels.following import followed, speed_behind
-    from cython.cimports.navigation.kernels.numbers import (
-        Doubles,
-        Numbers,
-        at,
-        cut,
-        numbers,
-        put,
-        room,
-    )
+    from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, numbers, room
 
 _STEP: float = 0.25  # metres between the places along a course that are looked at
 _FARTHEST: float = 25.0  # metres; so far a course is looked ahead for the end of a narrow place
 # Metres. Those who stay so far from the course, and more than they need, are not looked at.
 _AROUND: float = 2.0
 
-# Metres to the left. Shifts that are tried besides the one that just gets past, to the right first.
-_TO_EITHER_SIDE: Numbers = numbers([-0.45, 0.45, -0.9, 0.9, -1.35, 1.35])
 # Shifts that somebody tries who stands before others who don't go the same way.
 _DETOURS: Numbers = numbers([-2.0, 2.0, -2.8, 2.8, -3.6, 3.6])
 _WIDEST: float = 3.6  # metres; nobody shifts further to the side than this
@@ -130,7 +120,7 @@ class TrajectoryChoice:
         self.hit = self.ahead = -1
         self.met_at = self.hit_at = INFINITY
         self.when = room(1)
-        self.ahead_speed = self.ahead_walks_on = 0.0
+        self.ahead_speed = self.ahead_walks_on = self.beside = 0.0
 
     def wish(self) -> bool:
         """Draw up the walk that they would take if nobody were there; False if they can't.
@@ -260,7 +250,7 @@ class TrajectoryChoice:
                 found = -1
                 best = self.top_speed
         walks_on: float = self.ahead_walks_on
-        # Who has hardly set out yet may be followed too, and comes where their route leads them.
+        # A person who has just started may be followed too, along their route.
         for i in range(len(slow)):
             k = slow[i]
             if throng.rests(k) > t and throng.cosine(k, t, c, s) > _SAME_WAY:
@@ -344,11 +334,11 @@ class TrajectoryChoice:
 
     # The choice
 
-    def choose(self, impatient: bool) -> bool:
+    def choose(self) -> bool:
         """Choose among the walks that there are: the free one that loses least.
 
         Aside, slower, shorter, or later. Return whether there is one: it was the last to be looked
-        at, or is their wish, as `wishes` says. Who is `impatient` has lost their patience.
+        at, or is their wish, as `wishes` says.
         """
         walks: Candidates = self.walks
         self.wishes = False
@@ -370,23 +360,18 @@ class TrajectoryChoice:
         follows: cython.bint = throng.between(self.me, hit, walks.now) > _ALIKE
         if not follows:
             self.ahead = -1
-        self._add_later_or_shorter(hit_at, at_rest, follows, impatient)
-        if at_rest and follows:
-            # They are about to walk on: nobody passes them where they can get nearer.
-            if self._take_first_free():
-                return True
-            walks.clear()
+        self._add_later_or_shorter(hit_at, at_rest, follows)
         opposed: cython.bint = not follows and throng.bound[hit] != 0 and not self.inside
-        self._add_asides(near, near_at, _TO_EITHER_SIDE, True, opposed)
+        self._add_asides(near, near_at, opposed)
         if near != hit:
-            self._add_asides(hit, hit_at, _TO_EITHER_SIDE, True, opposed)
+            self._add_asides(hit, hit_at, opposed)
         if self._take_first_free():
             return True
         # Only who stands, and before nobody who walks on, tries wide detours: they cost the most.
         if walks.speed < _STANDS and not follows:
             self._see(_WIDEST)
             walks.clear()
-            self._add_asides(hit, hit_at, _DETOURS, False, False)
+            self._add_detours(hit, hit_at)
             return self._take_first_free()
         return False
 
@@ -400,15 +385,13 @@ class TrajectoryChoice:
             # The share of their top speed that following costs them.
             loses: float = 1.0 - max(self.ahead_speed, self.ahead_walks_on) / self.top_speed
             walks.add(brush + max(loses, 0.0) * self.reach, self.stop, self.ahead_speed, 0.0)
-            self._add_asides(self.ahead, walks.begin, _TO_EITHER_SIDE, True, False)
+            self._add_asides(self.ahead, walks.begin, False)
         if near >= 0:
-            self._add_asides(near, near_at, _TO_EITHER_SIDE, True, False)
+            self._add_asides(near, near_at, False)
         self.wishes = not self._take_first_free() or (self.ahead < 0 and walks.row == 0)
         return True
 
-    def _add_later_or_shorter(
-        self, hit_at: float, at_rest: bool, follows: bool, impatient: bool
-    ) -> cython.int:
+    def _add_later_or_shorter(self, hit_at: float, at_rest: bool, follows: bool) -> cython.int:
         """Add walks along the course that are slower, later, or end before the conflict.
 
         That is at `hit_at` (seconds), `at_rest` if the other stands by then; who `follows` goes the
@@ -427,9 +410,9 @@ class TrajectoryChoice:
                 for i in range(len(_DELAYS)):
                     delay: float = at(_DELAYS)[i]
                     walks.add(delay * top, self.stop, top, delay)
-        # In a single file all come as near as their time gap lets them, and then slow down.
+        # In a single file all come as near as their time gap lets them, and then slow down: a stop
+        # behind somebody who is about to walk on loses less than it seems.
         phantom: cython.bint = follows and (at_rest or (self.ahead >= 0 and self.is_narrow(0.0)))
-        # A stop behind somebody who is about to walk on loses less than it seems: they soon go on.
         share: float = _PHANTOM if phantom else 1.0
         # v² / (2 a), the shortest stop there is, and a little more against rounding.
         braking: float = walks.speed * walks.speed / (2 * walks.acceleration) * 1.001
@@ -442,7 +425,7 @@ class TrajectoryChoice:
             if self.is_narrow(length):
                 if not asked:
                     asked = True
-                    goes_in = self._goes_in(length, follows, impatient)
+                    goes_in = self._goes_in(length, follows)
                 if not goes_in:
                     length = self.stop_before(length)
             if length >= (_SHORTEST if stands else braking):
@@ -453,17 +436,14 @@ class TrajectoryChoice:
                 self._add_files()
         return 0
 
-    def _goes_in(self, length: float, follows: bool, impatient: bool) -> bool:
+    def _goes_in(self, length: float, follows: bool) -> bool:
         """Return whether they may stop in a narrow place, after `length` metres of their course.
 
         Only against nobody who comes, else two files would go in from either end behind those who
         come out, and meet inside: who is in it already, or follows somebody who leaves it the same
-        way. Who is in it and has lost patience does in any case.
+        way.
         """
-        inside: cython.bint = self.is_narrow(0.0)
-        if inside and impatient:
-            return True
-        return (inside or follows) and not self._is_opposed(length)
+        return (self.is_narrow(0.0) or follows) and not self._is_opposed(length)
 
     def _is_opposed(self, length: float) -> bool:
         """Return whether somebody in a narrow place ahead comes, `length` metres on."""
@@ -516,38 +496,26 @@ class TrajectoryChoice:
         self,
         k: cython.Py_ssize_t,
         t: float,
-        widths: Numbers,
-        past: bool,
         opposed: bool,
     ) -> cython.int:
         """Add the walks that pass the k-th on either side, who is met at `t` (seconds).
 
-        By these `widths` (metres to the left), before them just `past` the other and a little
-        wider. Who is `opposed` may also stop beside the other: past the first of many there seldom
-        is room for all that they look ahead.
+        Just past the other, and a little wider. Who is `opposed` may also stop beside the other:
+        past the first of many there seldom is room for all that they look ahead.
         """
         walks: Candidates = self.walks
         throng: Throng = self.throng
-        before: float = gone(self.table, walks.begin, t)
-        walks.come_to(before)
-        throng.find(k, t)
-        dx: float = throng.x - walks.x
-        dy: float = throng.y - walks.y
-        along: float = before + max(dx * walks.c + dy * walks.s, 0.0)
-        beside: float = dy * walks.c - dx * walks.s
-        # Just past them at the comfort distance, then at the least one, then by set widths; to
-        # either side. Which is free, and loses least, is found out when they are drawn up.
+        along: float = self._come_beside(k, t)
+        beside: float = self.beside
+        # Just past them at the comfort distance, then at the least one; to either side.
         needed: float = self.radius + at(throng.radii)[k] + throng.gap
         wide: float = needed + self.comfort
-        count: cython.Py_ssize_t = 4 if past else 0
-        sides: Numbers = room(4 + len(widths))
+        sides: Numbers = room(4)
         side: Doubles = at(sides)
         side[0] = beside - wide
         side[1] = beside + wide
         side[2] = beside - needed - _HAIR
         side[3] = beside + needed + _HAIR
-        put(side, count, at(widths), 0, len(widths))
-        cut(sides, count + len(widths))
         length: float = self.reach + 0.5
         top: float = self.top_speed
         usual: float = self.usual
@@ -557,6 +525,31 @@ class TrajectoryChoice:
             sides = numbers((beside - wide, beside + wide))
             walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
         return 0
+
+    def _add_detours(self, k: cython.Py_ssize_t, t: float) -> cython.int:
+        """Add wide walks round the k-th, who is met at `t` (seconds)."""
+        along: float = self._come_beside(k, t)
+        length: float = self.reach + 0.5
+        self.walks.add_asides(
+            _DETOURS, _WIDEST, self.usual, _OTHER_SIDE, length, self.top_speed, along
+        )
+        return 0
+
+    def _come_beside(self, k: cython.Py_ssize_t, t: float) -> float:
+        """Return after how many metres they are level with the k-th, who is met at `t` (seconds).
+
+        How far the other is to the left of the course then (metres), is `beside`.
+        """
+        walks: Candidates = self.walks
+        throng: Throng = self.throng
+        before: float = gone(self.table, walks.begin, t)
+        walks.come_to(before)
+        throng.find(k, t)
+        dx: float = throng.x - walks.x
+        dy: float = throng.y - walks.y
+        self.beside = dy * walks.c - dx * walks.s
+        along: float = before + max(dx * walks.c + dy * walks.s, 0.0)
+        return along
 
     def _take_first_free(self) -> bool:
         """Come to the walk that loses least of those that are free; return whether there is one."""
@@ -570,18 +563,10 @@ class TrajectoryChoice:
 
         Return whether it is free, of walls and of those `near`.
         """
-        return (
-            self.walks.is_free_aside(
-                self.reach + 0.5,
-                self.top_speed,
-                along,
-                side,
-                near,
-                self.throng,
-                self.own,
-            )
-            and self._has_room()
-        )
+        walks: Candidates = self.walks
+        walks.clear()
+        walks.add_aside(along, side, self.reach + 0.5, self.top_speed)
+        return walks.next_free(near, self.throng, self.own) and self._has_room()
 
     def _has_room(self) -> bool:
         """Return whether there are no walls in the way of the walk that was looked at last.

@@ -265,7 +265,8 @@ def test_visitors_leave_whatever_the_gantry_does_to_them(seed):
     assert run.summary["entered"] == run.summary["left"] == 10
     for name in run.summary["people"]:
         goals = [e["at"] for e in events(run, "goal") if e["person"] == name]
-        assert len(goals) == 2 and tuple(goals[1]) == (-10.0, 3.75)
+        hit = len([e for e in events(run, "violation") if e["person"] == name])
+        assert len(goals) == max(hit, 1) + 1 and set(map(tuple, goals[1:])) == {(-10.0, 3.75)}
 
 
 def test_visitors_call_on_stations_that_they_have_not_seen_yet():

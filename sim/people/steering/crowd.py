@@ -21,12 +21,12 @@ from ...core.clock import Alarm, Turn
 from ...core.events import Blocked, Deadlock, GaveWay, Met
 from ...core.stage import Stage
 from .outlook import Ground, Outlook
-from .requests import MORE, USUAL, UTMOST, Request
+from .requests import Request
 from .room import Place, places_at, room_near
 from .steering import Foresighted, Steering, both_aside
 from .traveller import AT_THE_DOOR, Traveller
 from .vehicles import Vehicle
-from .waiting import APART, LONGEST, Party, is_beside_goal, is_no_nearer, takes_way_round
+from .waiting import APART, Party, is_beside_goal, is_no_nearer, takes_way_round
 from .whereabouts import GAP, Hit, Whereabouts
 
 EARLY = 0.25
@@ -36,8 +36,8 @@ KEEPS, ANEW = 1.0, 2.0
 """Seconds that somebody keeps to a course that they don't wish for, at least, and until they look
 again for a better one."""
 
-ALL_AROUND = 4.0
-"""Metres. So far from the course ahead of somebody who waits, others matter."""
+DEADLOCK = 30.0
+"""Seconds without any change of motion after which people who have lost patience are deadlocked."""
 
 WORTH = 0.6
 """Metres. Who would lose more than this on their own looks whether both could shift aside."""
@@ -61,6 +61,10 @@ class Crowd:
         self._parties: dict[Traveller, Party] = {}
         self._whereabouts = Whereabouts()
         self._grounds: dict[tuple[CollisionWorld, float], Ground] = {}
+        self._committed = -math.inf
+        """Time of the last change of motion of any person, s."""
+        self._is_deadlocked = False
+        """Whether a deadlock has been recorded since then."""
         self._met: dict[tuple[int, int], float] = {}
         self._coming: dict[Traveller, None] = {}
         """Parts of vehicles that have just changed what they are about to do."""
@@ -216,7 +220,6 @@ class Crowd:
         for me, party in self._parties.items():
             if me.recorded or me.body.motion.end <= now or not is_in_the_way(me):
                 continue
-            party.sight = None
             self._decide(me)
             if is_in_the_way(me):
                 braking = self.braking(me)
@@ -342,10 +345,10 @@ class Crowd:
 
     # Decisions
 
-    def _decide(self, me: Traveller, asked: tuple[Traveller, ...] = ()) -> None:
+    def _decide(self, me: Traveller) -> None:
         """Let somebody decide on a course, and set when they decide again."""
         party, now = self._parties[me], self._clock.now
-        if me.goal is None or self._sees_the_same(party, now):
+        if me.goal is None:
             return
         try:
             outlook = self._outlook(me)
@@ -361,78 +364,30 @@ class Crowd:
             return
         party.looked = now
         hit = outlook.first_hit
-        # Whoever stands in the way may be about to walk on: asked first, they are gone before
-        # anybody shifts round them. `asked` ends the chain where people wait for each other.
-        if hit is not None and self._may_go_on(hit, now, (*asked, me)):
-            self._decide(hit.other, (*asked, me))
-            outlook.look_again()
-            hit = outlook.first_hit
-        if hit is not None and party.waits_on_the_same(hit, now):
-            self._wait(party, outlook, hit, ask=now >= party.tries_again)
-            return
-        nowhere = party.note_progress(outlook.whole, now)
-        if nowhere and hit is not None and hit.at_rest and takes_way_round(me, outlook, nowhere):
-            self._decide(me, (me,))
-            return
-        party.weighed = now
         motion = self.steering.replan(me, outlook.others, outlook)
-        # In metres by which the place they come to falls short of the one wished for.
-        loss = math.inf
-        if motion is not None:
-            if hit is None and outlook.is_wish(motion):
-                loss = 0.0
-            elif outlook.free(motion) and not (
-                hit is not None
-                and is_no_nearer(me, hit, outlook.ahead(motion), self._whereabouts, now)
-            ):
-                loss = wished.gone(outlook.t, math.inf)
-                loss -= outlook.ahead(motion).gone(outlook.t, math.inf)
-            else:
-                motion = None
         if hit is not None:
             self._meet(me, hit, now)
-            if loss > WORTH and self._both_aside(me, outlook, hit, now):
-                return
+        wish = motion is not None and outlook.is_wish(motion)
+        if (
+            hit is not None
+            and motion is not None
+            and is_no_nearer(me, hit, outlook.ahead(motion), self._whereabouts, now)
+        ):
+            motion = None
+        loss = math.inf
+        if motion is not None and ((hit is None and wish) or outlook.free(motion)):
+            loss = wished.gone(outlook.t, math.inf)
+            loss -= outlook.ahead(motion).gone(outlook.t, math.inf)
+        else:
+            motion = None
+        if hit is not None and loss > WORTH and self._both_aside(me, outlook, hit, now):
+            return
         if motion is not None:
-            wish = outlook.is_wish(motion)
             self._commit(party, motion, outlook.ahead(motion), outlook, wished=wish)
         elif hit is not None:
             self._wait(party, outlook, hit)
         else:
             self._again(party, now + APART)
-
-    def _sees_the_same(self, party: Party, now: float) -> bool:
-        """Let somebody wait on who stands among those who stand, as they did at the last look."""
-        me, sight = party.me, party.sight
-        if sight is None or me.stands_since is None or self._whereabouts.changed(me, sight):
-            party.sight = None
-            return False
-        due = party.looked + party.afresh
-        if not party.said:
-            due = min(due, me.stands_since + me.manners.patience)
-        if due <= now:
-            party.sight, party.afresh = None, 2 * party.afresh
-            return False
-        self._again(party, min(due, now + LONGEST))
-        return True
-
-    def _may_go_on(self, hit: Hit, now: float, asked: tuple[Traveller, ...]) -> bool:
-        """Return whether the other may look first whether they can go on: they have not of late."""
-        other = hit.other
-        if other.recorded:
-            return False
-        party = self._parties[other]
-        return (
-            hit.at_rest
-            and other.goal is not None
-            and other not in asked
-            and len(asked) < 6
-            and now - other.decided >= ANEW
-            and now - party.looked >= ANEW
-            and party.arriving.time is None
-            and party.sight is None
-            and not party.waits_unchanged(now)
-        )
 
     def _both_aside(self, me: Traveller, mine: Outlook, hit: Hit, now: float) -> bool:
         """Let two who meet head-on both shift to a side, if that is free; return whether it is."""
@@ -450,7 +405,7 @@ class Crowd:
                 return True
         return False
 
-    def _wait(self, party: Party, outlook: Outlook, hit: Hit, *, ask: bool = True) -> None:
+    def _wait(self, party: Party, outlook: Outlook, hit: Hit) -> None:
         """Let somebody wait who can't go on; after a while they ask to be let past."""
         me, now = party.me, self._clock.now
         if me.body.motion.end > now:
@@ -459,10 +414,8 @@ class Crowd:
         if me.stands_since is None:
             me.stands_since = now
         stood = now - me.stands_since
-        if ask:
-            # Vehicles tell themselves when they move.
-            party.wait_for(None if hit.other.is_vehicle else self._parties[hit.other])
-            party.waits_on = hit.other.body.motion
+        # Vehicles tell themselves when they move.
+        party.wait_for(None if hit.other.is_vehicle else self._parties[hit.other])
         assert me.goal is not None
         # Not at once, or who has just arrived could arrive at the next goal too without a step.
         under_way = now - me.since >= me.manners.reaction_time
@@ -471,21 +424,20 @@ class Crowd:
             party.arriving.set(now)
             return
         stands = hit.at_rest and hit.other.body.motion.end <= now
-        if ask and stands and stood >= me.manners.reaction_time:
+        if stands and stood >= me.manners.reaction_time:
             party.pause_longer(now)
             # Of two who wait for each other the other may ask where the one has done so in vain.
             if (me.rank < hit.other.rank or party.said) and self._ask(me, outlook, hit):
                 return
             if party.rounded < now and takes_way_round(me, outlook, stood):
                 party.rounded = now
-                self._decide(me, (me,))
+                self._decide(me)
                 return
-            sight = outlook.sight(ALL_AROUND)
-            party.sight = sight if sight.rests <= now else None
         if stood >= me.manners.patience and not party.said:
             party.said = True
             self._stage.record(Blocked(person=me.name, by=hit.other.name))
             party.blocked()
+        if party.said:
             self._look_for_deadlock(now)
         due = max(party.tries_again, now + APART)
         if stood < me.manners.reaction_time:
@@ -497,19 +449,19 @@ class Crowd:
         self._again(party, due)
 
     def _look_for_deadlock(self, now: float) -> None:
-        """Record it if everybody under way has lost patience."""
+        """Record a deadlock if people under way have lost patience and no person has moved."""
+        if self._is_deadlocked or now - self._committed < DEADLOCK:
+            return
         under_way = [party for me, party in self._parties.items() if me.goal is not None]
         if len(under_way) > 1 and all(party.said for party in under_way):
+            self._is_deadlocked = True
             self.deadlocks += 1
             self._stage.record(Deadlock(people=[party.me.name for party in under_way]))
 
     def _ask(self, me: Traveller, outlook: Outlook, hit: Hit) -> bool:
         """Ask those in the way to step aside; return whether they did."""
         party, floor = self._parties[me], self._whereabouts
-        effort = USUAL
-        if party.begin_search(self._clock.now):
-            effort = UTMOST if party.said else MORE
-        request = Request(me, self._clock.now, floor, self._ground, effort, party.behind())
+        request = Request(me, self._clock.now, floor, self._ground, party.behind())
         if not request.succeeds(outlook, outlook.gone(hit.t)):
             return False
         for who, draft in request.drafts.items():
@@ -538,7 +490,8 @@ class Crowd:
         if outlook is not None:
             self._whereabouts.send(me, me.goal, outlook.course[1:])
             party.goes_on(self._clock.now)
-        me.decided = now
+        me.decided = self._committed = now
+        self._is_deadlocked = False
         me.follow(motion, ahead)
         arrival = _arrival(me, motion, ahead.place, wished)
         party.arriving.set(None if arrival is None else max(arrival, now))

@@ -20,7 +20,7 @@ from navigation.walking import Swath, can_go_on, swath
 from .course import first
 from .detour import Detours
 from .traveller import Traveller
-from .whereabouts import GAP, Hit, Others, Sight, Whereabouts
+from .whereabouts import GAP, Hit, Others, Whereabouts
 
 STEP = 0.25
 """Metres between the places along a course that are looked at, to stop or to get off it."""
@@ -270,13 +270,10 @@ class Outlook:
         """Return the draft of the walk that was looked at last."""
         return Swath.of(self.walks.table, self.walks.box)
 
-    def chosen(self, impatient: bool) -> Motion | None:
-        """Return the free walk that loses least, of those that there are; None for none.
-
-        Who is `impatient` stops in narrow places too.
-        """
+    def chosen(self) -> Motion | None:
+        """Return the free walk that loses least, of those that there are; None for none."""
         foresight = self._foresight
-        if not foresight.choose(impatient):
+        if not foresight.choose():
             return None
         if foresight.wishes:
             return self.wish
@@ -331,17 +328,6 @@ class Outlook:
         """The first conflict of what they wish for."""
         assert self.others is not None
         return self._hit
-
-    def sight(self, metres: float) -> Sight:
-        """Return what they see so far around the course."""
-        low_x, low_y, high_x, high_y = self._box
-        box = [low_x - metres, low_y - metres, high_x + metres, high_y + metres]
-        return self._whereabouts.sight(self.me, box)
-
-    @property
-    def _box(self) -> MutableSequence[float]:
-        """The bounds of the course ahead."""
-        return self.me.swath.box if self.wished is None else self.wished.box
 
     def _around_of(self, ahead: Swath) -> Others:
         """Return those who may come near a motion."""

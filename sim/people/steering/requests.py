@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Container, Iterator, MutableSequence, Sequence
 from itertools import pairwise
-from typing import NamedTuple
 
 from floorplan import Point
 from navigation.kernels.numbers import numbers
 from navigation.kernels.retreats import Retreats
 from navigation.walking import Swath
 
-from .backing_out import back_out
 from .course import first, length_of, place_after, rest
 from .moving import RequestedMoves
 from .outlook import STEP, Ground, Outlook
@@ -49,31 +47,14 @@ WAITS = (0.0, 0.5, 1.0, 2.0, 4.0)
 """Seconds that whoever asks waits for the others to be out of the way."""
 
 
-class Effort(NamedTuple):
-    """How far a request goes: the figures of the search for who moves where.
+DEEPEST, MOST = 10, 24
+"""People. Length of a chain of requests, and number of people who move for a request, at most."""
 
-    People ask on along a chain of at most `deepest`, and at most `most` move; each tries `wide`
-    places, and all together `tries` courses. Where the course of the asker leaves them no room, it
-    is also laid `sides` metres to the left, where there are no walls: that opens an aisle in which
-    two can pass each other only close to its walls. Then also `far` beyond the one in the way.
-    """
+WIDE, TRIES = 6, 40
+"""Courses that one person tries, and all people together for one course of the asker, at most."""
 
-    deepest: int
-    most: int
-    wide: int
-    tries: int
-    sides: tuple[float, ...] = ()
-    far: bool = False
-
-
-USUAL = Effort(deepest=4, most=12, wide=6, tries=40)
-"""Enough where there is room."""
-
-MORE = Effort(deepest=10, most=24, wide=12, tries=200)
-"""For who has asked in vain: in a throng many have to move a little, one after the other."""
-
-UTMOST = MORE._replace(sides=(-0.45, 0.45, -0.9, 0.9, -0.2, 0.2), far=True)
-"""For who has lost patience."""
+SIDES = (-0.45, 0.45, -0.9, 0.9, -0.2, 0.2)
+"""Metres to the left. Shifts of the asker's course that leave others more room."""
 
 
 class Request:
@@ -92,20 +73,18 @@ class Request:
         now: float,
         whereabouts: Whereabouts,
         ground_of: Callable[[Traveller], Ground],
-        effort: Effort = USUAL,
         behind: Container[Traveller] = (),
     ) -> None:
         self._asker = asker
         self._now = now
         self._whereabouts = whereabouts
         self._ground_of = ground_of
-        self._effort = effort
         self._behind = behind
-        self._left = effort.tries
+        self._left = TRIES
         self._refusing = bytearray(len(whereabouts.people))
         """For everybody, whether they are known to refuse."""
         self._moving = RequestedMoves(whereabouts, now)
-        """Those who move for it: the asker first, unless they back out."""
+        """Those who move for it: the asker first."""
 
     @property
     def drafts(self) -> dict[Traveller, Swath]:
@@ -119,34 +98,17 @@ class Request:
             latest = outlook.draft(course, length, delay=WAITS[-1])
             if latest is None:
                 continue
-            self._left = self._effort.tries
+            self._left = TRIES
             if self._clear_for_asker(latest, first(course, length)):
                 self._set_out_sooner(outlook, course, length)
                 return True
-        return self._effort.far and self._back_out(outlook, passed)
-
-    def _back_out(self, outlook: Outlook, passed: float) -> bool:
-        """Return whether all can back out of the asker's course, or one beside it."""
-        near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
-        for length in dict.fromkeys((near, outlook.stop_beyond(outlook.reach))):
-            for course in (outlook.course, *self._beside(outlook, length)):
-                if back_out(
-                    outlook,
-                    course,
-                    length,
-                    self._whereabouts,
-                    self._moving,
-                    self._ground_of,
-                    self._refuses,
-                ):
-                    return True
         return False
 
     def _courses(self, outlook: Outlook, passed: float) -> Iterator[tuple[Sequence[Point], float]]:
         """Yield courses of the asker past `passed` metres of its own, and their lengths (metres).
 
-        Its own just past the one in the way, as to get anywhere at all comes first; then, as far as
-        the effort goes, some beside that, and its own as far as they look ahead.
+        Its own just past the one in the way, as to get anywhere comes first. Then some beside that,
+        and its own as far as they look ahead.
         """
         near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
         yield outlook.course, near
@@ -154,12 +116,12 @@ class Request:
             yield course, near
         far = outlook.stop_beyond(outlook.reach)
         # Where others keep them from getting past, they keep them from going on nearly always.
-        if self._effort.far and far != near:
+        if far != near:
             yield outlook.course, far
 
     def _beside(self, outlook: Outlook, length: float) -> Iterator[Sequence[Point]]:
-        """Yield courses beside the first `length` metres of the asker's own, as the effort goes."""
-        for side in self._effort.sides:
+        """Yield courses beside the first `length` metres of the asker's own."""
+        for side in SIDES:
             steps = [min(k * LANE, length) for k in range(1, math.ceil(length / LANE) + 1)]
             ways = [outlook.walks.at(along) for along in steps]
             course = [outlook.at, *((x - side * s, y + side * c) for x, y, c, s in ways)]
@@ -206,7 +168,7 @@ class Request:
 
     def _is_enough(self, depth: int, moving: int) -> bool:
         """Return whether nobody else is asked so far down a chain, if so many are moving."""
-        return depth >= self._effort.deepest or moving > self._effort.most
+        return depth >= DEEPEST or moving > MOST
 
     def _refuses(self, k: int) -> bool:
         """Return whether somebody may not be asked, and take note of it."""
@@ -243,7 +205,7 @@ class Request:
         """Yield courses off `course`: to the nearest places around, then to places ahead of it.
 
         With what comes of them, and who is met first there; none meets anybody who moves. As many
-        as the effort allows, of which those are left out that meet first who refuses.
+        as the limits allow, of which those are left out that meet first who refuses.
         """
         who = self._whereabouts.people[k]
         ground, moving, refusing = self._ground_of(who), self._moving, self._refusing
@@ -275,7 +237,7 @@ class Request:
             walks.table, walks.box = slower.table, slower.box
             return True
 
-        wide = self._effort.wide
+        wide = WIDE
         for path, places in _lookout(who.swath.place, course, width, ground):
             walks.look(path, places)
             fit = None if not who.zones and ground.has_only_walls(path[-1], RINGS[-1]) else fits

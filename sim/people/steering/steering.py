@@ -43,8 +43,7 @@ class Foresighted:
         """See `Steering`."""
         if outlook.wished is None:
             return None
-        impatient = body.time_blocked(outlook.now) >= body.manners.patience
-        return outlook.chosen(impatient)
+        return outlook.chosen()
 
 
 def both_aside(

@@ -7,7 +7,7 @@ from collections.abc import Container, MutableSequence, Sequence
 from typing import NamedTuple, overload
 
 from floorplan import Point
-from navigation.kernels.discs import first_met, within_bounds
+from navigation.kernels.discs import first_met
 from navigation.kernels.numbers import numbers
 from navigation.kernels.throng import Throng
 from navigation.walking import Swath
@@ -26,18 +26,6 @@ class Hit(NamedTuple):
     at_rest: bool
 
 
-class Sight(NamedTuple):
-    """Those who may come into bounds, as of a number of changes; all of them stand by `rests` (s).
-
-    `box` has least x and y, greatest x and y (metres), `near` indices.
-    """
-
-    box: Sequence[float]
-    near: list[int]
-    changes: int
-    rests: float
-
-
 class Whereabouts:
     """The people on a floor, in the order in which they came: where they go, and its bounds.
 
@@ -51,32 +39,24 @@ class Whereabouts:
         self.tables, self.boxes, self.radii = throng.tables, throng.boxes, throng.radii
         self.rests: list[float] = []
         self.indices: dict[Traveller, int] = {}
-        self.changes = 0
-        """Number of motions that anybody has committed themselves to."""
-        self._changed: list[int] = []
 
     def put(self, who: Traveller) -> None:
         """Take note of what somebody has committed themselves to."""
         table, rests, box = who.swath
-        self.changes += 1
         k = self.indices.get(who)
         if k is None:
             self.indices[who] = len(self.people)
             self.people.append(who)
             self.throng.add(table, box, who.radius)
             self.rests.append(rests)
-            self._changed.append(self.changes)
         else:
             self.throng.commit(k, table, box)
             self.rests[k] = rests
-            self._changed[k] = self.changes
 
     def take_away(self, who: Traveller) -> None:
         """Take note that somebody is in nobody's way for now."""
         k = self.indices.get(who)
         if k is not None and self.boxes[4 * k] < math.inf:
-            self.changes += 1
-            self._changed[k] = self.changes
             # Bounds that nothing comes into; the row stays, as indices are kept.
             box = numbers((math.inf, math.inf, -math.inf, -math.inf))
             self.throng.commit(k, self.tables[k], box)
@@ -93,22 +73,6 @@ class Whereabouts:
         0 if either rests.
         """
         return self.throng.between(self.indices[one], self.indices[other], t)
-
-    def sight(self, me: Traveller, box: Sequence[float]) -> Sight:
-        """Return what somebody sees who looks at what comes into bounds."""
-        near = self._within(box, me)
-        return Sight(box, near, self.changes, max((self.rests[k] for k in near), default=0.0))
-
-    def changed(self, me: Traveller, sight: Sight) -> bool:
-        """Return whether anybody in sight of `me` has committed themselves to something else."""
-        if self.changes == sight.changes:
-            return False
-        near = self._within(sight.box, me)
-        return near != sight.near or any(self._changed[k] > sight.changes for k in near)
-
-    def _within(self, box: Sequence[float], me: Traveller) -> list[int]:
-        low_x, low_y, high_x, high_y = box
-        return within_bounds(self.boxes, low_x, low_y, high_x, high_y, self.indices[me])
 
     def hit(self, k: int, t: float) -> Hit:
         """Return the conflict with the k-th at `t` (seconds)."""
