@@ -164,7 +164,7 @@ class MannersEntry(Keyed):
     """Manners of one person, or of each of several; what is None is as usual.
 
     `comfort` is in metres, `time_gap`, `foresight`, `reaction_time` and `patience` in seconds. They
-    mean what they do in `sim.people.steering.manners.Manners`.
+    mean what they do in `sim.people.crowd.parameters.Manners`.
     """
 
     comfort: Spread | None = None

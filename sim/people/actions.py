@@ -14,12 +14,12 @@ from ..core.body import Machine
 from ..core.events import Teleport
 from ..core.scenario import Scenario
 from ..core.stage import Stage
+from .crowd.crowd import Crowd
+from .crowd.traveller import Traveller
 from .errand import Errand
 from .interaction import Interaction, NobodyError
 from .perception import PERCEPTS
 from .programs import load_program, modules_of
-from .steering.crowd import Crowd
-from .steering.traveller import Traveller
 from .walker import Walker
 from .work import Worker
 

@@ -13,9 +13,9 @@ from navigation import Approaching, PlanningError, first_time
 from ..core.clock import Alarm, Turn
 from ..core.events import WalksWith
 from ..core.stage import Stage
+from .crowd.crowd import Crowd
+from .crowd.traveller import Traveller
 from .errand import Errand
-from .steering.crowd import Crowd
-from .steering.traveller import Traveller
 from .walker import Walker
 
 AT_LEAST = 0.5

@@ -29,15 +29,15 @@ from ..core.schedule import Duration
 from ..core.stage import Stage
 from ..safety.referee import Referee
 from .actions import Actions, MindError
+from .crowd.crowd import Crowd
+from .crowd.parameters import Manners
+from .crowd.places import wings
+from .crowd.traveller import AT_THE_DOOR
 from .errand import Errand
 from .interaction import Interaction
 from .minds import Mind, as_term
 from .perception import Senses, SocialPerception, Vision
 from .programs import find_program
-from .steering.crowd import Crowd
-from .steering.manners import Manners
-from .steering.starting import wings
-from .steering.traveller import AT_THE_DOOR
 from .tracks.recorded_walks import Playback, RecordedWalk
 from .walker import Walker
 from .work import WorkBoard, Worker

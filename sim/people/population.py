@@ -17,6 +17,10 @@ from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
 from ..safety.proximity import Distancing
 from ..safety.referee import Referee
+from .crowd.crowd import Crowd
+from .crowd.custom_steering import find_steering
+from .crowd.parameters import drawn
+from .crowd.places import starting_places, with_homes
 from .minds import (
     STEPS,
     Mind,
@@ -29,10 +33,6 @@ from .minds import (
 )
 from .person import Entrances, Person
 from .programs import EXTERNAL, Programs, find_planner, planner_of
-from .steering.crowd import Crowd
-from .steering.manners import drawn
-from .steering.own_steering import find_steering
-from .steering.starting import starting_places, with_homes
 from .tracks.recorded_walks import RecordedWalk, with_places
 from .work import WorkBoard
 

@@ -25,11 +25,11 @@ from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
 from ..core.events import PathBlocked, Replanned
 from ..core.stage import Stage
-from .steering.crowd import Crowd
-from .steering.manners import Manners
-from .steering.speed_zones import SpeedZones
-from .steering.traveller import Traveller
-from .steering.vehicle_conflicts import GAP, among_vehicles, any_moves, any_touches
+from .crowd.crowd import Crowd
+from .crowd.parameters import Manners
+from .crowd.speed_zones import SpeedZones
+from .crowd.traveller import Traveller
+from .crowd.vehicles import TOUCH, among_vehicles, any_moves, any_touches
 
 REPORT_DELAY = 0.1
 """Seconds until somebody who is sent to where they are already says that they are there."""
@@ -179,7 +179,7 @@ class Walker:
         except ValueError:  # they are there
             return None
         return among_vehicles(
-            self._stage, self._planner, self.human, self.body, goal, motion, top, GAP + LEEWAY
+            self._stage, self._planner, self.human, self.body, goal, motion, top, TOUCH + LEEWAY
         )
 
     def _go_on(self) -> None:

@@ -27,8 +27,8 @@ from ..core.entries import RecordedTrack
 from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
 from ..machines.kinds import is_own, own_kind
+from ..people.crowd.custom_steering import STEERING
 from ..people.programs import load_program, modules_of, planner_of, planner_source, sources_of
-from ..people.steering.own_steering import STEERING
 from ..people.tracks.recorded_walks import files_of
 from ..record.outcome import csv_line
 from ..record.output import OutputError, replacing, write_whole, writing

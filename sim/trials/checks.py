@@ -33,8 +33,8 @@ from ..core.scenario import (
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
+from ..people.crowd.custom_steering import STEERING, SteeringError
 from ..people.programs import EXTERNAL, find_program, modules_of, planner_source, sources_of
-from ..people.steering.own_steering import STEERING, SteeringError
 from ..people.tracks.recorded_walks import track_faults
 from .expectations import expectation_problems
 from .feasibility import (

@@ -14,8 +14,8 @@ import sim
 from navigation import Box, Cylinder, Shapes, minimum_separation
 from sim.machines.kinds import machines_on, may_be
 from sim.people import walker
-from sim.people.steering import vehicle_conflicts as foreseen
-from sim.people.steering.vehicles import cover
+from sim.people.crowd import vehicles
+from sim.people.crowd.vehicles import cover
 
 TRIAL = """
 floorplan: ariac2023
@@ -53,7 +53,7 @@ def test_nobody_sets_out_into_a_lane_that_an_agv_is_about_to_cross(
         machine=(Box.of_agv(plan.lane("agv1")),),
     )
     apart = minimum_separation(run.motions["ada"], run.motions["agv1"], 0.0, 40.0, shapes=shapes)
-    assert apart[1] >= foreseen.GAP - 1e-6
+    assert apart[1] >= vehicles.TOUCH - 1e-6
     # Those who set out at once stop on the way, and are there later.
     monkeypatch.setattr(walker, "among_vehicles", lambda *given: None)
     assert arrival(crossing(tmp_path, start, drives, other)) >= arrival(run) - 1e-9
@@ -86,7 +86,7 @@ def test_nobody_alone_walks_into_an_oncoming_vehicle(at, goes, tmp_path):
     assert run.motions["bot"].state(30.0).at[0] > 23.9
     shapes = Shapes(person=Cylinder(radius=0.3, top=1.8), machine=(run.scene.machine("bot").box,))
     pair = (run.motions["ada"], run.motions["bot"])
-    assert minimum_separation(*pair, 0.0, 30.0, shapes=shapes)[1] >= foreseen.GAP - 1e-6
+    assert minimum_separation(*pair, 0.0, 30.0, shapes=shapes)[1] >= vehicles.TOUCH - 1e-6
     assert arrival(run) < 24.5
 
 

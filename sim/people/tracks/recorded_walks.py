@@ -23,8 +23,8 @@ from ...core.clock import Alarm, Turn
 from ...core.entries import RecordedTrack
 from ...core.scenario import PersonEntry, Scenario
 from ...core.stage import Stage
-from ..steering.crowd import Crowd
-from ..steering.traveller import Traveller
+from ..crowd.crowd import Crowd
+from ..crowd.traveller import Traveller
 from .tables import (
     Array,
     Samples,

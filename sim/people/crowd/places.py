@@ -15,8 +15,8 @@ from navigation import CollisionWorld
 
 from ...core.entries import seed_of
 from ...core.scenario import PersonEntry, Scenario, TrialError
+from .commitments import GAP
 from .crowd import Crowd
-from .whereabouts import GAP
 
 TRIES = 5_000
 """Number of places that are drawn for one person."""

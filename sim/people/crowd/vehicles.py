@@ -1,29 +1,49 @@
-"""Vehicles as people among people see them: discs that cover one that drives, or is about to."""
+"""Vehicles: the discs that people avoid, and waiting for a vehicle before departure."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
-from floorplan import Point
-from navigation import Motion, Piece, standing
+from floorplan import Human, Point
+from navigation import (
+    Box,
+    Cylinder,
+    FixedDistance,
+    Motion,
+    Mover,
+    PathPlanner,
+    Piece,
+    PlanningError,
+    Shapes,
+    TooClose,
+    first_time,
+    plan_among,
+    standing,
+)
+from navigation.moving_obstacles import Passage
 
 from ...core.body import Body, Machine, MachineShape
 from ...core.clock import Alarm, Turn
 from ...core.stage import Stage
-from .manners import Manners
+from .commitments import Commitments
+from .parameters import Manners
 from .speed_zones import SpeedZones
 from .traveller import Traveller
-from .vehicle_conflicts import GAP
-from .whereabouts import Whereabouts
+
+TOUCH = 0.1
+"""Distance from a moving AGV at which a person counts as touched, m."""
+
+TOUCHING = TooClose(FixedDistance(TOUCH))
+"""Condition under which a person counts as touched."""
 
 KNOWN = 10.0
-"""Seconds before a vehicle sets out as announced at which people reckon with it."""
+"""Time before an announced departure at which people avoid the vehicle, s."""
 
 LEEWAY = 1e-3
-"""Metres. Farther than counts as touched people keep from a vehicle that drives."""
+"""Distance that people keep beyond `TOUCH`, m."""
 
 
 class Vehicle:
@@ -37,12 +57,12 @@ class Vehicle:
         self,
         stage: Stage,
         machine: Machine,
-        whereabouts: Whereabouts,
+        commitments: Commitments,
         changed: Callable[[Sequence[Traveller]], None],
     ) -> None:
         self._clock = stage.clock
         self._machine = machine
-        self._whereabouts = whereabouts
+        self._commitments = commitments
         self._changed = changed
         self._stage = stage
         self.is_there = False
@@ -60,7 +80,7 @@ class Vehicle:
     def discs(self) -> list[Traveller]:
         """Those who move like the vehicle's parts; most vehicles never drive."""
         stage, machine = self._stage, self._machine
-        radius = cover(machine.shape)[1] + GAP + LEEWAY
+        radius = cover(machine.shape)[1] + TOUCH + LEEWAY
         size, manners = replace(stage.floorplan.human, radius=radius), Manners(steps_aside=False)
         rests, zones = standing(machine.body.at), SpeedZones((), machine.name)
         return [
@@ -87,12 +107,12 @@ class Vehicle:
         if motion.end > now:
             for disc, place in zip(self.discs, self._places, strict=True):
                 disc.body.motion = _shifted(motion, place)
-                self._whereabouts.put(disc)
+                self._commitments.put(disc)
             self._changed(self.discs)
             self.is_there = True
         elif self.is_there:
             for disc in self.discs:
-                self._whereabouts.take_away(disc)
+                self._commitments.take_away(disc)
             self.is_there = False
         due = min(motion.end if motion.end > now else math.inf, announced)
         self._alarm.set(None if due == math.inf else max(due, now))
@@ -120,3 +140,74 @@ def _shifted(motion: Motion, by: Point) -> Motion:
         return one._replace(x=x, y=y)
 
     return Motion(tuple(map(piece, motion.pieces)), motion.jumps)
+
+
+def among_vehicles(
+    stage: Stage,
+    planner: PathPlanner,
+    human: Human,
+    body: Body,
+    goal: tuple[float, float],
+    motion: Motion,
+    top: float,
+    gap: float,
+) -> Passage | None:
+    """Return the passage of somebody who stands to `goal`, at up to `top` m/s, among vehicles.
+
+    They keep `gap` metres from the surfaces of those. None if no vehicle would touch them on
+    `motion`, neither one under way nor one that is known to set out before they arrive. None, too,
+    if there is no passage: they set out all the same then, and let the vehicle pass when it comes.
+    """
+    if not any_touches(stage, human, motion):
+        return None
+    now = stage.clock.now
+    try:
+        return plan_among(
+            planner,
+            body.at,
+            goal,
+            _moving(stage, now, motion.end),
+            at=now,
+            heading=body.state.position[2],
+            max_speed=top,
+            max_acceleration=human.max_acceleration,
+            height=human.height,
+            gap=gap,
+        )
+    except PlanningError:
+        return None
+
+
+def any_touches(stage: Stage, human: Human, motion: Motion) -> bool:
+    """Return whether a vehicle touches somebody on `motion`, as far as it is known how it drives.
+
+    That is, under way or known to set out before they arrive.
+    """
+    now = stage.clock.now
+    return any(_touches(mover, motion, human, now) for mover in _moving(stage, now, motion.end))
+
+
+def any_moves(stage: Stage, until: float) -> bool:
+    """Return whether a vehicle drives now, or is known to set out by `until` (seconds)."""
+    return bool(_moving(stage, stage.clock.now, until))
+
+
+def _moving(stage: Stage, now: float, until: float) -> list[Mover]:
+    """Return the vehicles that drive now or set out by `until`, as far as that is known."""
+    known = ((machine, machine.foreseen(until)) for machine in stage.vehicles)
+    return [_mover(machine, motion) for machine, motion in known if motion.end > now]
+
+
+def _mover(machine: Machine, motion: Motion) -> Mover:
+    return Mover(machine.name, motion, machine.shape.box)
+
+
+def _touches(mover: Mover, motion: Motion, human: Human, now: float) -> bool:
+    shapes = _shapes(human, mover.solid)
+    return first_time(TOUCHING, motion, mover.motion, now, motion.end, shapes=shapes) is not None
+
+
+@lru_cache
+def _shapes(human: Human, vehicle: Box | Cylinder) -> Shapes:
+    """Return the solids of a person and of a vehicle; most people are alike."""
+    return Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(vehicle,))

@@ -1,4 +1,4 @@
-"""Requests to step aside: somebody who is stuck asks those in the way, and they ask on."""
+"""Requests to step aside: a blocked person asks the people in the way, who may ask others."""
 
 from __future__ import annotations
 
@@ -7,23 +7,16 @@ from collections.abc import Callable, Container, Iterator, MutableSequence, Sequ
 from itertools import pairwise
 
 from floorplan import Point
+from navigation.kernels.movers import Movers
 from navigation.kernels.numbers import numbers
 from navigation.kernels.retreats import Retreats
 from navigation.walking import Swath
 
-from .course import first, length_of, place_after, rest
-from .moving import RequestedMoves
-from .outlook import STEP, Ground, Outlook
+from .commitments import GAP, Commitments
+from .ground import Ground, first, length_of, place_after, rest
+from .observe import Outlook
+from .parameters import ANGLES, PARAMETERS, RINGS, SHIFTS, WAITS
 from .traveller import Traveller
-from .whereabouts import GAP, Whereabouts
-
-RINGS = (0.1, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
-"""Metres. So far people look around them for a place to step aside to.
-
-A step of 0.1 m opens an arch: two who touch each other in a door, with a third close behind them.
-"""
-
-ANGLES = 16
 
 AROUND = numbers(
     number
@@ -32,29 +25,24 @@ AROUND = numbers(
     for angle in (2 * math.pi * k / ANGLES,)
     for number in (r * math.cos(angle), r * math.sin(angle))
 )
-"""Metres. The places around them, the nearest first: x and y of each in turn."""
-
-PASSED = 1.0
-"""Metres. So far beyond the one in the way whoever asks wants to get."""
-
-LANE = 1.0
-"""Metres between the points of a course that is laid to a side."""
-
-RANK_COUNTS = 60.0
-"""Seconds. Who has been kept from going on for longer asks those as well who rank higher."""
-
-WAITS = (0.0, 0.5, 1.0, 2.0, 4.0)
-"""Seconds that whoever asks waits for the others to be out of the way."""
+"""Positions around a person, the nearest first: x and y of each, m."""
 
 
-DEEPEST, MOST = 10, 24
-"""People. Length of a chain of requests, and number of people who move for a request, at most."""
+class RequestedMoves(Movers):
+    """Drafts of all people who move for one request, checked against each other and all others."""
 
-WIDE, TRIES = 6, 40
-"""Courses that one person tries, and all people together for one course of the asker, at most."""
+    def __init__(self, commitments: Commitments, now: float) -> None:
+        super().__init__(commitments, now)
+        self._commitments = commitments
 
-SIDES = (-0.45, 0.45, -0.9, 0.9, -0.2, 0.2)
-"""Metres to the left. Shifts of the asker's course that leave others more room."""
+    @property
+    def drafts(self) -> dict[Traveller, Swath]:
+        """Draft of each person who moves."""
+        people, boxes = self._commitments.people, self.boxes
+        return {
+            people[k]: Swath.of(table, boxes[4 * i : 4 * i + 4])
+            for i, (k, table) in enumerate(zip(self.indices, self.tables, strict=True))
+        }
 
 
 class Request:
@@ -71,19 +59,19 @@ class Request:
         self,
         asker: Traveller,
         now: float,
-        whereabouts: Whereabouts,
+        commitments: Commitments,
         ground_of: Callable[[Traveller], Ground],
         behind: Container[Traveller] = (),
     ) -> None:
         self._asker = asker
         self._now = now
-        self._whereabouts = whereabouts
+        self._commitments = commitments
         self._ground_of = ground_of
         self._behind = behind
-        self._left = TRIES
-        self._refusing = bytearray(len(whereabouts.people))
+        self._left = PARAMETERS.tries
+        self._refusing = bytearray(len(commitments.people))
         """For everybody, whether they are known to refuse."""
-        self._moving = RequestedMoves(whereabouts, now)
+        self._moving = RequestedMoves(commitments, now)
         """Those who move for it: the asker first."""
 
     @property
@@ -98,7 +86,7 @@ class Request:
             latest = outlook.draft(course, length, delay=WAITS[-1])
             if latest is None:
                 continue
-            self._left = TRIES
+            self._left = PARAMETERS.tries
             if self._clear_for_asker(latest, first(course, length)):
                 self._set_out_sooner(outlook, course, length)
                 return True
@@ -110,7 +98,7 @@ class Request:
         Its own just past the one in the way, as to get anywhere comes first. Then some beside that,
         and its own as far as they look ahead.
         """
-        near = min(outlook.stop_beyond(passed + PASSED), outlook.whole)
+        near = min(outlook.stop_beyond(passed + PARAMETERS.passed), outlook.whole)
         yield outlook.course, near
         for course in self._beside(outlook, near):
             yield course, near
@@ -121,8 +109,11 @@ class Request:
 
     def _beside(self, outlook: Outlook, length: float) -> Iterator[Sequence[Point]]:
         """Yield courses beside the first `length` metres of the asker's own."""
-        for side in SIDES:
-            steps = [min(k * LANE, length) for k in range(1, math.ceil(length / LANE) + 1)]
+        for side in SHIFTS:
+            steps = [
+                min(k * PARAMETERS.lane, length)
+                for k in range(1, math.ceil(length / PARAMETERS.lane) + 1)
+            ]
             ways = [outlook.walks.at(along) for along in steps]
             course = [outlook.at, *((x - side * s, y + side * c) for x, y, c, s in ways)]
             if all(outlook.ground.free(a, b) for a, b in pairwise(course)):
@@ -130,7 +121,7 @@ class Request:
 
     def _set_out_sooner(self, outlook: Outlook, course: Sequence[Point], length: float) -> None:
         """Let the asker set out as soon as all the others who move are out of its way."""
-        moving, asker = self._moving, self._whereabouts.indices[self._asker]
+        moving, asker = self._moving, self._commitments.indices[self._asker]
         for wait in WAITS[:-1]:
             draft = outlook.draft(course, length, delay=wait)
             if draft is None or moving.meet(asker, draft.table, draft.box):
@@ -147,7 +138,7 @@ class Request:
         """Let all step aside who stand in the way of the asker; return whether they can."""
         moving = self._moving
         moving.keep(0)
-        moving.add(self._whereabouts.indices[self._asker], draft.table, draft.box)
+        moving.add(self._commitments.indices[self._asker], draft.table, draft.box)
         return self._clear(0, course, 0, moving.first_hit(0))
 
     def _clear(self, mover: int, course: Sequence[Point], depth: int, hit: int) -> bool:
@@ -168,11 +159,11 @@ class Request:
 
     def _is_enough(self, depth: int, moving: int) -> bool:
         """Return whether nobody else is asked so far down a chain, if so many are moving."""
-        return depth >= DEEPEST or moving > MOST
+        return depth >= PARAMETERS.longest_chain or moving > PARAMETERS.most_moved
 
     def _refuses(self, k: int) -> bool:
         """Return whether somebody may not be asked, and take note of it."""
-        other = self._whereabouts.people[k]
+        other = self._commitments.people[k]
         refuses = not (
             other is not self._asker
             and other.manners.steps_aside
@@ -181,7 +172,7 @@ class Request:
             and (
                 other.rank > self._asker.rank
                 or other in self._behind
-                or self._asker.time_blocked(self._now) > RANK_COUNTS
+                or self._asker.time_blocked(self._now) > PARAMETERS.rank_counts
             )
         )
         self._refusing[k] = refuses
@@ -207,7 +198,7 @@ class Request:
         With what comes of them, and who is met first there; none meets anybody who moves. As many
         as the limits allow, of which those are left out that meet first who refuses.
         """
-        who = self._whereabouts.people[k]
+        who = self._commitments.people[k]
         ground, moving, refusing = self._ground_of(who), self._moving, self._refusing
         if self._is_enough(depth + 1, len(moving.indices) + 1):
             refusing = bytearray(b"\1" * len(refusing))
@@ -237,7 +228,7 @@ class Request:
             walks.table, walks.box = slower.table, slower.box
             return True
 
-        wide = WIDE
+        wide = PARAMETERS.wide
         for path, places in _lookout(who.swath.place, course, width, ground):
             walks.look(path, places)
             fit = None if not who.zones and ground.has_only_walls(path[-1], RINGS[-1]) else fits
@@ -264,7 +255,7 @@ def _lookout(
     yield [at], AROUND
     gone, near = 0.0, math.inf
     whole = length_of(course)
-    steps = [k * STEP for k in range(math.ceil(whole / STEP) + 1)]
+    steps = [k * PARAMETERS.stride for k in range(math.ceil(whole / PARAMETERS.stride) + 1)]
     # The place on the course that is nearest to them: all before that is behind them.
     for s in steps:
         away = math.dist(place_after(course, s), at)
@@ -277,7 +268,7 @@ def _lookout(
         for r in (width + 0.02, 1.3 * width)
         for number in (r * math.cos(angle), r * math.sin(angle))
     )
-    beyond = rest(course, gone + STEP)
-    lengths = (s - gone - STEP for s in steps if s > gone + STEP)
+    beyond = rest(course, gone + PARAMETERS.stride)
+    lengths = (s - gone - PARAMETERS.stride for s in steps if s > gone + PARAMETERS.stride)
     for path in ground.paths_ahead(at, beyond, lengths):
         yield path, beside

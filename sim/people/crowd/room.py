@@ -9,9 +9,9 @@ from floorplan import Point
 from navigation import CollisionWorld, standing
 from navigation.walking import first_conflict, swath
 
-from .outlook import Ground
+from .commitments import GAP, Commitments
+from .ground import Ground
 from .traveller import Traveller
-from .whereabouts import GAP, Whereabouts
 
 RINGS, ANGLES = 24, 24
 """Places that are looked at around one that is taken: so many circles, and places on each."""
@@ -39,7 +39,7 @@ def room_near(
     place: Point,
     radius: float,
     ground: Callable[[], Ground],
-    floor: Whereabouts,
+    floor: Commitments,
     now: float,
     me: Traveller | None,
     taken: Sequence[Place],
@@ -63,7 +63,7 @@ def room_near(
             # Standing there for ever must conflict with nobody's motion, as everything that is
             # agreed to.
             stand = swath(standing(at, start=now), now)
-            near = [floor.people[k] for k in floor.throng.near(stand.box, radius)]
+            near = [floor.people[k] for k in floor.near(stand.box, radius)]
             # The place itself was found fit by whoever chose it, however close to a wall.
             if (
                 (ring == 0 or ground().free_and_back(place, at))

@@ -8,10 +8,10 @@ from typing import Protocol
 from navigation import Motion
 from navigation.walking import Swath
 
-from .course import nearest_length
-from .outlook import Outlook
+from .commitments import GAP, Hit
+from .ground import nearest_length
+from .observe import Outlook
 from .traveller import Traveller
-from .whereabouts import GAP, Hit
 
 
 class Steering(Protocol):

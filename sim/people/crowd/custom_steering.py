@@ -12,8 +12,8 @@ from navigation import Motion
 
 from ...core.custom_code import CodeFolder, Kind, argument_fault, in_words, own_line
 from ...core.scenario import TrialError
-from .outlook import Outlook
-from .steering import Steering
+from .observe import Outlook
+from .propose import Steering
 from .traveller import Traveller
 
 NEAR = 1e-6

@@ -3,113 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
-from functools import cached_property
-from itertools import pairwise
+from collections.abc import MutableSequence, Sequence
 
 from floorplan import Point
-from navigation import CollisionWorld, Motion, stop_walking
-from navigation.freespace import Narrows
+from navigation import Motion, stop_walking
 from navigation.kernels.candidates import Candidates
-from navigation.kernels.edges import Legs
 from navigation.kernels.foresight import TrajectoryChoice
 from navigation.kernels.grid import middles
 from navigation.kernels.numbers import numbers
 from navigation.walking import Swath, can_go_on, swath
 
-from .course import first
-from .detour import Detours
+from .commitments import GAP, Commitments, Hit, Others
+from .ground import Ground, first
 from .traveller import Traveller
-from .whereabouts import GAP, Hit, Others, Whereabouts
-
-STEP = 0.25
-"""Metres between the places along a course that are looked at, to stop or to get off it."""
-
-INSIDE, OUTSIDE = 2, 3
-"""People. A place is narrow where so many can't go abreast: for who is in it, and for who is not.
-In an aisle for two, those of one direction side by side leave no room for the other."""
-
-EVERYWHERE = numbers((-math.inf, -math.inf, math.inf, math.inf))
-"""Bounds into which all comes."""
 
 NOTHING = numbers(())
-
-
-class Ground:
-    """The floor as people of one radius (metres) see it."""
-
-    def __init__(self, world: CollisionWorld, radius: float) -> None:
-        self.world = world
-        self.radius = radius
-        self.detours = Detours(world, radius)
-        self.walls = world.walls(radius).grid
-        """The sides of the walls."""
-        self._gates = world.gates
-        self._gated = bool(self._gates)
-        self._legs = Legs(self.walls, radius, self._free_of_bodies)
-        self._changes = -1
-
-    @cached_property
-    def narrow(self) -> Narrows:
-        """Where it is narrow for who is there, and just before."""
-        return self.world.narrows(self.radius, INSIDE)
-
-    @cached_property
-    def narrow_outside(self) -> Narrows:
-        """Where it is narrow for who is not there."""
-        return self.world.narrows(self.radius, OUTSIDE)
-
-    def free(self, a: Point, b: Point) -> bool:
-        """Return whether the segment from a, a free place, to b touches nothing.
-
-        Nor goes through a gate against its direction.
-        """
-        return self.legs.free(*a, *b)
-
-    @property
-    def legs(self) -> Legs:
-        """The segments that are free, as the world is now."""
-        if self._changes != self.world.changes:
-            self._changes = self.world.changes
-            self._legs.bounds = EVERYWHERE if self._gated else self.world.bounds
-        return self._legs
-
-    def _free_of_bodies(self, a: Point, b: Point) -> bool:
-        """Return whether a segment that is clear of walls is free of all else."""
-        if self._gated and not self._gates.allow(a, b):
-            return False
-        near = self.world.near(a, b, self.radius)
-        return not near or self.world.segment_free(a, b, self.radius, near)
-
-    def paths_ahead(
-        self, at: Point, course: Sequence[Point], lengths: Iterable[float]
-    ) -> Iterator[list[Point]]:
-        """Yield the path from `at`, beside a course, along it to each of these lengths (metres).
-
-        They grow; it ends before the first path that is not free, there and back.
-        """
-        free: set[tuple[Point, Point]] = set()
-        for length in lengths:
-            path = [at, *first(course, length)]
-            if not all(leg in free or self.free_and_back(*leg) for leg in pairwise(path)):
-                return
-            free.update(pairwise(path))
-            yield path
-
-    def has_only_walls(self, place: Point, metres: float) -> bool:
-        """Return whether nothing but walls can be in the way so far around a place."""
-        return not self._gated and not self.world.near(place, place, self.radius + metres)
-
-    def free_and_back(self, a: Point, b: Point) -> bool:
-        """Return whether the segment from a to b is free, and a way leads back.
-
-        It may be another, where the segment goes through a gate.
-        """
-        return self.free(a, b) and (
-            not self._gated
-            or self._gates.allow(b, a)
-            or self._gates.reach(self.world.fixed_space(self.radius), b, a)
-        )
 
 
 class Outlook:
@@ -127,15 +35,13 @@ class Outlook:
         self,
         me: Traveller,
         now: float,
-        whereabouts: Whereabouts,
+        commitments: Commitments,
         ground: Ground,
-        reroute: Callable[[Point], list[Point]],
     ) -> None:
         self.me = me
         self.now = now
         self.ground = ground
-        self.reroute = reroute
-        self._whereabouts = whereabouts
+        self._commitments = commitments
         self._state = me.body.motion.state(now)
         self._others: Others | None = None
         self._hit: Hit | None = None
@@ -174,8 +80,8 @@ class Outlook:
         )
         self._foresight = TrajectoryChoice(
             self.walks,
-            whereabouts.throng,
-            whereabouts.indices[me],
+            commitments,
+            commitments.indices[me],
             me.top_speed,
             me.radius,
             manners.comfort,
@@ -314,14 +220,14 @@ class Outlook:
             self.look_again()
         near = self._foresight.near
         if self._others is None or self._others.near is not near:
-            self._others = Others(self._whereabouts, self.me, near, self.now)
+            self._others = Others(self._commitments, self.me, near, self.now)
         return self._others
 
     def look_again(self) -> None:
         """See the others anew: one of them has committed themselves to something else."""
         foresight = self._foresight
         k = foresight.look()
-        self._hit = None if k < 0 else self._whereabouts.hit(k, foresight.hit_at)
+        self._hit = None if k < 0 else self._commitments.hit(k, foresight.hit_at)
 
     @property
     def first_hit(self) -> Hit | None:
@@ -336,7 +242,7 @@ class Outlook:
             seen = self._foresight.seen
             if low_x >= seen[0] and low_y >= seen[1] and high_x <= seen[2] and high_y <= seen[3]:
                 return self.others
-        return self._whereabouts.others(self.me, ahead.box, self.now)
+        return self._commitments.others(self.me, ahead.box, self.now)
 
     def hit(self, motion: Motion) -> Hit | None:
         """Return the first conflict of a motion of theirs from now on."""
@@ -360,15 +266,15 @@ class Outlook:
                 return route[k:]
             me.goes_round = False
         k = self.ground.legs.farthest(*at, route)
-        return self.reroute(at) if k < 0 else route[k:]
+        return me.reroute(at) if k < 0 else route[k:]
 
     def send_by(self, route: list[Point]) -> None:
         """Let them walk to their goal by another route."""
-        self._whereabouts.send(self.me, self.me.goal, route)
+        self._commitments.set_goal(self.me, self.me.goal, route)
 
     def standing(self, around: float, *places: Point) -> MutableSequence[float]:
         """Return who stands so far around some places: x, y, and how far to stay from there (m)."""
         xs, ys = zip(*places, strict=True)
         box = numbers((min(xs), min(ys), max(xs), max(ys)))
-        floor = self._whereabouts
-        return floor.throng.standing(floor.indices[self.me], box, around, self.now)
+        table = self._commitments
+        return table.standing(table.indices[self.me], box, around, self.now)

@@ -1,0 +1,205 @@
+"""The floor as people of one radius see it: free segments, detours, and courses (polylines)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, MutableSequence, Sequence
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from floorplan import Point
+from navigation import CollisionWorld
+from navigation.freespace import Narrows
+from navigation.kernels.edges import Legs
+from navigation.kernels.numbers import numbers
+from navigation.kernels.ways_round import CHUNK, WaysRound
+
+from .parameters import PARAMETERS
+
+INSIDE, OUTSIDE = 2, 3
+"""Number of people abreast below which a place is narrow, for people inside and outside of it.
+
+In an aisle for two, two people side by side leave no room for people in the other direction.
+"""
+
+EVERYWHERE = numbers((-math.inf, -math.inf, math.inf, math.inf))
+"""Bounds that overlap with everything."""
+
+CELL = 0.3
+"""Width of the cells of a detour, m."""
+
+MOST = 40_000
+"""Maximum number of cells for one detour."""
+
+
+class Detours:
+    """Ways round those who stand, for people of one radius (metres)."""
+
+    def __init__(self, world: CollisionWorld, radius: float) -> None:
+        self._world = world
+        self._radius = radius
+        self._pieces: NDArray[np.object_] = np.empty(0, dtype=object)
+        self._ways = WaysRound(CELL, PARAMETERS.detour_around, MOST, self._chunk)
+
+    def path(
+        self, at: Point, goal: Point, standing: MutableSequence[float], legs: Legs
+    ) -> list[Point]:
+        """Return a path from `at` to `goal`, both included; empty if none is found.
+
+        It stays away from those who are `standing`: x, y, and how far from there (metres) of each;
+        `legs` are the segments that are free.
+        """
+        pieces = self._world.free_space(self._radius).pieces
+        if pieces is not self._pieces:
+            self._pieces = pieces
+            self._ways.forget()
+        corners = self._ways.path(*at, *goal, standing, legs)
+        return [*zip(corners[::2], corners[1::2], strict=True)]
+
+    def _chunk(self, i: int, j: int) -> bytes:
+        """Return of a square of cells which of them are not in the free space: 1, else 0."""
+        k = np.arange(CHUNK) + 0.5
+        x, y = np.meshgrid((i * CHUNK + k) * CELL, (j * CHUNK + k) * CELL)
+        free = np.zeros(x.shape, dtype=bool)
+        for piece in self._pieces:
+            free |= shapely.intersects_xy(piece, x, y)
+        return (~free).astype(np.uint8).tobytes()
+
+
+class Ground:
+    """The floor as people of one radius (metres) see it."""
+
+    def __init__(self, world: CollisionWorld, radius: float) -> None:
+        self.world = world
+        self.radius = radius
+        self.detours = Detours(world, radius)
+        self.walls = world.walls(radius).grid
+        """The sides of the walls."""
+        self._gates = world.gates
+        self._gated = bool(self._gates)
+        self._legs = Legs(self.walls, radius, self._free_of_bodies)
+        self._changes = -1
+
+    @cached_property
+    def narrow(self) -> Narrows:
+        """Where it is narrow for who is there, and just before."""
+        return self.world.narrows(self.radius, INSIDE)
+
+    @cached_property
+    def narrow_outside(self) -> Narrows:
+        """Where it is narrow for who is not there."""
+        return self.world.narrows(self.radius, OUTSIDE)
+
+    def free(self, a: Point, b: Point) -> bool:
+        """Return whether the segment from a, a free place, to b touches nothing.
+
+        Nor goes through a gate against its direction.
+        """
+        return self.legs.free(*a, *b)
+
+    @property
+    def legs(self) -> Legs:
+        """The segments that are free, as the world is now."""
+        if self._changes != self.world.changes:
+            self._changes = self.world.changes
+            self._legs.bounds = EVERYWHERE if self._gated else self.world.bounds
+        return self._legs
+
+    def _free_of_bodies(self, a: Point, b: Point) -> bool:
+        """Return whether a segment that is clear of walls is free of all else."""
+        if self._gated and not self._gates.allow(a, b):
+            return False
+        near = self.world.near(a, b, self.radius)
+        return not near or self.world.segment_free(a, b, self.radius, near)
+
+    def paths_ahead(
+        self, at: Point, course: Sequence[Point], lengths: Iterable[float]
+    ) -> Iterator[list[Point]]:
+        """Yield the path from `at`, beside a course, along it to each of these lengths (metres).
+
+        They grow; it ends before the first path that is not free, there and back.
+        """
+        free: set[tuple[Point, Point]] = set()
+        for length in lengths:
+            path = [at, *first(course, length)]
+            if not all(leg in free or self.free_and_back(*leg) for leg in itertools.pairwise(path)):
+                return
+            free.update(itertools.pairwise(path))
+            yield path
+
+    def has_only_walls(self, place: Point, metres: float) -> bool:
+        """Return whether nothing but walls can be in the way so far around a place."""
+        return not self._gated and not self.world.near(place, place, self.radius + metres)
+
+    def free_and_back(self, a: Point, b: Point) -> bool:
+        """Return whether the segment from a to b is free, and a way leads back.
+
+        It may be another, where the segment goes through a gate.
+        """
+        return self.free(a, b) and (
+            not self._gated
+            or self._gates.allow(b, a)
+            or self._gates.reach(self.world.fixed_space(self.radius), b, a)
+        )
+
+
+def length_of(course: Sequence[Point]) -> float:
+    """Return the length of a polyline, metres."""
+    return sum(math.dist(a, b) for a, b in itertools.pairwise(course))
+
+
+def first(course: Sequence[Point], length: float) -> list[Point]:
+    """Return the first `length` metres of a polyline, or all of it."""
+    kept = [course[0]]
+    for a, b in itertools.pairwise(course):
+        leg = math.dist(a, b)
+        if leg >= length:
+            if length > 1e-9:
+                share = length / leg
+                kept.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
+            return kept
+        kept.append(b)
+        length -= leg
+    return kept
+
+
+def rest(course: Sequence[Point], length: float) -> list[Point]:
+    """Return the polyline from `length` metres on; its last point at least."""
+    at, k = _sought(course, length)
+    return [at, *course[k:]]
+
+
+def place_after(course: Sequence[Point], length: float) -> Point:
+    """Return the place on a polyline `length` metres on, or its last point."""
+    return _sought(course, length)[0]
+
+
+def nearest_length(course: Sequence[Point], place: Point) -> float:
+    """Return the length along a polyline at which it is nearest to a point."""
+    best, at, gone = math.inf, 0.0, 0.0
+    for (ax, ay), (bx, by) in itertools.pairwise(course):
+        leg = math.hypot(bx - ax, by - ay)
+        if leg < 1e-9:
+            continue
+        u = ((place[0] - ax) * (bx - ax) + (place[1] - ay) * (by - ay)) / leg
+        u = min(max(u, 0.0), leg)
+        away = math.hypot(ax + u * (bx - ax) / leg - place[0], ay + u * (by - ay) / leg - place[1])
+        if away < best:
+            best, at = away, gone + u
+        gone += leg
+    return at
+
+
+def _sought(course: Sequence[Point], length: float) -> tuple[Point, int]:
+    """Return the place `length` metres on, and the index of the corner that comes after it."""
+    for k, (a, b) in enumerate(itertools.pairwise(course), 1):
+        leg = math.dist(a, b)
+        if leg > length:
+            share = max(length, 0.0) / leg
+            return (a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])), k
+        length -= leg
+    return course[-1], len(course)

@@ -1,0 +1,211 @@
+"""Interruptions: motions that change because a place closes, or a vehicle comes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Protocol
+
+from floorplan import Point
+from navigation import Motion, join, stop_walking
+from navigation.walking import Swath, first_conflict, swath
+
+from ...core.clock import Alarm, Turn
+from ...core.events import GaveWay
+from ...core.stage import Stage
+from .commitments import GAP, Commitments
+from .ground import Ground
+from .make_room import Request
+from .parameters import PARAMETERS
+from .traveller import Traveller
+
+
+class Commit(Protocol):
+    """Callback that commits a person to a motion that was found free."""
+
+    def __call__(self, me: Traveller, motion: Motion, ahead: Swath) -> None:
+        """Commit `me` to `motion`, with the swath `ahead`."""
+        ...
+
+
+class Interruptions:
+    """Changes of motion that people do not decide on themselves.
+
+    `people` are all people of the crowd, `decide(me)` lets a person decide again.
+    """
+
+    def __init__(
+        self,
+        stage: Stage,
+        commitments: Commitments,
+        people: Mapping[Traveller, None],
+        ground_of: Callable[[Traveller], Ground],
+        decide: Callable[[Traveller], None],
+        commit: Commit,
+    ) -> None:
+        self._stage = stage
+        self._clock = stage.clock
+        self._commitments = commitments
+        self._people = people
+        self._ground_of = ground_of
+        self._decide = decide
+        self._commit = commit
+        self._coming: dict[Traveller, None] = {}
+        """Discs of vehicles that have just changed their motion."""
+        self._avoiding = Alarm(stage.clock, self._avoid_vehicles, Turn.MOTION_ENDS)
+
+    def make_way_for(self, me: Traveller) -> None:
+        """Let others mind the new motion of somebody who walks as they were measured."""
+        now, ahead = self._clock.now, me.swath
+
+        def in_the_way(other: Traveller) -> bool:
+            return not self._commitments.only(me, other, now).free(ahead)
+
+        others = self._commitments.others(me, ahead.box, now)
+        for other in others:
+            if other.goal is not None and in_the_way(other):
+                self._decide(other)
+        if not any(map(in_the_way, others)):
+            return
+        request = Request(me, now, self._commitments, self._ground_of)
+        request.make_way(_course_of(me, now))
+        for who, draft in request.drafts.items():
+            if who is not me:
+                self._stage.record(GaveWay(person=who.name, to=me.name))
+                self._commit(who, draft.motion(who.body.state.position[2]), draft)
+
+    def notice(self, discs: Sequence[Traveller]) -> None:
+        """Let people mind what a vehicle is about to do, as soon as all of it is known."""
+        if self._people:
+            if len(self._people) == 1:
+                for me in self._people:
+                    self._commitments.put(me)
+            self._coming.update(dict.fromkeys(discs))
+            self._avoiding.set(self._clock.now)
+
+    def _avoid_vehicles(self) -> None:
+        """Let those decide anew, or brake, who would run into a vehicle."""
+        now, coming = self._clock.now, [*self._coming]
+        self._coming.clear()
+
+        def is_in_the_way(me: Traveller) -> bool:
+            near = self._commitments.others(me, me.swath.box, now).of(coming)
+            return not near.free(me.swath)
+
+        for me in self._people:
+            if me.recorded or me.body.motion.end <= now or not is_in_the_way(me):
+                continue
+            self._decide(me)
+            if is_in_the_way(me):
+                braking = self.braking(me)
+                if braking is not me.body.motion:
+                    self._commit(me, braking, swath(braking, now))
+                else:
+                    self._stop_in_the_way(me, coming)
+
+    def _stop_in_the_way(self, me: Traveller, coming: Sequence[Traveller]) -> None:
+        """Let somebody stop who would stand in the way of a vehicle, and step off it then."""
+        now = self._clock.now
+        stop = self._stop(me, now)
+        ahead = swath(stop, now)
+        if self._commitments.others(me, ahead.box, now).without(coming).free(ahead):
+            self._commit(me, stop, ahead)
+            me.deciding.set(stop.end + PARAMETERS.early)
+            steps = partial(self._step_off, me, coming)
+            self._clock.call_at(max(stop.end, now), steps, Turn.MOTION_ENDS)
+
+    def _step_off(self, me: Traveller, coming: Sequence[Traveller]) -> None:
+        """Let somebody who stands in the way of a vehicle step off it, if they can."""
+        now = self._clock.now
+        if me.body.motion.end > now:
+            return
+        for disc in coming:
+            if self._commitments.only(me, disc, now).free(me.swath):
+                continue
+            request = Request(disc, now, self._commitments, self._ground_of)
+            request.make_way(_course_of(disc, now))
+            if me in request.drafts:
+                for who, draft in request.drafts.items():
+                    if not who.is_vehicle:
+                        self._commit(who, draft.motion(who.body.state.position[2]), draft)
+                return
+
+    def halt(self, me: Traveller, is_clear: Callable[[Motion], bool]) -> None:
+        """Let somebody stop whose course has been closed: before that place, as far as they can.
+
+        `is_clear` returns whether a motion of theirs stays out of it. Others in the way of the stop
+        stop too.
+        """
+        # Whatever keeps this rule may come second to the other one: bodies never overlap.
+        now, motion = self._clock.now, me.body.motion
+        t = now
+        while t < motion.end:
+            stop = self._stop(me, t)
+            if t > now and not is_clear(stop):
+                break
+            drafts = self._all_stop(me, stop)
+            if drafts is not None:
+                for who, (slower, ahead) in drafts.items():
+                    self._commit(who, slower, ahead)
+                return
+            t += PARAMETERS.clear_time
+        me.body.follow(self.braking(me))
+
+    def _stop(self, me: Traveller, t: float) -> Motion:
+        """Return the motion of somebody who goes on as they do until `t` (s), and stops then."""
+        now, motion = self._clock.now, me.body.motion
+        stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
+        return join([motion.cut(now, t), stop]) if t > now else stop
+
+    def _all_stop(
+        self, me: Traveller, stop: Motion
+    ) -> dict[Traveller, tuple[Motion, Swath]] | None:
+        """Return the motions of all who stop at once, so that `me` can; None if somebody can't."""
+        now = self._clock.now
+        drafts = {me: (stop, swath(stop, now))}
+        left = [me]
+        while left:
+            one = left.pop()
+            mine = drafts[one][1]
+            for other in self._commitments.others(one, mine.box, now):
+                known = drafts.get(other)
+                theirs = other.swath if known is None else known[1]
+                if not conflict(one, mine, other, theirs, now):
+                    continue
+                if known is not None or other.recorded or other.body.motion.end <= now:
+                    return None
+                slower = self._stop(other, now)
+                drafts[other] = (slower, swath(slower, now))
+                left.append(other)
+        return drafts
+
+    def braking(self, me: Traveller, *, alone: bool = False) -> Motion:
+        """Return the earliest stop of somebody on their own course that is free."""
+        now, motion = self._clock.now, me.body.motion
+        if alone:
+            return stop_walking(motion, now, max_acceleration=me.human.max_acceleration)
+        others = self._commitments.others(me, me.swath.box, now)
+        t = now
+        while t < motion.end:
+            stop = self._stop(me, t)
+            # Braking at once may end where somebody else is to pass; the motion they follow is free
+            # all along, so that a later stop on it is found, or its own end.
+            if others.free(swath(stop, now)):
+                return stop
+            t += PARAMETERS.early
+        return motion
+
+
+def _course_of(who: Traveller, now: float) -> list[Point]:
+    """Return the places where somebody is from `now` (s) on, so far as they are committed."""
+    motion = who.body.motion
+    steps = math.ceil((motion.end - now) / PARAMETERS.foresees)
+    return [motion.state(now + k * PARAMETERS.foresees).at for k in range(steps + 1)]
+
+
+def conflict(me: Traveller, mine: Swath, other: Traveller, theirs: Swath, now: float) -> bool:
+    """Return whether where two people go conflicts."""
+    least = me.radius + other.radius + GAP
+    apart = math.dist(me.body.motion.state(now).at, other.body.motion.state(now).at)
+    return first_conflict(mine, theirs, min(least, apart - 1e-9), now) is not None

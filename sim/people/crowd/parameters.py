@@ -1,0 +1,162 @@
+"""Parameters of avoidance: those of the algorithm, and the manners of a person."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from random import Random
+from typing import TypeVar
+
+from ...core.entries import AS_USUAL, MannersEntry, Side, seed_of
+
+Number = TypeVar("Number", int, float)
+
+
+def _of(default: Number, unit: str, source: str) -> Number:
+    """Return the field of a parameter with its default, unit and source."""
+    parameter: Number = field(default=default, metadata={"unit": unit, "source": source})
+    return parameter
+
+
+@dataclass(frozen=True, kw_only=True)
+class AvoidanceParameters:
+    """Parameters of the decisions of all people, each with default, unit and source.
+
+    The sources are experiments on random crowds (`benchmarks/random_crowds.py`), on jams
+    (`tests/test_sim/test_crowd_scenes.py`) and on a patrol of 50 people.
+    """
+
+    gap: float = _of(0.006, "m", "above the rounding of positions on floors of 1 km")
+    """Distance that two bodies always keep."""
+
+    # Decisions
+    early: float = _of(0.25, "s", "later decisions brake people who could continue")
+    """Time before the start of braking at which a person decides again."""
+    apart: float = _of(0.5, "s", "at most two changes of motion in one second")
+    """Minimum time between two decisions of a person."""
+    keeps: float = _of(1.0, "s", "patrol: fewer changes of course, equal time lost")
+    """Minimum time for which a person keeps a motion other than the preferred one."""
+    again: float = _of(2.0, "s", "patrol: equal legs at half the decisions")
+    """Maximum time until that person looks for a better motion."""
+    worth: float = _of(0.6, "m", "two people head-on in an aisle of 1.5 m")
+    """Loss of one person above which two people look for a shift of both."""
+
+    # Escalation
+    pause: float = _of(1.0, "s", "random crowds")
+    """First pause between two searches of a blocked person. Each is twice as long as the last."""
+    longest_pause: float = _of(8.0, "s", "random crowds")
+    """Maximum pause between two searches."""
+    in_reach: float = _of(1.25, "m", "patrol: two bodies and the width of a third")
+    """Distance from an occupied goal at which a blocked person has arrived."""
+    beside: float = _of(6.0, "m", "patrol: 972 legs, 756 without the ring")
+    """Distance from a goal at which a person has arrived behind a closed ring of people."""
+    at_the_door: float = _of(1.0, "m", "width of a door")
+    """Distance from a source or sink at which people enter and leave."""
+    detour_around: float = _of(6.0, "m", "random crowds")
+    """Margin around start and goal within which stationary people are bypassed."""
+    rank_counts: float = _of(60.0, "s", "random crowds")
+    """Time after which a blocked person may also ask people of higher rank."""
+    deadlock: float = _of(30.0, "s", "longest pause without motion in jams that dissolve")
+    """Time without any change of motion after which blocked people are in deadlock."""
+
+    # Requests to make room
+    longest_chain: int = _of(10, "people", "jams: 19 late with 6")
+    """Maximum length of a chain of requests."""
+    most_moved: int = _of(24, "people", "jams")
+    """Maximum number of people who move for one request."""
+    wide: int = _of(12, "courses", "random crowds: 5 % less time lost than with 6")
+    """Maximum number of retreats that one person tries."""
+    tries: int = _of(60, "courses", "patrol of 100: equal legs at 70 % of the time of 200")
+    """Maximum number of retreats that all people try for one course of the asker."""
+    passed: float = _of(1.0, "m", "random crowds")
+    """Distance beyond the blocking person that the asker wants to reach."""
+    lane: float = _of(1.0, "m", "distance of corners in a bend of 1 m")
+    """Distance between the points of a course beside the asker's own."""
+    stride: float = _of(0.25, "m", "less than the radius of a body")
+    """Distance between positions on a course at which people look for a retreat."""
+    clear_time: float = _of(0.1, "s", "a tenth of a meter at walking speed")
+    """Time between the stops that are tried before a closed place."""
+    foresees: float = _of(0.5, "s", "half a meter at walking speed")
+    """Time between points of a recorded motion from which people step aside."""
+
+
+PARAMETERS = AvoidanceParameters()
+"""The parameters of all simulations."""
+
+SHIFTS = (-0.45, 0.45, -0.9, 0.9, -0.2, 0.2)
+"""Shifts of an asker's course to the left, m. Without them 26 people in jams are late."""
+
+WAITS = (0.0, 0.5, 1.0, 2.0, 4.0)
+"""Times for which an asker waits until the others have moved, s."""
+
+RINGS = (0.1, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
+"""Distances at which people look for a place to step aside, m.
+
+A step of 0.1 m opens an arch: two people touch in a door, and a third stands close behind.
+"""
+
+ANGLES = 16
+"""Number of directions in which people look for such a place."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Manners:
+    """Parameters of one person, as given under the key `manners` of a trial.
+
+    Parameters
+    ----------
+    comfort : float
+        Distance between bodies that the person keeps if there is room, m.
+    time_gap : float
+        Time gap to the person ahead, s. The distance between the bodies is the speed times this
+        gap, as in single file [2]_.
+    foresight : float
+        How far ahead the person commits to a motion, s.
+    reaction_time : float
+        Time for which the person stands behind another before asking to pass, s, near the 0.5 s
+        in [3]_.
+    patience : float
+        Time for which the person stands blocked before perceiving `blocked`, s.
+    passing_side : {"right", "left"}
+        Preferred passing side if both are equally good. People keep right in much of Europe [1]_.
+    steps_aside : bool
+        Whether the person steps aside on request.
+
+    References
+    ----------
+    .. [1] M. Moussaïd et al., "Experimental study of the behavioural mechanisms underlying
+       self-organization in human crowds", Proc. R. Soc. B 276, 2009.
+    .. [2] A. Seyfried et al., "The fundamental diagram of pedestrian movement revisited",
+       J. Stat. Mech. P10002, 2005.
+    .. [3] M. Moussaïd et al., "How simple rules determine pedestrian behavior and crowd
+       disasters", PNAS 108, 2011.
+    """
+
+    comfort: float = 0.1
+    time_gap: float = 1.0
+    foresight: float = 5.0
+    reaction_time: float = 0.4
+    patience: float = 10.0
+    passing_side: Side = "right"
+    steps_aside: bool = True
+
+
+USUAL = Manners()
+"""Manners of a person without the key `manners`."""
+
+
+def drawn(entry: MannersEntry, seed: int, name: str) -> Manners:
+    """Return the manners of a person, with ranges drawn uniformly.
+
+    The values depend only on the trial's `seed` and the person's `name`.
+    """
+    if entry == AS_USUAL:
+        return USUAL
+    random = Random(seed_of(seed, f"manners {name}"))
+    given = {}
+    for one in fields(entry):
+        value = getattr(entry, one.name)
+        if isinstance(value, tuple):
+            value = random.uniform(*value)
+        if value is not None:
+            given[one.name] = value
+    return Manners(**given)
