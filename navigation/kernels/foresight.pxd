@@ -4,32 +4,35 @@ from navigation.kernels.grid cimport Cells
 from navigation.kernels.numbers cimport Doubles, Numbers
 from navigation.kernels.throng cimport Throng
 
-cdef double _STEP
-cdef double _FARTHEST
-cdef double _AROUND
-cdef Numbers _DETOURS
-cdef double _WIDEST
-cdef Numbers _PACES
-cdef Numbers _DELAYS
-cdef Numbers _PARTS
-cdef double _SHORTEST
-cdef double _PHANTOM
-cdef Numbers _FILES
-cdef double _FASTER
-cdef double _BESIDE
 cdef double _STANDS
-cdef double _PAST
 cdef double _HAIR
-cdef double _OTHER_SIDE
-cdef double _BRUSH
-cdef double _ALIKE
-cdef double _AHEAD
-cdef double _SEES
-cdef double _LEAST
-cdef double _SAME_WAY
-cdef double _CLOSES_UP
+
+cdef class ChoiceParameters:
+    cdef readonly double stride
+    cdef readonly double farthest
+    cdef readonly double looks_around
+    cdef readonly Numbers detours
+    cdef readonly double widest
+    cdef readonly Numbers paces
+    cdef readonly Numbers delays
+    cdef readonly Numbers parts
+    cdef readonly double shortest
+    cdef readonly double phantom
+    cdef readonly Numbers files
+    cdef readonly double faster
+    cdef readonly double beside_after
+    cdef readonly double past
+    cdef readonly double other_side
+    cdef readonly double brush
+    cdef readonly double alike
+    cdef readonly double closes_in
+    cdef readonly double sees
+    cdef readonly double least_speed
+    cdef readonly double same_way
+    cdef readonly double closes_up
 
 cdef class TrajectoryChoice:
+    cdef ChoiceParameters given
     cdef Throng throng
     cdef Py_ssize_t me
     cdef double radius
@@ -61,7 +64,7 @@ cdef class TrajectoryChoice:
     cdef double ahead_walks_on
     cdef double beside
     cpdef bint wish(self) except -1
-    cpdef bint choose(self) except -1
+    cpdef bint first_free(self) except -1
     cpdef double stop_beyond(self, double length) except -1.0
     cdef double stop_before(self, double length) except -1.0
     cdef bint is_narrow(self, double length) except -1
@@ -77,16 +80,16 @@ cdef class TrajectoryChoice:
         self, Py_ssize_t k, double x, double y, double c, double s
     ) noexcept
     cdef double _speed_beside(self, double side) except? -1.0
-    cdef bint _keep_apart(self, Py_ssize_t near, double near_at) except -1
-    cdef int _add_later_or_shorter(
+    cdef bint _keep_distance(self, Py_ssize_t near, double near_at) except -1
+    cdef int _propose_slower_later_shorter(
         self, double hit_at, bint at_rest, bint follows
     ) except -1
-    cdef bint _goes_in(self, double length, bint follows) except -1
+    cdef bint _may_go_in(self, double length, bint follows) except -1
     cdef bint _is_opposed(self, double length) except -1
-    cdef int _add_files(self) except -1
-    cdef int _add_asides(self, Py_ssize_t k, double t, bint opposed) except -1
-    cdef int _add_detours(self, Py_ssize_t k, double t) except -1
+    cdef int _propose_files(self) except -1
+    cdef int _propose_past(self, Py_ssize_t k, double t, bint opposed) except -1
+    cdef int _propose_detours(self, Py_ssize_t k, double t) except -1
     cdef double _come_beside(self, Py_ssize_t k, double t) except? -1.0
-    cdef bint _take_first_free(self) except -1
+    cdef bint _next_free(self) except -1
     cpdef bint aside(self, double along, double side, list[Py_ssize_t] near) except -1
     cdef bint _has_room(self) except -1

@@ -5,7 +5,7 @@ The others are taken by what they are committed to, and where they would walk on
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import cython
@@ -31,41 +31,36 @@ else:
     from cython.cimports.navigation.kernels.following import followed, speed_behind
     from cython.cimports.navigation.kernels.numbers import Doubles, Numbers, at, numbers, room
 
-_STEP: float = 0.25  # metres between the places along a course that are looked at
-_FARTHEST: float = 25.0  # metres; so far a course is looked ahead for the end of a narrow place
-# Metres. Those who stay so far from the course, and more than they need, are not looked at.
-_AROUND: float = 2.0
-
-# Shifts that somebody tries who stands before others who don't go the same way.
-_DETOURS: Numbers = numbers([-2.0, 2.0, -2.8, 2.8, -3.6, 3.6])
-_WIDEST: float = 3.6  # metres; nobody shifts further to the side than this
-_PACES: Numbers = numbers([0.75, 0.5, 0.25])  # shares of the top speed that are tried
-# Seconds that who stands waits before setting out.
-_DELAYS: Numbers = numbers([0.5, 1.0, 2.0, 4.0])
-# Parts of the free stretch ahead after which a stop is tried.
-_PARTS: Numbers = numbers([1.0, 0.8, 0.6, 0.4, 0.2])
-_SHORTEST: float = 0.5  # metres; nobody who stands sets out for less
-# Share that a stop behind somebody who is about to walk on counts of the metres it loses.
-_PHANTOM: float = 0.3
-# Metres to either side. There somebody who follows looks for room to walk faster beside others.
-_FILES: Numbers = numbers([0.25, 0.5, 1.0, 1.5, 2.0, 2.5])
-_FASTER: float = 0.15  # m/s; for less nobody leaves a file
-# Share of the foresight after which somebody who leaves a file is beside it.
-_BESIDE: float = 0.4
 _STANDS: float = 1e-6  # m/s; slower than this is standing
-# Metres beyond the place beside somebody who comes where one who passes them may stop.
-_PAST: float = 0.3
 _HAIR: float = 1e-3  # metres; nobody is met by who passes them so much farther off
-_OTHER_SIDE: float = 0.15  # metres; what passing on the less usual side costs
-_BRUSH: float = 0.5  # metres; detour that keeping the comfort distance is worth
-_ALIKE: float = 0.3  # cosine between the directions of two who walk the same way
 
-_AHEAD: float = 1.0  # seconds in which somebody who follows comes to the distance that they keep
-_SEES: float = 0.5  # seconds over which the speed of the one ahead is taken
-_LEAST: float = 0.05  # m/s; nobody who follows creeps more slowly than this
-_SAME_WAY: float = 0.7  # least cosine between the directions of two of whom one follows the other
-# Metres to either side within which those who come the other way let people close up.
-_CLOSES_UP: float = 1.5
+
+class ChoiceParameters:
+    """Parameters of the choice, from an object with these attributes and lists of numbers."""
+
+    def __init__(self, given: Any) -> None:
+        self.stride: float = given.stride
+        self.farthest: float = given.farthest
+        self.looks_around: float = given.looks_around
+        self.detours = numbers(given.detours)
+        self.widest: float = given.widest
+        self.paces = numbers(given.paces)
+        self.delays = numbers(given.delays)
+        self.parts = numbers(given.parts)
+        self.shortest: float = given.shortest
+        self.phantom: float = given.phantom
+        self.files = numbers(given.files)
+        self.faster: float = given.faster
+        self.beside_after: float = given.beside_after
+        self.past: float = given.past
+        self.other_side: float = given.other_side
+        self.brush: float = given.brush
+        self.alike: float = given.alike
+        self.closes_in: float = given.closes_in
+        self.sees: float = given.sees
+        self.least_speed: float = given.least_speed
+        self.same_way: float = given.same_way
+        self.closes_up: float = given.closes_up
 
 
 class TrajectoryChoice:
@@ -91,7 +86,9 @@ class TrajectoryChoice:
         narrow: Cells,
         narrow_outside: Cells,
         legs: Legs,
+        given: ChoiceParameters,
     ) -> None:
+        self.given = given
         self.walks = walks
         self.throng = throng
         self.me = me
@@ -107,7 +104,7 @@ class TrajectoryChoice:
         self.legs = legs
         course: Doubles = at(walks.course)
         self.inside = narrow_outside.has(course[0], course[1])
-        self.known = bytearray(int(_FARTHEST / _STEP) + 3)
+        self.known = bytearray(int(self.given.farthest / self.given.stride) + 3)
         self.reach = top_speed * foresight
         self.stop = self.stop_beyond(self.reach)
         none: Numbers = room(0)
@@ -143,26 +140,26 @@ class TrajectoryChoice:
         Nobody stops in a narrow place of their own will, but at their goal.
         """
         whole: float = self.walks.whole
-        while length < min(whole, _FARTHEST):
+        while length < min(whole, self.given.farthest):
             if not self.is_narrow(length):
                 return length
-            length += _STEP
+            length += self.given.stride
         return whole
 
     def stop_before(self, length: float) -> float:
         """Return the last length along the course, up to `length` metres, for a stop."""
         while length > 0.0 and self.is_narrow(length):
-            length -= _STEP
+            length -= self.given.stride
         return max(length, 0.0)
 
     def is_narrow(self, length: float) -> bool:
         """Return whether the course is in a narrow place after `length` metres."""
         # On a grid of lengths, so that the same place is asked for once and not once for each walk.
-        k: cython.Py_ssize_t = int(ceil(length / _STEP))
-        if k * _STEP > min(self.walks.whole, _FARTHEST) + _STEP:
+        k: cython.Py_ssize_t = int(ceil(length / self.given.stride))
+        if k * self.given.stride > min(self.walks.whole, self.given.farthest) + self.given.stride:
             return False
         if self.known[k] == 0:
-            self.walks.come_to(k * _STEP)
+            self.walks.come_to(k * self.given.stride)
             self.known[k] = 2 if self._is_narrow_at(self.walks.x, self.walks.y) else 1
         found: bool = self.known[k] == 2
         return found
@@ -178,7 +175,7 @@ class TrajectoryChoice:
 
         Return whom they would meet first, `hit`, at `hit_at` (seconds); -1 for nobody.
         """
-        self._see(_AROUND)
+        self._see(self.given.looks_around)
         self.hit = self._first_met(self.own)
         self.hit_at = self.met_at
         return self.hit
@@ -223,7 +220,7 @@ class TrajectoryChoice:
     def _follow(self) -> cython.int:
         """Set `ahead` to whom they follow, who walks on; -1 if nobody keeps them below their speed.
 
-        In `_AHEAD` seconds they have come to the distance of their time gap, times their speed,
+        In `closes_in` seconds they have come to the distance of their time gap, times their speed,
         beyond the bodies; who is beside the path of the one ahead keeps less. Who stands, or goes
         another way, is not followed, and nobody keeps a gap into which somebody who comes the other
         way would step: that jams aisles.
@@ -253,7 +250,7 @@ class TrajectoryChoice:
         # A person who has just started may be followed too, along their route.
         for i in range(len(slow)):
             k = slow[i]
-            if throng.rests(k) > t and throng.cosine(k, t, c, s) > _SAME_WAY:
+            if throng.rests(k) > t and throng.cosine(k, t, c, s) > self.given.same_way:
                 speed: float = self._speed_behind(k, x, y, c, s)
                 if speed < best:
                     found = k
@@ -265,10 +262,10 @@ class TrajectoryChoice:
             k = slow[i]
             throng.find(k, t)
             away: float = abs((throng.y - y) * c - (throng.x - x) * s)
-            if away < _CLOSES_UP and throng.cosine(k, t, c, s) < -_SAME_WAY:
+            if away < self.given.closes_up and throng.cosine(k, t, c, s) < -self.given.same_way:
                 return 0
         self.ahead = found
-        self.ahead_speed = max(best, _LEAST)
+        self.ahead_speed = max(best, self.given.least_speed)
         self.ahead_walks_on = walks_on
         return 0
 
@@ -285,17 +282,17 @@ class TrajectoryChoice:
             throng.tables,
             throng.radii,
             self.walks.begin,
-            _SEES,
+            self.given.sees,
             x,
             y,
             c,
             s,
             self.radius,
             self.time_gap,
-            _AHEAD,
+            self.given.closes_in,
             self.top_speed,
-            _SAME_WAY,
-            _CLOSES_UP,
+            self.given.same_way,
+            self.given.closes_up,
             slow,
         )
 
@@ -314,9 +311,11 @@ class TrajectoryChoice:
         if away >= touch:
             return INFINITY
         along: float = (ox - x) * c + (oy - y) * s
-        throng.find(k, t + _SEES)
-        self.ahead_walks_on = ((throng.x - ox) * c + (throng.y - oy) * s) / _SEES
-        most: float = speed_behind(along, away, touch, self.ahead_walks_on, self.time_gap, _AHEAD)
+        throng.find(k, t + self.given.sees)
+        self.ahead_walks_on = ((throng.x - ox) * c + (throng.y - oy) * s) / self.given.sees
+        most: float = speed_behind(
+            along, away, touch, self.ahead_walks_on, self.time_gap, self.given.closes_in
+        )
         return most
 
     def _speed_beside(self, side: float) -> float:
@@ -330,11 +329,11 @@ class TrajectoryChoice:
         slow: list[cython.Py_ssize_t] = []
         k: cython.Py_ssize_t = self._followed(x, y, c, s, slow)
         speed: float = INFINITY if k < 0 else self._speed_behind(k, x, y, c, s)
-        return self.top_speed if speed == INFINITY else max(speed, _LEAST)
+        return self.top_speed if speed == INFINITY else max(speed, self.given.least_speed)
 
     # The choice
 
-    def choose(self) -> bool:
+    def first_free(self) -> bool:
         """Choose among the walks that there are: the free one that loses least.
 
         Aside, slower, shorter, or later. Return whether there is one: it was the last to be looked
@@ -352,46 +351,48 @@ class TrajectoryChoice:
         hit: cython.Py_ssize_t = self.hit
         hit_at: float = self.hit_at
         if near < 0 or hit < 0:
-            return self._keep_apart(near, near_at)
+            return self._keep_distance(near, near_at)
         throng: Throng = self.throng
         at_rest: cython.bint = hit_at >= throng.rests(hit)
         # Who walks the same way leaves the place where they would be met: slowing down is enough.
         # Past who comes the other way, or stands, one has to get.
-        follows: cython.bint = throng.between(self.me, hit, walks.now) > _ALIKE
+        follows: cython.bint = throng.between(self.me, hit, walks.now) > self.given.alike
         if not follows:
             self.ahead = -1
-        self._add_later_or_shorter(hit_at, at_rest, follows)
+        self._propose_slower_later_shorter(hit_at, at_rest, follows)
         opposed: cython.bint = not follows and throng.bound[hit] != 0 and not self.inside
-        self._add_asides(near, near_at, opposed)
+        self._propose_past(near, near_at, opposed)
         if near != hit:
-            self._add_asides(hit, hit_at, opposed)
-        if self._take_first_free():
+            self._propose_past(hit, hit_at, opposed)
+        if self._next_free():
             return True
         # Only who stands, and before nobody who walks on, tries wide detours: they cost the most.
         if walks.speed < _STANDS and not follows:
-            self._see(_WIDEST)
+            self._see(self.given.widest)
             walks.clear()
-            self._add_detours(hit, hit_at)
-            return self._take_first_free()
+            self._propose_detours(hit, hit_at)
+            return self._next_free()
         return False
 
-    def _keep_apart(self, near: cython.Py_ssize_t, near_at: float) -> bool:
+    def _keep_distance(self, near: cython.Py_ssize_t, near_at: float) -> bool:
         """Choose where nobody is in the way: the wish, or a walk farther from others than it is."""
         walks: Candidates = self.walks
-        brush: float = 0.0 if near < 0 else _BRUSH
+        brush: float = 0.0 if near < 0 else self.given.brush
         if self.ahead < 0:
             walks.add(brush, self.stop, self.top_speed, 0.0)
         else:
             # The share of their top speed that following costs them.
             loses: float = 1.0 - max(self.ahead_speed, self.ahead_walks_on) / self.top_speed
             walks.add(brush + max(loses, 0.0) * self.reach, self.stop, self.ahead_speed, 0.0)
-            self._add_asides(self.ahead, walks.begin, False)
+            self._propose_past(self.ahead, walks.begin, False)
         if near >= 0:
-            self._add_asides(near, near_at, False)
-        self.wishes = not self._take_first_free() or (self.ahead < 0 and walks.row == 0)
+            self._propose_past(near, near_at, False)
+        self.wishes = not self._next_free() or (self.ahead < 0 and walks.row == 0)
         return True
 
-    def _add_later_or_shorter(self, hit_at: float, at_rest: bool, follows: bool) -> cython.int:
+    def _propose_slower_later_shorter(
+        self, hit_at: float, at_rest: bool, follows: bool
+    ) -> cython.int:
         """Add walks along the course that are slower, later, or end before the conflict.
 
         That is at `hit_at` (seconds), `at_rest` if the other stands by then; who `follows` goes the
@@ -403,40 +404,40 @@ class TrajectoryChoice:
         whole: float = min(self.reach, walks.whole)
         i: cython.Py_ssize_t
         if not at_rest:  # else it would be as much in the way later on
-            for i in range(len(_PACES)):
-                pace: float = at(_PACES)[i]
+            for i in range(len(self.given.paces)):
+                pace: float = at(self.given.paces)[i]
                 walks.add((1 - pace * top / self.top_speed) * whole, self.stop, pace * top, 0.0)
             if stands:
-                for i in range(len(_DELAYS)):
-                    delay: float = at(_DELAYS)[i]
+                for i in range(len(self.given.delays)):
+                    delay: float = at(self.given.delays)[i]
                     walks.add(delay * top, self.stop, top, delay)
         # In a single file all come as near as their time gap lets them, and then slow down: a stop
         # behind somebody who is about to walk on loses less than it seems.
         phantom: cython.bint = follows and (at_rest or (self.ahead >= 0 and self.is_narrow(0.0)))
-        share: float = _PHANTOM if phantom else 1.0
+        share: float = self.given.phantom if phantom else 1.0
         # v² / (2 a), the shortest stop there is, and a little more against rounding.
         braking: float = walks.speed * walks.speed / (2 * walks.acceleration) * 1.001
         ahead: float = gone(self.table, walks.begin, hit_at)
         asked: cython.bint = False
         goes_in: cython.bint = False
         length: float
-        for i in range(len(_PARTS)):
-            length = at(_PARTS)[i] * ahead
+        for i in range(len(self.given.parts)):
+            length = at(self.given.parts)[i] * ahead
             if self.is_narrow(length):
                 if not asked:
                     asked = True
-                    goes_in = self._goes_in(length, follows)
+                    goes_in = self._may_go_in(length, follows)
                 if not goes_in:
                     length = self.stop_before(length)
-            if length >= (_SHORTEST if stands else braking):
+            if length >= (self.given.shortest if stands else braking):
                 walks.add(share * max(whole - length, 0.0), length, top, 0.0)
         if not stands:
             walks.add(share * max(whole - braking, 0.0), braking, top, 0.0)
-            if self.ahead >= 0 and self.ahead_speed + _FASTER < self.top_speed:
-                self._add_files()
+            if self.ahead >= 0 and self.ahead_speed + self.given.faster < self.top_speed:
+                self._propose_files()
         return 0
 
-    def _goes_in(self, length: float, follows: bool) -> bool:
+    def _may_go_in(self, length: float, follows: bool) -> bool:
         """Return whether they may stop in a narrow place, after `length` metres of their course.
 
         Only against nobody who comes, else two files would go in from either end behind those who
@@ -462,7 +463,7 @@ class TrajectoryChoice:
             y: float = throng.y
             if (
                 (x - course[0]) * c + (y - course[1]) * s > 0.0
-                and abs((y - walks.y) * c - (x - walks.x) * s) < _CLOSES_UP
+                and abs((y - walks.y) * c - (x - walks.x) * s) < self.given.closes_up
                 and throng.cosine(k, t, c, s) < 0.0
             ):
                 if self._is_narrow_at(x, y):
@@ -472,7 +473,7 @@ class TrajectoryChoice:
                     return True
         return False
 
-    def _add_files(self) -> cython.int:
+    def _propose_files(self) -> cython.int:
         """Add walks to a place beside the file of who follows, where they come on faster.
 
         So a crowd takes up all the width that there is, but where others need it to come the other
@@ -483,16 +484,18 @@ class TrajectoryChoice:
         walks: Candidates = self.walks
         sides: Numbers = room(1)
         i: cython.Py_ssize_t
-        for i in range(2 * len(_FILES)):
-            side: float = at(_FILES)[i // 2] * (self.usual if i % 2 == 0 else -self.usual)
+        for i in range(2 * len(self.given.files)):
+            side: float = at(self.given.files)[i // 2] * (self.usual if i % 2 == 0 else -self.usual)
             speed: float = self._speed_beside(side)
-            along: float = _BESIDE * speed * self.foresight
-            if speed >= self.ahead_speed + _FASTER and along < walks.whole:
+            along: float = self.given.beside_after * speed * self.foresight
+            if speed >= self.ahead_speed + self.given.faster and along < walks.whole:
                 at(sides)[0] = side
-                walks.add_asides(sides, _WIDEST, self.usual, _OTHER_SIDE, along, speed, along)
+                walks.add_asides(
+                    sides, self.given.widest, self.usual, self.given.other_side, along, speed, along
+                )
         return 0
 
-    def _add_asides(
+    def _propose_past(
         self,
         k: cython.Py_ssize_t,
         t: float,
@@ -519,19 +522,27 @@ class TrajectoryChoice:
         length: float = self.reach + 0.5
         top: float = self.top_speed
         usual: float = self.usual
-        walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
+        walks.add_asides(sides, self.given.widest, usual, self.given.other_side, length, top, along)
         if opposed:
-            length = along + _PAST
+            length = along + self.given.past
             sides = numbers((beside - wide, beside + wide))
-            walks.add_asides(sides, _WIDEST, usual, _OTHER_SIDE, length, top, along)
+            walks.add_asides(
+                sides, self.given.widest, usual, self.given.other_side, length, top, along
+            )
         return 0
 
-    def _add_detours(self, k: cython.Py_ssize_t, t: float) -> cython.int:
+    def _propose_detours(self, k: cython.Py_ssize_t, t: float) -> cython.int:
         """Add wide walks round the k-th, who is met at `t` (seconds)."""
         along: float = self._come_beside(k, t)
         length: float = self.reach + 0.5
         self.walks.add_asides(
-            _DETOURS, _WIDEST, self.usual, _OTHER_SIDE, length, self.top_speed, along
+            self.given.detours,
+            self.given.widest,
+            self.usual,
+            self.given.other_side,
+            length,
+            self.top_speed,
+            along,
         )
         return 0
 
@@ -551,7 +562,7 @@ class TrajectoryChoice:
         along: float = before + max(dx * walks.c + dy * walks.s, 0.0)
         return along
 
-    def _take_first_free(self) -> bool:
+    def _next_free(self) -> bool:
         """Come to the walk that loses least of those that are free; return whether there is one."""
         while self.walks.next_free(self.near, self.throng, self.own):
             if self._has_room():

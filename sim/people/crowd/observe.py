@@ -8,16 +8,19 @@ from collections.abc import MutableSequence, Sequence
 from floorplan import Point
 from navigation import Motion, stop_walking
 from navigation.kernels.candidates import Candidates
-from navigation.kernels.foresight import TrajectoryChoice
+from navigation.kernels.foresight import ChoiceParameters, TrajectoryChoice
 from navigation.kernels.grid import middles
 from navigation.kernels.numbers import numbers
 from navigation.walking import Swath, can_go_on, swath
 
 from .commitments import GAP, Commitments, Hit, Others
 from .ground import Ground, first
+from .parameters import PARAMETERS
 from .traveller import Traveller
 
 NOTHING = numbers(())
+
+GIVEN = ChoiceParameters(PARAMETERS)
 
 
 class Outlook:
@@ -91,6 +94,7 @@ class Outlook:
             ground.narrow.cells,
             ground.narrow_outside.cells,
             ground.legs,
+            GIVEN,
         )
         self.whole = self.walks.whole
         self.reach, self.stop = self._foresight.reach, self._foresight.stop
@@ -176,10 +180,10 @@ class Outlook:
         """Return the draft of the walk that was looked at last."""
         return Swath.of(self.walks.table, self.walks.box)
 
-    def chosen(self) -> Motion | None:
+    def first_free(self) -> Motion | None:
         """Return the free walk that loses least, of those that there are; None for none."""
         foresight = self._foresight
-        if not foresight.choose():
+        if not foresight.first_free():
             return None
         if foresight.wishes:
             return self.wish

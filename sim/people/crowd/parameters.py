@@ -40,6 +40,50 @@ class AvoidanceParameters:
     worth: float = _of(0.6, "m", "two people head-on in an aisle of 1.5 m")
     """Loss of one person above which two people look for a shift of both."""
 
+    # Candidate courses
+    farthest: float = _of(25.0, "m", "longer than the aisles of the built-in floors")
+    """Distance along a course at which the search for the end of a narrow place stops."""
+    looks_around: float = _of(2.0, "m", "wider than a shift past a person")
+    """Margin around the preferred motion within which people are observed."""
+    detours: tuple[float, ...] = (-2.0, 2.0, -2.8, 2.8, -3.6, 3.6)
+    """Wide shifts of a stationary person to the left, m. Random crowds: 10 % less time lost."""
+    widest: float = _of(3.6, "m", "widest detour")
+    """Maximum shift."""
+    paces: tuple[float, ...] = (0.75, 0.5, 0.25)
+    """Shares of the top speed that are tried. Random crowds: 12 % less time lost."""
+    delays: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
+    """Delays of a start, s. Without them three people in random crowds are late."""
+    parts: tuple[float, ...] = (1.0, 0.8, 0.6, 0.4, 0.2)
+    """Shares of the free stretch after which a stop is tried. Patrol: 651 legs without stops."""
+    shortest: float = _of(0.5, "m", "random crowds")
+    """Minimum length of a walk that starts from rest."""
+    phantom: float = _of(0.3, "1", "distance in single file, Seyfried 2005")
+    """Share of its loss that a stop behind a person about to walk on counts."""
+    files: tuple[float, ...] = (0.25, 0.5, 1.0, 1.5, 2.0, 2.5)
+    """Shifts at which a follower looks for a faster file, m."""
+    faster: float = _of(0.15, "m/s", "flow in a full corridor, Weidmann 1993")
+    """Gain in speed for which a person leaves a file."""
+    beside_after: float = _of(0.4, "1", "flow in a full corridor, Weidmann 1993")
+    """Share of the foresight after which that person walks in the other file."""
+    past: float = _of(0.3, "m", "corridor of 3 m with nine against nine")
+    """Distance past an oncoming person at which a stop beside is allowed."""
+    other_side: float = _of(0.15, "m", "share of people who pass on the right, Moussaïd 2009")
+    """Loss of passing on the unusual side."""
+    brush: float = _of(0.5, "m", "distance of people who pass each other")
+    """Loss of a motion within the comfort distance of others."""
+    alike: float = _of(0.3, "1", "random crowds")
+    """Cosine above which two people walk the same way."""
+    closes_in: float = _of(1.0, "s", "single file, Seyfried 2005")
+    """Time in which a follower reaches the distance of the time gap."""
+    sees: float = _of(0.5, "s", "single file, Seyfried 2005")
+    """Time over which the speed of the person ahead is averaged."""
+    least_speed: float = _of(0.05, "m/s", "slower people are stationary")
+    """Minimum speed of a follower."""
+    same_way: float = _of(0.7, "1", "45 degrees")
+    """Cosine above which one person follows another."""
+    closes_up: float = _of(1.5, "m", "aisles for two")
+    """Lateral distance of oncoming people at which followers close up."""
+
     # Escalation
     pause: float = _of(1.0, "s", "random crowds")
     """First pause between two searches of a blocked person. Each is twice as long as the last."""

@@ -43,7 +43,7 @@ class Foresighted:
         """See `Steering`."""
         if outlook.wished is None:
             return None
-        return outlook.chosen()
+        return outlook.first_free()
 
 
 def both_aside(
