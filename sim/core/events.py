@@ -613,7 +613,7 @@ class Blocked(EventKind):
 
 
 class Deadlock(EventKind):
-    """All people under way have blocked each other for longer than their patience."""
+    """All people under way have lost patience, and no person has changed motion for 30 s."""
 
     people: list[str]
 

@@ -86,7 +86,8 @@ class Request:
             latest = outlook.draft(course, length, delay=WAITS[-1])
             if latest is None:
                 continue
-            self._left = PARAMETERS.tries
+            if self._left <= 0:
+                return False
             if self._clear_for_asker(latest, first(course, length)):
                 self._set_out_sooner(outlook, course, length)
                 return True
