@@ -173,11 +173,6 @@ def rest(course: Sequence[Point], length: float) -> list[Point]:
     return [at, *course[k:]]
 
 
-def place_after(course: Sequence[Point], length: float) -> Point:
-    """Return the place on a polyline `length` metres on, or its last point."""
-    return _sought(course, length)[0]
-
-
 def nearest_length(course: Sequence[Point], place: Point) -> float:
     """Return the length along a polyline at which it is nearest to a point."""
     best, at, gone = math.inf, 0.0, 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Container, Iterator, MutableSequence, Sequence
+from functools import lru_cache
 from itertools import pairwise
 
 from floorplan import Point
@@ -13,7 +14,7 @@ from navigation.kernels.retreats import Retreats
 from navigation.walking import Swath
 
 from .commitments import GAP, Commitments
-from .ground import Ground, first, length_of, place_after, rest
+from .ground import Ground, first, length_of, nearest_length, rest
 from .observe import Outlook
 from .parameters import ANGLES, PARAMETERS, RINGS, SHIFTS, WAITS
 from .traveller import Traveller
@@ -248,28 +249,26 @@ class Request:
 def _lookout(
     at: Point, course: Sequence[Point], width: float, ground: Ground
 ) -> Iterator[tuple[list[Point], MutableSequence[float]]]:
-    """Yield paths from `at`, and places around their ends where somebody may stand off a course.
+    """Yield paths from `at`, and positions around their ends, relative to these (m).
 
-    Off the course first. Only where it fills the aisle do they walk ahead along it, to its next
-    wide place. The places are x and y of each in turn, from the end of the path (metres).
+    First come the positions around `at`. Where the course fills the aisle, the person walks ahead
+    along it, to the next wide place.
     """
     yield [at], AROUND
-    gone, near = 0.0, math.inf
-    whole = length_of(course)
-    steps = [k * PARAMETERS.stride for k in range(math.ceil(whole / PARAMETERS.stride) + 1)]
-    # The place on the course that is nearest to them: all before that is behind them.
-    for s in steps:
-        away = math.dist(place_after(course, s), at)
-        if away < near:
-            near, gone = away, s
-    beside = numbers(
+    step = PARAMETERS.stride
+    beyond = rest(course, nearest_length(course, at) + step)
+    lengths = (k * step for k in range(math.ceil(length_of(beyond) / step) + 1))
+    for path in ground.paths_ahead(at, beyond, lengths):
+        yield path, _beside(width)
+
+
+@lru_cache(maxsize=64)
+def _beside(width: float) -> MutableSequence[float]:
+    """Return positions beside the end of a path, x and y of each, `width` metres off and more."""
+    return numbers(
         number
         for k in range(ANGLES // 2)
         for angle in (4 * math.pi * k / ANGLES,)
         for r in (width + 0.02, 1.3 * width)
         for number in (r * math.cos(angle), r * math.sin(angle))
     )
-    beyond = rest(course, gone + PARAMETERS.stride)
-    lengths = (s - gone - PARAMETERS.stride for s in steps if s > gone + PARAMETERS.stride)
-    for path in ground.paths_ahead(at, beyond, lengths):
-        yield path, beside
