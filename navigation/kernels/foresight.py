@@ -1,6 +1,7 @@
-"""Foresight: how one of a throng goes on among the others, of all the ways that there are.
+"""Choice among candidate motions of one person, by the committed motions of the others.
 
-The others are taken by what they are committed to, and where they would walk on (see `throng`).
+A candidate is free if it has no conflict with any of them. Candidates are proposed with their loss
+in metres and drawn up in this order, until one is free.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ class ChoiceParameters:
 
 
 class TrajectoryChoice:
-    """Foresight of the `me`-th of a throng, who decides which of some `walks` to take.
+    """Choice of person `me` of a throng among candidate `walks`.
 
     At up to `top_speed` (m/s). `radius` and `comfort`, the distance that they keep where there is
     room, are in metres, `time_gap` and `foresight` in seconds (see `Manners`); `usual` is the side

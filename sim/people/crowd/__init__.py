@@ -1,1 +1,1 @@
-"""People among people: how they walk so that no two of them ever overlap."""
+"""Avoidance: motions of people that never conflict."""

@@ -37,7 +37,7 @@ MOST = 40_000
 
 
 class Detours:
-    """Ways round those who stand, for people of one radius (metres)."""
+    """Planner of detours around stationary people, for people of one radius (m)."""
 
     def __init__(self, world: CollisionWorld, radius: float) -> None:
         self._world = world
@@ -86,12 +86,12 @@ class Ground:
 
     @cached_property
     def narrow(self) -> Narrows:
-        """Where it is narrow for who is there, and just before."""
+        """Narrow places as people inside see them."""
         return self.world.narrows(self.radius, INSIDE)
 
     @cached_property
     def narrow_outside(self) -> Narrows:
-        """Where it is narrow for who is not there."""
+        """Narrow places as people outside see them."""
         return self.world.narrows(self.radius, OUTSIDE)
 
     def free(self, a: Point, b: Point) -> bool:

@@ -56,7 +56,7 @@ class Interruptions:
         self._avoiding = Alarm(stage.clock, self._avoid_vehicles, Turn.MOTION_ENDS)
 
     def make_way_for(self, me: Traveller) -> None:
-        """Let others mind the new motion of somebody who walks as they were measured."""
+        """Let people in the way of a recorded person decide again or step aside."""
         now, ahead = self._clock.now, me.swath
 
         def in_the_way(other: Traveller) -> bool:
@@ -76,7 +76,7 @@ class Interruptions:
                 self._commit(who, draft.motion(who.body.state.position[2]), draft)
 
     def notice(self, discs: Sequence[Traveller]) -> None:
-        """Let people mind what a vehicle is about to do, as soon as all of it is known."""
+        """Schedule the reaction to a vehicle that has changed its motion."""
         if self._people:
             if len(self._people) == 1:
                 for me in self._people:
@@ -85,7 +85,7 @@ class Interruptions:
             self._avoiding.set(self._clock.now)
 
     def _avoid_vehicles(self) -> None:
-        """Let those decide anew, or brake, who would run into a vehicle."""
+        """Let people in the way of a vehicle decide again, or brake."""
         now, coming = self._clock.now, [*self._coming]
         self._coming.clear()
 
@@ -105,7 +105,7 @@ class Interruptions:
                     self._stop_in_the_way(me, coming)
 
     def _stop_in_the_way(self, me: Traveller, coming: Sequence[Traveller]) -> None:
-        """Let somebody stop who would stand in the way of a vehicle, and step off it then."""
+        """Stop a person in the way of a vehicle, who then steps off its course."""
         now = self._clock.now
         stop = self._stop(me, now)
         ahead = swath(stop, now)
@@ -116,7 +116,7 @@ class Interruptions:
             self._clock.call_at(max(stop.end, now), steps, Turn.MOTION_ENDS)
 
     def _step_off(self, me: Traveller, coming: Sequence[Traveller]) -> None:
-        """Let somebody who stands in the way of a vehicle step off it, if they can."""
+        """Let a stationary person step off the course of a vehicle, if possible."""
         now = self._clock.now
         if me.body.motion.end > now:
             return
@@ -132,12 +132,7 @@ class Interruptions:
                 return
 
     def halt(self, me: Traveller, is_clear: Callable[[Motion], bool]) -> None:
-        """Let somebody stop whose course has been closed: before that place, as far as they can.
-
-        `is_clear` returns whether a motion of theirs stays out of it. Others in the way of the stop
-        stop too.
-        """
-        # Whatever keeps this rule may come second to the other one: bodies never overlap.
+        """Stop before a closed place. See `Crowd.halt`."""
         now, motion = self._clock.now, me.body.motion
         t = now
         while t < motion.end:
@@ -153,7 +148,7 @@ class Interruptions:
         me.body.follow(self.braking(me))
 
     def _stop(self, me: Traveller, t: float) -> Motion:
-        """Return the motion of somebody who goes on as they do until `t` (s), and stops then."""
+        """Return the motion of a person who continues until `t` (s), and then stops."""
         now, motion = self._clock.now, me.body.motion
         stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
         return join([motion.cut(now, t), stop]) if t > now else stop
@@ -161,7 +156,7 @@ class Interruptions:
     def _all_stop(
         self, me: Traveller, stop: Motion
     ) -> dict[Traveller, tuple[Motion, Swath]] | None:
-        """Return the motions of all who stop at once, so that `me` can; None if somebody can't."""
+        """Return the stops of `me` and of all people in its way, or None if one cannot stop."""
         now = self._clock.now
         drafts = {me: (stop, swath(stop, now))}
         left = [me]
@@ -181,7 +176,7 @@ class Interruptions:
         return drafts
 
     def braking(self, me: Traveller, *, alone: bool = False) -> Motion:
-        """Return the earliest stop of somebody on their own course that is free."""
+        """Return the earliest stop on the person's own course that is free."""
         now, motion = self._clock.now, me.body.motion
         if alone:
             return stop_walking(motion, now, max_acceleration=me.human.max_acceleration)
@@ -189,8 +184,8 @@ class Interruptions:
         t = now
         while t < motion.end:
             stop = self._stop(me, t)
-            # Braking at once may end where somebody else is to pass; the motion they follow is free
-            # all along, so that a later stop on it is found, or its own end.
+            # An immediate stop may be in the way of another motion. The committed motion is free,
+            # so a later stop on it is found, or its end.
             if others.free(swath(stop, now)):
                 return stop
             t += PARAMETERS.early
@@ -198,14 +193,14 @@ class Interruptions:
 
 
 def _course_of(who: Traveller, now: float) -> list[Point]:
-    """Return the places where somebody is from `now` (s) on, so far as they are committed."""
+    """Return positions along the committed motion from `now` (s) on."""
     motion = who.body.motion
     steps = math.ceil((motion.end - now) / PARAMETERS.foresees)
     return [motion.state(now + k * PARAMETERS.foresees).at for k in range(steps + 1)]
 
 
 def conflict(me: Traveller, mine: Swath, other: Traveller, theirs: Swath, now: float) -> bool:
-    """Return whether where two people go conflicts."""
+    """Return whether two drafts of two people conflict."""
     least = me.radius + other.radius + GAP
     apart = math.dist(me.body.motion.state(now).at, other.body.motion.state(now).at)
     return first_conflict(mine, theirs, min(least, apart - 1e-9), now) is not None

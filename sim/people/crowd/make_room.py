@@ -47,13 +47,15 @@ class RequestedMoves(Movers):
 
 
 class Request:
-    """One request of `asker`, and what comes of it: where all go who move for it.
+    """Request of a blocked `asker`, and the drafts of all people who move for it.
 
-    Depth first: each asked looks for the nearest place off the way of whoever asks, else ahead of
-    them, and asks those who stand in the way of that step. Nobody is asked who ranks higher than
-    the first asker, unless they are `behind`, as who waits for the asker to go on gains by it, or
-    rank does not count any more: those whose turn it is may have no way out. Nor is who moves:
-    passages that are agreed stay so. All of it is checked together.
+    Depth first: each asked person looks for the nearest position off the course of the asker, or
+    for one ahead along it. That person asks the people who stand in the way of this step.
+
+    Moving people refuse, because agreed passages stay valid. People of higher rank than the asker
+    refuse too, unless they are `behind`: they wait for the asker, and profit from the move. After
+    `PARAMETERS.rank_counts` the rank does not count, because people of high rank may have no way
+    out. All drafts are checked against each other and against all committed motions.
     """
 
     def __init__(
@@ -81,9 +83,9 @@ class Request:
         return self._moving.drafts
 
     def succeeds(self, outlook: Outlook, passed: float) -> bool:
-        """Return whether all can move so that the asker gets past `passed` metres of its course."""
+        """Return whether the asker gets past `passed` metres of the course if all move."""
         for course, length in self._courses(outlook, passed):
-            # Who waits long enough is in nobody's way: those who can't step aside then never can.
+            # The longest wait is the easiest draft: others who cannot step aside then never can.
             latest = outlook.draft(course, length, delay=WAITS[-1])
             if latest is None:
                 continue
@@ -97,15 +99,14 @@ class Request:
     def _courses(self, outlook: Outlook, passed: float) -> Iterator[tuple[Sequence[Point], float]]:
         """Yield courses of the asker past `passed` metres of its own, and their lengths (metres).
 
-        Its own just past the one in the way, as to get anywhere comes first. Then some beside that,
-        and its own as far as they look ahead.
+        First its own course just past the blocking person, then courses beside it, then its own
+        course as far as the asker looks ahead.
         """
         near = min(outlook.stop_beyond(passed + PARAMETERS.passed), outlook.whole)
         yield outlook.course, near
         for course in self._beside(outlook, near):
             yield course, near
         far = outlook.stop_beyond(outlook.reach)
-        # Where others keep them from getting past, they keep them from going on nearly always.
         if far != near:
             yield outlook.course, far
 
@@ -122,7 +123,7 @@ class Request:
                 yield course
 
     def _set_out_sooner(self, outlook: Outlook, course: Sequence[Point], length: float) -> None:
-        """Let the asker set out as soon as all the others who move are out of its way."""
+        """Reduce the wait of the asker to the time in which all others have moved."""
         moving, asker = self._moving, self._commitments.indices[self._asker]
         for wait in WAITS[:-1]:
             draft = outlook.draft(course, length, delay=wait)
@@ -133,18 +134,18 @@ class Request:
                 return
 
     def make_way(self, course: Sequence[Point]) -> None:
-        """Let all who can step off the motion that the asker is committed to, along `course`."""
+        """Draft steps off the committed motion of the asker, along `course`, for all who can."""
         self._clear_for_asker(self._asker.swath, course)
 
     def _clear_for_asker(self, draft: Swath, course: Sequence[Point]) -> bool:
-        """Let all step aside who stand in the way of the asker; return whether they can."""
+        """Draft steps of all people in the way of the asker; return whether they exist."""
         moving = self._moving
         moving.keep(0)
         moving.add(self._commitments.indices[self._asker], draft.table, draft.box)
         return self._clear(0, course, 0, moving.first_hit(0))
 
     def _clear(self, mover: int, course: Sequence[Point], depth: int, hit: int) -> bool:
-        """Let all step aside who stand in the way of a mover; return whether they can.
+        """Draft steps of all people in the way of a mover; return whether they exist.
 
         `hit` is the first of them, -1 for nobody.
         """
@@ -160,11 +161,11 @@ class Request:
         return True
 
     def _is_enough(self, depth: int, moving: int) -> bool:
-        """Return whether nobody else is asked so far down a chain, if so many are moving."""
+        """Return whether a chain has its maximum length, or the request its maximum size."""
         return depth >= PARAMETERS.longest_chain or moving > PARAMETERS.most_moved
 
     def _refuses(self, k: int) -> bool:
-        """Return whether somebody may not be asked, and take note of it."""
+        """Return whether a person refuses, and cache it."""
         other = self._commitments.people[k]
         refuses = not (
             other is not self._asker
@@ -181,7 +182,7 @@ class Request:
         return refuses
 
     def _step(self, k: int, course: Sequence[Point], depth: int) -> bool:
-        """Let the k-th step off `course`, and whoever is in their way; else leave all as is."""
+        """Draft a step of person `k` off `course`; return whether it exists."""
         # Depth first: a step that leads nowhere takes all those back that were made for it.
         moving = self._moving
         count = len(moving.indices)

@@ -1,4 +1,4 @@
-"""Outlook of a person who decides on a course: the floor ahead, and who comes near."""
+"""Observation: the course of a person, the preferred motion, and people nearby."""
 
 from __future__ import annotations
 
@@ -24,14 +24,22 @@ GIVEN = ChoiceParameters(PARAMETERS)
 
 
 class Outlook:
-    """Everything that one decision about the course of `me` looks at.
+    """Observation of a person `me` who decides: the floor ahead, and people nearby.
 
-    `at`, `t` and `speed` are where, when and how fast a new course begins: now, or once they have
-    come to rest, where they are too fast to turn (`lead` is the motion until then). `course` is
-    their path from there to the goal, `whole` its length, `reach` how far along it they look
-    ahead and `stop` after how much of it they stop if nobody is in the way (metres); `wished` is
-    where the `wish` goes. `walks` along the course and beside it are to be weighed against each
-    other.
+    Attributes
+    ----------
+    at, t, speed : Point, float, float
+        Position (m), time (s) and speed (m/s) at which a new course begins. If the person is too
+        fast for the first turn, it begins where they come to rest, after the motion `lead`.
+    course : list of Point
+        Path from there to the goal.
+    whole, reach, stop : float
+        Length of the course, distance of foresight, and length after which the person stops if no
+        other person is in the way, m.
+    wished : Swath or None
+        Draft of the preferred motion, `wish`.
+    walks : Candidates
+        Candidate walks along the course and beside it.
     """
 
     def __init__(
@@ -103,13 +111,13 @@ class Outlook:
 
     @property
     def wish(self) -> Motion | None:
-        """The motion along the course as far as they look ahead, as if nobody were there."""
+        """Preferred motion: along the course within the foresight, on an empty floor."""
         if self._wish is None and self.wished is not None:
             self._wish = self.wished.motion(self._state.position[2])
         return self._wish
 
     def is_wish(self, motion: Motion) -> bool:
-        """Return whether a motion is the `wish`; it is not made for that."""
+        """Return whether a motion is the preferred one."""
         return motion is self._wish
 
     def can_turn(self, course: Sequence[Point]) -> bool:
@@ -181,7 +189,7 @@ class Outlook:
         return Swath.of(self.walks.table, self.walks.box)
 
     def first_free(self) -> Motion | None:
-        """Return the free walk that loses least, of those that there are; None for none."""
+        """Return the free candidate with the least loss, or None."""
         foresight = self._foresight
         if not foresight.first_free():
             return None
@@ -212,14 +220,14 @@ class Outlook:
         return draft if motion is made and draft is not None else swath(motion, self.now)
 
     def free(self, motion: Motion) -> bool:
-        """Return whether a motion of theirs from now on conflicts with nobody."""
+        """Return whether a motion from now on has no conflict."""
         ahead = self.ahead(motion)
         others, (draft, among) = self._around_of(ahead), self._free
         return (ahead is draft and others is among) or others.free(ahead)
 
     @property
     def others(self) -> Others:
-        """Those who may come near the course, or beside it."""
+        """People who may come near the course."""
         if self._others is None:
             self.look_again()
         near = self._foresight.near
@@ -228,14 +236,14 @@ class Outlook:
         return self._others
 
     def look_again(self) -> None:
-        """See the others anew: one of them has committed themselves to something else."""
+        """Observe the others, and find the first conflict."""
         foresight = self._foresight
         k = foresight.look()
         self._hit = None if k < 0 else self._commitments.hit(k, foresight.hit_at)
 
     @property
     def first_hit(self) -> Hit | None:
-        """The first conflict of what they wish for."""
+        """First conflict of the preferred motion."""
         assert self.others is not None
         return self._hit
 
@@ -273,7 +281,7 @@ class Outlook:
         return me.reroute(at) if k < 0 else route[k:]
 
     def send_by(self, route: list[Point]) -> None:
-        """Let them walk to their goal by another route."""
+        """Replace the route to the goal."""
         self._commitments.set_goal(self.me, self.me.goal, route)
 
     def standing(self, around: float, *places: Point) -> MutableSequence[float]:

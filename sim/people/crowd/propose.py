@@ -1,4 +1,4 @@
-"""Steering: the choice of a course among people."""
+"""Steering: the method that proposes a motion."""
 
 from __future__ import annotations
 
@@ -15,26 +15,33 @@ from .traveller import Traveller
 
 
 class Steering(Protocol):
-    """Interface of a steering: it decides how somebody walks on among others."""
+    """Interface of the method that proposes the next motion of a person."""
 
     def replan(
         self, body: Traveller, neighbours: Sequence[Traveller], outlook: Outlook
     ) -> Motion | None:
-        """Return the motion that `body` should follow from now on; None to leave it as it is.
+        """Return the next motion of `body`, or None to keep the current one.
 
-        `neighbours` are those who may come near, with the motions that they are committed to.
-        A motion that comes too close to any of them, its final standing included, is not followed:
-        the old one goes on, which is safe.
+        A motion that conflicts with another committed motion is rejected, and the old one
+        continues.
+
+        Parameters
+        ----------
+        body : Traveller
+            The person who decides.
+        neighbours : sequence of Traveller
+            People nearby, with their committed motions.
+        outlook : Outlook
+            The course, the preferred motion, and tests for conflicts.
         """
         ...
 
 
 class Foresighted:
-    """Takes the free course that loses least: aside, slower, shorter, or later.
+    """Default steering: the free candidate with the least loss.
 
-    People see what others have committed themselves to, and test each course against all of it.
-    The courses that there are, and in what order they are tried, is what `navigation.Foresight` is
-    about.
+    Candidates pass on either side, are slower or shorter, or start later. Each is tested against
+    the committed motions of all others. See `navigation.kernels.foresight`.
     """
 
     def replan(

@@ -1,4 +1,4 @@
-"""Room: free places for somebody to stand at for good, among those who are on the floor."""
+"""Room: free positions where a person can stand."""
 
 from __future__ import annotations
 
