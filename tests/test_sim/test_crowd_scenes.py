@@ -102,7 +102,7 @@ def corridor(tmp_path, count: int, length: float, width: float) -> sim.Run:
         ("people_corner", 8, 13.0),
         ("people_counterflow", 18, 42.0),
         ("people_crossing", 14, 1.0),
-        ("people_door", 31, 60.0),
+        ("people_door", 30, 60.0),
         ("people_frontal", 5, 1.0),
         ("people_group", 2, 1.0),
         ("people_overtaking", 1, 1.0),
