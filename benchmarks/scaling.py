@@ -101,7 +101,7 @@ def strollers(count: int) -> sim.Trial:
         crowd.append(sim.PersonEntry(f"p{k}", personality=errands(goals[1:]), at=start))
     floor = f"boundary: [[0, 0], [{side}, 0], [{side}, {side}], [0, {side}]]"
     return sim.Trial(
-        floorplan.parse(floor),
+        floorplan=floorplan.parse(floor),
         duration=60.0,
         rules=sim.RULE_SETS["observe"],
         people=tuple(crowd),
