@@ -121,7 +121,7 @@ class Ladder:
         """Take a path around all stationary people, if it is worth the wait.
 
         The detour may be as long as the distance that the person would have walked in the time
-        stood and in one more pause. So longer waits accept longer detours.
+        stood and in `PARAMETERS.detour_costs`. So longer waits accept longer detours.
         """
         me, see, now = stuck.me, stuck.see, stuck.now
         if not stuck.may_act or me.rounded >= now:
@@ -130,7 +130,7 @@ class Ladder:
         assert goal is not None
         standing = see.standing(PARAMETERS.detour_around, see.at, goal)
         path = see.ground.detours.path(see.at, goal, standing, see.ground.legs)
-        longest = see.whole + me.top_speed * (stuck.stood + PARAMETERS.longest_pause)
+        longest = see.whole + me.top_speed * (stuck.stood + PARAMETERS.detour_costs)
         if not path or length_of(path) > longest:
             return False
         me.goes_round = True

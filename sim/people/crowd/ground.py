@@ -20,12 +20,6 @@ from navigation.kernels.ways_round import CHUNK, WaysRound
 
 from .parameters import PARAMETERS
 
-INSIDE, OUTSIDE = 2, 3
-"""Number of people abreast below which a place is narrow, for people inside and outside of it.
-
-In an aisle for two, two people side by side leave no room for people in the other direction.
-"""
-
 EVERYWHERE = numbers((-math.inf, -math.inf, math.inf, math.inf))
 """Bounds that overlap with everything."""
 
@@ -87,12 +81,12 @@ class Ground:
     @cached_property
     def narrow(self) -> Narrows:
         """Narrow places as people inside see them."""
-        return self.world.narrows(self.radius, INSIDE)
+        return self.world.narrows(self.radius, PARAMETERS.abreast_inside)
 
     @cached_property
     def narrow_outside(self) -> Narrows:
         """Narrow places as people outside see them."""
-        return self.world.narrows(self.radius, OUTSIDE)
+        return self.world.narrows(self.radius, PARAMETERS.abreast_outside)
 
     def free(self, a: Point, b: Point) -> bool:
         """Return whether the segment from a, a free place, to b touches nothing.

@@ -16,14 +16,14 @@ from navigation.walking import Swath
 from .commitments import GAP, Commitments
 from .ground import Ground, first, length_of, nearest_length, rest
 from .observe import Outlook
-from .parameters import ANGLES, PARAMETERS, RINGS, SHIFTS, WAITS
+from .parameters import PARAMETERS
 from .traveller import Traveller
 
 AROUND = numbers(
     number
-    for r in RINGS
-    for k in range(ANGLES)
-    for angle in (2 * math.pi * k / ANGLES,)
+    for r in PARAMETERS.rings
+    for k in range(PARAMETERS.angles)
+    for angle in (2 * math.pi * k / PARAMETERS.angles,)
     for number in (r * math.cos(angle), r * math.sin(angle))
 )
 """Positions around a person, the nearest first: x and y of each, m."""
@@ -86,7 +86,7 @@ class Request:
         """Return whether the asker gets past `passed` metres of the course if all move."""
         for course, length in self._courses(outlook, passed):
             # The longest wait is the easiest draft: others who cannot step aside then never can.
-            latest = outlook.draft(course, length, delay=WAITS[-1])
+            latest = outlook.draft(course, length, delay=PARAMETERS.waits[-1])
             if latest is None:
                 continue
             if self._left <= 0:
@@ -112,7 +112,7 @@ class Request:
 
     def _beside(self, outlook: Outlook, length: float) -> Iterator[Sequence[Point]]:
         """Yield courses beside the first `length` metres of the asker's own."""
-        for side in SHIFTS:
+        for side in PARAMETERS.shifts:
             steps = [
                 min(k * PARAMETERS.lane, length)
                 for k in range(1, math.ceil(length / PARAMETERS.lane) + 1)
@@ -125,7 +125,7 @@ class Request:
     def _set_out_sooner(self, outlook: Outlook, course: Sequence[Point], length: float) -> None:
         """Reduce the wait of the asker to the time in which all others have moved."""
         moving, asker = self._moving, self._commitments.indices[self._asker]
-        for wait in WAITS[:-1]:
+        for wait in PARAMETERS.waits[:-1]:
             draft = outlook.draft(course, length, delay=wait)
             if draft is None or moving.meet(asker, draft.table, draft.box):
                 continue
@@ -234,7 +234,11 @@ class Request:
         wide = PARAMETERS.wide
         for path, places in _lookout(who.swath.place, course, width, ground):
             walks.look(path, places)
-            fit = None if not who.zones and ground.has_only_walls(path[-1], RINGS[-1]) else fits
+            fit = (
+                None
+                if not who.zones and ground.has_only_walls(path[-1], PARAMETERS.rings[-1])
+                else fits
+            )
             while True:
                 found = walks.next(min(wide, self._left), fit, refusing)
                 wide -= walks.tried
@@ -268,8 +272,8 @@ def _beside(width: float) -> MutableSequence[float]:
     """Return positions beside the end of a path, x and y of each, `width` metres off and more."""
     return numbers(
         number
-        for k in range(ANGLES // 2)
-        for angle in (4 * math.pi * k / ANGLES,)
+        for k in range(PARAMETERS.angles // 2)
+        for angle in (4 * math.pi * k / PARAMETERS.angles,)
         for r in (width + 0.02, 1.3 * width)
         for number in (r * math.cos(angle), r * math.sin(angle))
     )

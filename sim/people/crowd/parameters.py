@@ -41,6 +41,10 @@ class AvoidanceParameters:
     """Loss of one person above which two people look for a shift of both."""
 
     # Candidate courses
+    abreast_inside: int = _of(2, "people", "an aisle that one person fills")
+    """Number of people abreast below which a place is narrow for the people in it."""
+    abreast_outside: int = _of(3, "people", "two abreast leave no room for oncoming people")
+    """Number of people abreast below which a place is narrow for the people outside of it."""
     farthest: float = _of(25.0, "m", "longer than the aisles of the built-in floors")
     """Distance along a course at which the search for the end of a narrow place stops."""
     looks_around: float = _of(2.0, "m", "wider than a shift past a person")
@@ -97,6 +101,8 @@ class AvoidanceParameters:
     """Distance from a source or sink at which people enter and leave."""
     detour_around: float = _of(6.0, "m", "random crowds")
     """Margin around start and goal within which stationary people are bypassed."""
+    detour_costs: float = _of(8.0, "s", "random crowds")
+    """Time that a detour around stationary people may cost beyond the time stood."""
     rank_counts: float = _of(25.0, "s", "random crowds: 7 % less time lost than with 60")
     """Time after which a blocked person may also ask people of higher rank."""
     deadlock: float = _of(30.0, "s", "longest pause without motion in jams that dissolve")
@@ -117,6 +123,19 @@ class AvoidanceParameters:
     """Distance between the points of a course beside the asker's own."""
     stride: float = _of(0.25, "m", "less than the radius of a body")
     """Distance between positions on a course at which people look for a retreat."""
+    shifts: tuple[float, ...] = (-0.45, 0.45, -0.9, 0.9, -0.2, 0.2)
+    """Shifts of an asker's course to the left, m. Without them 26 people in jams are late."""
+    waits: tuple[float, ...] = (0.0, 0.5, 1.0, 2.0, 4.0)
+    """Times for which an asker waits until the others have moved, s."""
+    rings: tuple[float, ...] = (0.1, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
+    """Distances at which people look for a place to step aside, m.
+
+    A step of 0.1 m opens an arch: two people touch in a door, and a third stands close behind.
+    """
+    angles: int = _of(16, "directions", "chosen, not varied")
+    """Number of directions in which people look for such a place."""
+
+    # Interruptions
     clear_time: float = _of(0.1, "s", "a tenth of a meter at walking speed")
     """Time between the stops that are tried before a closed place."""
     foresees: float = _of(0.5, "s", "half a meter at walking speed")
@@ -125,21 +144,6 @@ class AvoidanceParameters:
 
 PARAMETERS = AvoidanceParameters()
 """The parameters of all simulations."""
-
-SHIFTS = (-0.45, 0.45, -0.9, 0.9, -0.2, 0.2)
-"""Shifts of an asker's course to the left, m. Without them 26 people in jams are late."""
-
-WAITS = (0.0, 0.5, 1.0, 2.0, 4.0)
-"""Times for which an asker waits until the others have moved, s."""
-
-RINGS = (0.1, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
-"""Distances at which people look for a place to step aside, m.
-
-A step of 0.1 m opens an arch: two people touch in a door, and a third stands close behind.
-"""
-
-ANGLES = 16
-"""Number of directions in which people look for such a place."""
 
 
 @dataclass(frozen=True, kw_only=True)
