@@ -361,6 +361,11 @@ class TrajectoryChoice:
         if not follows:
             self.ahead = -1
         self._propose_slower_later_shorter(hit_at, at_rest, follows)
+        if at_rest and follows:
+            # They are about to walk on: nobody passes them where they can get nearer.
+            if self._next_free():
+                return True
+            walks.clear()
         opposed: cython.bint = not follows and throng.bound[hit] != 0 and not self.inside
         self._propose_past(near, near_at, opposed)
         if near != hit:
