@@ -259,14 +259,21 @@ gantry: {{controller: {controller}}}
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_visitors_leave_whatever_the_gantry_does_to_them(seed):
-    """After a violation they go on to what is left to do, and never begin anew."""
+    """After a violation they go on to what is left to do, and never begin anew.
+
+    Only an arrival at the call, or a violation, is followed by another goal: the exit. The shortest
+    path to it passes the gantry at little more than the distance of a violation, so a visitor who
+    walks beside another may be hit on it too, and sets out for the exit again.
+    """
     run = sim.run(sim.Trial.parse(VISITORS.format(seed=seed, calls=1, controller="parked")))
     assert run.summary["penalties"] > 0
     assert run.summary["entered"] == run.summary["left"] == 10
     for name in run.summary["people"]:
         goals = [e["at"] for e in events(run, "goal") if e["person"] == name]
-        hit = len([e for e in events(run, "violation") if e["person"] == name])
-        assert len(goals) == max(hit, 1) + 1 and set(map(tuple, goals[1:])) == {(-10.0, 3.75)}
+        hits = [e for e in events(run, "violation") if e["person"] == name]
+        calls = [e for e in events(run, "arrived") if e["person"] == name and e["at"] == goals[0]]
+        assert [tuple(goal) for goal in goals[1:]] == [(-10.0, 3.75)] * (len(calls) + len(hits))
+        assert len(calls) + len(hits) >= 1 and len(calls) <= 1
 
 
 def test_visitors_call_on_stations_that_they_have_not_seen_yet():
