@@ -85,6 +85,9 @@ class Ladder:
             due = me.stands_since + me.manners.reaction_time
         elif not stuck.hit.at_rest:
             due = now + PARAMETERS.apart
+        else:
+            # The other stops in the way, or changes motion before, which wakes the person.
+            due = max(due, min(stuck.hit.other.body.motion.end, now + PARAMETERS.again))
         return due if me.said else min(due, me.stands_since + me.manners.patience)
 
     def arrive_beside_goal(self, stuck: Stuck) -> bool:

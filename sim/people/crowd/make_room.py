@@ -72,8 +72,8 @@ class Request:
         self._ground_of = ground_of
         self._behind = behind
         self._left = PARAMETERS.tries
-        self._refusing = bytearray(len(commitments.people))
-        """For everybody, whether they are known to refuse."""
+        self._refusing = bytearray()
+        """For each person, whether they are known to refuse, or to find no place."""
         self._moving = RequestedMoves(commitments, now)
         """Those who move for it: the asker first."""
 
@@ -140,6 +140,7 @@ class Request:
     def _clear_for_asker(self, draft: Swath, course: Sequence[Point]) -> bool:
         """Draft steps of all people in the way of the asker; return whether they exist."""
         moving = self._moving
+        self._refusing = bytearray(len(self._commitments.people))
         moving.keep(0)
         moving.add(self._commitments.indices[self._asker], draft.table, draft.box)
         return self._clear(0, course, 0, moving.first_hit(0))
@@ -166,6 +167,8 @@ class Request:
 
     def _refuses(self, k: int) -> bool:
         """Return whether a person refuses, and cache it."""
+        if self._refusing[k]:
+            return True
         other = self._commitments.people[k]
         refuses = not (
             other is not self._asker
@@ -183,7 +186,9 @@ class Request:
 
     def _step(self, k: int, course: Sequence[Point], depth: int) -> bool:
         """Draft a step of person `k` off `course`; return whether it exists."""
-        # Depth first: a step that leads nowhere takes all those back that were made for it.
+        # Depth first: a step that leads nowhere takes all those back that were made for it. A person
+        # without a place to step to is not asked again for this course of the asker: the same search
+        # would only begin at another person.
         moving = self._moving
         count = len(moving.indices)
         for retreat, walk in self._retreats(k, course, depth):
@@ -191,6 +196,7 @@ class Request:
             if self._clear(count, retreat, depth + 1, walk.hit):
                 return True
             moving.keep(count)
+        self._refusing[k] = self._left > 0
         return False
 
     def _retreats(
