@@ -12,6 +12,7 @@ cdef class ChoiceParameters:
     cdef readonly double farthest
     cdef readonly double looks_around
     cdef readonly Numbers detours
+    cdef readonly Numbers widths
     cdef readonly double widest
     cdef readonly Numbers paces
     cdef readonly Numbers delays

@@ -44,6 +44,7 @@ class ChoiceParameters:
         self.farthest: float = given.farthest
         self.looks_around: float = given.looks_around
         self.detours = numbers(given.detours)
+        self.widths = numbers(given.widths)
         self.widest: float = given.widest
         self.paces = numbers(given.paces)
         self.delays = numbers(given.delays)
@@ -361,11 +362,6 @@ class TrajectoryChoice:
         if not follows:
             self.ahead = -1
         self._propose_slower_later_shorter(hit_at, at_rest, follows)
-        if at_rest and follows:
-            # They are about to walk on: nobody passes them where they can get nearer.
-            if self._next_free():
-                return True
-            walks.clear()
         opposed: cython.bint = not follows and throng.bound[hit] != 0 and not self.inside
         self._propose_past(near, near_at, opposed)
         if near != hit:
@@ -519,12 +515,15 @@ class TrajectoryChoice:
         # Just past them at the comfort distance, then at the least one; to either side.
         needed: float = self.radius + at(throng.radii)[k] + throng.gap
         wide: float = needed + self.comfort
-        sides: Numbers = room(4)
-        side: Doubles = at(sides)
-        side[0] = beside - wide
-        side[1] = beside + wide
-        side[2] = beside - needed - _HAIR
-        side[3] = beside + needed + _HAIR
+        sides: Numbers = numbers(
+            (
+                beside - wide,
+                beside + wide,
+                beside - needed - _HAIR,
+                beside + needed + _HAIR,
+                *self.given.widths,
+            )
+        )
         length: float = self.reach + 0.5
         top: float = self.top_speed
         usual: float = self.usual

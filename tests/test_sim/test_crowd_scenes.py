@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 from run_events import events
@@ -96,26 +97,35 @@ def corridor(tmp_path, count: int, length: float, width: float) -> sim.Run:
 @pytest.mark.parametrize(
     ("name", "legs", "most_lost"),
     [
-        ("people_aisle", 17, 20.0),
-        ("people_blind_spot", 6, 1.0),
-        ("people_bottleneck", 10, 21.0),
-        ("people_corner", 8, 13.0),
-        ("people_counterflow", 18, 42.0),
-        ("people_crossing", 14, 1.0),
-        ("people_door", 30, 60.0),
-        ("people_frontal", 5, 1.0),
-        ("people_group", 2, 1.0),
-        ("people_overtaking", 1, 1.0),
-        ("people_parallel", 4, 14.0),
-        ("people_perpendicular", 7, 1.0),
-        ("people_queue", 16, 5.0),
+        ("people_aisle", 17.4, 16.0),
+        ("people_blind_spot", 6.0, 1.0),
+        ("people_bottleneck", 10.0, 27.0),
+        ("people_corner", 8.0, 8.0),
+        ("people_counterflow", 16.6, 40.0),
+        ("people_crossing", 14.0, 1.0),
+        ("people_door", 30.5, 55.0),
+        ("people_frontal", 5.0, 1.0),
+        ("people_group", 2.0, 1.0),
+        ("people_overtaking", 1.0, 1.0),
+        ("people_parallel", 4.5, 7.0),
+        ("people_perpendicular", 7.0, 1.0),
+        ("people_queue", 16.0, 3.0),
     ],
 )
 def test_people_of_a_scene_arrive_without_losing_much_time(name, legs, most_lost):
-    run = sim.run(sim.Trial.load(name))
-    assert run.summary["overlaps"] == 0
-    assert len(events(run, "arrived")) >= legs
-    assert lost(run) <= most_lost
+    """Means of eight runs that differ by millimetres of the comfort distance.
+
+    Who meets whom where changes with every detail, and so does the time lost in a single run.
+    """
+    trial = sim.Trial.load(name)
+    runs = []
+    for k in range(8):
+        manners = [replace(one.manners, comfort=0.1 + 0.002 * k) for one in trial.people]
+        pairs = zip(trial.people, manners, strict=True)
+        runs.append(sim.run(replace(trial, people=tuple(replace(p, manners=m) for p, m in pairs))))
+    assert all(run.summary["overlaps"] == 0 for run in runs)
+    assert sum(len(events(run, "arrived")) for run in runs) >= len(runs) * legs
+    assert sum(map(lost, runs)) <= len(runs) * most_lost
 
 
 @pytest.mark.parametrize(
@@ -143,13 +153,44 @@ def test_a_jam_dissolves(tmp_path, scene, arguments, legs, most_lost):
     assert lost(run) <= most_lost
 
 
-def test_a_patrol_of_fifty_keeps_walking():
+def test_everybody_gets_through_a_corridor(tmp_path):
+    """Fifteen people against fifteen in a corridor of 2 x 30 m, within 240 s."""
+    run = corridor(tmp_path, 15, 30.0, 2.0)
+    assert {event["person"] for event in events(run, "arrived")} == set(run.summary["people"])
+
+
+@pytest.mark.parametrize(
+    ("count", "legs", "most_lost"), [(10, 360, 40.0), (50, 920, 4000.0)], ids=["10", "50"]
+)
+def test_a_patrol_keeps_walking(count, legs, most_lost):
     run = sim.run(
         sim.Trial.parse(
             "floorplan: ariac2023\nduration: 275\nrules: observe\nseed: 1\n"
-            "people: [{name: crew, count: 50, at: anywhere}]\n"
+            f"people: [{{name: crew, count: {count}, at: anywhere}}]\n"
         )
     )
     assert run.summary["overlaps"] == 0
-    assert len(events(run, "arrived")) >= 920
-    assert lost(run) <= 4000
+    assert len(events(run, "arrived")) >= legs
+    assert lost(run) <= most_lost
+
+
+CORNER = """
+floorplan:
+  boundary: [[0, 0], [14, 0], [14, 14], [12, 14], [12, 2], [0, 2]]
+  stations: {{west: [1, 1], north: [13, 13]}}
+  safe_zone: {{at: [1, 1]}}
+duration: 60.0
+people:
+  - {{name: right1, at: [{x}, 1], beliefs: ["bound_for(north)"]}}
+  - {{name: right2, at: [{ahead}, 1.1], beliefs: ["bound_for(north)"]}}
+  - {{name: left, count: 2, home: [13, 13], beliefs: ["bound_for(west)"]}}
+"""
+
+
+def test_pairs_who_meet_in_a_corner_lose_little_time():
+    """Two and two meet in the corner of a corridor of 2 m, from 24 starts."""
+    runs = [
+        sim.run(sim.Trial.parse(CORNER.format(x=1.0 + 0.07 * k, ahead=1.65 + 0.09 * k)))
+        for k in range(24)
+    ]
+    assert sum(lost(run) for run in runs) <= 24 * 7.5

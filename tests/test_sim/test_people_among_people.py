@@ -201,13 +201,13 @@ def test_nobody_shivers(walks):
 
 def test_nobody_changes_course_more_than_twice_in_a_second(walks):
     """Not even who has just given way, and may go on as soon as the one in the way does."""
-    run = walks(*rooms(7, 10, 0.8, 0.2), 20.0)
+    run = walks(*rooms(7, 10, 0.8, 0.2), 40.0)
     again = sim.Simulation(run.trial)
     changes: dict[str, list[float]] = {person.name: [] for person in again.people}
     for person in again.people:
         times = changes[person.name]
         person.body.on_change.append(lambda times=times: times.append(again.clock.now))
-    again.advance(20.0)
+    again.advance(40.0)
     assert sum(map(len, changes.values())) > 100
     for times in changes.values():
         assert all(

@@ -244,6 +244,10 @@ class Crowd:
             return
         me.looked = now
         hit = see.first_hit
+        if hit is not None and self._may_start(hit, now):
+            self.decide(hit.other)
+            see.look_again()
+            hit = see.first_hit
         if hit is not None:
             self._meet(me, hit, now)
         motion = self._first_free(me, see, hit)
@@ -261,6 +265,17 @@ class Crowd:
             self._again(me, min(now + PARAMETERS.apart, due))
         else:
             self._escalate(me, see, hit)
+
+    def _may_start(self, hit: Hit, now: float) -> bool:
+        """Return whether the person in the way may start first: they stand, but not blocked."""
+        other = hit.other
+        return (
+            hit.at_rest
+            and other.goal is not None
+            and not other.recorded
+            and now - max(other.decided, other.looked) >= PARAMETERS.again
+            and other.arriving.time is None
+        )
 
     def _observe(self, me: Traveller) -> Outlook:
         return Outlook(me, self._clock.now, self._commitments, self._ground(me))

@@ -17,7 +17,10 @@ from .propose import Steering
 from .traveller import Traveller
 
 NEAR = 1e-6
-"""Metres. So near to where somebody is, a motion of theirs begins."""
+"""Maximum distance from a person at which a new motion begins, m."""
+
+ALIKE = 1e-3
+"""Maximum difference between the speed of a person and that at which a new motion begins, m/s."""
 
 
 class SteeringError(UserError):
@@ -62,9 +65,12 @@ class _Held:
             if motion is None:
                 return None
             require(motion, Motion)
-            parted = dist(motion.state(outlook.now).at, body.body.at)
+            begin, state = motion.state(outlook.now), body.body.state
         except Exception as why:
             raise SteeringError(f"{where}{own_line(why)}: {in_words(why)}") from why
-        if parted > NEAR:
+        if (parted := dist(begin.at, state.at)) > NEAR:
             raise SteeringError(f"{where}: its motion begins {parted:.3g} m from where they are")
+        if abs(begin.speed - state.speed) > ALIKE:
+            speeds = f"{state.speed:.3g} m/s, not {begin.speed:.3g} m/s"
+            raise SteeringError(f"{where}: its motion must begin at {speeds}")
         return motion

@@ -186,9 +186,8 @@ class Request:
 
     def _step(self, k: int, course: Sequence[Point], depth: int) -> bool:
         """Draft a step of person `k` off `course`; return whether it exists."""
-        # Depth first: a step that leads nowhere takes all those back that were made for it. A person
-        # without a place to step to is not asked again for this course of the asker: the same search
-        # would only begin at another person.
+        # Depth first: a step that leads nowhere takes back all those that were made for it. Who
+        # found no place is not asked again for this course, as the search would be alike.
         moving = self._moving
         count = len(moving.indices)
         for retreat, walk in self._retreats(k, course, depth):
