@@ -42,10 +42,15 @@ def places(rng: random.Random, count: int, room: Room) -> list[Place]:
 
 
 def there_and_back(
-    tmp_path, boundary: Place, walls: Sequence[tuple[float, ...]], sides: tuple[Room, Room], count
+    tmp_path,
+    boundary: Place,
+    walls: Sequence[tuple[float, ...]],
+    sides: tuple[Room, Room],
+    count: int,
+    draw: int,
 ) -> sim.Run:
     """Run `count` people on each of two sides for 240 s, to the other side and back."""
-    rng = random.Random(1)
+    rng = random.Random(draw)
     people = []
     for here, there in (sides, sides[::-1]):
         starts, goals = places(rng, count, here), places(rng, count, there)
@@ -74,7 +79,9 @@ def there_and_back(
     )
 
 
-def two_rooms(tmp_path, count: int, gap: float, thickness: float, width: float) -> sim.Run:
+def two_rooms(
+    tmp_path, count: int, gap: float, thickness: float, width: float, *, draw: int = 1
+) -> sim.Run:
     """Run `count` people in each of two rooms, joined by a gap in a wall of a thickness (m)."""
     depth = width
     far = width + thickness
@@ -84,14 +91,14 @@ def two_rooms(tmp_path, count: int, gap: float, thickness: float, width: float) 
     ]
     west = ((0.4, 0.4), (width - 0.9, depth - 0.4))
     east = ((far + 0.9, 0.4), (far + width - 0.4, depth - 0.4))
-    return there_and_back(tmp_path, (far + width, depth), walls, (west, east), count)
+    return there_and_back(tmp_path, (far + width, depth), walls, (west, east), count, draw)
 
 
-def corridor(tmp_path, count: int, length: float, width: float) -> sim.Run:
+def corridor(tmp_path, count: int, length: float, width: float, *, draw: int = 1) -> sim.Run:
     """Run `count` people at each end of a closed corridor."""
     west = ((0.4, 0.35), (0.42 * length, width - 0.35))
     east = ((0.58 * length, 0.35), (length - 0.4, width - 0.35))
-    return there_and_back(tmp_path, (length, width), [], (west, east), count)
+    return there_and_back(tmp_path, (length, width), [], (west, east), count, draw)
 
 
 @pytest.mark.parametrize(
@@ -132,9 +139,8 @@ def test_people_of_a_scene_arrive_without_losing_much_time(name, legs, most_lost
     ("scene", "arguments", "legs", "most_lost"),
     [
         pytest.param(two_rooms, (15, 1.5, 10.0, 6.0), 60, 3300.0, id="aisle for two, 15 + 15"),
-        pytest.param(two_rooms, (8, 1.0, 10.0, 6.0), 32, 900.0, id="aisle for one, 8 + 8"),
         pytest.param(two_rooms, (20, 0.8, 0.2, 7.0), 80, 3600.0, id="door of 0.8 m, 20 + 20"),
-        pytest.param(corridor, (15, 30.0, 2.0), 50, 4700.0, id="corridor of 2 m, 15 + 15"),
+        pytest.param(corridor, (15, 30.0, 2.0), 55, 3500.0, id="corridor of 2 m, 15 + 15"),
         pytest.param(corridor, (3, 10.0, 1.5), 12, 110.0, id="closed aisle for two, 3 + 3"),
         pytest.param(
             two_rooms,
@@ -151,6 +157,14 @@ def test_a_jam_dissolves(tmp_path, scene, arguments, legs, most_lost):
     assert run.summary["overlaps"] == 0
     assert len(events(run, "arrived")) >= legs
     assert lost(run) <= most_lost
+
+
+def test_an_aisle_for_one_lets_eight_and_eight_pass(tmp_path):
+    """Mean of four draws, because one of them may lose twice as much."""
+    runs = [two_rooms(tmp_path, 8, 1.0, 10.0, 6.0, draw=draw) for draw in range(1, 5)]
+    assert all(run.summary["overlaps"] == 0 for run in runs)
+    assert all(len(events(run, "arrived")) == 32 for run in runs)
+    assert sum(map(lost, runs)) <= 4 * 900.0
 
 
 def test_everybody_gets_through_a_corridor(tmp_path):

@@ -63,7 +63,7 @@ class AvoidanceParameters:
     """Shares of the free stretch after which a stop is tried. Patrol: 651 legs without stops."""
     shortest: float = _of(0.5, "m", "random crowds")
     """Minimum length of a walk that starts from rest."""
-    phantom: float = _of(0.2, "1", "patrol of 10: 5 % fewer legs with 0.3")
+    phantom: float = _of(0.1, "1", "patrol of 10: 5 % fewer legs with 0.3")
     """Share of its loss that a stop behind a person about to walk on counts."""
     files: tuple[float, ...] = (0.25, 0.5, 1.0, 1.5, 2.0, 2.5)
     """Shifts at which a follower looks for a faster file, m."""
