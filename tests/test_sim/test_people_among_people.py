@@ -577,6 +577,9 @@ def test_minds_know_where_the_others_are(walks, tmp_path):
 
 
 OWN = """
+import navigation
+
+
 class Reckless:
     def replan(self, body, neighbours, outlook):
         return outlook.wish
@@ -585,6 +588,12 @@ class Reckless:
 class Broken:
     def replan(self, body, neighbours, outlook):
         return outlook.nothing
+
+
+class Abrupt:
+    def replan(self, body, neighbours, outlook):
+        walks = body.body.state.speed > 0
+        return navigation.standing(body.body.at, start=outlook.now) if walks else outlook.wish
 
 
 class Empty:
@@ -607,8 +616,10 @@ def test_nobody_overlaps_whatever_a_steering_of_ones_own_does(tmp_path):
 
 
 def test_what_is_wrong_with_a_steering_is_said(tmp_path):
-    with pytest.raises(ValueError, match=r"a1 at t = 0 s \(mine.py, line 9\): Attribute"):
+    with pytest.raises(ValueError, match=r"a1 at t = 0 s \(mine.py, line 12\): Attribute"):
         sim.run(own(tmp_path, "Broken"))
+    with pytest.raises(ValueError, match=r"its motion must begin at 1 m/s, not 0 m/s"):
+        sim.run(own(tmp_path, "Abrupt"))
     with pytest.raises(sim.TrialError, match=r"line 5, steering: the steering .*Missing"):
         own(tmp_path, "Missing")
     empty = own(tmp_path, "Empty")

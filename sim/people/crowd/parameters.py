@@ -29,13 +29,13 @@ class AvoidanceParameters:
     """Distance that two bodies always keep."""
 
     # Decisions
-    early: float = _of(0.25, "s", "later decisions brake people who could continue")
+    early: float = _of(0.25, "s", "time to decide before the start of braking; chosen, not varied")
     """Time before the start of braking at which a person decides again."""
     apart: float = _of(0.5, "s", "at most two changes of motion in one second")
     """Minimum time between two decisions of a person."""
-    keeps: float = _of(1.0, "s", "patrol: fewer changes of course, equal time lost")
+    keeps: float = _of(1.0, "s", "chosen, not varied")
     """Minimum time for which a person keeps a motion other than the preferred one."""
-    again: float = _of(2.0, "s", "patrol: equal legs at half the decisions")
+    again: float = _of(2.0, "s", "chosen, not varied")
     """Maximum time until that person looks for a better motion."""
     worth: float = _of(0.6, "m", "two people head-on in an aisle of 1.5 m")
     """Loss of one person above which two people look for a shift of both."""
@@ -61,23 +61,23 @@ class AvoidanceParameters:
     """Delays of a start, s. Without them three people in random crowds are late."""
     parts: tuple[float, ...] = (1.0, 0.8, 0.6, 0.4, 0.2)
     """Shares of the free stretch after which a stop is tried. Patrol: 651 legs without stops."""
-    shortest: float = _of(0.5, "m", "random crowds")
+    shortest: float = _of(0.5, "m", "chosen, not varied")
     """Minimum length of a walk that starts from rest."""
     phantom: float = _of(0.1, "1", "patrol of 10: 5 % fewer legs with 0.3")
     """Share of its loss that a stop behind a person about to walk on counts."""
     files: tuple[float, ...] = (0.25, 0.5, 1.0, 1.5, 2.0, 2.5)
     """Shifts at which a follower looks for a faster file, m."""
-    faster: float = _of(0.15, "m/s", "flow in a full corridor, Weidmann 1993")
+    faster: float = _of(0.15, "m/s", "chosen, not varied")
     """Gain in speed for which a person leaves a file."""
-    beside_after: float = _of(0.4, "1", "flow in a full corridor, Weidmann 1993")
+    beside_after: float = _of(0.4, "1", "chosen, not varied")
     """Share of the foresight after which that person walks in the other file."""
-    past: float = _of(0.3, "m", "corridor of 3 m with nine against nine")
+    past: float = _of(0.3, "m", "chosen, not varied")
     """Distance past an oncoming person at which a stop beside is allowed."""
     other_side: float = _of(0.15, "m", "share of people who pass on the right, Moussaïd 2009")
     """Loss of passing on the unusual side."""
-    brush: float = _of(0.5, "m", "distance of people who pass each other")
+    brush: float = _of(0.5, "m", "chosen, not varied")
     """Loss of a motion within the comfort distance of others."""
-    alike: float = _of(0.3, "1", "random crowds")
+    alike: float = _of(0.3, "1", "chosen, not varied")
     """Cosine above which two people walk the same way."""
     closes_in: float = _of(1.0, "s", "single file, Seyfried 2005")
     """Time in which a follower reaches the distance of the time gap."""
@@ -91,9 +91,9 @@ class AvoidanceParameters:
     """Lateral distance of oncoming people at which followers close up."""
 
     # Escalation
-    pause: float = _of(1.0, "s", "random crowds")
+    pause: float = _of(1.0, "s", "chosen, not varied")
     """First pause between two searches of a blocked person. Each is twice as long as the last."""
-    longest_pause: float = _of(8.0, "s", "random crowds")
+    longest_pause: float = _of(8.0, "s", "chosen, not varied")
     """Maximum pause between two searches."""
     in_reach: float = _of(1.25, "m", "patrol: two bodies and the width of a third")
     """Distance from an occupied goal at which a blocked person has arrived."""
@@ -101,32 +101,32 @@ class AvoidanceParameters:
     """Distance from a goal at which a person has arrived behind a closed ring of people."""
     at_the_door: float = _of(1.0, "m", "width of a door")
     """Distance from a source or sink at which people enter and leave."""
-    detour_around: float = _of(6.0, "m", "random crowds")
+    detour_around: float = _of(6.0, "m", "chosen, not varied")
     """Margin around start and goal within which stationary people are bypassed."""
-    detour_costs: float = _of(8.0, "s", "random crowds")
+    detour_costs: float = _of(8.0, "s", "chosen, not varied")
     """Time that a detour around stationary people may cost beyond the time stood."""
-    rank_counts: float = _of(25.0, "s", "random crowds: 7 % less time lost than with 60")
+    rank_counts: float = _of(25.0, "s", "chosen, not varied")
     """Time after which a blocked person may also ask people of higher rank."""
-    deadlock: float = _of(30.0, "s", "longest pause without motion in jams that dissolve")
+    deadlock: float = _of(30.0, "s", "chosen, not varied")
     """Time without any change of motion after which blocked people are in deadlock."""
 
     # Requests to make room
-    longest_chain: int = _of(10, "people", "jams: 19 late with 6")
+    longest_chain: int = _of(10, "people", "chosen, not varied")
     """Maximum length of a chain of requests."""
-    most_moved: int = _of(24, "people", "jams")
+    most_moved: int = _of(24, "people", "chosen, not varied")
     """Maximum number of people who move for one request."""
-    wide: int = _of(12, "courses", "random crowds: 5 % less time lost than with 6")
+    wide: int = _of(12, "courses", "chosen, not varied")
     """Maximum number of retreats that one person tries."""
-    tries: int = _of(200, "courses", "random crowds: 20 % less time lost than with 60")
+    tries: int = _of(200, "courses", "40 random crowds: 18 % less time lost than with 60")
     """Maximum number of retreats that all people try for one request."""
-    passed: float = _of(1.0, "m", "random crowds")
+    passed: float = _of(1.0, "m", "chosen, not varied")
     """Distance beyond the blocking person that the asker wants to reach."""
     lane: float = _of(1.0, "m", "distance of corners in a bend of 1 m")
     """Distance between the points of a course beside the asker's own."""
     stride: float = _of(0.25, "m", "less than the radius of a body")
     """Distance between positions on a course at which people look for a retreat."""
     shifts: tuple[float, ...] = (-0.45, 0.45, -0.9, 0.9, -0.2, 0.2)
-    """Shifts of an asker's course to the left, m. Without them 26 people in jams are late."""
+    """Shifts of an asker's course to the left, m."""
     waits: tuple[float, ...] = (0.0, 0.5, 1.0, 2.0, 4.0)
     """Times for which an asker waits until the others have moved, s."""
     rings: tuple[float, ...] = (0.1, 0.3, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
