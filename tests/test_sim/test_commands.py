@@ -69,7 +69,7 @@ def test_a_run_with_commands_repeats_byte_for_byte(tmp_path):
         ("[{time: 1, send: operator}]", "commands[0].to: a person is sent to a place"),
         ("[{time: 1, hold: gantry, for: 3}]", "commands[0].for: unknown key"),
         ("[{time: 1, send: operator, to: statoin2}]", "did you mean 'station2'?"),
-        ("[{time: 5, hold: gantry}, {time: 1, release: gantry}]", "comes before the previous command"),
+        ("[{time: 5, hold: gantry}, {time: 1, release: gantry}]", "before the previous command"),
         ("[{time: 1, block: bin2, x: [0, 1], y: [0, 1]}]", "'bin2' already"),
         ("[{time: 1, clear: crate}]", "nothing that is called 'crate' was put down"),
         ("none.yaml", "no such file: 'none.yaml'"),
