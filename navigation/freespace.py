@@ -105,7 +105,7 @@ class FreeSpace:
         if self._sides is None:
             self._sides = _bounds_of_sides(self.pieces)
         (x, y), sides = place, self._sides
-        on = within_bounds(sides, x - _EDGE, y - _EDGE, x + _EDGE, y + _EDGE)
+        on = within_bounds(sides, numbers((x, y, x, y)), _EDGE)
         low_x, low_y, high_x, high_y = (
             [end, *(sides[4 * k + n] for k in on)] for n, end in enumerate((x, y, x, y))
         )

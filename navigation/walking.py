@@ -10,103 +10,60 @@ The chosen one becomes a motion.
 from __future__ import annotations
 
 import math
-from collections.abc import MutableSequence, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .kernels import discs, walks
-from .kernels.candidates import bound
-from .kernels.discs import ROW, distance_travelled, swept
-from .kernels.numbers import flat, numbers, room
-from .kernels.pacing import turned, walk_table
+from .kernels.discs import Swath, swept
+from .kernels.numbers import flat, numbers
+from .kernels.pacing import turned, walk_swath
 from .kernels.pieces import along_legs
 from .machines import AxisLimits
 from .motion import Motion, State, TablePieces, motion_of, standing
 
 Corner = tuple[float, float]
 
-_NONE = numbers(())
 
+def swath_along(
+    corners: Sequence[Corner],
+    start: float,
+    *,
+    initial_speed: float = 0.0,
+    top_speed: float | Sequence[float],
+    max_speed: float,
+    max_acceleration: float,
+    lead: Swath | None = None,
+    since: float | None = None,
+) -> Swath | None:
+    """Return where the `walk` along `corners` goes that keeps to `top_speed`, from `start` on.
 
-class Swath(NamedTuple):
-    """Floor that a disc's centre covers from some time on: its table and bounds.
-
-    The `table` is one of `discs`. The final stop begins at `rests` (seconds). `box` has the minimum
-    x and y, and the maximum x and y, in metres.
+    It follows on the walk `lead`, if there is one, or on standing from `since` (seconds) on. None
+    where it can't come to rest, or slow down enough for a corner.
     """
+    return walk_swath(
+        flat([*corners]),
+        numbers((top_speed,) if isinstance(top_speed, float | int) else top_speed),
+        start if since is None else since,
+        start,
+        initial_speed,
+        max_speed,
+        max_acceleration,
+        lead,
+    )
 
-    table: MutableSequence[float]
-    rests: float
-    box: MutableSequence[float]
 
-    @staticmethod
-    def of(table: MutableSequence[float], box: MutableSequence[float]) -> Swath:
-        """Return the swath of a table with these bounds."""
-        return Swath(table, table[-ROW], box)
-
-    @staticmethod
-    def along(
-        corners: Sequence[Corner],
-        start: float,
-        *,
-        initial_speed: float = 0.0,
-        top_speed: float | Sequence[float],
-        max_speed: float,
-        max_acceleration: float,
-        lead: Swath | None = None,
-        since: float | None = None,
-    ) -> Swath | None:
-        """Return the swath of a `walk` along `corners` from `start` on, at most at `top_speed`.
-
-        It continues the walk `lead`, or follows a stop that begins at `since` (seconds). Return
-        None if the person cannot stop in time, or slow down enough for a corner.
-        """
-        places, before, bounds = flat([*corners]), _NONE, _NONE
-        if lead is not None:
-            before, bounds, since = lead.walk, lead.box, lead.rests
-        table = walk_table(
-            places,
-            numbers((top_speed,) if isinstance(top_speed, float | int) else top_speed),
-            start if since is None else since,
-            start,
-            initial_speed,
-            max_speed,
-            max_acceleration,
-            before,
-        )
-        if not table:
-            return None
-        box = room(4)
-        bound(places, len(places), bounds, box)
-        return Swath.of(table, box)
-
-    def motion(self, heading: float) -> Motion:
-        """Return the motion, with `heading` (radians) before it moves."""
-        return motion_of(turned(self.table, heading))
-
-    @property
-    def walk(self) -> MutableSequence[float]:
-        """Table without the final stop."""
-        return self.table[:-ROW]
-
-    @property
-    def place(self) -> tuple[float, float]:
-        """Final position (x, y) in metres."""
-        return (self.table[2 - ROW], self.table[6 - ROW])
-
-    def gone(self, since: float, t: float) -> float:
-        """Return the distance (m) walked on straight segments from `since` to `t` (s)."""
-        return distance_travelled(self.table, since, t)
+def motion_along(swath: Swath, heading: float) -> Motion:
+    """Return the motion of a walk: turned to where it goes, at first by `heading` (radians)."""
+    return motion_of(turned(swath.table, heading))
 
 
 def swath(motion: Motion, begin: float) -> Swath:
     """Return the swath of `motion` from `begin` (seconds) on."""
     since = max(begin, motion.end)
-    box = room(4)
-    return Swath.of(swept(motion.table, begin, since, *motion.state(since).at, box), box)
+    return swept(motion.table, begin, since, *motion.state(since).at)
 
 
 def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> float | None:
@@ -188,7 +145,7 @@ def walk(
     """
     _check_limits(max_speed, max_acceleration)
     if top_speed is not None:
-        swath = Swath.along(
+        swath = swath_along(
             [(x, y) for x, y in _checked(points).tolist()],
             float(start),
             initial_speed=initial_speed,
@@ -198,7 +155,7 @@ def walk(
         )
         if swath is None:
             raise ValueError(f"the path is too short to slow down from {initial_speed:g} m/s")
-        return swath.motion(0.0)
+        return motion_along(swath, 0.0)
     corners = _corners(points)
     if len(corners) == 1:
         if initial_speed > 0:

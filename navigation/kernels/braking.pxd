@@ -1,6 +1,5 @@
 from libc.math cimport sqrt
 from navigation.kernels.cubics cimport *
-from navigation.kernels.numbers cimport *
 from navigation.kernels.pieces cimport instant, merge_axes, rest
 
 cdef double _STANDS, _EASES

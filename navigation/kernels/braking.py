@@ -19,7 +19,6 @@ if not cython.compiled:
     from math import sqrt
 
     from .cubics import *
-    from .numbers import *
     from .pieces import instant, merge_axes, rest
 
 _STANDS: float = 1e-12  # m/s; an axis of less velocity and acceleration than these stands

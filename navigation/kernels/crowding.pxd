@@ -1,6 +1,5 @@
 from navigation.kernels.cubics cimport *
 from navigation.kernels.discs cimport conflict_from
-from navigation.kernels.numbers cimport *
 
 cdef double _SHARE, _HAIR
 

@@ -20,7 +20,6 @@ from .numbers import numbers
 if not cython.compiled:
     from .cubics import *
     from .discs import conflict_from
-    from .numbers import *
 
 _SHARE: float = 1e-6  # of an instant, against rounding
 _HAIR: float = 1e-9  # metres

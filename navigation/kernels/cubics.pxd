@@ -1,52 +1,5 @@
 from libc.math cimport sqrt
-from navigation.kernels.numbers cimport Numbers, at, cut, room, row_at
-
-cdef struct Cubic:
-    double p, v, a, j
-
-cdef struct Range:
-    double low, high
-
-cdef struct BoundingBox:
-    double low_x, low_y, high_x, high_y
-
-cdef struct PlanarPiece:
-    double begin, end
-    Cubic x, y
-
-cdef struct PosePiece:
-    double begin, end
-    Cubic x, y, rotation
-
-cdef struct Phase:
-    double duration
-    Cubic c
-
-ctypedef BoundingBox* Boxes
-ctypedef PlanarPiece* PlanarPieces
-ctypedef PosePiece* PosePieces
-ctypedef Phase* Phases
-
-cdef inline Boxes boxes_of(Numbers row) noexcept:
-    return <BoundingBox*> row.data.as_doubles
-
-cdef inline Py_ssize_t box_count(Numbers row) noexcept:
-    return len(row) // 4
-
-cdef inline PlanarPieces planar(Numbers table) noexcept:
-    return <PlanarPiece*> table.data.as_doubles
-
-cdef inline PosePieces poses(Numbers table) noexcept:
-    return <PosePiece*> table.data.as_doubles
-
-cdef inline Phases phases(Numbers table) noexcept:
-    return <Phase*> table.data.as_doubles
-
-cdef inline Py_ssize_t planar_count(Numbers table) noexcept:
-    return len(table) // 10
-
-cdef inline Py_ssize_t pose_count(Numbers table) noexcept:
-    return len(table) // 14
+from navigation.kernels.tables cimport *
 
 cdef inline Cubic constant(double p) noexcept:
     return Cubic(p, 0.0, 0.0, 0.0)
@@ -75,6 +28,20 @@ cdef inline double norm(double x, double y) noexcept:
 cdef inline Cubic along(double x, double c, Cubic way) noexcept:
     return Cubic(x + way.p * c, way.v * c, way.a * c, way.j * c)
 
+cdef inline Position position_at(Numbers table, double t) noexcept:
+    cdef PlanarPiece piece = planar(table)[planar_from(table, 0, t)]
+    cdef double u = max(t - piece.begin, 0.0)
+    return Position(value(piece.x, u), value(piece.y, u))
+
+cdef inline PlanarPiece rest_piece(double t, double x, double y) noexcept:
+    return PlanarPiece(t, INFINITY, constant(x), constant(y))
+
+cdef inline double ahead_of(CoursePlace here, double x, double y) noexcept:
+    return (x - here.x) * here.c + (y - here.y) * here.s
+
+cdef inline double left_of(CoursePlace here, double x, double y) noexcept:
+    return (y - here.y) * here.c - (x - here.x) * here.s
+
 cdef inline double speed(Cubic x, Cubic y, double u) noexcept:
     return norm(slope(x, u), slope(y, u))
 
@@ -90,35 +57,8 @@ cdef inline double deviation(Cubic x, Cubic y, double half) noexcept:
 cdef inline double held(double begin, double end, double t) noexcept:
     return min(max(t, begin), end) - begin
 
-cdef inline Py_ssize_t phase_count(Numbers table) noexcept:
-    return len(table) // 5
-
-cdef inline Numbers planar_room(Py_ssize_t count):
-    return room(10 * count)
-
-cdef inline Numbers pose_room(Py_ssize_t count):
-    return room(14 * count)
-
-cdef inline Numbers phase_room(Py_ssize_t count):
-    return room(5 * count)
-
-cdef inline int planar_cut(Numbers table, Py_ssize_t count) except -1:
-    return cut(table, 10 * count)
-
-cdef inline int pose_cut(Numbers table, Py_ssize_t count) except -1:
-    return cut(table, 14 * count)
-
-cdef inline int phase_cut(Numbers table, Py_ssize_t count) except -1:
-    return cut(table, 5 * count)
-
-cdef inline Py_ssize_t pose_at(Numbers table, double t) noexcept:
-    return row_at(at(table), pose_count(table), 14, t)
-
 cdef inline double end_of(Numbers table) noexcept:
     return poses(table)[pose_count(table) - 1].end
-
-cdef inline Py_ssize_t planar_at(Numbers table, double t) noexcept:
-    return row_at(at(table), planar_count(table), 10, t)
 
 cdef inline Py_ssize_t planar_from(Numbers table, Py_ssize_t k, double t) noexcept:
     while planar(table)[k].end <= t:
@@ -153,6 +93,16 @@ cdef inline BoundingBox united(BoundingBox a, BoundingBox b) noexcept:
         max(a.high_x, b.high_x),
         max(a.high_y, b.high_y),
     )
+
+cdef inline BoundingBox box_around(Numbers row, Py_ssize_t count) noexcept:
+    cdef Position* position = positions_of(row)
+    cdef BoundingBox box = BoundingBox(INFINITY, INFINITY, -INFINITY, -INFINITY)
+    cdef Position p
+    cdef Py_ssize_t k
+    for k in range(count):
+        p = position[k]
+        box = united(box, BoundingBox(p.x, p.y, p.x, p.y))
+    return box
 
 cdef inline bint are_within(BoundingBox a, BoundingBox b, double least) noexcept:
     return (

@@ -1,8 +1,4 @@
-"""Cubics of time, and the tables of motions that hold them.
-
-A motion is a row of numbers, one piece after another: begin and end (seconds), then the four
-coefficients of the cubic of each coordinate, counted from the begin. A `PlanarPiece` has x and y
-(metres); a `PosePiece` has a rotation (radians) in addition. This module alone knows the layout.
+"""Mathematics of motions: values, slopes, shifts, differences and bounds of cubics of time.
 
 Compiled kernels take all this from `cubics.pxd`, because Cython inlines across modules only what
 stands in declarations. The two files say the same, to the last bit.
@@ -14,166 +10,13 @@ polynomial basis: a centennial retrospective", Computer Aided Geometric Design 2
 from __future__ import annotations
 
 from math import sqrt
-from typing import NamedTuple, TypeAlias
 
-from .numbers import PLANAR_WIDTH, POSE_WIDTH, Numbers, cut, room, row_at
-from .uncompiled import Rows
-
-
-class Cubic(NamedTuple):
-    """Polynomial p + v u + a u² + j u³ of the time u since a piece begins."""
-
-    p: float
-    v: float
-    a: float
-    j: float
-
-
-class Range(NamedTuple):
-    """Lower and upper bound."""
-
-    low: float
-    high: float
-
-
-class BoundingBox(NamedTuple):
-    """Axis-aligned bounds (metres)."""
-
-    low_x: float
-    low_y: float
-    high_x: float
-    high_y: float
-
-
-class PlanarPiece(NamedTuple):
-    """Piece of the motion of a point: its time span (seconds), and its coordinates (metres)."""
-
-    begin: float
-    end: float
-    x: Cubic
-    y: Cubic
-
-
-class PosePiece(NamedTuple):
-    """Piece of the motion of a body: as `PlanarPiece`, and its rotation (radians)."""
-
-    begin: float
-    end: float
-    x: Cubic
-    y: Cubic
-    rotation: Cubic
-
-
-class Phase(NamedTuple):
-    """Phase of one coordinate: its duration (seconds), and the cubic since it began."""
-
-    duration: float
-    c: Cubic
-
-
-Boxes: TypeAlias = "Rows[BoundingBox]"
-PlanarPieces: TypeAlias = "Rows[PlanarPiece]"
-PosePieces: TypeAlias = "Rows[PosePiece]"
-Phases: TypeAlias = "Rows[Phase]"
-
-
-def _planar_piece(begin: float, end: float, *c: float) -> PlanarPiece:
-    return PlanarPiece(begin, end, Cubic(*c[:4]), Cubic(*c[4:]))
-
-
-def _pose_piece(begin: float, end: float, *c: float) -> PosePiece:
-    return PosePiece(begin, end, Cubic(*c[:4]), Cubic(*c[4:8]), Cubic(*c[8:]))
-
-
-def _phase(duration: float, *c: float) -> Phase:
-    return Phase(duration, Cubic(*c))
-
-
-def boxes_of(row: Numbers) -> Boxes:
-    """Return the boxes of a row."""
-    return Rows(row, BoundingBox, 4)
-
-
-def box_count(row: Numbers) -> int:
-    """Return the number of boxes of a row."""
-    return len(row) // 4
-
-
-def planar(table: Numbers) -> PlanarPieces:
-    """Return the pieces of a table of x and y."""
-    return Rows(table, _planar_piece, PLANAR_WIDTH)
-
-
-def poses(table: Numbers) -> PosePieces:
-    """Return the pieces of a table of x, y and rotation."""
-    return Rows(table, _pose_piece, POSE_WIDTH)
-
-
-def phases(table: Numbers) -> Phases:
-    """Return the phases of a table."""
-    return Rows(table, _phase, 5)
-
-
-def planar_count(table: Numbers) -> int:
-    """Return the number of pieces of a table of x and y."""
-    return len(table) // PLANAR_WIDTH
-
-
-def pose_count(table: Numbers) -> int:
-    """Return the number of pieces of a table of x, y and rotation."""
-    return len(table) // POSE_WIDTH
-
-
-def phase_count(table: Numbers) -> int:
-    """Return the number of phases of a table."""
-    return len(table) // 5
-
-
-def planar_room(count: int) -> Numbers:
-    """Return a table of x and y of `count` pieces, which are to be set."""
-    return room(PLANAR_WIDTH * count)
-
-
-def pose_room(count: int) -> Numbers:
-    """Return a table of x, y and rotation of `count` pieces, which are to be set."""
-    return room(POSE_WIDTH * count)
-
-
-def phase_room(count: int) -> Numbers:
-    """Return a table of `count` phases, which are to be set."""
-    return room(5 * count)
-
-
-def planar_cut(table: Numbers, count: int) -> None:
-    """Shorten a table of x and y to its first pieces."""
-    cut(table, PLANAR_WIDTH * count)
-
-
-def pose_cut(table: Numbers, count: int) -> None:
-    """Shorten a table of x, y and rotation to its first pieces."""
-    cut(table, POSE_WIDTH * count)
-
-
-def phase_cut(table: Numbers, count: int) -> None:
-    """Shorten a table to its first phases."""
-    cut(table, 5 * count)
-
-
-def pose_at(table: Numbers, t: float) -> int:
-    """Return the last piece of a table that begins by `t` (seconds); -1 if none does."""
-    k: int = row_at(table, pose_count(table), POSE_WIDTH, t)
-    return k
+from .tables import *
 
 
 def end_of(table: Numbers) -> float:
     """Return when the last piece of a table of x, y and rotation ends (seconds)."""
     return poses(table)[pose_count(table) - 1].end
-
-
-def planar_at(table: Numbers, t: float) -> int:
-    """Return the last piece of a table that begins by `t` (seconds); -1 if none does."""
-    k: int = row_at(table, planar_count(table), PLANAR_WIDTH, t)
-    return k
 
 
 def planar_from(table: Numbers, k: int, t: float) -> int:
@@ -226,6 +69,28 @@ def norm(x: float, y: float) -> float:
 def along(x: float, c: float, way: Cubic) -> Cubic:
     """Return the coordinate of a point that covers `way` on a line from x with the cosine c."""
     return Cubic(x + way.p * c, way.v * c, way.a * c, way.j * c)
+
+
+def position_at(table: Numbers, t: float) -> Position:
+    """Return where a point with a table of x and y is at `t` (seconds); at first before it."""
+    piece = planar(table)[planar_from(table, 0, t)]
+    u = max(t - piece.begin, 0.0)
+    return Position(value(piece.x, u), value(piece.y, u))
+
+
+def rest_piece(t: float, x: float, y: float) -> PlanarPiece:
+    """Return a rest for good at `x`, `y` (metres) from `t` (seconds) on."""
+    return PlanarPiece(t, INFINITY, constant(x), constant(y))
+
+
+def ahead_of(here: CoursePlace, x: float, y: float) -> float:
+    """Return how far a place is ahead, in the direction at `here` (metres)."""
+    return (x - here.x) * here.c + (y - here.y) * here.s
+
+
+def left_of(here: CoursePlace, x: float, y: float) -> float:
+    """Return how far a place is to the left of the direction at `here` (metres)."""
+    return (y - here.y) * here.c - (x - here.x) * here.s
 
 
 def speed(x: Cubic, y: Cubic, u: float) -> float:
@@ -281,6 +146,16 @@ def united(a: BoundingBox, b: BoundingBox) -> BoundingBox:
     """Return the bounds of two boxes."""
     low_x, low_y = min(a.low_x, b.low_x), min(a.low_y, b.low_y)
     return BoundingBox(low_x, low_y, max(a.high_x, b.high_x), max(a.high_y, b.high_y))
+
+
+def box_around(row: Numbers, count: int) -> BoundingBox:
+    """Return the bounds of the first `count` positions of a row."""
+    position = positions_of(row)
+    box = BoundingBox(INFINITY, INFINITY, -INFINITY, -INFINITY)
+    for k in range(count):
+        p = position[k]
+        box = united(box, BoundingBox(p.x, p.y, p.x, p.y))
+    return box
 
 
 def are_within(a: BoundingBox, b: BoundingBox, least: float) -> bool:

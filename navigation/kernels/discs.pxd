@@ -1,55 +1,35 @@
 from libc.math cimport sqrt
 from navigation.kernels.cubics cimport *
-from navigation.kernels.numbers cimport *
 
-cdef Py_ssize_t _R
 cdef double _RESOLUTION, _JUST_NOW
 
+cdef class Swath:
+    cdef public Numbers table, box
+
+cpdef Swath swept(Numbers pieces, double begin, double since, double x, double y)
+
+cdef class DiscMotions:
+    cdef readonly double gap
+    cdef readonly list[Numbers] tables
+    cdef readonly Numbers boxes, radii
+    cpdef void add(self, Swath swath, double radius) except *
+    cpdef void change(self, Py_ssize_t k, Swath swath) except *
+    cpdef void shorten(self, Py_ssize_t count) except *
+    cpdef Swath swath_of(self, Py_ssize_t k)
+    cdef double met(
+        self, Py_ssize_t k, Swath ahead, double own, double begin, double until
+    ) noexcept
+    cdef Meeting first_meeting(
+        self, list[Py_ssize_t] near, Swath ahead, double own, double begin
+    ) noexcept
+    cpdef Py_ssize_t first_but(
+        self, bytearray apart, Swath ahead, double own, double begin
+    ) except -2
+
 cpdef list[Py_ssize_t] within_bounds(
-    Numbers boxes,
-    double low_x,
-    double low_y,
-    double high_x,
-    double high_y,
-    Py_ssize_t but=*,
+    Numbers boxes, Numbers box, double margin, Py_ssize_t but=*
 )
-cdef int stand(
-    Doubles row, Py_ssize_t o, double since, double until, double x, double y
-) noexcept
-cpdef double gone(Numbers table, double since, double t) noexcept
-cpdef double distance_travelled(Numbers table, double since, double t) noexcept
-cpdef Py_ssize_t first_met(
-    Numbers table,
-    Numbers box,
-    list[Py_ssize_t] near,
-    list[Numbers] tables,
-    Numbers boxes,
-    Numbers radii,
-    double own,
-    double begin,
-    Numbers when,
-) except -2
-cpdef Py_ssize_t first_but(
-    Numbers table,
-    Numbers box,
-    list[Numbers] tables,
-    Numbers boxes,
-    Numbers radii,
-    double own,
-    double begin,
-    bytearray apart,
-) except -2
-cdef double met(
-    Numbers table,
-    Numbers box,
-    list[Numbers] tables,
-    Numbers boxes,
-    Numbers radii,
-    double own,
-    double begin,
-    double until,
-    Py_ssize_t k,
-) noexcept
+cdef double distance_travelled(Numbers table, double since, double t) noexcept
 cdef double distance(Numbers one, Numbers other, double t) noexcept
 cpdef double first_conflict(
     Numbers one, Numbers other, double least, double begin, double until

@@ -1,9 +1,10 @@
-"""Continuous collision detection of discs: the first time at which two centres come too close.
+"""Motions of discs: what each sweeps, and continuous collision detection between them.
 
-The test of an interval bounds the distance from the tangent at its middle, and undecided intervals
-are halved (interval subdivision as in S. Redon, A. Kheddar and S. Coquillart, "Fast continuous
-collision detection between rigid bodies", Computer Graphics Forum 21, 2002). Motions are tables of
-`PlanarPiece`. The last piece is the final rest, and never ends.
+The first conflict is the first time at which two centres come too close. The test of an interval
+bounds the distance from the tangent at its middle, and undecided intervals are halved (interval
+subdivision as in S. Redon, A. Kheddar and S. Coquillart, "Fast continuous collision detection
+between rigid bodies", Computer Graphics Forum 21, 2002). Motions are tables of `PlanarPiece`. The
+last piece is the final rest, and never ends.
 """
 
 from __future__ import annotations
@@ -15,54 +16,50 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .numbers import PLANAR_WIDTH
-
 if not cython.compiled:
     from math import sqrt
 
     from .cubics import *
-    from .numbers import *
 
-ROW = PLANAR_WIDTH
-"""Numbers in a row."""
-
-_R: cython.Py_ssize_t = ROW
 _RESOLUTION: float = 1e-4  # seconds; what is undecided when it is shorter counts as a conflict
 _JUST_NOW: float = 1e-3  # seconds; a disc that is too close so soon is so already
 
 
-def within_bounds(
-    boxes: Numbers,
-    low_x: float,
-    low_y: float,
-    high_x: float,
-    high_y: float,
-    but: cython.Py_ssize_t = -1,
-) -> list[cython.Py_ssize_t]:
-    """Return the indices of the boxes, `but` one, that overlap the given bounds.
+class Swath:
+    """Floor that the centre of a disc takes from an instant on: the `table` of its motion.
 
-    `boxes` are rows as those of `BoundingBox`.
+    And the `box` that bounds it: least x and y, greatest x and y (metres).
     """
-    found: list[cython.Py_ssize_t] = []
-    k: cython.Py_ssize_t
-    for k in range(box_count(boxes)):
-        b: BoundingBox = boxes_of(boxes)[k]
-        if (
-            b.low_x < high_x
-            and b.high_x > low_x
-            and b.low_y < high_y
-            and b.high_y > low_y
-            and k != but
-        ):
-            found.append(k)
-    return found
+
+    def __init__(self, table: Numbers, box: Numbers) -> None:
+        self.table = table
+        self.box = box
+
+    @property
+    def rests(self) -> float:
+        """Time at which the final rest begins (seconds)."""
+        return planar(self.table)[planar_count(self.table) - 1].begin
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Where it comes to rest (metres)."""
+        last: PlanarPiece = planar(self.table)[planar_count(self.table) - 1]
+        return (last.x.p, last.y.p)
+
+    @property
+    def walk(self) -> Numbers:
+        """Its table without the final rest."""
+        return first_pieces(self.table, planar_count(self.table) - 1)
+
+    def gone(self, since: float, t: float) -> float:
+        """Return the metres that a walk along straight legs goes from `since` to `t` (seconds)."""
+        return distance_travelled(self.table, since, t)
 
 
-def swept(pieces: Numbers, begin: float, since: float, x: float, y: float, box: Numbers) -> Numbers:
-    """Return the table from `begin` on (seconds) of a motion that stands at `x`, `y` from `since`.
+def swept(pieces: Numbers, begin: float, since: float, x: float, y: float) -> Swath:
+    """Return the swath from `begin` on (seconds) of a motion that rests at `x`, `y` from `since`.
 
-    `pieces` is its table with rotations. `box` becomes its bounds: least x and y, greatest x and y
-    (metres).
+    `pieces` is its table with rotations.
     """
     count: cython.Py_ssize_t = 0
     table: Numbers = planar_room(pose_count(pieces) + 1)
@@ -78,114 +75,113 @@ def swept(pieces: Numbers, begin: float, since: float, x: float, y: float, box: 
             across: Range = bounds(p.x, p.end - p.begin)
             up: Range = bounds(p.y, p.end - p.begin)
             extent = united(extent, BoundingBox(across.low, up.low, across.high, up.high))
-    boxes_of(box)[0] = extent
-    row[count] = PlanarPiece(since, INFINITY, constant(x), constant(y))
+    row[count] = rest_piece(since, x, y)
     planar_cut(table, count + 1)
-    return table
+    return Swath(table, row_of_box(extent))
 
 
-def stand(
-    row: Doubles, o: cython.Py_ssize_t, since: float, until: float, x: float, y: float
-) -> cython.int:
-    """Set the row at `o` to standing at `x`, `y` (metres) from `since` until then (seconds)."""
-    k: cython.Py_ssize_t
-    row[o] = since
-    row[o + 1] = until
-    for k in range(2, _R):
-        row[o + k] = 0.0
-    row[o + 2] = x
-    row[o + 6] = y
-    return 0
+class DiscMotions:
+    """Motions of discs by their indices: `tables`, their bounds `boxes`, and `radii` (metres).
 
-
-def first_met(
-    table: Numbers,
-    box: Numbers,
-    near: list[cython.Py_ssize_t],
-    tables: list[Numbers],
-    boxes: Numbers,
-    radii: Numbers,
-    own: float,
-    begin: float,
-    when: Numbers,
-) -> cython.Py_ssize_t:
-    """Return the disc of those `near` with the first conflict from `begin` (seconds) on, or -1.
-
-    `table` is the motion of one, `tables` those of all others. A conflict is a distance less than
-    `own` and their radius of `radii` (metres); discs that are closer already are in conflict when
-    they come closer still. `box` and `boxes` bound the motions. The time is in `when[0]`.
+    Two discs keep `gap` metres between them.
     """
-    first: float = INFINITY
-    who: cython.Py_ssize_t = -1
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    t: float
-    for i in range(len(near)):
-        k = near[i]
-        t = met(table, box, tables, boxes, radii, own, begin, first, k)
-        if t < first:
-            first = t
-            who = k
-    at(when)[0] = first
-    return who
+
+    def __init__(self, gap: float) -> None:
+        self.gap = gap
+        self.tables: list[Numbers] = []
+        self.boxes: Numbers = room(0)
+        self.radii: Numbers = room(0)
+
+    def add(self, swath: Swath, radius: float) -> None:
+        """Add a disc."""
+        self.tables.append(swath.table)
+        self.boxes.extend(swath.box)
+        self.radii.append(radius)
+
+    def change(self, k: cython.Py_ssize_t, swath: Swath) -> None:
+        """Replace the motion of the k-th."""
+        self.tables[k] = swath.table
+        boxes_of(self.boxes)[k] = boxes_of(swath.box)[0]
+
+    def shorten(self, count: cython.Py_ssize_t) -> None:
+        """Remove all but the first so many."""
+        del self.tables[count:]
+        del self.radii[count:]
+        box_cut(self.boxes, count)
+
+    def swath_of(self, k: cython.Py_ssize_t) -> Swath:
+        """Return the swath of the k-th."""
+        return Swath(self.tables[k], row_of_box(boxes_of(self.boxes)[k]))
+
+    def met(
+        self, k: cython.Py_ssize_t, ahead: Swath, own: float, begin: float, until: float
+    ) -> float:
+        """Return when a disc first meets the k-th, from `begin` to `until`; infinite if never.
+
+        Its motion is `ahead`, and it keeps `own` metres from the bodies of others. Discs that are
+        closer already meet when they come closer still.
+        """
+        least: float = own + at(self.radii)[k]
+        if not are_within(boxes_of(ahead.box)[0], boxes_of(self.boxes)[k], least):
+            return INFINITY
+        other: Numbers = self.tables[k]
+        t: float = first_conflict(ahead.table, other, least, begin, until)
+        if t <= begin + _JUST_NOW:
+            # They are too close to begin with: then what counts is coming closer than they are.
+            apart: float = distance(ahead.table, other, begin)
+            if apart < least + _JUST_NOW:
+                t = first_conflict(ahead.table, other, min(least, apart - 1e-9), begin, until)
+        return t
+
+    def first_meeting(
+        self, near: list[cython.Py_ssize_t], ahead: Swath, own: float, begin: float
+    ) -> Meeting:
+        """Return the first conflict with those `near`; see `met`."""
+        first: Meeting = Meeting(-1, INFINITY)
+        i: cython.Py_ssize_t
+        for i in range(len(near)):
+            t: float = self.met(near[i], ahead, own, begin, first.t)
+            if t < first.t:
+                first = Meeting(near[i], t)
+        return first
+
+    def first_met(
+        self, near: list[cython.Py_ssize_t], ahead: Swath, own: float, begin: float
+    ) -> tuple[int, float]:
+        """Return who of those `near` is met first, -1 for nobody, and when; see `met`."""
+        first: Meeting = self.first_meeting(near, ahead, own, begin)
+        return first.who, first.t
+
+    def first_but(
+        self, apart: bytearray, ahead: Swath, own: float, begin: float
+    ) -> cython.Py_ssize_t:
+        """Return who is met first of all but those `apart`, or -1; see `met`.
+
+        `apart` has a byte for each, 0 for who counts.
+        """
+        first: Meeting = Meeting(-1, INFINITY)
+        box: BoundingBox = boxes_of(ahead.box)[0]
+        k: cython.Py_ssize_t
+        for k in range(len(self.radii)):
+            if are_within(box, boxes_of(self.boxes)[k], own + at(self.radii)[k]) and not apart[k]:
+                t: float = self.met(k, ahead, own, begin, first.t)
+                if t < first.t:
+                    first = Meeting(k, t)
+        return first.who
 
 
-def first_but(
-    table: Numbers,
-    box: Numbers,
-    tables: list[Numbers],
-    boxes: Numbers,
-    radii: Numbers,
-    own: float,
-    begin: float,
-    apart: bytearray,
-) -> cython.Py_ssize_t:
-    """Return the disc of all but those `apart` with the first conflict from `begin` on, or -1.
-
-    `apart` has a byte for each, 0 for who counts. For `table`, `box`, `tables`, `boxes`, `radii`
-    and `own` see `first_met`.
-    """
-    first: float = INFINITY
-    who: cython.Py_ssize_t = -1
+def within_bounds(
+    boxes: Numbers, box: Numbers, margin: float, but: cython.Py_ssize_t = -1
+) -> list[cython.Py_ssize_t]:
+    """Return the indices of the `boxes`, `but` one, that overlap a box with a margin (metres)."""
     a: BoundingBox = boxes_of(box)[0]
+    a = BoundingBox(a.low_x - margin, a.low_y - margin, a.high_x + margin, a.high_y + margin)
+    found: list[cython.Py_ssize_t] = []
     k: cython.Py_ssize_t
-    for k in range(len(radii)):
-        if are_within(a, boxes_of(boxes)[k], own + at(radii)[k]) and not apart[k]:
-            t: float = met(table, box, tables, boxes, radii, own, begin, first, k)
-            if t < first:
-                first = t
-                who = k
-    return who
-
-
-def met(
-    table: Numbers,
-    box: Numbers,
-    tables: list[Numbers],
-    boxes: Numbers,
-    radii: Numbers,
-    own: float,
-    begin: float,
-    until: float,
-    k: cython.Py_ssize_t,
-) -> float:
-    """Return when the k-th is met before `until`, as `first_met` has it; infinite if never."""
-    least: float = own + at(radii)[k]
-    if not are_within(boxes_of(box)[0], boxes_of(boxes)[k], least):
-        return INFINITY
-    other: Numbers = tables[k]
-    t: float = first_conflict(table, other, least, begin, until)
-    if t <= begin + _JUST_NOW:
-        # They are too close to begin with: then what counts is coming closer than they are.
-        apart: float = distance(table, other, begin)
-        if apart < least + _JUST_NOW:
-            t = first_conflict(table, other, min(least, apart - 1e-9), begin, until)
-    return t
-
-
-def gone(table: Numbers, since: float, t: float) -> float:
-    """See `distance_travelled`."""
-    return distance_travelled(table, since, t)
+    for k in range(box_count(boxes)):
+        if k != but and are_within(a, boxes_of(boxes)[k], 0.0):
+            found.append(k)  # noqa: PERF401
+    return found
 
 
 def distance_travelled(table: Numbers, since: float, t: float) -> float:
@@ -204,11 +200,9 @@ def distance_travelled(table: Numbers, since: float, t: float) -> float:
 
 def distance(one: Numbers, other: Numbers, t: float) -> float:
     """Return the distance of two centres at `t` (seconds), metres."""
-    a: PlanarPiece = planar(one)[planar_from(one, 0, t)]
-    b: PlanarPiece = planar(other)[planar_from(other, 0, t)]
-    u: float = max(t - a.begin, 0.0)
-    w: float = max(t - b.begin, 0.0)
-    return norm(value(a.x, u) - value(b.x, w), value(a.y, u) - value(b.y, w))
+    a: Position = position_at(one, t)
+    b: Position = position_at(other, t)
+    return norm(a.x - b.x, a.y - b.y)
 
 
 def first_conflict(one: Numbers, other: Numbers, least: float, begin: float, until: float) -> float:

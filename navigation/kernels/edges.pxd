@@ -1,6 +1,4 @@
-from libc.math cimport sqrt
 from navigation.kernels.cubics cimport *
-from navigation.kernels.numbers cimport *
 
 cdef double _WIDER, _LEVEL
 cdef Py_ssize_t _LATELY, _LOOKED_AT
@@ -14,10 +12,10 @@ cdef class Grid:
     cpdef bint inside(self, double x, double y)
     cdef Py_ssize_t _column(self, double x) noexcept
     cdef Py_ssize_t _row(self, double y) noexcept
-    cdef int _remember(self, Numbers edges, Py_ssize_t k) except -1
-    cdef int _span(
-        self, Py_ssize_t row, double ax, double ay, double bx, double by, double margin
-    ) noexcept
+    cdef Py_ssize_t _low_row(self, Edge e, double margin) noexcept
+    cdef Py_ssize_t _high_row(self, Edge e, double margin) noexcept
+    cdef int _remember(self, Edge edge) except -1
+    cdef int _span(self, Py_ssize_t row, Edge e, double margin) noexcept
 
 cdef class Room:
     cdef Grid floor
@@ -33,6 +31,7 @@ cdef class Legs:
     cdef double radius
     cdef object ask
     cdef public Numbers bounds
+    cdef bint meets_wall(self, double ax, double ay, double bx, double by) except -1
     cpdef bint free(self, double ax, double ay, double bx, double by) except -1
     cpdef Py_ssize_t farthest(self, double x, double y, list route) except -2
     cpdef Py_ssize_t farthest_round(
@@ -59,16 +58,6 @@ cdef bint _comes_into(
 cpdef bint back_through(
     Numbers line, double ax, double ay, double bx, double by
 ) except -1
-cdef Py_ssize_t _first_near(
-    Numbers edges,
-    double ax,
-    double ay,
-    double dx,
-    double dy,
-    double length,
-    double radius,
-) noexcept
+cdef Py_ssize_t _first_near(Numbers edges, Edge sweep, double radius) noexcept
 cdef double _square(double px, double py, double dx, double dy, double length) noexcept
-cdef double _square_to(
-    double px, double py, double qx, double qy, double x, double y
-) noexcept
+cdef double _square_to(Edge e, double x, double y) noexcept

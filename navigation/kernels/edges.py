@@ -2,7 +2,7 @@
 
 Edges are found in a uniform grid (J. Amanatides and A. Woo, "A fast voxel traversal algorithm for
 ray tracing", Eurographics 1987), and a place is inside by the parity of a ray's crossings.
-Edges are rows of numbers (see `numbers`): x and y of both ends of each in turn (metres).
+Edges are rows of numbers as those of `Edge`.
 """
 
 from __future__ import annotations
@@ -15,16 +15,13 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .numbers import Place
+from .numbers import Place, flat
 
 if not cython.compiled:
-    from math import sqrt
-
     from .cubics import *
-    from .numbers import *
 
 _WIDER: float = 1.001  # of a radius: rounding hides no cell beside a sweep
-_LATELY: cython.Py_ssize_t = 16  # numbers of the edges that are remembered
+_LATELY: cython.Py_ssize_t = 4  # edges that are remembered
 _LOOKED_AT: cython.Py_ssize_t = 4  # corners of a route that are looked at
 _LEVEL: float = 1e-3  # of a cell's width; segments that rise less are taken as level
 
@@ -33,81 +30,73 @@ class Grid:
     """Edges by the square cells of `width` metres that they come into."""
 
     def __init__(self, edges: Numbers, width: float) -> None:
+        box: BoundingBox = box_around(edges, position_count(edges))
         self.width = width
-        self.low_x = min(edges[0::2])
-        self.low_y = min(edges[1::2])
-        self.columns = 1 + int((max(edges[0::2]) - self.low_x) / width)
-        self.rows = 1 + int((max(edges[1::2]) - self.low_y) / width)
+        self.low_x = box.low_x
+        self.low_y = box.low_y
+        self.columns = 1 + int((box.high_x - self.low_x) / width)
+        self.rows = 1 + int((box.high_y - self.low_y) / width)
         self.first = self.last = 0
         self.cells: list[Numbers] = [room(0) for _ in range(self.columns * self.rows)]
         self.lately = room(0)
-        edge: Doubles = at(edges)
         margin: float = 1e-6 * width
         k: cython.Py_ssize_t
         row: cython.Py_ssize_t
         column: cython.Py_ssize_t
-        for k in range(0, len(edges), 4):
-            ax: float = edge[k]
-            ay: float = edge[k + 1]
-            bx: float = edge[k + 2]
-            by: float = edge[k + 3]
-            for row in range(self._row(min(ay, by) - margin), self._row(max(ay, by) + margin) + 1):
-                self._span(row, ax, ay, bx, by, margin)
+        for k in range(edge_count(edges)):
+            e: Edge = edges_of(edges)[k]
+            for row in range(self._low_row(e, margin), self._high_row(e, margin) + 1):
+                self._span(row, e, margin)
                 for column in range(self.first, self.last + 1):
-                    self.cells[row * self.columns + column].extend((ax, ay, bx, by))
+                    self.cells[row * self.columns + column].extend((e.ax, e.ay, e.bx, e.by))
 
     def touched(self, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
         """Return whether an edge is nearer than `radius` (metres) to the segment from a to b."""
-        dx: float = bx - ax
-        dy: float = by - ay
-        length: float = sqrt(dx * dx + dy * dy)
+        sweep: Edge = Edge(ax, ay, bx, by)
         # What was in the way of the last segments is often in the way of the next, too.
-        if _first_near(self.lately, ax, ay, dx, dy, length, radius) >= 0:
+        if _first_near(self.lately, sweep, radius) >= 0:
             return True
         margin: float = radius * _WIDER
-        edges: Numbers
         row: cython.Py_ssize_t
         column: cython.Py_ssize_t
         k: cython.Py_ssize_t
-        for row in range(self._row(min(ay, by) - margin), self._row(max(ay, by) + margin) + 1):
-            self._span(row, ax, ay, bx, by, margin)
+        for row in range(self._low_row(sweep, margin), self._high_row(sweep, margin) + 1):
+            self._span(row, sweep, margin)
             for column in range(self.first, self.last + 1):
                 # An edge stands in all the cells that it comes into: to look at one twice does no
                 # harm.
-                edges = self.cells[row * self.columns + column]
+                edges: Numbers = self.cells[row * self.columns + column]
                 if len(edges) > 0:
-                    k = _first_near(edges, ax, ay, dx, dy, length, radius)
+                    k = _first_near(edges, sweep, radius)
                     if k >= 0:
-                        self._remember(edges, k)
+                        self._remember(edges_of(edges)[k])
                         return True
         return False
 
-    def _remember(self, edges: Numbers, k: cython.Py_ssize_t) -> cython.int:
+    def _remember(self, edge: Edge) -> cython.int:
         """Put an edge before those that are remembered."""
         last: Numbers = self.lately
-        count: cython.Py_ssize_t = min(len(last) + 4, _LATELY)
-        self.lately = room(count)
-        put(at(self.lately), 0, at(edges), k, 4)
-        put(at(self.lately), 4, at(last), 0, count - 4)
+        count: cython.Py_ssize_t = min(edge_count(last) + 1, _LATELY)
+        self.lately = edge_room(count)
+        kept: Edges = edges_of(self.lately)
+        kept[0] = edge
+        k: cython.Py_ssize_t
+        for k in range(1, count):
+            kept[k] = edges_of(last)[k - 1]
         return 0
 
     def inside(self, x: float, y: float) -> bool:
         """Return whether a place is within the edges: a ray from there crosses an odd number."""
         odd: bool = False
         row: cython.Py_ssize_t = self._row(y)
-        edges: Numbers
-        edge: Doubles
         column: cython.Py_ssize_t
         k: cython.Py_ssize_t
         for column in range(self._column(x), self.columns):
-            edges = self.cells[row * self.columns + column]
-            edge = at(edges)
-            for k in range(0, len(edges), 4):
-                ay: float = edge[k + 1]
-                by: float = edge[k + 3]
-                if (ay > y) != (by > y):
-                    ax: float = edge[k]
-                    crossing: float = ax + (y - ay) / (by - ay) * (edge[k + 2] - ax)
+            edges: Numbers = self.cells[row * self.columns + column]
+            for k in range(edge_count(edges)):
+                e: Edge = edges_of(edges)[k]
+                if (e.ay > y) != (e.by > y):
+                    crossing: float = e.ax + (y - e.ay) / (e.by - e.ay) * (e.bx - e.ax)
                     # An edge is in all cells that it comes into, and counts in that one.
                     if crossing > x and self._column(crossing) == column:
                         odd = not odd
@@ -121,27 +110,34 @@ class Grid:
         """Return the row of cells that `y` is in, or the one nearest to it."""
         return int(min(max((y - self.low_y) / self.width, 0.0), self.rows - 1.0))
 
-    def _span(
-        self, row: cython.Py_ssize_t, ax: float, ay: float, bx: float, by: float, margin: float
-    ) -> None:
+    def _low_row(self, e: Edge, margin: float) -> int:
+        """Return the lowest row of cells that an edge with a margin comes into."""
+        return self._row(min(e.ay, e.by) - margin)
+
+    def _high_row(self, e: Edge, margin: float) -> int:
+        """Return the highest row of cells that an edge with a margin comes into."""
+        return self._row(max(e.ay, e.by) + margin)
+
+    def _span(self, row: cython.Py_ssize_t, e: Edge, margin: float) -> cython.int:
         """Find the `first` and the `last` column of a row that a sweep may come into.
 
         An edge in the row that is near the segment is near a point of it whose y is no farther
         than `margin` from the row, and in the columns within `margin` of that point.
         """
-        low: float = ax
-        high: float = bx
-        if abs(by - ay) > _LEVEL * self.width:
+        low: float = e.ax
+        high: float = e.bx
+        if abs(e.by - e.ay) > _LEVEL * self.width:
             bottom: float = self.low_y + row * self.width - margin
-            slope: float = (bx - ax) / (by - ay)
-            low = ax + slope * (min(max(bottom, min(ay, by)), max(ay, by)) - ay)
+            slope: float = (e.bx - e.ax) / (e.by - e.ay)
+            low = e.ax + slope * (min(max(bottom, min(e.ay, e.by)), max(e.ay, e.by)) - e.ay)
             top: float = bottom + self.width + 2.0 * margin
-            high = ax + slope * (min(max(top, min(ay, by)), max(ay, by)) - ay)
+            high = e.ax + slope * (min(max(top, min(e.ay, e.by)), max(e.ay, e.by)) - e.ay)
         if low > high:
             low, high = high, low
         most: float = self.columns - 1.0
         self.first = int(min(max((low - margin - self.low_x) / self.width, 0.0), most))
         self.last = int(min(max((high + margin - self.low_x) / self.width, 0.0), most))
+        return 0
 
 
 class Room:
@@ -166,8 +162,7 @@ class Room:
         self.bounds: Numbers = room(0)
         self.radii: Numbers = room(0)
         for edges, rounding in bodies:
-            self.bounds.extend((min(edges[0::2]), min(edges[1::2])))
-            self.bounds.extend((max(edges[0::2]), max(edges[1::2])))
+            self.bounds.extend(row_of_box(box_around(edges, position_count(edges))))
             self.radii.append(radius + rounding)
 
     def holds(self, x: float, y: float) -> bool:
@@ -211,9 +206,13 @@ class Legs:
         self.ask = ask
         self.bounds = room(0)
 
+    def meets_wall(self, ax: float, ay: float, bx: float, by: float) -> bool:
+        """Return whether a wall is in the way on the segment from a to b."""
+        return self.walls.touched(ax, ay, bx, by, self.radius)
+
     def free(self, ax: float, ay: float, bx: float, by: float) -> bool:
         """Return whether there is room on the segment from a, where there is, to b."""
-        if self.walls.touched(ax, ay, bx, by, self.radius):
+        if self.meets_wall(ax, ay, bx, by):
             return False
         box: Boxes = boxes_of(self.bounds)
         k: cython.Py_ssize_t
@@ -308,31 +307,29 @@ def back_through(line: Numbers, ax: float, ay: float, bx: float, by: float) -> b
 
     `line` has x and y of both ends, and of the direction in which it may be crossed.
     """
-    end: Doubles = at(line)
-    nx: float = end[4]
-    ny: float = end[5]
-    here: float = (ax - end[0]) * nx + (ay - end[1]) * ny
-    there: float = (bx - end[0]) * nx + (by - end[1]) * ny
+    gate: GateLine = gates_of(line)[0]
+    here: float = (ax - gate.ax) * gate.nx + (ay - gate.ay) * gate.ny
+    there: float = (bx - gate.ax) * gate.nx + (by - gate.ay) * gate.ny
     # The line itself is its far side, as `Gates` has it: to end on it is to have passed.
     if here < 0.0 or there >= 0.0:
         return False
     share: float = here / (here - there)
-    x: float = ax + share * (bx - ax) - end[0]
-    y: float = ay + share * (by - ay) - end[1]
-    dx: float = end[2] - end[0]
-    dy: float = end[3] - end[1]
+    x: float = ax + share * (bx - ax) - gate.ax
+    y: float = ay + share * (by - ay) - gate.ay
+    dx: float = gate.bx - gate.ax
+    dy: float = gate.by - gate.ay
     along: float = x * dx + y * dy
     return 0.0 <= along <= dx * dx + dy * dy
 
 
 def legs_of(course: list[Place]) -> Numbers:
     """Return the legs of a `course` as edges."""
-    found: Numbers = room(max(4 * len(course) - 4, 0))
-    edge: Doubles = at(found)
+    found: Numbers = edge_room(max(len(course) - 1, 0))
+    corners: Numbers = flat(course)
+    corner: Positions = positions_of(corners)
     k: cython.Py_ssize_t
     for k in range(len(course) - 1):
-        edge[4 * k], edge[4 * k + 1] = course[k]
-        edge[4 * k + 2], edge[4 * k + 3] = course[k + 1]
+        edges_of(found)[k] = Edge(corner[k].x, corner[k].y, corner[k + 1].x, corner[k + 1].y)
     return found
 
 
@@ -341,39 +338,32 @@ def touches(edges: Numbers, ax: float, ay: float, bx: float, by: float, radius: 
 
     It leads from `ax`, `ay` to `bx`, `by`.
     """
-    dx: float = bx - ax
-    dy: float = by - ay
-    near: bool = _first_near(edges, ax, ay, dx, dy, sqrt(dx * dx + dy * dy), radius) >= 0
+    near: bool = _first_near(edges, Edge(ax, ay, bx, by), radius) >= 0
     return near
 
 
-def _first_near(
-    edges: Numbers, ax: float, ay: float, dx: float, dy: float, length: float, radius: float
-) -> cython.Py_ssize_t:
-    """Return where the first edge is that is nearer than `radius` to the segment from a along d.
-
-    -1 if there is none.
-    """
+def _first_near(edges: Numbers, sweep: Edge, radius: float) -> cython.Py_ssize_t:
+    """Return the first edge that is nearer than `radius` to a segment, or -1."""
+    dx: float = sweep.bx - sweep.ax
+    dy: float = sweep.by - sweep.ay
+    length: float = norm(dx, dy)
     c: float = 0.0
     s: float = 0.0
     if length > 0.0:
         c = dx / length
         s = dy / length
     least: float = radius * radius
-    edge: Doubles = at(edges)
     k: cython.Py_ssize_t
-    for k in range(0, len(edges), 4):
+    for k in range(edge_count(edges)):
+        e: Edge = edges_of(edges)[k]
         # Along and across the segment, from a:
-        px: float = edge[k] - ax
-        py: float = edge[k + 1] - ay
-        qx: float = edge[k + 2] - ax
-        qy: float = edge[k + 3] - ay
-        p: float = px * c + py * s
-        q: float = qx * c + qy * s
+        e = Edge(e.ax - sweep.ax, e.ay - sweep.ay, e.bx - sweep.ax, e.by - sweep.ay)
+        p: float = e.ax * c + e.ay * s
+        q: float = e.bx * c + e.by * s
         if (p <= -radius and q <= -radius) or (p >= length + radius and q >= length + radius):
             continue
-        h: float = py * c - px * s
-        i: float = qy * c - qx * s
+        h: float = e.ay * c - e.ax * s
+        i: float = e.by * c - e.bx * s
         # Both ends are on the same side, and too far from the line: so is all that is between them.
         if length > 0.0 and ((h >= radius and i >= radius) or (h <= -radius and i <= -radius)):
             continue
@@ -385,10 +375,10 @@ def _first_near(
             if 0.0 <= crossing <= length:
                 return k
         if (
-            _square(px, py, dx, dy, length) < least
-            or _square(qx, qy, dx, dy, length) < least
-            or _square_to(px, py, qx, qy, 0.0, 0.0) < least
-            or _square_to(px, py, qx, qy, dx, dy) < least
+            _square(e.ax, e.ay, dx, dy, length) < least
+            or _square(e.bx, e.by, dx, dy, length) < least
+            or _square_to(e, 0.0, 0.0) < least
+            or _square_to(e, dx, dy) < least
         ):
             return k
     return -1
@@ -404,14 +394,14 @@ def _square(px: float, py: float, dx: float, dy: float, length: float) -> float:
     return x * x + y * y
 
 
-def _square_to(px: float, py: float, qx: float, qy: float, x: float, y: float) -> float:
-    """Return the square of the distance of a point from the edge from p to q."""
-    dx: float = qx - px
-    dy: float = qy - py
+def _square_to(e: Edge, x: float, y: float) -> float:
+    """Return the square of the distance of a point from an edge."""
+    dx: float = e.bx - e.ax
+    dy: float = e.by - e.ay
     square: float = dx * dx + dy * dy
     u: float = 0.0
     if square > 0.0:
-        u = min(max(((x - px) * dx + (y - py) * dy) / square, 0.0), 1.0)
-    x -= px + u * dx
-    y -= py + u * dy
+        u = min(max(((x - e.ax) * dx + (y - e.ay) * dy) / square, 0.0), 1.0)
+    x -= e.ax + u * dx
+    y -= e.ay + u * dy
     return x * x + y * y

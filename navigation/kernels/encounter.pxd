@@ -1,16 +1,11 @@
 from libc.math cimport copysign, cos, sin, sqrt
 from navigation.kernels.cubics cimport *
-from navigation.kernels.gauge cimport Gauge, NearestPoint, RelativeMotion
-from navigation.kernels.numbers cimport *
-from navigation.kernels.odometer cimport PathLength, TaylorModel, speed_along
+from navigation.kernels.gauge cimport Gauge
+from navigation.kernels.odometer cimport PathLength, speed_along
 
-cdef Py_ssize_t _WIDTH
 cdef Numbers _NONE
 cdef Py_ssize_t _SOME
 cdef double _NEAR
-
-cdef struct Closest:
-    double low, high, t
 
 cdef class Follower:
     cdef Numbers table

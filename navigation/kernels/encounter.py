@@ -15,18 +15,13 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .numbers import POSE_WIDTH
-
 if not cython.compiled:
     from math import copysign, cos, sin, sqrt
 
     from .cubics import *
     from .gauge import Gauge
-    from .numbers import *
     from .odometer import PathLength, speed_along
-    from .uncompiled import Closest, RelativeMotion, TaylorModel
 
-_WIDTH: cython.Py_ssize_t = POSE_WIDTH
 _NONE: Numbers = room(0)
 _SOME: cython.Py_ssize_t = 64  # ends of intervals, to begin with
 _NEAR: float = 1e-9  # metres; nearer than this, the direction to the other is mostly rounding
@@ -69,7 +64,7 @@ class Follower:
             self.begin = piece.begin
             self.end = piece.end
             if piece.end > max(self.since, piece.begin):
-                if not are_finite(at(self.table), self.row * _WIDTH, _WIDTH):
+                if not is_pose_finite(self.table, self.row):
                     raise ValueError(
                         f"a motion is not finite from t = {self.begin} s to {self.end} s"
                     )

@@ -11,8 +11,6 @@ else:
 
 if not cython.compiled:
     from .cubics import *
-    from .numbers import *
-    from .uncompiled import NearestPoint, RelativeMotion
 
 
 class Gauge:

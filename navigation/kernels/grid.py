@@ -1,4 +1,9 @@
-"""Cells of a floor: shortest paths around blocked cells (A*), and cells that an area covers."""
+"""Cells of a floor: what an area covers, and shortest paths round discs that stand on it.
+
+Paths lead over cells, by A* (P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the
+heuristic determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics
+4, 1968), and then as straight as there is room.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +15,15 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-if not cython.compiled:
-    from math import floor, sqrt
+from .edges import Legs
+from .numbers import Place
 
-    from .numbers import *
+if not cython.compiled:
+    from math import floor
+
+    from .cubics import *
+    from .edges import touches
+
 
 SOME: int = 2
 """Answer for a cell that an area covers in part."""
@@ -25,6 +35,13 @@ _BUCKETS: cython.Py_ssize_t = 15  # a step changes cost and estimate together by
 
 _SOME: cython.Py_ssize_t = SOME
 _FAR: cython.Py_ssize_t = 1 << 20  # cells; no floor is so wide
+
+CHUNK = 64
+"""Cells of a side of the squares that are known to be blocked or not at a time."""
+
+_CHUNK: cython.Py_ssize_t = CHUNK
+_LEAPS: list[cython.Py_ssize_t] = [64, 32, 16, 8, 4, 2, 1]  # cells that are tried to be left out
+_SPARE: float = 0.02  # metres; the middles of cells are as much farther from the discs
 
 
 class Cells:
@@ -60,30 +77,181 @@ class Cells:
         return covered
 
 
+class WaysRound:
+    """Ways over a floor in square cells of `width` metres, of which `most` are looked at.
+
+    As far as `around` metres around both ends. `chunk(i, j)` is asked once for each square of
+    `CHUNK` cells a side: a byte for each of them, row by row, 1 for those that are blocked.
+    """
+
+    def __init__(
+        self,
+        width: float,
+        around: float,
+        most: cython.Py_ssize_t,
+        chunk: Callable[[int, int], bytes],
+    ) -> None:
+        self.width = width
+        self.around = around
+        self.most = most
+        self.chunk = chunk
+        self.chunks: dict[tuple[int, int], bytes] = {}
+        self.low_column = self.low_row = self.columns = self.rows = 0
+
+    def forget(self) -> None:
+        """Ask again for each chunk: the floor has changed."""
+        self.chunks = {}
+
+    def path(self, a: Place, b: Place, discs: Numbers, legs: Legs) -> list[Place]:
+        """Return a path from a to b round `discs` along free `legs`; empty if none is found.
+
+        Both ends are included. `discs` are rows as those of `Circle`.
+        """
+        ax: float = a[0]
+        ay: float = a[1]
+        bx: float = b[0]
+        by: float = b[1]
+        column: cython.Py_ssize_t = int(floor(bx / self.width))
+        row: cython.Py_ssize_t = int(floor(by / self.width))
+        # Most who look in vain have somebody at their goal.
+        if covers(discs, (column + 0.5) * self.width, (row + 0.5) * self.width):
+            return []
+        self._span(ax, ay, bx, by)
+        if self.columns * self.rows > self.most:
+            return []
+        blocked: bytearray = self._blocked()
+        corner = self.low_column * self.width, self.low_row * self.width
+        block_discs(blocked, self.columns, corner, self.width, _wider(discs))
+        end: cython.Py_ssize_t = (row - self.low_row) * self.columns + column - self.low_column
+        if blocked[end]:
+            return []
+        column = int(floor(ax / self.width)) - self.low_column
+        row = int(floor(ay / self.width)) - self.low_row
+        begin: cython.Py_ssize_t = row * self.columns + column
+        cells: list[cython.Py_ssize_t] = grid_path(blocked, self.columns, begin, end)
+        if len(cells) == 0:
+            return []
+        return self._straightened(cells, a, b, discs, legs)
+
+    def _span(self, ax: float, ay: float, bx: float, by: float) -> cython.int:
+        """Set the window of cells in which a path from a to b is looked for."""
+        self.low_column = int(floor((min(ax, bx) - self.around) / self.width))
+        self.low_row = int(floor((min(ay, by) - self.around) / self.width))
+        high: cython.Py_ssize_t = int(floor((max(ax, bx) + self.around) / self.width))
+        self.columns = high - self.low_column + 1
+        high = int(floor((max(ay, by) + self.around) / self.width))
+        self.rows = high - self.low_row + 1
+        return 0
+
+    def _blocked(self) -> bytearray:
+        """Return for each cell of the window whether it is blocked.
+
+        Those around its edge are, so that the search need not ask whether a cell has neighbours.
+        """
+        found: bytearray = bytearray(b"\1") * (self.rows * self.columns)
+        left: cython.Py_ssize_t = self.low_column + 1
+        right: cython.Py_ssize_t = self.low_column + self.columns - 1
+        bottom: cython.Py_ssize_t = self.low_row + 1
+        top: cython.Py_ssize_t = self.low_row + self.rows - 1
+        while left < right:
+            i: cython.Py_ssize_t = _chunk_of(left)
+            beyond: cython.Py_ssize_t = min(right, (i + 1) * _CHUNK)
+            width: cython.Py_ssize_t = beyond - left
+            row: cython.Py_ssize_t = bottom
+            while row < top:
+                j: cython.Py_ssize_t = _chunk_of(row)
+                chunk: bytes = self._chunk(i, j)
+                above: cython.Py_ssize_t = min(top, (j + 1) * _CHUNK)
+                while row < above:
+                    o: cython.Py_ssize_t = (row - self.low_row) * self.columns
+                    o += left - self.low_column
+                    c: cython.Py_ssize_t = (row - j * _CHUNK) * _CHUNK + left - i * _CHUNK
+                    found[o : o + width] = chunk[c : c + width]
+                    row += 1
+            left = beyond
+        return found
+
+    def _chunk(self, i: cython.Py_ssize_t, j: cython.Py_ssize_t) -> bytes:
+        if (i, j) not in self.chunks:
+            self.chunks[i, j] = self.chunk(i, j)
+        return self.chunks[i, j]
+
+    def _straightened(
+        self, cells: list[cython.Py_ssize_t], a: Place, b: Place, discs: Numbers, legs: Legs
+    ) -> list[Place]:
+        """Return the path along cells without those that a straight line can leave out."""
+        x: float = a[0]
+        y: float = a[1]
+        bx: float = b[0]
+        by: float = b[1]
+        ends: Numbers = middles(discs)
+        least: float = 0.0
+        i: cython.Py_ssize_t
+        for i in range(circle_count(discs)):
+            least = max(least, circles_of(discs)[i].radius)
+        kept: list[Place] = [(x, y)]
+        k: cython.Py_ssize_t = 0
+        last: cython.Py_ssize_t = max(len(cells) - 1, 1)
+        while k < last:
+            # Cells zigzag: as many are left out as can be, by halving leaps from the farthest.
+            before: cython.Py_ssize_t = k
+            tried: cython.Py_ssize_t = -1
+            for i in range(len(_LEAPS)):
+                end: cython.Py_ssize_t = min(k + _LEAPS[i], last)
+                if end == tried:
+                    continue
+                tried = end
+                px: float = bx
+                py: float = by
+                if end < last:
+                    cell: cython.Py_ssize_t = cells[end]
+                    px = (cell % self.columns + self.low_column + 0.5) * self.width
+                    py = (cell // self.columns + self.low_row + 0.5) * self.width
+                if not touches(ends, x, y, px, py, least) and legs.free(x, y, px, py):
+                    kept.append((px, py))
+                    x = px
+                    y = py
+                    k = end
+                    break
+            if k == before:
+                return []
+        return kept
+
+
+def _wider(discs: Numbers) -> Numbers:
+    """Return `discs` for the middles of cells, which are farther off."""
+    found: Numbers = circle_room(circle_count(discs))
+    k: cython.Py_ssize_t
+    for k in range(circle_count(discs)):
+        disc: Circle = circles_of(discs)[k]
+        circles_of(found)[k] = Circle(disc.x, disc.y, disc.radius + _SPARE)
+    return found
+
+
+def _chunk_of(cell: cython.Py_ssize_t) -> cython.Py_ssize_t:
+    """Return the index of the chunk that a column or row of cells is in."""
+    return int(floor(1.0 * cell / _CHUNK))
+
+
 def block_discs(
-    blocked: bytearray,
-    columns: cython.Py_ssize_t,
-    low_x: float,
-    low_y: float,
-    width: float,
-    discs: Numbers,
-    spare: float,
+    blocked: bytearray, columns: cython.Py_ssize_t, corner: Place, width: float, discs: Numbers
 ) -> cython.int:
-    """Block the cells of a grid whose middle is in a disc, or up to `spare` metres beside it.
+    """Block the cells of a grid whose middle is in one of `discs` (rows as those of `Circle`).
 
     `blocked` and `columns` are as for `grid_path`; the cells are `width` metres wide, and the
-    corner of the first is at `low_x`, `low_y`. `discs` holds x, y and radius of each (metres).
+    `corner` is that of the first.
     """
     rows: cython.Py_ssize_t = len(blocked) // columns
-    disc: Doubles = at(discs)
+    low_x: float = corner[0]
+    low_y: float = corner[1]
     k: cython.Py_ssize_t
     i: cython.Py_ssize_t
     j: cython.Py_ssize_t
-    for k in range(0, len(discs), 3):
-        radius: float = disc[k + 2] + spare
-        x: float = (disc[k] - low_x) / width - 0.5
-        y: float = (disc[k + 1] - low_y) / width - 0.5
-        reach: float = radius / width
+    for k in range(circle_count(discs)):
+        disc: Circle = circles_of(discs)[k]
+        x: float = (disc.x - low_x) / width - 0.5
+        y: float = (disc.y - low_y) / width - 0.5
+        reach: float = disc.radius / width
         # One cell more on either side than can be within reach; whole numbers are cut towards 0.
         left: cython.Py_ssize_t = int(max(x - reach, 0.0))
         right: cython.Py_ssize_t = int(min(max(x + reach + 2.0, 0.0), columns * 1.0))
@@ -99,27 +267,22 @@ def block_discs(
 
 
 def covers(discs: Numbers, x: float, y: float) -> bool:
-    """Return whether a place is in one of `discs`: x, y and radius of each (metres)."""
-    disc: Doubles = at(discs)
+    """Return whether a place is in one of `discs`."""
     k: cython.Py_ssize_t
-    for k in range(0, len(discs), 3):
-        dx: float = disc[k] - x
-        dy: float = disc[k + 1] - y
-        if sqrt(dx * dx + dy * dy) < disc[k + 2]:
+    for k in range(circle_count(discs)):
+        disc: Circle = circles_of(discs)[k]
+        if norm(disc.x - x, disc.y - y) < disc.radius:
             return True
     return False
 
 
 def middles(discs: Numbers) -> Numbers:
     """Return the middles of `discs` as edges of no length (see `edges`)."""
-    count: cython.Py_ssize_t = len(discs) // 3
-    found: Numbers = room(4 * count)
-    disc: Doubles = at(discs)
-    edge: Doubles = at(found)
+    found: Numbers = edge_room(circle_count(discs))
     k: cython.Py_ssize_t
-    for k in range(count):
-        edge[4 * k] = edge[4 * k + 2] = disc[3 * k]
-        edge[4 * k + 1] = edge[4 * k + 3] = disc[3 * k + 1]
+    for k in range(circle_count(discs)):
+        disc: Circle = circles_of(discs)[k]
+        edges_of(found)[k] = Edge(disc.x, disc.y, disc.x, disc.y)
     return found
 
 
@@ -132,8 +295,8 @@ def grid_path(
     """Return the cells of a shortest path from `start` to `goal`, both included; [] without one.
 
     `blocked` has a byte for each cell, row by row, `columns` in each; those around the edge are all
-    blocked. A step across a corner needs both cells beside it. This is A* (P. Hart et al., 1968)
-    with buckets of whole costs (R. Dial, "Algorithm 360", 1969).
+    blocked. A step across a corner needs both cells beside it. The queue of A* is one of buckets
+    of whole costs (R. Dial, "Algorithm 360", Communications of the ACM 12, 1969).
     """
     count: cython.Py_ssize_t = len(blocked)
     k: cython.Py_ssize_t

@@ -1,6 +1,6 @@
 from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport EncounterBounds
-from navigation.kernels.odometer cimport PathLength, TaylorModel, radius_of
+from navigation.kernels.odometer cimport PathLength, radius_of
 
 cdef class LawEvaluator:
     cdef bint of_speeds, steady

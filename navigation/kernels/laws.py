@@ -17,7 +17,6 @@ if not cython.compiled:
     from .cubics import *
     from .encounter import EncounterBounds
     from .odometer import PathLength, radius_of
-    from .uncompiled import TaylorModel
 
 
 class LawEvaluator:

@@ -2,20 +2,9 @@ from navigation.kernels.braking cimport Stops
 from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport EncounterBounds
 from navigation.kernels.laws cimport LawEvaluator
-from navigation.kernels.numbers cimport *
-from navigation.kernels.odometer cimport PathLength, TaylorModel, radius_of
+from navigation.kernels.odometer cimport PathLength, radius_of
 from navigation.kernels.pieces cimport instant, rest
 from navigation.kernels.watch cimport ChangeSearch, TooCloseTest
-
-cdef Py_ssize_t _PERSON
-
-cdef struct SeenPerson:
-    double x, y, top_speed, fixed
-
-ctypedef SeenPerson* SeenPeople
-
-cdef inline SeenPeople _seen(Numbers row) noexcept:
-    return <SeenPerson*> row.data.as_doubles
 
 cdef class Towards(LawEvaluator):
     cdef LawEvaluator law

@@ -12,8 +12,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     import cython
 else:
     from . import uncompiled as cython
@@ -25,20 +23,9 @@ if not cython.compiled:
     from .cubics import *
     from .encounter import EncounterBounds
     from .laws import LawEvaluator
-    from .numbers import *
     from .odometer import PathLength, radius_of
     from .pieces import instant, rest
-    from .uncompiled import Rows, SeenPerson, TaylorModel
     from .watch import ChangeSearch, TooCloseTest
-
-    SeenPeople: TypeAlias = "Rows[SeenPerson]"
-
-    def _seen(row: Numbers) -> SeenPeople:
-        """Return people by their numbers."""
-        return Rows(row, SeenPerson, _PERSON)
-
-
-_PERSON: cython.Py_ssize_t = 4  # numbers of a person's row
 
 
 class Towards(LawEvaluator):
@@ -116,8 +103,8 @@ class Lookout:
         """
         finish: float = end_of(motion)
         row: Numbers = numbers(people)
-        person: SeenPeople = _seen(row)
-        count: cython.Py_ssize_t = len(row) // _PERSON
+        person: SeenPeople = seen_people(row)
+        count: cython.Py_ssize_t = person_count(row)
         k: cython.Py_ssize_t
         if not people or now >= finish:
             return finish, -1
@@ -158,7 +145,7 @@ class Lookout:
         stop: Numbers = stops.table(motion, then)
         stopping: MotionSpan = MotionSpan(PathLength(stop), then, end_of(stop))
         row: Numbers = numbers(people)
-        first: SeenPerson = _seen(row)[0]
+        first: SeenPerson = seen_people(row)[0]
         return -min(self.spare(first, on, now), self.spare(first, stopping, now))
 
     def required(self, person: SeenPerson, speed: float) -> float:
@@ -211,6 +198,7 @@ def nearest_on(
     It is looked for each `step` seconds from `begin` to `end`, and at `end`. Of each of the people
     there are x, y (metres) and their velocity (m/s) at `now`; they keep it for `horizon` seconds.
     """
+    row: Numbers = numbers(people)
     least: float = INFINITY
     i: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
@@ -222,10 +210,10 @@ def nearest_on(
             over = True
         here: PosePiece = instant(motion, t)
         after: float = min(t - now, horizon)
-        for k in range(len(people) // _PERSON):
-            p: cython.Py_ssize_t = k * _PERSON
-            dx: float = here.x.p - (people[p] + after * people[p + 2])
-            dy: float = here.y.p - (people[p + 1] + after * people[p + 3])
+        for k in range(person_count(row)):
+            person: MovingPerson = moving_people(row)[k]
+            dx: float = here.x.p - (person.x + after * person.vx)
+            dy: float = here.y.p - (person.y + after * person.vy)
             least = min(least, norm(dx, dy))
         i += 1
         t = begin + i * step
@@ -248,16 +236,19 @@ def most_remote(
     speed, `lag` seconds late. Of the people there are x, y (metres) and their velocity (m/s), which
     they keep for `horizon` seconds; it is looked where they are at `glances`, seconds from now.
     """
+    row: Numbers = numbers(people)
+    place_row: Numbers = numbers(places)
+    place: Positions = positions_of(place_row)
     best: cython.int = 0
     farthest: float = -1.0
-    x: float = places[0]
-    y: float = places[1]
+    x: float = place[0].x
+    y: float = place[0].y
     i: cython.int
     g: cython.Py_ssize_t
     k: cython.Py_ssize_t
-    for i in range(len(places) // 2):
-        along: float = places[2 * i] - x
-        across: float = places[2 * i + 1] - y
+    for i in range(position_count(place_row)):
+        along: float = place[i].x - x
+        across: float = place[i].y - y
         length: float = norm(along, across)
         least: float = INFINITY
         for g in range(len(glances)):
@@ -266,10 +257,10 @@ def most_remote(
             if length > 0.0:
                 share = min(1.0, top * max(0.0, t - lag) / length)
             after: float = min(t, horizon)
-            for k in range(len(people) // _PERSON):
-                p: cython.Py_ssize_t = k * _PERSON
-                dx: float = x + share * along - (people[p] + people[p + 2] * after)
-                dy: float = y + share * across - (people[p + 1] + people[p + 3] * after)
+            for k in range(person_count(row)):
+                person: MovingPerson = moving_people(row)[k]
+                dx: float = x + share * along - (person.x + person.vx * after)
+                dy: float = y + share * across - (person.y + person.vy * after)
                 least = min(least, norm(dx, dy))
         if i == 0 and least >= enough:
             return 0

@@ -1,26 +1,7 @@
 from navigation.kernels.edges cimport Grid, back_through
-from navigation.kernels.numbers cimport *
-
-cdef struct Wedge:
-    double right_x, right_y, left_x, left_y
-
-cdef struct Portal:
-    double right_x, right_y, left_x, left_y, off, onto
-
-cdef struct Bend:
-    double x, y, before_x, before_y, after_x, after_y, reach
-
-ctypedef Portal* Portals
-ctypedef Bend* Bends
+from navigation.kernels.cubics cimport *
 
 cdef double _SLACK, _WIDER, _ROUNDING
-cdef Py_ssize_t _WAITING
-
-cdef inline Portals _portals(Numbers row) noexcept:
-    return <Portal*> row.data.as_doubles
-
-cdef inline Bends bends_of(Numbers row) noexcept:
-    return <Bend*> row.data.as_doubles
 
 cdef class Network:
     cdef Py_ssize_t count

@@ -15,8 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     import cython
 else:
     from . import uncompiled as cython
@@ -24,26 +22,12 @@ else:
 from .numbers import numbers_of
 
 if not cython.compiled:
+    from .cubics import *
     from .edges import Grid, back_through
-    from .numbers import *
-    from .uncompiled import Bend, Portal, Rows, Wedge
-
-    Portals: TypeAlias = "Rows[Portal]"
-    Bends: TypeAlias = "Rows[Bend]"
-
-    def _portals(row: Numbers) -> Portals:
-        """Return portals by their numbers."""
-        return Rows(row, Portal, 6)
-
-    def bends_of(row: Numbers) -> Bends:
-        """Return bends by their numbers."""
-        return Rows(row, Bend, 7)
-
 
 _SLACK: float = 1e-9  # of a metre and of a line's length; so far a line may enter a corner
 _WIDER: float = 1e-7  # radians; wedges are so much wider: too much is looked at, never too little
 _ROUNDING: float = 1e-8  # metres; and wider by so much for what is near
-_WAITING: cython.Py_ssize_t = 5  # numbers of a portal that waits: its own, and the wedge's
 
 
 class Network:
@@ -93,8 +77,7 @@ class Network:
     def _linked(self, here: cython.Py_ssize_t) -> Numbers:
         """Find the links of a bend, in the order of where they lead."""
         seen: list[cython.Py_ssize_t] = self._seen(here)
-        found: Numbers = room(2 * len(seen))
-        link: Doubles = at(found)
+        found: Numbers = link_room(len(seen))
         bend: Bends = bends_of(self.bends)
         a: Bend = bend[here]
         count: cython.Py_ssize_t = 0
@@ -102,10 +85,9 @@ class Network:
         for to in sorted(set(seen)):
             b: Bend = bend[to]
             if self._clear(here, to) and self._allowed(a, b):
-                link[count] = to
-                link[count + 1] = dist((a.x, a.y), (b.x, b.y))
-                count += 2
-        cut(found, count)
+                link_rows(found)[count] = Link(to, dist((a.x, a.y), (b.x, b.y)))
+                count += 1
+        link_cut(found, count)
         return found
 
     def _clear(self, here: cython.Py_ssize_t, to: cython.Py_ssize_t) -> bool:
@@ -148,20 +130,18 @@ class Network:
         bend: Bend = bends_of(self.bends)[here]
         triangle: cython.Py_ssize_t = self.triangle[here]
         came: cython.Py_ssize_t = -1
-        portal: cython.Py_ssize_t
         self.depth = 0
         while True:
             self._take(triangle, wedge, bend, found)
             self._leave(triangle, came, wedge, bend)
             if self.depth == 0:
                 return 0
-            self.depth -= _WAITING
-            row: Doubles = at(self.waiting)
-            o: cython.Py_ssize_t = self.depth
-            portal = int(row[o])
-            wedge = Wedge(row[o + 1], row[o + 2], row[o + 3], row[o + 4])
-            came = int(_portals(self.portals)[portal].off)
-            triangle = int(_portals(self.portals)[portal].onto)
+            self.depth -= 1
+            waiting: WaitingPortal = waiting_of(self.waiting)[self.depth]
+            wedge = waiting.wedge
+            portal: Portal = portals_of(self.portals)[int(waiting.portal)]
+            came = int(portal.off)
+            triangle = int(portal.onto)
 
     def _take(
         self, triangle: cython.Py_ssize_t, wedge: Wedge, here: Bend, found: list[cython.Py_ssize_t]
@@ -186,7 +166,7 @@ class Network:
         self, triangle: cython.Py_ssize_t, came: cython.Py_ssize_t, wedge: Wedge, here: Bend
     ) -> cython.int:
         """Let each portal of a triangle wait that a wedge meets, but for the one it came by."""
-        portal: Portals = _portals(self.portals)
+        portal: Portals = portals_of(self.portals)
         k: cython.Py_ssize_t
         for k in range(self.first_portal[triangle], self.first_portal[triangle + 1]):
             if portal[k].onto != came:
@@ -199,25 +179,18 @@ class Network:
 
     def _push(self, portal: cython.Py_ssize_t, wedge: Wedge) -> cython.int:
         """Let a portal wait, with the wedge that leads through it."""
-        grow(self.waiting, self.depth + _WAITING)
-        row: Doubles = at(self.waiting)
-        o: cython.Py_ssize_t = self.depth
-        row[o] = portal
-        row[o + 1] = wedge.right_x
-        row[o + 2] = wedge.right_y
-        row[o + 3] = wedge.left_x
-        row[o + 4] = wedge.left_y
-        self.depth += _WAITING
+        waiting_grow(self.waiting, self.depth + 1)
+        waiting_of(self.waiting)[self.depth] = WaitingPortal(portal, wedge)
+        self.depth += 1
         return 0
 
 
 def _leads(links: Numbers, to: cython.Py_ssize_t) -> bool:
     """Return whether one of the links of a bend leads to another."""
-    link: Doubles = at(links)
     k: cython.Py_ssize_t = 0
-    while k < len(links) and link[k] != to:
-        k += 2
-    found: bool = k < len(links)
+    while k < link_count(links) and link_rows(links)[k].to != to:
+        k += 1
+    found: bool = k < link_count(links)
     return found
 
 

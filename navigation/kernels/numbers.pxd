@@ -25,13 +25,6 @@ cdef inline int put(
     memcpy(row + o, other + p, count * sizeof(double))
     return 0
 
-cdef inline bint are_finite(Doubles row, Py_ssize_t o, Py_ssize_t count) noexcept:
-    cdef double total = 0.0
-    cdef Py_ssize_t k
-    for k in range(count):
-        total += row[o + k]
-    return total - total == 0.0
-
 cpdef Numbers room(Py_ssize_t count)
 cdef Wholes whole(int value, Py_ssize_t count)
 cpdef Numbers numbers(values)

@@ -57,11 +57,6 @@ if not cython.compiled:
         """Copy `count` numbers of another row from `p` on to a row from `o` on."""
         row[o : o + count] = other[p : p + count]
 
-    def are_finite(row: Doubles, o: cython.Py_ssize_t, count: int) -> bool:
-        """Return whether `row[o:o + count]` is finite."""
-        total = sum(row[o : o + count])
-        return total - total == 0.0  # one of them among the numbers makes the sum one
-
     def room(count: int) -> Numbers:
         """Return a row of `count` numbers, which are to be set."""
         return [0.0] * count

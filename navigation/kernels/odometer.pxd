@@ -1,10 +1,6 @@
 from navigation.kernels.cubics cimport *
-from navigation.kernels.numbers cimport *
 
 cdef Numbers _NODES, _WEIGHTS
-
-cdef struct TaylorModel:
-    double value, slope, slack, curve
 
 cdef inline double radius_of(TaylorModel model, double half) noexcept:
     return (abs(model.slope) + abs(model.curve) * half / 2) * half + model.slack

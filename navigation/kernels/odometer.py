@@ -19,8 +19,6 @@ else:
 
 if not cython.compiled:
     from .cubics import *
-    from .numbers import *
-    from .uncompiled import TaylorModel
 
     def radius_of(model: TaylorModel, half: float) -> float:
         """Return by how much a number may differ from its value within `half` seconds."""

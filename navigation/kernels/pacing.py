@@ -3,7 +3,7 @@
 On each leg the speed rises and falls at one acceleration, so that its phases follow from the speeds
 at the corners: the forward and backward pass of D. Verscheure et al., "Time-optimal path tracking
 for robots", IEEE Transactions on Automatic Control 54 (2009), for a bound on the acceleration along
-the path alone. For the tables see `discs`.
+the path alone.
 """
 
 from __future__ import annotations
@@ -11,31 +11,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     import cython
 else:
     from . import uncompiled as cython
 
-from .numbers import PLANAR_WIDTH
 from .walks import DEVIATION, NOWHERE
 
 if not cython.compiled:
     from math import atan2, sqrt
 
     from .cubics import *
-    from .numbers import *
-    from .uncompiled import PathLeg, Rows, SpeedLimits
+    from .discs import Swath
 
-    PathLegs: TypeAlias = "Rows[PathLeg]"
-
-    def _legs(table: Numbers, o: int) -> PathLegs:
-        """Return the legs of a path that are stored from a number of a table on."""
-        return Rows(table, PathLeg, _WIDTH, o)
-
-
-_ROW: cython.Py_ssize_t = PLANAR_WIDTH
-_WIDTH: cython.Py_ssize_t = 7  # numbers of a leg
 _PHASES: cython.Py_ssize_t = 4  # of a leg, at most
 _SHORT: float = NOWHERE
 _DEVIATION: float = DEVIATION
@@ -43,7 +30,7 @@ _HAIR: float = 1e-9  # m/s
 _ROUNDING: float = 1e-12  # of a cosine
 
 
-def walk_table(
+def walk_swath(
     corners: Numbers,
     tops: Numbers,
     since: float,
@@ -51,37 +38,30 @@ def walk_table(
     initial_speed: float,
     max_speed: float,
     acceleration: float,
-    lead: Numbers,
-) -> Numbers:
-    """Return the table of a walk along `corners` (x and y of each in turn) from `start` on.
+    lead: Swath | None,
+) -> Swath | None:
+    """Return where a walk along `corners` goes (x and y of each in turn) from `start` on.
 
     It sets out at `initial_speed` along the first leg, keeps to each leg's speed of `tops`, or to
-    the only one, as soon as `acceleration` lets it, and ends in a standing for ever; corners are
-    taken as `walk` takes them, and never faster than `max_speed`. It follows on the rows of a
-    `lead`, and on standing if they are over `since` before the start. Empty where it can't come to
-    rest, or slow down enough for a corner.
+    the only one, as soon as `acceleration` lets it, and ends in a rest for good; corners are taken
+    as `walk` takes them, and never faster than `max_speed`. It follows on the walk of a `lead`, and
+    on a rest if that is over, or else `since`, before the start. None where it can't come to rest,
+    or slow down enough for a corner.
     """
+    pace: SpeedLimits = SpeedLimits(start, initial_speed, max_speed, acceleration)
+    before: Numbers = room(0)
+    box: BoundingBox = box_around(corners, position_count(corners))
+    if lead is not None:
+        before = lead.walk
+        since = lead.rests
+        box = united(box, boxes_of(lead.box)[0])
     table: Numbers = room(0)
-    pace: SpeedLimits = SpeedLimits(start, initial_speed, max_speed, acceleration)
-    cut(table, draw_walk(corners, len(corners), tops, pace, since, lead, table))
-    return table
-
-
-def draw(
-    corners: Numbers,
-    count: cython.Py_ssize_t,
-    tops: Numbers,
-    since: float,
-    start: float,
-    initial_speed: float,
-    max_speed: float,
-    acceleration: float,
-    lead: Numbers,
-    table: Numbers,
-) -> cython.Py_ssize_t:
-    """See `draw_walk`."""
-    pace: SpeedLimits = SpeedLimits(start, initial_speed, max_speed, acceleration)
-    return draw_walk(corners, count, tops, pace, since, lead, table)
+    count: cython.Py_ssize_t = position_count(corners)
+    pieces: cython.Py_ssize_t = draw_walk(corners, count, tops, pace, since, before, table)
+    if pieces == 0:
+        return None
+    planar_cut(table, pieces)
+    return Swath(table, row_of_box(box))
 
 
 def draw_walk(
@@ -93,46 +73,39 @@ def draw_walk(
     lead: Numbers,
     table: Numbers,
 ) -> cython.Py_ssize_t:
-    """Draw up a `walk_table` of the first `count` numbers of `corners`; return its length, or 0.
+    """Draw up the walk along the first `count` corners; return its number of pieces, or 0.
 
-    It is at the beginning of `table`, which is made longer where it is too short.
+    They are at the beginning of `table`, which is made longer where it is too short. `lead` is the
+    table of a walk without its final rest; see `walk_swath` for the rest.
     """
-    rows: cython.Py_ssize_t = planar_count(lead)
+    k: cython.Py_ssize_t = planar_count(lead)
     # The legs are noted behind all pieces that there may be.
-    plan: cython.Py_ssize_t = _ROW * (rows + _PHASES * (count // 2) + 2)
-    grow(table, plan + _WIDTH * (count // 2 + 1))
-    leg: PathLegs = _legs(table, plan)
+    leg: PathLegs = planar_space(table, k + _PHASES * count + 2, count + 1)
     row: PlanarPieces = planar(table)
-    legs: cython.Py_ssize_t = _plan(corners, count, tops, pace, leg)
+    corner: Positions = positions_of(corners)
+    legs: cython.Py_ssize_t = _plan(corner, count, tops, pace, leg)
     if legs == 0:
         return 0
-    put(at(table), 0, at(lead), 0, len(lead))
-    corner: Doubles = at(corners)
+    planar_put(table, lead)
     if since < pace.start:
-        row[rows] = PlanarPiece(since, pace.start, constant(corner[0]), constant(corner[1]))
-        rows += 1
-    row[rows] = _rest_from(pace.start, corner[0], corner[1])
+        row[k] = PlanarPiece(since, pace.start, constant(corner[0].x), constant(corner[0].y))
+        k += 1
+    row[k] = rest_piece(pace.start, corner[0].x, corner[0].y)
     u: float = pace.initial_speed
-    k: cython.Py_ssize_t
-    for k in range(legs):
+    i: cython.Py_ssize_t
+    for i in range(legs):
         # Forwards: nor faster than one can have become. Both together are the fastest.
-        w: float = min(leg[k + 1].first, sqrt(u * u + 2 * pace.acceleration * leg[k].length))
-        rows = _walk(row, rows, leg[k], u, w, pace.acceleration)
+        w: float = min(leg[i + 1].first, sqrt(u * u + 2 * pace.acceleration * leg[i].length))
+        k = _walk(row, k, leg[i], u, w, pace.acceleration)
         u = w
-    row[rows] = _rest_from(row[rows].begin, corner[count - 2], corner[count - 1])
-    return _ROW * (rows + 1)
-
-
-def _rest_from(t: float, x: float, y: float) -> PlanarPiece:
-    """Return a rest for good at `x`, `y` (metres) from `t` (seconds) on."""
-    return PlanarPiece(t, INFINITY, constant(x), constant(y))
+    row[k] = rest_piece(row[k].begin, corner[count - 1].x, corner[count - 1].y)
+    return k + 1
 
 
 def _plan(
-    corners: Numbers, count: cython.Py_ssize_t, tops: Numbers, pace: SpeedLimits, leg: PathLegs
+    corner: Positions, count: cython.Py_ssize_t, tops: Numbers, pace: SpeedLimits, leg: PathLegs
 ) -> cython.Py_ssize_t:
     """Note the legs of a walk; return how many there are, 0 if there is no such walk."""
-    corner: Doubles = at(corners)
     top_of: Doubles = at(tops)
     each: cython.Py_ssize_t = 1 if len(tops) > 1 else 0
     gain: float = 2 * pace.acceleration
@@ -143,9 +116,10 @@ def _plan(
     top: float = INFINITY
     legs: cython.Py_ssize_t = 0
     k: cython.Py_ssize_t
-    for k in range(0, count - 2, 2):
-        dx: float = corner[k + 2] - corner[k]
-        dy: float = corner[k + 3] - corner[k + 1]
+    for k in range(count - 1):
+        here: Position = corner[k]
+        dx: float = corner[k + 1].x - here.x
+        dy: float = corner[k + 1].y - here.y
         before: float = length
         length = norm(dx, dy)
         if length <= _SHORT:
@@ -159,14 +133,14 @@ def _plan(
             # there.
             square: float = pace.initial_speed * pace.initial_speed - gain * walked
             slowed: float = sqrt(max(square, 0.0))
-            cap = min(pace.max_speed, max(min(top, top_of[k // 2 * each]), slowed))
+            cap = min(pace.max_speed, max(min(top, top_of[k * each]), slowed))
             shorter: float = before if before < length else length
             cap = min(cap, bend_speed(c * dx + s * dy, shorter, pace.acceleration))
         c = dx
         s = dy
-        top = top_of[k // 2 * each]
+        top = top_of[k * each]
         walked += length
-        leg[legs] = PathLeg(corner[k], corner[k + 1], c, s, length, top, cap)
+        leg[legs] = PathLeg(here.x, here.y, c, s, length, top, cap)
         legs += 1
     if legs == 0:
         return 0
@@ -263,5 +237,5 @@ def _add_phase(
     x: Cubic = Cubic(leg.x + way.p * leg.c, way.v * leg.c, way.a * leg.c, 0.0)
     y: Cubic = Cubic(leg.y + way.p * leg.s, way.v * leg.s, way.a * leg.s, 0.0)
     row[k] = PlanarPiece(begin, end, x, y)
-    row[k + 1] = _rest_from(end, 0.0, 0.0)
+    row[k + 1] = rest_piece(end, 0.0, 0.0)
     return k + 1

@@ -1,6 +1,5 @@
 from libc.math cimport atan2, copysign, sqrt
 from navigation.kernels.cubics cimport *
-from navigation.kernels.numbers cimport *
 
 cdef Py_ssize_t _WIDTH
 cdef double _SHORTEST

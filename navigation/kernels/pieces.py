@@ -16,7 +16,6 @@ if not cython.compiled:
     from math import atan2, copysign, sqrt
 
     from .cubics import *
-    from .numbers import *
 
 Triple = tuple[float, float, float]
 

@@ -1,20 +1,9 @@
-from navigation.kernels.cubics cimport norm
+from navigation.kernels.cubics cimport *
 from navigation.kernels.edges cimport Room
-from navigation.kernels.network cimport Bend, Bends, Network, bends_of, fits
-from navigation.kernels.numbers cimport *
+from navigation.kernels.network cimport Network, fits
 
-cdef Py_ssize_t _BEND, _ENTRY, _SOME, _LONG
+cdef Py_ssize_t _SOME, _LONG
 cdef double _BESIDE
-
-cdef struct SearchEntry:
-    double bound, so_far
-    Py_ssize_t here, there
-
-ctypedef SearchEntry* Entries
-
-cdef inline Entries _entries(Numbers row) noexcept:
-    return <SearchEntry*> row.data.as_doubles
-
 
 cdef class Heap:
     cdef Numbers entries

@@ -13,8 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     import cython
 else:
     from . import uncompiled as cython
@@ -22,21 +20,10 @@ else:
 from .numbers import Place, numbers, numbers_of
 
 if not cython.compiled:
-    from .cubics import norm
+    from .cubics import *
     from .edges import Room
-    from .network import Bends, Network, bends_of, fits
-    from .numbers import *
-    from .uncompiled import Bend, Rows, SearchEntry
+    from .network import Network, fits
 
-    Entries: TypeAlias = "Rows[SearchEntry]"
-
-    def _entries(row: Numbers) -> Entries:
-        """Return entries by their numbers."""
-        return Rows(row, SearchEntry, _ENTRY)
-
-
-_BEND: cython.Py_ssize_t = 7  # numbers of a bend
-_ENTRY: cython.Py_ssize_t = 4  # numbers of an entry
 _SOME: cython.Py_ssize_t = 256  # entries, at first
 _LONG: cython.Py_ssize_t = 256  # places that a search reaches before it asks if it is hopeless
 _BESIDE: float = 1.01  # of a bend's reach; nearer places may see a bend that they do not graze
@@ -49,7 +36,7 @@ class Heap:
     """
 
     def __init__(self) -> None:
-        self.entries: Numbers = room(_ENTRY * _SOME)
+        self.entries: Numbers = entry_room(_SOME)
         self.count = 0
 
     def clear(self) -> cython.int:
@@ -59,14 +46,14 @@ class Heap:
 
     def push(self, entry: SearchEntry) -> cython.int:
         """Add an entry."""
-        if _ENTRY * (self.count + 1) > len(self.entries):
-            grow(self.entries, 2 * len(self.entries))
+        if self.count == entry_count(self.entries):
+            entries_grow(self.entries, 2 * self.count)
         self.count += 1
         return self._rise(self.count - 1, entry)
 
     def pop(self) -> SearchEntry:
         """Remove the least entry, and return it."""
-        row: Entries = _entries(self.entries)
+        row: Entries = entries_of(self.entries)
         least: SearchEntry = row[0]
         self.count -= 1
         # The lesser children move up to the bottom, as the last entry is seldom a small one.
@@ -84,7 +71,7 @@ class Heap:
 
     def _rise(self, place: cython.Py_ssize_t, entry: SearchEntry) -> cython.int:
         """Put an entry where it belongs on the path from `place` up to the top."""
-        row: Entries = _entries(self.entries)
+        row: Entries = entries_of(self.entries)
         while place > 0:
             above: cython.Py_ssize_t = (place - 1) // 2
             if not _precedes(entry, row[above]):
@@ -196,10 +183,10 @@ class Search:
     def _lay_out(self, start: Place, goal: Place, parts: list[NDArray[np.float64]]) -> cython.int:
         """Assign numbers to the places of a query, none of which is reached yet."""
         k: cython.Py_ssize_t
-        cut(self.bends, _BEND * self.fixed)
+        bend_cut(self.bends, self.fixed)
         for part in parts:
             self.bends.extend(numbers_of(part.T))
-        self.start = len(self.bends) // _BEND
+        self.start = bend_count(self.bends)
         self.goal = self.start + 1
         self.bends.extend(numbers((*start, 0.0, 0.0, 0.0, 0.0, 0.0)))
         self.bends.extend(numbers((*goal, 0.0, 0.0, 0.0, 0.0, 0.0)))
@@ -218,9 +205,9 @@ class Search:
         first: cython.Py_ssize_t = 0
         if here < self.fixed:
             links: Numbers = self.network.links_of(here)
-            link: Doubles = at(links)
-            for k in range(0, len(links), 2):
-                self._push_known(here, int(link[k]), so_far, link[k + 1])
+            for k in range(link_count(links)):
+                link: Link = link_rows(links)[k]
+                self._push_known(here, int(link.to), so_far, link.length)
             first = self.fixed
         if first < self.start:
             self._fan(here, first, so_far)

@@ -1,6 +1,5 @@
 from libc.math cimport M_PI as pi, atan2, cos, isfinite, sin, sqrt, tan
 from navigation.kernels.cubics cimport *
-from navigation.kernels.numbers cimport *
 
 cdef double _NOWHERE, _DEVIATION, _HAIR, _STANDS, _STRAIGHT
 

@@ -19,7 +19,6 @@ if not cython.compiled:
     from math import atan2, cos, isfinite, pi, sin, sqrt, tan
 
     from .cubics import *
-    from .numbers import *
 
 # Of `dist`, `hypot` and `pow`, Python's are taken: compilers' may have other last bits.
 

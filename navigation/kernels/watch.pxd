@@ -1,10 +1,8 @@
 from libc.math cimport cos, sin
 from navigation.kernels.cubics cimport *
-from navigation.kernels.encounter cimport Closest, EncounterBounds
+from navigation.kernels.encounter cimport EncounterBounds
 from navigation.kernels.gauge cimport Gauge
 from navigation.kernels.laws cimport LawEvaluator
-from navigation.kernels.numbers cimport *
-from navigation.kernels.odometer cimport TaylorModel
 
 cdef list[Gauge] _NO_GAUGES
 cdef int UNDECIDED

@@ -20,8 +20,6 @@ if not cython.compiled:
     from .encounter import EncounterBounds
     from .gauge import Gauge
     from .laws import LawEvaluator
-    from .numbers import *
-    from .uncompiled import Closest, TaylorModel
 
 _NO_GAUGES: list[Gauge] = []
 

@@ -17,13 +17,13 @@ import navigation
 from navigation import polynomials as quadrature, walk
 from navigation.freespace import Walls
 from navigation.kernels import COMPILED
+from navigation.kernels.committed import CommittedMotions
 from navigation.kernels.edges import Legs
-from navigation.kernels.following import followed
-from navigation.kernels.grid import block_discs, grid_path
+from navigation.kernels.following import CarFollowing, ChoiceParameters, Passer
+from navigation.kernels.grid import CHUNK, WaysRound, block_discs, grid_path
 from navigation.kernels.numbers import numbers
-from navigation.kernels.throng import Throng
-from navigation.kernels.ways_round import CHUNK, WaysRound
-from navigation.walking import swath, swath as swath_of
+from navigation.walking import swath
+from sim.people.crowd.parameters import PARAMETERS
 
 AS_PYTHON = """
 import importlib.machinery, importlib.util, pathlib, sys
@@ -159,15 +159,12 @@ def test_who_keeps_somebody_slowest_is_followed_unless_somebody_comes(others, t,
             onward = (then.at[0] - state.at[0]) * c + (then.at[1] - state.at[1]) * s
             room = along - math.sqrt(touch**2 - beside**2) + onward / 0.5
             speeds[k] = room / (1.0 - beside / touch + 1.0)
-    found: list[int] = []
-    k = followed(
-        [*range(len(walks))],
-        [swath(motion, 0.0).table for motion in walks],
-        numbers(radius for _, radius in others),
-        *(t, 0.5, *at, c, s),
-        *(0.3, 1.0, 1.0, 1.2, 0.7, 1.5),
-        found,
-    )
+    motions = CommittedMotions(GAP)
+    for motion, (_, radius) in zip(walks, others, strict=True):
+        motions.add(swath(motion, 0.0), radius)
+    who = Passer(-1, 1.2, 0.3, 0.1, 1.0, 5.0, 1.0)
+    following = CarFollowing(motions, who, ChoiceParameters(PARAMETERS))
+    k, found = following.slowest([*range(len(walks))], t, at, heading)
     slowest = min(speeds.values(), default=math.inf)
     if oncoming or slowest >= 1.2:
         assert k == -1
@@ -232,7 +229,7 @@ def test_discs_block_the_cells_whose_middle_they_cover():
     columns, rows, width, low = 12, 9, 0.3, (-1.0, 2.0)
     blocked = bytearray(columns * rows)
     discs = numbers([0.2, 3.1, 0.62, -0.9, 2.1, 0.3])
-    block_discs(blocked, columns, *low, width, discs, 0.0)
+    block_discs(blocked, columns, low, width, discs)
     for k, taken in enumerate(blocked):
         x = low[0] + (k % columns + 0.5) * width
         y = low[1] + (k // columns + 0.5) * width
@@ -258,11 +255,10 @@ def test_ways_round_keep_off_all_discs(discs, end):
     ways, legs = ways_round()
     begin, away = (-30.0, -30.0), 0.7
     standing = numbers(number for x, y in discs for number in (x, y, away))
-    corners = ways.path(*begin, *end, standing, legs)
+    path = ways.path(begin, end, standing, legs)
     if all(math.dist(end, disc) > 2 * away for disc in discs) and len(discs) < 2:
-        assert corners
-    assume(corners)
-    path = [*zip(corners[::2], corners[1::2], strict=True)]
+        assert path
+    assume(path)
     assert path[0] == begin and path[-1] == end
     line = shapely.LineString(path)
     assert HALL.buffer(-CLEARANCE).covers(line)
@@ -274,8 +270,7 @@ def test_ways_round_are_as_good_on_every_side_of_the_origin():
     lengths = set()
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
         a, b, disc = (20.25 * x, 20.25 * y), (30.15 * x, 20.25 * y), (25.05 * x, 20.25 * y, 0.7)
-        corners = ways.path(*a, *b, numbers(disc), legs)
-        path = [*zip(corners[::2], corners[1::2], strict=True)]
+        path = ways.path(a, b, numbers(disc), legs)
         lengths.add(round(sum(itertools.starmap(math.dist, itertools.pairwise(path))), 9))
     assert len(lengths) == 1 and 9.9 < lengths.pop() < 10.5
 
@@ -284,22 +279,21 @@ NOW, GAP, RADIUS = 3.0, 0.006, 0.3
 NOWHERE = (False, math.inf, math.inf)
 
 
-def throng(*motions: navigation.Motion) -> Throng:
+def committed(*motions: navigation.Motion) -> CommittedMotions:
     """Return discs that are committed to these motions from `NOW` on, bound for nowhere."""
-    made = Throng(GAP)
+    made = CommittedMotions(GAP)
     for motion in motions:
-        swath = swath_of(motion, NOW)
-        made.add(swath.table, swath.box, RADIUS)
+        made.add(swath(motion, NOW), RADIUS)
     return made
 
 
-def standing(*places: tuple[float, float]) -> Throng:
-    return throng(*(navigation.standing(place) for place in places))
+def standing(*places: tuple[float, float]) -> CommittedMotions:
+    return committed(*(navigation.standing(place) for place in places))
 
 
 def test_directions_are_those_of_velocities_or_else_of_routes():
     east = navigation.walk([(0.0, 0.0), (9.0, 0.0)], NOW - 1.0)
-    seen = throng(east, navigation.standing((5.0, 5.0)), navigation.standing((1.0, 1.0)))
+    seen = committed(east, navigation.standing((5.0, 5.0)), navigation.standing((1.0, 1.0)))
     seen.send(0, True, 0.0, 9.0)
     seen.send(1, True, 8.0, 9.0)
     assert seen.between(0, 1, NOW) == 0.6
@@ -313,7 +307,7 @@ def test_directions_are_those_of_velocities_or_else_of_routes():
 
 def test_who_stands_around_is_told_with_how_far_to_stay():
     later = navigation.walk([(1.0, 0.0), (1.0, 5.0)], NOW)
-    seen = throng(navigation.standing((0.0, 0.0)), navigation.standing((2.0, 0.0)), later)
+    seen = committed(navigation.standing((0.0, 0.0)), navigation.standing((2.0, 0.0)), later)
     near = numbers([0.0, 0.0, 0.0, 0.0])
     assert [*seen.standing(0, near, 3.0, NOW)] == [2.0, 0.0, RADIUS + RADIUS + GAP]
     assert [*seen.standing(0, near, 0.5, NOW)] == []

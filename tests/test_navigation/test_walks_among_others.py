@@ -14,31 +14,32 @@ from hypothesis import assume, given, strategies as st
 import floorplan
 import navigation
 from navigation.freespace import Walls
-from navigation.kernels.candidates import Candidates
-from navigation.kernels.discs import first_met
-from navigation.kernels.edges import legs_of, touches
+from navigation.kernels.candidates import Candidates, Course, Departure
+from navigation.kernels.committed import CommittedMotions, Movers
+from navigation.kernels.discs import DiscMotions, Swath
+from navigation.kernels.edges import Legs, legs_of, touches
 from navigation.kernels.lookout import most_remote
-from navigation.kernels.movers import Movers
 from navigation.kernels.numbers import numbers
 from navigation.kernels.retreats import Retreats
-from navigation.kernels.throng import Throng
 from navigation.machines import agv_stops, gantry_stops
 from navigation.monitor import StoppingHorizon
 from navigation.separation import is_of_speeds, required_at_speeds
-from navigation.walking import Swath, first_conflict, swath as swath_of
+from navigation.walking import first_conflict, motion_along, swath as swath_of, swath_along
 
 GAP = 0.006
 START, TOP, FASTEST, ACCELERATION = 7.0, 0.9, 1.2, 2.5
 WALLS = Walls(shapely.box(-2.5, -2.5, 2.5, 2.5), 0.3)
+LEGS = Legs(WALLS.grid, 0.3, lambda a, b: True)
 
 Place = tuple[float, float]
 Numbers = MutableSequence[float]
-Crowd = tuple[list[Numbers], Numbers, Numbers]
+Crowd = list[tuple[Swath, float]]
+"""Swaths and radii."""
 
 
 def drawn(corners: list[Place]) -> Swath | None:
     limits = {"top_speed": TOP, "max_speed": FASTEST, "max_acceleration": ACCELERATION}
-    return Swath.along(corners, START, **limits)
+    return swath_along(corners, START, **limits)
 
 
 def somewhere(rng: random.Random) -> Place:
@@ -46,32 +47,28 @@ def somewhere(rng: random.Random) -> Place:
 
 
 def crowd(rng: random.Random, count: int) -> Crowd:
-    """Return some who walk about: tables, bounds and radii."""
+    """Return some who walk about."""
     walks = [drawn([somewhere(rng) for _ in range(3)]) for _ in range(count)]
-    found = [walk for walk in walks if walk is not None]
-    boxes = numbers(bound for walk in found for bound in walk.box)
-    return [walk.table for walk in found], boxes, numbers(rng.uniform(0.2, 0.4) for _ in found)
+    return [(walk, rng.uniform(0.2, 0.4)) for walk in walks if walk is not None]
 
 
 def moved(moving: Crowd, floor: Crowd) -> tuple[Movers, int]:
     """Return those moving among those on the floor, and the index of one of 0.3 m with them."""
-    throng = Throng(GAP)
-    for tables, boxes, radii in (
-        floor,
-        moving,
-        ([numbers(())], numbers([0.0] * 4), numbers([0.3])),
-    ):
-        for k, (table, radius) in enumerate(zip(tables, radii, strict=True)):
-            throng.add(table, boxes[4 * k : 4 * k + 4], radius)
-    movers = Movers(throng, START)
-    for k, table in enumerate(moving[0]):
-        movers.add(len(floor[2]) + k, table, moving[1][4 * k : 4 * k + 4])
-    return movers, len(floor[2]) + len(moving[2])
+    motions = CommittedMotions(GAP)
+    me = Swath(numbers(()), numbers([0.0] * 4)), 0.3
+    for swath, radius in (*floor, *moving, me):
+        motions.add(swath, radius)
+    movers = Movers(motions, START)
+    for k, (swath, _) in enumerate(moving, len(floor)):
+        movers.move(k, swath)
+    return movers, len(floor) + len(moving)
 
 
-def met(walk: Swath, others: Crowd, but: bytearray, own: float) -> int:
-    near = [k for k in range(len(others[2])) if not but[k]]
-    return first_met(walk.table, walk.box, near, *others, own, START, numbers([math.inf]))
+def met(walk: Swath, others: Crowd, own: float) -> int:
+    motions = DiscMotions(GAP)
+    for one in others:
+        motions.add(*one)
+    return motions.first_met([*range(len(others))], walk, own, START)[0]
 
 
 def plainly(
@@ -89,10 +86,10 @@ def plainly(
         if (
             walk is not None
             and not touches(legs, *to, *to, 0.6)
-            and met(walk, moving, bytearray(len(moving[2])), 0.3 + GAP) < 0
+            and met(walk, moving, 0.3 + GAP) < 0
             and WALLS.clear((x, y), to)
         ):
-            hit = met(walk, floor, bytearray(len(floor[2])), 0.3 + GAP)
+            hit = met(walk, floor, 0.3 + GAP)
             if hit < 0 or not refusing[hit]:
                 yield k, hit, walk.table
 
@@ -103,16 +100,16 @@ def test_the_steps_taken_are_those_of_a_plain_look() -> None:
         rng = random.Random(seed)
         moving, floor = crowd(rng, rng.randrange(4)), crowd(rng, 5)
         movers, me = moved(moving, floor)
-        refusing = bytearray(rng.random() < 0.5 for _ in floor[2])
+        refusing = bytearray(rng.random() < 0.5 for _ in floor)
         course = [somewhere(rng), somewhere(rng)]
         legs = legs_of(course)
         path = [somewhere(rng) for _ in range(rng.choice((1, 1, 2)))]
         places = [(rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5)) for _ in range(40)]
-        walks = Retreats(movers, me, course, 0.6, TOP, FASTEST, ACCELERATION, WALLS.grid, 0.3)
+        walks = Retreats(movers, me, course, 0.6, LEGS, TOP, FASTEST, ACCELERATION)
         walks.look(path, numbers(c for place in places for c in place))
         found = []
         while (k := walks.next(1000, None, refusing)) >= 0:
-            found.append((k, walks.hit, walks.table))
+            found.append((k, walks.hit, walks.taken.table))
         assert found == [*plainly(path, places, legs, moving, floor, refusing)], seed
         taken += len(found)
     assert taken > 200
@@ -124,23 +121,21 @@ def test_the_next_free_walk_is_that_of_a_plain_look() -> None:
         rng = random.Random(seed)
         others = crowd(rng, 6)
         course = [somewhere(rng) for _ in range(3)]
-        walks = Candidates(
-            *(course, START, START, 0.0, 0.0, 0.0, FASTEST, ACCELERATION),
-            *(numbers(()), numbers(())),
-        )
+        state = Departure(START, START, 0.0, (0.0, 0.0), FASTEST, ACCELERATION)
+        walks = Candidates(Course(course), state)
         asked = [(rng.uniform(0.3, 6.0), rng.uniform(0.3, TOP), rng.choice((0.0, 1.0)))
                  for _ in range(30)]  # fmt: skip
         plain = []
         for length, top_speed, delay in asked:
-            if walks.draw_along(length, top_speed, delay):
-                walk = Swath.of(walks.table, walks.box)
-                if met(walk, others, bytearray(len(others[2])), 0.3 + GAP) < 0:
-                    plain.append(walk.table)
+            walk = walks.draw_along(length, top_speed, delay)
+            if walk is not None and met(walk, others, 0.3 + GAP) < 0:
+                plain.append(walk.table)
         for loss, one in enumerate(asked):
             walks.add(loss, *one)
-        found, throng = [], moved(([], [], []), others)[0].throng
-        while walks.next_free([*range(len(others[2]))], throng, 0.3 + GAP):
-            found.append(walks.table)
+        found, motions = [], moved([], others)[0].floor
+        near = [*range(len(others))]
+        while (walk := walks.next_free(near, motions, 0.3 + GAP)) is not None:
+            found.append(walk.table)
         assert found == plain, seed
         taken += len(found)
     assert taken > 200
@@ -208,7 +203,7 @@ def test_walks_keep_their_limits_and_are_what_their_swaths_are():
         assert np.hypot(*walk.velocity(t).T).max() <= 1.0 + 1e-9
         assert all(abs(a) <= 2.5 + 1e-9 for s in t for a in walk.state(s).acceleration[:2])
         swath = swath_of(walk, walk.start)
-        assert swath.motion(0.0).position(t) == pytest.approx(walk.position(t))
+        assert motion_along(swath, 0.0).position(t) == pytest.approx(walk.position(t))
         assert (walk.position(t) >= np.array(swath.box[:2]) - 1e-9).all()
         assert (walk.position(t) <= np.array(swath.box[2:]) + 1e-9).all()
 

@@ -7,10 +7,9 @@ from collections.abc import Container, MutableSequence, Sequence
 from typing import NamedTuple, overload
 
 from floorplan import Point
-from navigation.kernels.discs import first_met
+from navigation.kernels.committed import CommittedMotions
+from navigation.kernels.discs import Swath
 from navigation.kernels.numbers import numbers
-from navigation.kernels.throng import Throng
-from navigation.walking import Swath
 
 from .parameters import PARAMETERS
 from .traveller import Traveller
@@ -26,7 +25,7 @@ class Hit(NamedTuple):
     at_rest: bool
 
 
-class Commitments(Throng):
+class Commitments(CommittedMotions):
     """Table of committed motions, one row for each person and each disc of a vehicle.
 
     A decision compares bounds with all rows, some nanoseconds each, and looks only at the motions
@@ -42,16 +41,16 @@ class Commitments(Throng):
 
     def put(self, who: Traveller) -> None:
         """Replace the motion of a person by the one that the body follows."""
-        table, rests, box = who.swath
+        swath = who.swath
         k = self.indices.get(who)
         if k is None:
             self.indices[who] = len(self.people)
             self.people.append(who)
-            self.add(table, box, who.radius)
-            self.rest_times.append(rests)
+            self.add(swath, who.radius)
+            self.rest_times.append(swath.rests)
         else:
-            self.commit(k, table, box)
-            self.rest_times[k] = rests
+            self.change(k, swath)
+            self.rest_times[k] = swath.rests
 
     def take_away(self, who: Traveller) -> None:
         """Remove a person from the floor, and keep the row."""
@@ -59,7 +58,7 @@ class Commitments(Throng):
         if k is not None and self.boxes[4 * k] < math.inf:
             # Bounds that overlap with none.
             box = numbers((math.inf, math.inf, -math.inf, -math.inf))
-            self.commit(k, self.tables[k], box)
+            self.change(k, Swath(self.tables[k], box))
 
     def set_goal(self, who: Traveller, goal: Point | None, route: list[Point]) -> None:
         """Set the goal and the route of a person, or clear them."""
@@ -126,25 +125,12 @@ class Others(Sequence[Traveller]):
 
         Two bodies keep the gap. Bodies that are closer already must not come closer.
         """
-        when = numbers((math.inf,))
-        found = self._first_met(ahead, when)
-        return None if found < 0 else self.table.hit(found, when[0])
+        found, t = self._first_met(ahead)
+        return None if found < 0 else self.table.hit(found, t)
 
     def free(self, ahead: Swath) -> bool:
         """Return whether a motion of the person from now on has no conflict."""
-        return self._first_met(ahead, numbers((math.inf,))) < 0
+        return self._first_met(ahead)[0] < 0
 
-    def _first_met(self, ahead: Swath, when: MutableSequence[float]) -> int:
-        table = self.table
-        found: int = first_met(
-            ahead.table,
-            ahead.box,
-            self.near,
-            table.tables,
-            table.boxes,
-            table.radii,
-            self._own,
-            self._now,
-            when,
-        )
-        return found
+    def _first_met(self, ahead: Swath) -> tuple[int, float]:
+        return self.table.first_met(self.near, ahead, self._own, self._now)

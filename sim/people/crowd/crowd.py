@@ -14,7 +14,8 @@ from functools import partial
 
 from floorplan import Point
 from navigation import CollisionWorld, Motion, PlanningError, standing
-from navigation.walking import Swath, swath
+from navigation.kernels.discs import Swath
+from navigation.walking import motion_along, swath
 
 from ...core.clock import Alarm, Turn
 from ...core.events import GaveWay, Met
@@ -376,7 +377,7 @@ class Crowd:
                 self._commit(who, see.made(draft), draft, see)
             else:
                 self._stage.record(GaveWay(person=who.name, to=asker.name))
-                self._commit(who, draft.motion(who.body.state.position[2]), draft)
+                self._commit(who, motion_along(draft, who.body.state.position[2]), draft)
 
     def _again(self, me: Traveller, t: float) -> None:
         """Set the next decision of a person, at `t` (s) at the earliest."""

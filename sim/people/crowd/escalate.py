@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from navigation.walking import Swath
+from navigation.kernels.discs import Swath
 
 from ...core.events import Blocked, Deadlock
 from ...core.stage import Stage

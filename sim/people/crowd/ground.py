@@ -15,8 +15,8 @@ from floorplan import Point
 from navigation import CollisionWorld
 from navigation.freespace import Narrows
 from navigation.kernels.edges import Legs
+from navigation.kernels.grid import CHUNK, WaysRound
 from navigation.kernels.numbers import numbers
-from navigation.kernels.ways_round import CHUNK, WaysRound
 
 from .parameters import PARAMETERS
 
@@ -51,8 +51,7 @@ class Detours:
         if pieces is not self._pieces:
             self._pieces = pieces
             self._ways.forget()
-        corners = self._ways.path(*at, *goal, standing, legs)
-        return [*zip(corners[::2], corners[1::2], strict=True)]
+        return self._ways.path(at, goal, standing, legs)
 
     def _chunk(self, i: int, j: int) -> bytes:
         """Return of a square of cells which of them are not in the free space: 1, else 0."""

@@ -9,7 +9,8 @@ from typing import Protocol
 
 from floorplan import Point
 from navigation import Motion, join, stop_walking
-from navigation.walking import Swath, first_conflict, swath
+from navigation.kernels.discs import Swath
+from navigation.walking import first_conflict, motion_along, swath
 
 from ...core.clock import Alarm, Turn
 from ...core.events import GaveWay
@@ -73,7 +74,7 @@ class Interruptions:
         for who, draft in request.drafts.items():
             if who is not me:
                 self._stage.record(GaveWay(person=who.name, to=me.name))
-                self._commit(who, draft.motion(who.body.state.position[2]), draft)
+                self._commit(who, motion_along(draft, who.body.state.position[2]), draft)
 
     def notice(self, discs: Sequence[Traveller]) -> None:
         """Schedule the reaction to a vehicle that has changed its motion."""
@@ -128,7 +129,7 @@ class Interruptions:
             if me in request.drafts:
                 for who, draft in request.drafts.items():
                     if not who.is_vehicle:
-                        self._commit(who, draft.motion(who.body.state.position[2]), draft)
+                        self._commit(who, motion_along(draft, who.body.state.position[2]), draft)
                 return
 
     def halt(self, me: Traveller, is_clear: Callable[[Motion], bool]) -> None:

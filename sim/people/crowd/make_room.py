@@ -8,10 +8,10 @@ from functools import lru_cache
 from itertools import pairwise
 
 from floorplan import Point
-from navigation.kernels.movers import Movers
+from navigation.kernels.committed import Movers
+from navigation.kernels.discs import Swath
 from navigation.kernels.numbers import numbers
 from navigation.kernels.retreats import Retreats
-from navigation.walking import Swath
 
 from .commitments import GAP, Commitments
 from .ground import Ground, first, length_of, nearest_length, rest
@@ -39,11 +39,8 @@ class RequestedMoves(Movers):
     @property
     def drafts(self) -> dict[Traveller, Swath]:
         """Draft of each person who moves."""
-        people, boxes = self._commitments.people, self.boxes
-        return {
-            people[k]: Swath.of(table, boxes[4 * i : 4 * i + 4])
-            for i, (k, table) in enumerate(zip(self.indices, self.tables, strict=True))
-        }
+        people = self._commitments.people
+        return {people[k]: self.swath_of(i) for i, k in enumerate(self.indices)}
 
 
 class Request:
@@ -117,7 +114,7 @@ class Request:
                 min(k * PARAMETERS.lane, length)
                 for k in range(1, math.ceil(length / PARAMETERS.lane) + 1)
             ]
-            ways = [outlook.walks.at(along) for along in steps]
+            ways = [outlook.walks.course.after(along) for along in steps]
             course = [outlook.at, *((x - side * s, y + side * c) for x, y, c, s in ways)]
             if all(outlook.ground.free(a, b) for a, b in pairwise(course)):
                 yield course
@@ -127,10 +124,10 @@ class Request:
         moving, asker = self._moving, self._commitments.indices[self._asker]
         for wait in PARAMETERS.waits[:-1]:
             draft = outlook.draft(course, length, delay=wait)
-            if draft is None or moving.meet(asker, draft.table, draft.box):
+            if draft is None or moving.meet(asker, draft):
                 continue
-            if moving.first_other(asker, draft.table, draft.box) < 0:
-                moving.change(0, draft.table, draft.box)
+            if moving.first_other(asker, draft) < 0:
+                moving.change(0, draft)
                 return
 
     def make_way(self, course: Sequence[Point]) -> None:
@@ -142,7 +139,7 @@ class Request:
         moving = self._moving
         self._refusing = bytearray(len(self._commitments.people))
         moving.keep(0)
-        moving.add(self._commitments.indices[self._asker], draft.table, draft.box)
+        moving.move(self._commitments.indices[self._asker], draft)
         return self._clear(0, course, 0, moving.first_hit(0))
 
     def _clear(self, mover: int, course: Sequence[Point], depth: int, hit: int) -> bool:
@@ -191,7 +188,7 @@ class Request:
         moving = self._moving
         count = len(moving.indices)
         for retreat, walk in self._retreats(k, course, depth):
-            moving.add(k, walk.table, walk.box)
+            moving.move(k, walk.taken)
             if self._clear(count, retreat, depth + 1, walk.hit):
                 return True
             moving.keep(count)
@@ -217,11 +214,10 @@ class Request:
             k,
             [*course],
             width,
+            ground.legs,
             who.top_speed,
             who.human.max_speed,
             who.human.max_acceleration,
-            ground.walls,
-            ground.radius,
         )
         path: list[Point] = []
 
@@ -231,9 +227,9 @@ class Request:
             if not who.zones:
                 return True
             slower = who.draft([*path, (x, y)], self._now)
-            if slower is None or moving.meet(k, slower.table, slower.box):
+            if slower is None or moving.meet(k, slower):
                 return False
-            walks.table, walks.box = slower.table, slower.box
+            walks.taken = slower
             return True
 
         wide = PARAMETERS.wide

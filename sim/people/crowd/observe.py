@@ -7,18 +7,18 @@ from collections.abc import MutableSequence, Sequence
 
 from floorplan import Point
 from navigation import Motion, stop_walking
-from navigation.kernels.candidates import Candidates
-from navigation.kernels.foresight import ChoiceParameters, TrajectoryChoice
+from navigation.kernels.candidates import Candidates, Course, Departure
+from navigation.kernels.discs import Swath
+from navigation.kernels.following import ChoiceParameters, Passer
+from navigation.kernels.foresight import TrajectoryChoice
 from navigation.kernels.grid import middles
 from navigation.kernels.numbers import numbers
-from navigation.walking import Swath, can_go_on, swath
+from navigation.walking import can_go_on, motion_along, swath, swath_along
 
 from .commitments import GAP, Commitments, Hit, Others
 from .ground import Ground, first
 from .parameters import PARAMETERS
 from .traveller import Traveller
-
-NOTHING = numbers(())
 
 GIVEN = ChoiceParameters(PARAMETERS)
 
@@ -75,45 +75,46 @@ class Outlook:
             self.at, self.t, self.speed = end.at, self.lead.end, 0.0
             self.course = [self.at, *self._taut(self.at)]
         human, lead, manners = me.human, self._lead, me.manners
-        leg_x, leg_y = me.body.leg
         self.walks = Candidates(
-            self.course,
-            self.t,
-            now,
-            self.speed,
-            leg_x,
-            leg_y,
-            human.max_speed,
-            human.max_acceleration,
-            NOTHING if lead is None else lead.walk,
-            NOTHING if lead is None else lead.box,
+            Course(self.course),
+            Departure(
+                self.t,
+                now,
+                self.speed,
+                me.body.leg,
+                human.max_speed,
+                human.max_acceleration,
+                lead,
+            ),
             self._slowed if me.zones else None,
         )
         self._foresight = TrajectoryChoice(
             self.walks,
             commitments,
-            commitments.indices[me],
-            me.top_speed,
-            me.radius,
-            manners.comfort,
-            manners.time_gap,
-            manners.foresight,
-            me.usual_side,
+            Passer(
+                commitments.indices[me],
+                me.top_speed,
+                me.radius,
+                manners.comfort,
+                manners.time_gap,
+                manners.foresight,
+                me.usual_side,
+            ),
             ground.narrow.cells,
             ground.narrow_outside.cells,
             ground.legs,
             GIVEN,
         )
-        self.whole = self.walks.whole
+        self.whole = self.walks.course.length
         self.reach, self.stop = self._foresight.reach, self._foresight.stop
         self.stop_beyond = self._foresight.stop_beyond
-        self.wished = self._drawn() if self._foresight.wish() else None
+        self.wished = self._foresight.wish()
 
     @property
     def wish(self) -> Motion | None:
         """Preferred motion: along the course within the foresight, on an empty floor."""
         if self._wish is None and self.wished is not None:
-            self._wish = self.wished.motion(self._state.position[2])
+            self._wish = motion_along(self.wished, self._state.position[2])
         return self._wish
 
     def is_wish(self, motion: Motion) -> bool:
@@ -155,7 +156,7 @@ class Outlook:
         fastest = me.top_speed if top_speed is None else top_speed
         if course is self.course:
             most = math.inf if length is None else length
-            return self._drawn() if self.walks.draw_along(most, fastest, delay) else None
+            return self.walks.draw_along(most, fastest, delay)
         if delay and self.speed > 1e-6:
             return None
         points: Sequence[Point] = course if length is None else first(course, length)
@@ -165,7 +166,7 @@ class Outlook:
         """Return where a walk along `points` goes, slowed down where limits hold."""
         me = self.me
         points, top = me.zones.along(points, fastest)
-        return Swath.along(
+        return swath_along(
             points,
             self.t + delay,
             initial_speed=self.speed,
@@ -178,24 +179,18 @@ class Outlook:
 
     def _slowed(
         self, corners: MutableSequence[float], fastest: float, delay: float
-    ) -> tuple[MutableSequence[float], MutableSequence[float]] | None:
-        """Return the table of a walk where limits hold, and its bounds; None for none."""
+    ) -> Swath | None:
+        """Return where a walk goes where limits hold; None if there is none."""
         points = [*zip(corners[::2], corners[1::2], strict=True)]
-        draft = self._paced(points, fastest, delay)
-        return None if draft is None else (draft.table, draft.box)
-
-    def _drawn(self) -> Swath:
-        """Return the draft of the walk that was looked at last."""
-        return Swath.of(self.walks.table, self.walks.box)
+        return self._paced(points, fastest, delay)
 
     def first_free(self) -> Motion | None:
         """Return the free candidate with the least loss, or None."""
-        foresight = self._foresight
-        if not foresight.first_free():
+        draft = self._foresight.first_free()
+        if draft is None:
             return None
-        if foresight.wishes:
+        if draft is self.wished:
             return self.wish
-        draft = self._drawn()
         self._free = (draft, self.others)
         return self.made(draft)
 
@@ -204,11 +199,11 @@ class Outlook:
 
         None if it is not free, of walls or of these `others`.
         """
-        return self._drawn() if self._foresight.aside(along, side, others.near) else None
+        return self._foresight.aside(along, side, others.near)
 
     def made(self, draft: Swath) -> Motion:
         """Return the motion of a draft."""
-        motion = draft.motion(self._state.position[2])
+        motion = motion_along(draft, self._state.position[2])
         self._made = (motion, draft)
         return motion
 
@@ -237,9 +232,8 @@ class Outlook:
 
     def look_again(self) -> None:
         """Observe the others, and find the first conflict."""
-        foresight = self._foresight
-        k = foresight.look()
-        self._hit = None if k < 0 else self._commitments.hit(k, foresight.hit_at)
+        k, t = self._foresight.look()
+        self._hit = None if k < 0 else self._commitments.hit(k, t)
 
     @property
     def first_hit(self) -> Hit | None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 from navigation import Motion
-from navigation.walking import Swath
+from navigation.kernels.discs import Swath
 
 from .commitments import GAP, Hit
 from .ground import nearest_length
@@ -64,11 +64,11 @@ def both_aside(
     theirs: Outlook | None = None
     our_others = mine.others.without([hit.other])
     gone = mine.gone(hit.t)
-    x, y, c, s = mine.walks.at(gone)
+    x, y, c, s = mine.walks.course.after(gone)
     px, py = hit.other.body.motion.state(hit.t).at
     # Where the other is then, from where they would be: ahead, and to the left.
     ahead, beside = (px - x) * c + (py - y) * s, (py - y) * c - (px - x) * s
-    x, y, _, _ = mine.walks.at(gone + max(ahead, 0.0) / 2)
+    x, y, _, _ = mine.walks.course.after(gone + max(ahead, 0.0) / 2)
     needed = me.radius + hit.other.radius + GAP + 1e-3
     comfort = min(me.manners.comfort, 0.1)
     usual = me.usual_side

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 
 from floorplan import Human, Point
 from navigation import CollisionWorld, Motion
-from navigation.walking import Swath, swath
+from navigation.kernels.discs import Swath
+from navigation.walking import swath, swath_along
 
 from ...core.body import Body
 from ...core.clock import Alarm
@@ -110,7 +111,7 @@ class Traveller:
         top: float | list[float] = self.top_speed
         if self.zones:
             course, top = self.zones.along(course, self.top_speed)
-        return Swath.along(
+        return swath_along(
             course,
             now + delay,
             top_speed=top,

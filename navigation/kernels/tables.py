@@ -1,0 +1,525 @@
+"""Tables of structs: rows of numbers of which each kind has a fixed width.
+
+This module alone knows which number of a row is which. Compiled kernels take all this from
+`tables.pxd`, where structs are C's and a view of a table is a pointer to its first struct. Here a
+struct is a named tuple, and `Rows` makes it of its numbers. The two files say the same.
+
+Motions are tables too, one piece after another: begin and end (seconds), then the four coefficients
+of the cubic of each coordinate, counted from the begin. A `PlanarPiece` has x and y (metres); a
+`PosePiece` has a rotation (radians) in addition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Generic, NamedTuple, TypeAlias, TypeVar, cast
+
+from .numbers import *
+from .numbers import PLANAR_WIDTH, POSE_WIDTH, Numbers, cut, grow, part, room, row_at
+
+Row = TypeVar("Row", bound=tuple[object, ...])
+
+
+class Rows(Generic[Row]):
+    """Structs in a row of numbers, of `width` numbers each, from the one at `o` on.
+
+    `kind` makes one of its numbers. Structs in structs are laid out in turn.
+    """
+
+    def __init__(self, row: Numbers, kind: Callable[..., Row], width: int, o: int = 0) -> None:
+        self.row = row
+        self.kind = kind
+        self.width = width
+        self.o = o
+
+    def __getitem__(self, k: int) -> Row:
+        o = self.o + self.width * k
+        return self.kind(*self.row[o : o + self.width])
+
+    def __setitem__(self, k: int, struct: Row) -> None:
+        o = self.o + self.width * k
+        self.row[o : o + self.width] = [*_numbers(struct)]
+
+
+def _numbers(struct: tuple[object, ...]) -> Iterator[float]:
+    for member in struct:
+        if isinstance(member, tuple):
+            yield from member
+        else:
+            yield cast(float, member)
+
+
+def _view(kind: Callable[..., Row], width: int) -> Callable[[Numbers], Rows[Row]]:
+    """Return what views a table as structs of a kind."""
+    return lambda row: Rows(row, kind, width)
+
+
+def _count(width: int) -> Callable[[Numbers], int]:
+    """Return what counts the structs of a table."""
+    return lambda row: len(row) // width
+
+
+def _room(width: int) -> Callable[[int], Numbers]:
+    """Return what makes a table of so many structs, which are to be set."""
+    return lambda count: room(width * count)
+
+
+def _cut(width: int) -> Callable[[Numbers, int], None]:
+    """Return what shortens a table to its first structs."""
+    return lambda row, count: cut(row, width * count)
+
+
+# Motions
+
+
+class Cubic(NamedTuple):
+    """Polynomial p + v u + a u² + j u³ of the time u since a piece begins."""
+
+    p: float
+    v: float
+    a: float
+    j: float
+
+
+class PlanarPiece(NamedTuple):
+    """Piece of the motion of a point: its time span (seconds), and its coordinates (metres)."""
+
+    begin: float
+    end: float
+    x: Cubic
+    y: Cubic
+
+
+class PosePiece(NamedTuple):
+    """Piece of the motion of a body: as `PlanarPiece`, and its rotation (radians)."""
+
+    begin: float
+    end: float
+    x: Cubic
+    y: Cubic
+    rotation: Cubic
+
+
+class Phase(NamedTuple):
+    """Phase of one coordinate: its duration (seconds), and the cubic since it began."""
+
+    duration: float
+    c: Cubic
+
+
+class PathLeg(NamedTuple):
+    """Leg of a path: start (metres), direction, length (metres), and two speeds (m/s).
+
+    `top` is the top speed on it, `first` the highest speed at its start.
+    """
+
+    x: float
+    y: float
+    c: float
+    s: float
+    length: float
+    top: float
+    first: float
+
+
+class SpeedLimits(NamedTuple):
+    """When a person starts (seconds), how fast (m/s), and how fast they may become (m/s, m/s²)."""
+
+    start: float
+    initial_speed: float
+    max_speed: float
+    acceleration: float
+
+
+def _planar_piece(begin: float, end: float, *c: float) -> PlanarPiece:
+    return PlanarPiece(begin, end, Cubic(*c[:4]), Cubic(*c[4:]))
+
+
+def _pose_piece(begin: float, end: float, *c: float) -> PosePiece:
+    return PosePiece(begin, end, Cubic(*c[:4]), Cubic(*c[4:8]), Cubic(*c[8:]))
+
+
+def _phase(duration: float, *c: float) -> Phase:
+    return Phase(duration, Cubic(*c))
+
+
+PlanarPieces: TypeAlias = "Rows[PlanarPiece]"
+PosePieces: TypeAlias = "Rows[PosePiece]"
+Phases: TypeAlias = "Rows[Phase]"
+PathLegs: TypeAlias = "Rows[PathLeg]"
+
+planar, planar_count = _view(_planar_piece, PLANAR_WIDTH), _count(PLANAR_WIDTH)
+planar_room, planar_cut = _room(PLANAR_WIDTH), _cut(PLANAR_WIDTH)
+poses, pose_count = _view(_pose_piece, POSE_WIDTH), _count(POSE_WIDTH)
+pose_room, pose_cut = _room(POSE_WIDTH), _cut(POSE_WIDTH)
+phases, phase_count, phase_room, phase_cut = _view(_phase, 5), _count(5), _room(5), _cut(5)
+
+
+def pose_at(table: Numbers, t: float) -> int:
+    """Return the last piece of a table that begins by `t` (seconds); -1 if none does."""
+    k: int = row_at(table, pose_count(table), POSE_WIDTH, t)
+    return k
+
+
+def planar_at(table: Numbers, t: float) -> int:
+    """Return the last piece of a table that begins by `t` (seconds); -1 if none does."""
+    k: int = row_at(table, planar_count(table), PLANAR_WIDTH, t)
+    return k
+
+
+def is_pose_finite(table: Numbers, k: int) -> bool:
+    """Return whether the k-th piece of a table of x, y and rotation is finite."""
+    total = sum(table[POSE_WIDTH * k : POSE_WIDTH * (k + 1)])
+    return total - total == 0.0  # one number that is not makes the sum one
+
+
+def first_pieces(table: Numbers, count: int) -> Numbers:
+    """Return the first pieces of a table of x and y."""
+    return part(table, 0, PLANAR_WIDTH * count)
+
+
+def planar_put(table: Numbers, first: Numbers) -> None:
+    """Set the first pieces of a table to those of another."""
+    table[: len(first)] = first
+
+
+def planar_space(table: Numbers, pieces: int, legs: int) -> PathLegs:
+    """Lengthen a table to so many pieces, and return the room for `legs` behind them."""
+    grow(table, PLANAR_WIDTH * pieces + 7 * legs)
+    return Rows(table, PathLeg, 7, PLANAR_WIDTH * pieces)
+
+
+# Places, and what is at them
+
+
+class Position(NamedTuple):
+    """Place on a floor (metres)."""
+
+    x: float
+    y: float
+
+
+class Circle(NamedTuple):
+    """Circle on a floor (metres)."""
+
+    x: float
+    y: float
+    radius: float
+
+
+class Edge(NamedTuple):
+    """Segment from a to b (metres)."""
+
+    ax: float
+    ay: float
+    bx: float
+    by: float
+
+
+class Range(NamedTuple):
+    """Lower and upper bound."""
+
+    low: float
+    high: float
+
+
+class BoundingBox(NamedTuple):
+    """Axis-aligned bounds (metres)."""
+
+    low_x: float
+    low_y: float
+    high_x: float
+    high_y: float
+
+
+class GateLine(NamedTuple):
+    """Line from a to b (metres), and the direction in which it may be crossed."""
+
+    ax: float
+    ay: float
+    bx: float
+    by: float
+    nx: float
+    ny: float
+
+
+Positions: TypeAlias = "Rows[Position]"
+Circles: TypeAlias = "Rows[Circle]"
+Edges: TypeAlias = "Rows[Edge]"
+Boxes: TypeAlias = "Rows[BoundingBox]"
+GateLines: TypeAlias = "Rows[GateLine]"
+
+positions_of, position_count, position_room = _view(Position, 2), _count(2), _room(2)
+circles_of, circle_count, circle_room, circle_cut = _view(Circle, 3), _count(3), _room(3), _cut(3)
+edges_of, edge_count, edge_room = _view(Edge, 4), _count(4), _room(4)
+boxes_of, box_count, box_cut = _view(BoundingBox, 4), _count(4), _cut(4)
+gates_of = _view(GateLine, 6)
+
+
+def first_positions(row: Numbers, count: int) -> Numbers:
+    """Return the first positions of a row."""
+    return part(row, 0, 2 * count)
+
+
+def positions_put(row: Numbers, first: Numbers) -> None:
+    """Set the first positions of a row to those of another."""
+    row[: len(first)] = first
+
+
+def row_of_box(box: BoundingBox) -> Numbers:
+    """Return a row of one box."""
+    return [*box]
+
+
+# Candidate walks of a person among others
+
+
+class CoursePlace(NamedTuple):
+    """Place on a course (metres), the direction there, and the number of the leg."""
+
+    x: float
+    y: float
+    c: float
+    s: float
+    leg: int
+
+
+class CourseLeg(NamedTuple):
+    """Length (metres) and direction of a leg of a course."""
+
+    length: float
+    c: float
+    s: float
+
+
+class Bypass(NamedTuple):
+    """Where a walk beside a course leaves it, is beside it, and is back, on which leg (metres).
+
+    The leg is -1 where the walk ends beside the course.
+    """
+
+    off_x: float
+    off_y: float
+    by_x: float
+    by_y: float
+    x: float
+    y: float
+    leg: int
+
+
+class CandidateWalk(NamedTuple):
+    """Walk along a course that loses `loss` metres: its length (metres), top speed, and delay (s).
+
+    `side` metres to the left of the course `along` metres on, if that is not 0.
+    """
+
+    loss: float
+    length: float
+    top_speed: float
+    delay: float
+    along: float
+    side: float
+
+
+class FrenetPlace(NamedTuple):
+    """Place beside a course: how far along it, and how far to its left (metres)."""
+
+    along: float
+    left: float
+
+
+class Meeting(NamedTuple):
+    """First conflict: with whom, -1 for nobody, and when (seconds)."""
+
+    who: int
+    t: float
+
+
+class Leader(NamedTuple):
+    """Person who is followed, -1 for nobody: the speed behind them, and theirs (m/s)."""
+
+    who: int
+    speed: float
+    walks_on: float
+
+
+CourseLegs: TypeAlias = "Rows[CourseLeg]"
+CandidateWalks: TypeAlias = "Rows[CandidateWalk]"
+
+course_legs, course_leg_room = _view(CourseLeg, 3), _room(3)
+candidates_of, candidate_count = _view(CandidateWalk, 6), _count(6)
+
+
+def candidates_grow(row: Numbers, count: int) -> None:
+    """Lengthen a table to at least so many candidates; new ones are to be set."""
+    grow(row, 6 * count)
+
+
+# Bends of a floor, and the search for paths over them
+
+
+class Wedge(NamedTuple):
+    """Directions from a place, counterclockwise from its right side to its left side."""
+
+    right_x: float
+    right_y: float
+    left_x: float
+    left_y: float
+
+
+class Portal(NamedTuple):
+    """Side through which one triangle leads to another, by their numbers; ends in metres."""
+
+    right_x: float
+    right_y: float
+    left_x: float
+    left_y: float
+    off: float
+    onto: float
+
+
+class WaitingPortal(NamedTuple):
+    """Portal that waits, by its number, and the wedge that leads through it."""
+
+    portal: float
+    wedge: Wedge
+
+
+class Bend(NamedTuple):
+    """Place at which a path bends (metres), and its unit directions before and after.
+
+    The path touches the arc at most `reach` metres away.
+    """
+
+    x: float
+    y: float
+    before_x: float
+    before_y: float
+    after_x: float
+    after_y: float
+    reach: float
+
+
+class Link(NamedTuple):
+    """Bend to which a link leads, by its number, and its length (metres)."""
+
+    to: float
+    length: float
+
+
+class SearchEntry(NamedTuple):
+    """Entry of a search: lower bound of a path's length, its length so far, and its last link."""
+
+    bound: float
+    so_far: float
+    here: int
+    there: int
+
+
+def _waiting_portal(portal: float, *wedge: float) -> WaitingPortal:
+    return WaitingPortal(portal, Wedge(*wedge))
+
+
+Portals: TypeAlias = "Rows[Portal]"
+WaitingPortals: TypeAlias = "Rows[WaitingPortal]"
+Bends: TypeAlias = "Rows[Bend]"
+Links: TypeAlias = "Rows[Link]"
+Entries: TypeAlias = "Rows[SearchEntry]"
+
+portals_of, waiting_of, bends_of = _view(Portal, 6), _view(_waiting_portal, 5), _view(Bend, 7)
+bend_count, bend_cut = _count(7), _cut(7)
+link_rows, link_count, link_room, link_cut = _view(Link, 2), _count(2), _room(2), _cut(2)
+entries_of, entry_count, entry_room = _view(SearchEntry, 4), _count(4), _room(4)
+
+
+def waiting_grow(row: Numbers, count: int) -> None:
+    """Lengthen a table to at least so many portals that wait."""
+    grow(row, 5 * count)
+
+
+def entries_grow(row: Numbers, count: int) -> None:
+    """Lengthen a table to at least so many entries."""
+    grow(row, 4 * count)
+
+
+# Distances and speeds over intervals
+
+
+class TaylorModel(NamedTuple):
+    """Number that changes over an interval: within `slack` of value + slope u + curve u² / 2.
+
+    u is the time from the middle of the interval (`navigation.Enclosure`).
+    """
+
+    value: float
+    slope: float
+    slack: float
+    curve: float
+
+
+class Closest(NamedTuple):
+    """Bounds on the minimum of a distance over an interval, and a time near it (seconds)."""
+
+    low: float
+    high: float
+    t: float
+
+
+class NearestPoint(NamedTuple):
+    """Point of a footprint nearest to a place, its distance, and that of the solids (metres)."""
+
+    x: float
+    y: float
+    away: float
+    distance: float
+
+
+class RelativeMotion(NamedTuple):
+    """Motion of a person in the frame that a machine has at the middle of an interval.
+
+    Place, velocity and half the acceleration, and how fast the machine turns. For `half` seconds
+    before and after, the person stays within `bend` (m) of place and velocity, and within `jolt` if
+    the acceleration counts too; the machine stays within `twist` (rad) and turns by no more than
+    `swing`.
+    """
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    ax: float
+    ay: float
+    spin: float
+    half: float
+    bend: float
+    jolt: float
+    twist: float
+    swing: float
+
+
+class SeenPerson(NamedTuple):
+    """Person as a machine sees them: place (metres), top speed (m/s), and a fixed distance.
+
+    That is what a law that looks ahead requires (metres), or less than 0 where it depends on the
+    machine's speed.
+    """
+
+    x: float
+    y: float
+    top_speed: float
+    fixed: float
+
+
+class MovingPerson(NamedTuple):
+    """Person whose velocity is seen: place (metres) and velocity (m/s)."""
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+
+
+SeenPeople: TypeAlias = "Rows[SeenPerson]"
+MovingPeople: TypeAlias = "Rows[MovingPerson]"
+
+seen_people, moving_people, person_count = _view(SeenPerson, 4), _view(MovingPerson, 4), _count(4)
