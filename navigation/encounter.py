@@ -20,8 +20,7 @@ from typing_extensions import Self
 
 from floorplan import Gantry, Lane
 
-from .kernels.encounter import EncounterBounds
-from .kernels.gauge import Gauge
+from .kernels.encounter import EncounterBounds, Gauge
 from .kernels.numbers import room
 from .kernels.odometer import PathLength, length
 from .motion import Motion, Piece, shift

@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .kernels.crowding import DiscWindow
-from .kernels.discs import first_conflict
+from .kernels.discs import DiscWindow, first_conflict
 from .monitor import minimum_separation
 from .motion import Motion, join, standing
 from .polynomials import (

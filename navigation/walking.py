@@ -19,7 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 from .kernels import discs, walks
 from .kernels.discs import Swath, swept
 from .kernels.numbers import flat, numbers
-from .kernels.pacing import turned, walk_swath
 from .kernels.pieces import along_legs
 from .machines import AxisLimits
 from .motion import Motion, State, TablePieces, motion_of, standing
@@ -43,7 +42,7 @@ def swath_along(
     It follows on the walk `lead`, if there is one, or on standing from `since` (seconds) on. None
     where it can't come to rest, or slow down enough for a corner.
     """
-    return walk_swath(
+    return walks.walk_swath(
         flat([*corners]),
         numbers((top_speed,) if isinstance(top_speed, float | int) else top_speed),
         start if since is None else since,
@@ -57,7 +56,7 @@ def swath_along(
 
 def motion_along(swath: Swath, heading: float) -> Motion:
     """Return the motion of a walk: turned to where it goes, at first by `heading` (radians)."""
-    return motion_of(turned(swath.table, heading))
+    return motion_of(walks.turned(swath.table, heading))
 
 
 def swath(motion: Motion, begin: float) -> Swath:
@@ -168,8 +167,7 @@ def walk(
             f"the path is too short to slow down from {initial_speed:g} m/s"
             f" at {max_acceleration:g} m/s²"
         )
-    flat = [c for corner in corners for c in corner]
-    table = along_legs(flat, lengths, speeds, max_speed, max_acceleration, float(start))
+    table = along_legs(corners, lengths, speeds, max_speed, max_acceleration, float(start))
     return Motion(TablePieces(table))
 
 

@@ -1,7 +1,7 @@
 from libc.math cimport sqrt
 from navigation.kernels.cubics cimport *
 from navigation.kernels.discs cimport DiscMotions, Swath, distance
-from navigation.kernels.pacing cimport bend_speed, draw_walk
+from navigation.kernels.walks cimport bend_speed, draw_walk
 
 cdef double _BEFORE, _RAMP, _HAIR, _CLEAR, _STANDS, _NO_LENGTH
 cdef Py_ssize_t _MORE

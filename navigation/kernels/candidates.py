@@ -21,7 +21,7 @@ from .numbers import Place, flat
 if not cython.compiled:
     from .cubics import *
     from .discs import distance
-    from .pacing import bend_speed, draw_walk
+    from .walks import bend_speed, draw_walk
 
 _BEFORE: float = 0.35  # metres before and after the place at which an aside is beside its course
 _RAMP: float = 1.2  # metres that it takes to come back, for each metre of a shift

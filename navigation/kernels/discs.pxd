@@ -1,7 +1,7 @@
 from libc.math cimport sqrt
 from navigation.kernels.cubics cimport *
 
-cdef double _RESOLUTION, _JUST_NOW
+cdef double _RESOLUTION, _JUST_NOW, _ROUNDING, _TOUCH
 
 cdef class Swath:
     cdef public Numbers table, box
@@ -25,6 +25,20 @@ cdef class DiscMotions:
     cpdef Py_ssize_t first_but(
         self, bytearray apart, Swath ahead, double own, double begin
     ) except -2
+
+cdef class DiscWindow:
+    cdef list[Numbers] tables
+    cdef Numbers radii, steps
+    cdef list[Numbers] jumps
+    cdef list[Py_ssize_t] rows
+    cdef Py_ssize_t first
+    cdef Numbers times, xs, ys, boxes
+    cdef double _between(self, Py_ssize_t i, Py_ssize_t j) noexcept
+    cdef double _gap(self, Py_ssize_t i, Py_ssize_t j, Py_ssize_t k) noexcept
+    cdef Py_ssize_t _passed(
+        self, Py_ssize_t i, Py_ssize_t j, Py_ssize_t k, double spare, Py_ssize_t end
+    ) noexcept
+    cdef Py_ssize_t _next_jump(self, Py_ssize_t i, Py_ssize_t k, Py_ssize_t end) noexcept
 
 cpdef list[Py_ssize_t] within_bounds(
     Numbers boxes, Numbers box, double margin, Py_ssize_t but=*

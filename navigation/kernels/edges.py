@@ -52,7 +52,8 @@ class Grid:
 
     def touched(self, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
         """Return whether an edge is nearer than `radius` (metres) to the segment from a to b."""
-        sweep: Edge = Edge(ax, ay, bx, by)
+        edge: Edge = Edge(ax, ay, bx, by)
+        sweep: Sweep = sweep_along(edge)
         # What was in the way of the last segments is often in the way of the next, too.
         if _first_near(self.lately, sweep, radius) >= 0:
             return True
@@ -60,8 +61,8 @@ class Grid:
         row: cython.Py_ssize_t
         column: cython.Py_ssize_t
         k: cython.Py_ssize_t
-        for row in range(self._low_row(sweep, margin), self._high_row(sweep, margin) + 1):
-            self._span(row, sweep, margin)
+        for row in range(self._low_row(edge, margin), self._high_row(edge, margin) + 1):
+            self._span(row, edge, margin)
             for column in range(self.first, self.last + 1):
                 # An edge stands in all the cells that it comes into: to look at one twice does no
                 # harm.
@@ -338,32 +339,28 @@ def touches(edges: Numbers, ax: float, ay: float, bx: float, by: float, radius: 
 
     It leads from `ax`, `ay` to `bx`, `by`.
     """
-    near: bool = _first_near(edges, Edge(ax, ay, bx, by), radius) >= 0
+    near: bool = _first_near(edges, sweep_along(Edge(ax, ay, bx, by)), radius) >= 0
     return near
 
 
-def _first_near(edges: Numbers, sweep: Edge, radius: float) -> cython.Py_ssize_t:
+def _first_near(edges: Numbers, sweep: Sweep, radius: float) -> cython.Py_ssize_t:
     """Return the first edge that is nearer than `radius` to a segment, or -1."""
-    dx: float = sweep.bx - sweep.ax
-    dy: float = sweep.by - sweep.ay
-    length: float = norm(dx, dy)
-    c: float = 0.0
-    s: float = 0.0
-    if length > 0.0:
-        c = dx / length
-        s = dy / length
+    length: float = sweep.length
     least: float = radius * radius
+    edge: Edges = edges_of(edges)
     k: cython.Py_ssize_t
     for k in range(edge_count(edges)):
-        e: Edge = edges_of(edges)[k]
         # Along and across the segment, from a:
-        e = Edge(e.ax - sweep.ax, e.ay - sweep.ay, e.bx - sweep.ax, e.by - sweep.ay)
-        p: float = e.ax * c + e.ay * s
-        q: float = e.bx * c + e.by * s
+        px: float = edge[k].ax - sweep.x
+        py: float = edge[k].ay - sweep.y
+        qx: float = edge[k].bx - sweep.x
+        qy: float = edge[k].by - sweep.y
+        p: float = px * sweep.c + py * sweep.s
+        q: float = qx * sweep.c + qy * sweep.s
         if (p <= -radius and q <= -radius) or (p >= length + radius and q >= length + radius):
             continue
-        h: float = e.ay * c - e.ax * s
-        i: float = e.by * c - e.bx * s
+        h: float = py * sweep.c - px * sweep.s
+        i: float = qy * sweep.c - qx * sweep.s
         # Both ends are on the same side, and too far from the line: so is all that is between them.
         if length > 0.0 and ((h >= radius and i >= radius) or (h <= -radius and i <= -radius)):
             continue
@@ -375,33 +372,34 @@ def _first_near(edges: Numbers, sweep: Edge, radius: float) -> cython.Py_ssize_t
             if 0.0 <= crossing <= length:
                 return k
         if (
-            _square(e.ax, e.ay, dx, dy, length) < least
-            or _square(e.bx, e.by, dx, dy, length) < least
-            or _square_to(e, 0.0, 0.0) < least
-            or _square_to(e, dx, dy) < least
+            _square(px, py, sweep) < least
+            or _square(qx, qy, sweep) < least
+            or _square_to(px, py, qx, qy, 0.0, 0.0) < least
+            or _square_to(px, py, qx, qy, sweep.dx, sweep.dy) < least
         ):
             return k
     return -1
 
 
-def _square(px: float, py: float, dx: float, dy: float, length: float) -> float:
-    """Return the square of the distance of p from the segment from 0 to d of this `length`."""
+def _square(px: float, py: float, sweep: Sweep) -> float:
+    """Return the square of the distance of p, counted from a, from a segment."""
     u: float = 0.0
-    if length > 0.0:
-        u = min(max((px * dx + py * dy) / (length * length), 0.0), 1.0)
-    x: float = px - u * dx
-    y: float = py - u * dy
+    if sweep.length > 0.0:
+        u = (px * sweep.dx + py * sweep.dy) / (sweep.length * sweep.length)
+        u = min(max(u, 0.0), 1.0)
+    x: float = px - u * sweep.dx
+    y: float = py - u * sweep.dy
     return x * x + y * y
 
 
-def _square_to(e: Edge, x: float, y: float) -> float:
-    """Return the square of the distance of a point from an edge."""
-    dx: float = e.bx - e.ax
-    dy: float = e.by - e.ay
+def _square_to(px: float, py: float, qx: float, qy: float, x: float, y: float) -> float:
+    """Return the square of the distance of a point from the edge from p to q."""
+    dx: float = qx - px
+    dy: float = qy - py
     square: float = dx * dx + dy * dy
     u: float = 0.0
     if square > 0.0:
-        u = min(max(((x - e.ax) * dx + (y - e.ay) * dy) / square, 0.0), 1.0)
-    x -= e.ax + u * dx
-    y -= e.ay + u * dy
+        u = min(max(((x - px) * dx + (y - py) * dy) / square, 0.0), 1.0)
+    x -= px + u * dx
+    y -= py + u * dy
     return x * x + y * y

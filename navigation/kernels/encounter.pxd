@@ -1,11 +1,16 @@
 from libc.math cimport copysign, cos, sin, sqrt
 from navigation.kernels.cubics cimport *
-from navigation.kernels.gauge cimport Gauge
 from navigation.kernels.odometer cimport PathLength, speed_along
 
 cdef Numbers _NONE
 cdef Py_ssize_t _SOME
 cdef double _NEAR
+
+cdef class Gauge:
+    cdef double radius, height, along, across, rounding, reach
+    cdef NearestPoint nearest(self, double x, double y) noexcept
+    cdef double over(self, double away) noexcept
+    cdef Range distances(self, RelativeMotion c, double slope, double curve) noexcept
 
 cdef class Follower:
     cdef Numbers table

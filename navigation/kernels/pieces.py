@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
-from .numbers import POSE_WIDTH
+from .numbers import POSE_WIDTH, Place, flat
 
 if not cython.compiled:
     from math import atan2, copysign, sqrt
@@ -225,58 +225,54 @@ class Pack:
         """
         before: Numbers = self.last
         after: Numbers = between(table, begin, end)
-        kept: Numbers = room(len(after) // _WIDTH * (_WIDTH + 1))
+        kept: Numbers = room(len(after) + pose_count(after))
         a: Doubles = at(after)
         b: Doubles = at(kept)
-        last: cython.Py_ssize_t = len(before) - _WIDTH
-        ended: float = at(before)[last + 1] if last >= 0 else 0.0
+        last: cython.Py_ssize_t = pose_count(before) - 1
+        ended: float = poses(before)[last].end if last >= 0 else 0.0
         i: cython.Py_ssize_t = 0
+        j: cython.Py_ssize_t = 0
         k: cython.Py_ssize_t
-        o: cython.Py_ssize_t = 0
-        while o < len(after):
+        piece: cython.Py_ssize_t
+        for piece in range(pose_count(after)):
             mask: cython.int = 0
             bits: cython.Py_ssize_t = i
             i += 1
-            number: float = a[o]
-            if number != ended or copysign(1.0, number) != copysign(1.0, ended):
-                mask = 1
-                b[i] = number
-                i += 1
-            for k in range(1, _WIDTH):
-                number = a[o + k]
-                if number != 0.0 or copysign(1.0, number) < 0.0:
+            for k in range(_WIDTH):
+                usual: float = 0.0 if k > 0 else ended
+                if a[j] != usual or copysign(1.0, a[j]) != copysign(1.0, usual):
                     mask |= 1 << k
-                    b[i] = number
+                    b[i] = a[j]
                     i += 1
+                j += 1
             b[bits] = mask
-            ended = a[o + 1]
-            o += _WIDTH
+            ended = poses(after)[piece].end
         cut(kept, i)
         self.kept.extend(kept)
-        self.count += len(after) // _WIDTH
+        self.count += pose_count(after)
         self.last = after
-        return last >= 0 and _gap(poses(before)[last // _WIDTH], poses(after)[0]) > tolerance
+        return last >= 0 and _gap(poses(before)[last], poses(after)[0]) > tolerance
 
     def pieces(self) -> Numbers:
         """Return the table of all that was added."""
-        table: Numbers = room(_WIDTH * self.count)
+        table: Numbers = pose_room(self.count)
         a: Doubles = at(table)
         b: Doubles = at(self.kept)
         ended: float = 0.0
         i: cython.Py_ssize_t = 0
+        j: cython.Py_ssize_t = 0
         k: cython.Py_ssize_t
-        o: cython.Py_ssize_t = 0
-        while o < len(table):
+        piece: cython.Py_ssize_t
+        for piece in range(self.count):
             mask: cython.int = int(b[i])
             i += 1
             for k in range(_WIDTH):
+                a[j] = 0.0 if k > 0 else ended
                 if mask & (1 << k):
-                    a[o + k] = b[i]
+                    a[j] = b[i]
                     i += 1
-                else:
-                    a[o + k] = 0.0 if k else ended
-            ended = a[o + 1]
-            o += _WIDTH
+                j += 1
+            ended = poses(table)[piece].end
         return table
 
 
@@ -328,14 +324,14 @@ def _rest_at(piece: PosePiece, begin: float, end: float) -> PosePiece:
 
 
 def along_legs(
-    corners: list[float],
+    corners: list[Place],
     lengths: list[float],
     speeds: list[float],
     top: float,
     rate: float,
     start: float,
 ) -> Numbers:
-    """Return the table of the fastest walk through `corners` (x and y of each in turn).
+    """Return the table of the fastest walk through `corners` .
 
     It has the given speed at each of them (m/s), `top` at most, and speeds up and slows down at
     `rate` (m/s²); `lengths` are those of the legs (metres), and it begins at `start` (seconds). Its
@@ -343,14 +339,16 @@ def along_legs(
     """
     table: Numbers = pose_room(3 * len(lengths))  # a leg has three phases at most
     row: PosePieces = poses(table)
+    places: Numbers = flat(corners)
+    corner: Positions = positions_of(places)
     count: cython.Py_ssize_t = 0
     begin: float = start
     k: cython.Py_ssize_t
     for k in range(len(lengths)):
-        x: float = corners[2 * k]
-        y: float = corners[2 * k + 1]
-        dx: float = corners[2 * k + 2] - x
-        dy: float = corners[2 * k + 3] - y
+        x: float = corner[k].x
+        y: float = corner[k].y
+        dx: float = corner[k + 1].x - x
+        dy: float = corner[k + 1].y - y
         length: float = lengths[k]
         first: float = speeds[k]
         last: float = speeds[k + 1]

@@ -2,7 +2,7 @@ from navigation.kernels.committed cimport Movers
 from navigation.kernels.cubics cimport *
 from navigation.kernels.discs cimport Swath, distance
 from navigation.kernels.edges cimport Legs, touches
-from navigation.kernels.pacing cimport draw_walk
+from navigation.kernels.walks cimport draw_walk
 
 cdef double _HAIR, _JUST_NOW
 

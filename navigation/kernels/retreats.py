@@ -24,7 +24,7 @@ if not cython.compiled:
     from .cubics import *
     from .discs import distance
     from .edges import touches
-    from .pacing import draw_walk
+    from .walks import draw_walk
 
 _HAIR: float = 1e-6  # metres, for rounding
 _JUST_NOW: float = 2e-3  # metres; at least what `met` takes for too close already

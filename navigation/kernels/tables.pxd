@@ -98,6 +98,9 @@ cdef struct Circle:
 cdef struct Edge:
     double ax, ay, bx, by
 
+cdef struct Sweep:
+    double x, y, dx, dy, c, s, length
+
 cdef struct Range:
     double low, high
 

@@ -216,6 +216,18 @@ class Edge(NamedTuple):
     by: float
 
 
+class Sweep(NamedTuple):
+    """Segment from x, y along d, its direction and its length (metres)."""
+
+    x: float
+    y: float
+    dx: float
+    dy: float
+    c: float
+    s: float
+    length: float
+
+
 class Range(NamedTuple):
     """Lower and upper bound."""
 

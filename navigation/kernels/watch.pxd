@@ -1,7 +1,6 @@
 from libc.math cimport cos, sin
 from navigation.kernels.cubics cimport *
-from navigation.kernels.encounter cimport EncounterBounds
-from navigation.kernels.gauge cimport Gauge
+from navigation.kernels.encounter cimport EncounterBounds, Gauge
 from navigation.kernels.laws cimport LawEvaluator
 
 cdef list[Gauge] _NO_GAUGES

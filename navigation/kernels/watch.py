@@ -17,8 +17,7 @@ if not cython.compiled:
     from math import cos, sin
 
     from .cubics import *
-    from .encounter import EncounterBounds
-    from .gauge import Gauge
+    from .encounter import EncounterBounds, Gauge
     from .laws import LawEvaluator
 
 _NO_GAUGES: list[Gauge] = []

@@ -384,7 +384,7 @@ def test_a_leg_is_ruckigs_profile_without_a_limit_of_jerk(first, share, length, 
     reachable = math.sqrt(max(first**2 - 1.999 * limits.max_acceleration * length, 0.0))
     most = min(top, math.sqrt(first**2 + 1.999 * limits.max_acceleration * length))
     last = min(reachable + share * max(most - reachable, 0.0), top)
-    leg = along_legs([0.0, 0.0, length, 0.0], [length], [first, last], top, 2.5, 0.0)
+    leg = along_legs([(0.0, 0.0), (length, 0.0)], [length], [first, last], top, 2.5, 0.0)
     (expected,) = to_position([AxisState(0.0, first)], [AxisState(length, last)], [limits])
     since, until, begin, speed, half = leg[-14:-9]
     duration = until - since
