@@ -42,13 +42,13 @@ cdef inline double ahead_of(CoursePlace here, double x, double y) noexcept:
 cdef inline double left_of(CoursePlace here, double x, double y) noexcept:
     return (y - here.y) * here.c - (x - here.x) * here.s
 
-cdef inline Sweep sweep_along(Edge e) noexcept:
+cdef inline SweptSegment sweep_along(Edge e) noexcept:
     cdef double dx = e.bx - e.ax
     cdef double dy = e.by - e.ay
     cdef double length = norm(dx, dy)
     if length > 0.0:
-        return Sweep(e.ax, e.ay, dx, dy, dx / length, dy / length, length)
-    return Sweep(e.ax, e.ay, dx, dy, 0.0, 0.0, length)
+        return SweptSegment(e.ax, e.ay, dx, dy, dx / length, dy / length, length)
+    return SweptSegment(e.ax, e.ay, dx, dy, 0.0, 0.0, length)
 
 cdef inline double speed(Cubic x, Cubic y, double u) noexcept:
     return norm(slope(x, u), slope(y, u))

@@ -93,13 +93,13 @@ def left_of(here: CoursePlace, x: float, y: float) -> float:
     return (y - here.y) * here.c - (x - here.x) * here.s
 
 
-def sweep_along(e: Edge) -> Sweep:
+def sweep_along(e: Edge) -> SweptSegment:
     """Return the sweep along a segment, of no direction where it has no length."""
     dx, dy = e.bx - e.ax, e.by - e.ay
     length = norm(dx, dy)
     if length > 0.0:
-        return Sweep(e.ax, e.ay, dx, dy, dx / length, dy / length, length)
-    return Sweep(e.ax, e.ay, dx, dy, 0.0, 0.0, length)
+        return SweptSegment(e.ax, e.ay, dx, dy, dx / length, dy / length, length)
+    return SweptSegment(e.ax, e.ay, dx, dy, 0.0, 0.0, length)
 
 
 def speed(x: Cubic, y: Cubic, u: float) -> float:

@@ -58,8 +58,8 @@ cdef bint _comes_into(
 cpdef bint back_through(
     Numbers line, double ax, double ay, double bx, double by
 ) except -1
-cdef Py_ssize_t _first_near(Numbers edges, Sweep sweep, double radius) noexcept
-cdef double _square(double px, double py, Sweep sweep) noexcept
+cdef Py_ssize_t _first_near(Numbers edges, SweptSegment sweep, double radius) noexcept
+cdef double _square(double px, double py, SweptSegment sweep) noexcept
 cdef double _square_to(
     double px, double py, double qx, double qy, double x, double y
 ) noexcept

@@ -53,7 +53,7 @@ class Grid:
     def touched(self, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
         """Return whether an edge is nearer than `radius` (metres) to the segment from a to b."""
         edge: Edge = Edge(ax, ay, bx, by)
-        sweep: Sweep = sweep_along(edge)
+        sweep: SweptSegment = sweep_along(edge)
         # What was in the way of the last segments is often in the way of the next, too.
         if _first_near(self.lately, sweep, radius) >= 0:
             return True
@@ -343,7 +343,7 @@ def touches(edges: Numbers, ax: float, ay: float, bx: float, by: float, radius: 
     return near
 
 
-def _first_near(edges: Numbers, sweep: Sweep, radius: float) -> cython.Py_ssize_t:
+def _first_near(edges: Numbers, sweep: SweptSegment, radius: float) -> cython.Py_ssize_t:
     """Return the first edge that is nearer than `radius` to a segment, or -1."""
     length: float = sweep.length
     least: float = radius * radius
@@ -381,7 +381,7 @@ def _first_near(edges: Numbers, sweep: Sweep, radius: float) -> cython.Py_ssize_
     return -1
 
 
-def _square(px: float, py: float, sweep: Sweep) -> float:
+def _square(px: float, py: float, sweep: SweptSegment) -> float:
     """Return the square of the distance of p, counted from a, from a segment."""
     u: float = 0.0
     if sweep.length > 0.0:

@@ -98,7 +98,7 @@ cdef struct Circle:
 cdef struct Edge:
     double ax, ay, bx, by
 
-cdef struct Sweep:
+cdef struct SweptSegment:
     double x, y, dx, dy, c, s, length
 
 cdef struct Range:

@@ -216,7 +216,7 @@ class Edge(NamedTuple):
     by: float
 
 
-class Sweep(NamedTuple):
+class SweptSegment(NamedTuple):
     """Segment from x, y along d, its direction and its length (metres)."""
 
     x: float
