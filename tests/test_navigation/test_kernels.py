@@ -83,7 +83,7 @@ for _ in range(40):
                 navigation.minimum_margin(*pair, law, 0.0, 20.0, shapes=solids),
                 navigation.minimum_separation(*pair, 0.0, 20.0, shapes=solids),
             )).encode())
-for name in ("ariac2023", "people_aisle"):
+for name in ("ariac2023", "people_aisle", "people_door"):
     with tempfile.TemporaryDirectory() as folder:
         recording = sim.Recording(pathlib.Path(folder))
         recording.finish(sim.run(sim.Trial.load(name), recording))
