@@ -42,7 +42,7 @@ from .people.tracks.recorded_walks import RecordedWalk, recorded_walks
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
-from .safety.laws import own_laws, requirement_curve
+from .safety.laws import own_laws
 from .safety.proximity import Collisions
 from .safety.referee import Referee
 from .trials.checks import check, check_own_events
@@ -388,9 +388,7 @@ class Simulation(InProgress):
             },
             thoughts=tuple(self._company.thoughts),
             requirements={
-                (watch.pair.person.name, watch.pair.machine.name): requirement_curve(
-                    watch.law, *watch.plans, self.clock.now
-                )
+                (watch.pair.person.name, watch.pair.machine.name): watch.requirement
                 for watch in self.referee.watches
                 if watch.plans is not None
             },

@@ -285,6 +285,9 @@ def _report(run: Run, folder: Path) -> None:
     if (verdicts := run.verdicts) and not summary["interrupted"]:
         met = sum(verdict.met for verdict in verdicts)
         figures.append(("expectations met", f"{met} of {len(verdicts)}"))
+        tightest = min(verdicts, key=lambda verdict: verdict.slack)
+        slack = tightest.slack_in_words
+        figures += [("least slack", f"{slack} ({tightest.expected})")] if slack else []
     widest = max(len(name) for name, _ in figures)
     for name, value in figures:
         say(f"  {name:{widest}}  {value}")

@@ -12,7 +12,7 @@ from ..core import events
 from ..core.scenario import Scenario
 from ..machines.kinds import may_be, short_laws
 from . import words
-from .finished import CAUSES
+from .finished import CAUSES, Finished
 from .social_metrics import DISTANCES, MOVEMENT, PROGRESS
 
 
@@ -147,6 +147,22 @@ def _nearest(
     yield part(path=f"{path}.time", meaning="time of this distance", unit="s")
     meaning = "required distance at this time"
     yield part(path=f"{path}.required", meaning=meaning, unit="m")
+
+
+def _least_margin(path: str, which: int, **value: Any) -> Iterator[SummaryFigure]:
+    """Yield a least margin and its parts: how much it is, when, and of whom."""
+    figure = partial(SummaryFigure, null=lambda trial: not _may_touch(trial))
+    part = partial(figure, instant="time")
+
+    def whole(run: Finished) -> dict[str, float | str] | None:
+        margin = run.margins[which]
+        return None if margin is None else margin.figures
+
+    yield figure(path=path, form="parts", of=whole, label=value["label"], words=words.margin)
+    yield part(path=f"{path}.value", unit="m", short=True, worst=1, measure="plain", **value)
+    yield part(path=f"{path}.time", meaning="time of this margin", unit="s")
+    yield part(path=f"{path}.person", form="text", meaning="person of this margin")
+    yield part(path=f"{path}.machine", form="text", meaning="machine of this margin")
 
 
 def _metrics() -> Iterator[SummaryFigure]:
@@ -411,6 +427,18 @@ FIGURES: dict[str, SummaryFigure] = {
             words=words.nearest_agv,
         ),
         *_nearest_agv(""),
+        *_least_margin(
+            "least_margin",
+            0,
+            label="least margin",
+            meaning="minimum of distance minus required distance",
+        ),
+        *_least_margin(
+            "least_margin_moving",
+            1,
+            label="least margin, moving",
+            meaning="the same while the machine moves",
+        ),
         _of_several(
             path="nearest_people",
             form="parts",

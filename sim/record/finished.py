@@ -18,12 +18,23 @@ from navigation.measures import Nearest, nearest_pair
 from ..core.body import Category, Machine
 from ..core.scenario import Scenario
 from ..people.person import Person
+from ..safety.margins import (
+    Encountered,
+    Margin,
+    RecordedRequirement,
+    Span,
+    least_margins,
+    moving_spans,
+)
 from ..safety.monitors import SeparationMonitor
 from ..safety.referee import Referee
 from .sampling import Stay, zone_exposures
 
 CAUSES = ("gantry", "person")
 """Causes of a violation with a gantry: which of the two moved."""
+
+CATEGORIES: tuple[Category, ...] = ("robot", "vehicle")
+"""Kinds of machines that people are watched beside."""
 
 TOUCH = FixedDistance(1e-6)
 """Surfaces that are no farther from each other than a micrometre touch."""
@@ -110,6 +121,30 @@ class Finished:
         nearest = self.nearest_vehicles.items()
         name, found = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
         return None if found is None else {**found, "person": name}
+
+    @cached_property
+    def margins(self) -> tuple[Margin | None, Margin | None]:
+        """The least margin (m) while violations count, and that while the machine moves."""
+        return least_margins(
+            Encountered(
+                watch.pair.person.name,
+                watch.pair.machine.name,
+                watch.law if watch.plans is None else RecordedRequirement(watch.requirement),
+                one,
+                other.translated(*self.trial.rules.measured_at(watch.pair.machine.shape)),
+                spans,
+                self._moving(watch.pair.machine, spans),
+            )
+            for category in CATEGORIES
+            for watch, one, other, spans in self._together(category)
+        )
+
+    def _moving(self, machine: Machine, spans: Sequence[Span]) -> list[Span]:
+        """Return those parts of spans in which a machine moves: all of them for a vehicle."""
+        if machine.shape.category == "vehicle":
+            return [*spans]
+        motion = self.motions[machine.name]
+        return [part for span in spans for part in moving_spans(motion, *span)]
 
     @property
     def contacts(self) -> int:

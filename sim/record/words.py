@@ -108,6 +108,14 @@ def nearest(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{distance} m between centres at {value['time']:.1f} s ({required} m required)"
 
 
+def margin(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a least margin, whose and beside which machine, and when it was."""
+    if value is None:
+        return ""
+    between = f"{value['person']} and {value['machine']}"
+    return f"{value['value']:.3f} m ({between}) at {value['time']:.1f} s"
+
+
 def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a distance to an AGV, whose and to which, when it was, and what was required then."""
     if value is None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, Protocol
 
 from navigation import Apart, Approaching, Condition, Motion, TooClose, first_time
@@ -15,7 +16,7 @@ from ..core.body import PERSON, Body, Machine, Plans
 from ..core.clock import Alarm, Turn
 from ..core.rules import Notice
 from ..core.stage import Bystander, Stage
-from .laws import is_of_speeds_alone
+from .laws import Curve, is_of_speeds_alone, requirement_curve
 
 Cause = str
 """The cause of a violation: the machine's kind if it moves at that instant, else "person"."""
@@ -211,6 +212,16 @@ class SeparationMonitor:
             )
         of_person, of_machine = self.plans
         return required_at(self.law, of_person.before(t), of_machine.before(t), t)
+
+    @cached_property
+    def requirement(self) -> Curve:
+        """The distance that `law` required until now, where it looks at more than speeds.
+
+        It is computed once, when the trial is over. Empty for other laws.
+        """
+        if self.plans is None:
+            return ()
+        return requirement_curve(self.law, *self.plans, self.pair.clock.now)
 
     @property
     def known(self) -> list[tuple[float, float]]:

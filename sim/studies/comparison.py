@@ -24,6 +24,9 @@ CONFIDENCE = 0.95
 RESAMPLES = 2000
 """Number of times that the rows of a group are drawn anew for an interval."""
 
+SLACK = "slack"
+"""First part of the columns with the slack of an expectation."""
+
 Columns = Mapping[str, Sequence[Cell]]
 Floats = NDArray[np.float64]
 
@@ -117,6 +120,20 @@ def of_machines(columns: Columns) -> tuple[Measure, ...]:
     )
 
 
+def of_expectations(columns: Columns) -> tuple[Measure, ...]:
+    """Return the slacks of what trials expect: negative where it is not met."""
+    return tuple(
+        Measure(
+            f"Slack of {column.removeprefix(f'{SLACK}.')}",
+            column,
+            meaning="how far the expectation was from not being met; negative if it was not",
+            worst=1,
+        )
+        for column in columns
+        if column.startswith(f"{SLACK}.")
+    )
+
+
 def _is_figure(value: Cell) -> bool:
     return value is None or (isinstance(value, int | float) and not isinstance(value, bool))
 
@@ -203,7 +220,7 @@ def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
         for key in dict.fromkeys(keys)
     )
     named = (one for measure in measures() for one in measure.of_each(columns))
-    compared = (*named, *of_machines(columns))
+    compared = (*named, *of_machines(columns), *of_expectations(columns))
     found = {measure: measure.values(columns) for measure in compared}
     values = {measure: figures for measure, figures in found.items() if figures is not None}
     spreads = {

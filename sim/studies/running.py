@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import os
 import signal
 import threading
@@ -26,7 +27,7 @@ from ..record.social_metrics import metrics
 from ..runs.run import Run
 from ..simulation import run
 from ..trials.trial import Trial
-from .comparison import StudyResults
+from .comparison import SLACK, StudyResults
 from .design import Row, Study
 from .folder import RESULTS, Record, StudyFolder, read_table, write_parquet, writing_to
 from .report import write_report
@@ -408,7 +409,11 @@ def figures_of(finished: Run, *, with_metrics: bool = False) -> Record:
     summary = {key: value for key, value in finished.summary.items() if key not in _LEFT_OUT}
     if with_metrics:
         summary["metrics"] = metrics(finished)
-    return {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
+    slacks = {".".join(map(str, one.place)): one.slack for one in finished.verdicts}
+    found: Record = {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
+    return found | {
+        f"{SLACK}.{key}": None if math.isinf(slack) else slack for key, slack in slacks.items()
+    }
 
 
 def error_in(why: Exception) -> Record:

@@ -34,6 +34,7 @@ from ..record.sampling import CellArray
 from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
 from ..trials.trial import Trial
+from ..trials.timeline import Verdict
 from ..views.report_page import figure
 from ..views.safety_page import (
     Picture,
@@ -201,6 +202,12 @@ def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
     }
 
 
+def _with_slack(verdict: Verdict) -> str:
+    slack = verdict.slack_in_words
+    words = f"{verdict.expected}; {verdict.found}"
+    return f"{words}; slack {slack}" if slack else words
+
+
 def _swing(trends: Sequence[Trend], factor: str) -> str:
     return next((figure(one.swing) for one in trends if one.factor == factor), "–")
 
@@ -354,7 +361,7 @@ def _of_run(source: Recorded) -> dict[str, Any]:
     except ValueError:  # put together in Python, from what came from no file
         known = {}
     digests = {what: known[what] for what in known if what != "the study"} | digests
-    verdicts = [(f"{one.expected}; {one.found}", one.met) for one in source.verdicts]
+    verdicts = [(_with_slack(one), one.met) for one in source.verdicts]
     return run_report(source, trial, digests=digests, verdicts=verdicts)
 
 

@@ -181,6 +181,8 @@ class TrialItem(pytest.Item):
         yield f"{self.path.name}:{self._line(verdict.place)}"
         yield f"  expected: {verdict.expected}"
         yield f"  happened: {verdict.found}"
+        if slack := verdict.slack_in_words:
+            yield f"  slack:    {slack}"
         if verdict.time is not None:
             yield f"  when:     t = {verdict.time:.3f} s"
 

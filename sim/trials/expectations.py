@@ -18,8 +18,9 @@ from ..core.recorder import Event
 from ..core.scenario import Scenario
 from ..record.figures import FIGURES, PEOPLE, SummaryFigure
 from ..record.outcome import Outcome
-from . import names
+from . import names, slack
 from .names import machines, orders, people, zones
+from .slack import NOTHING
 from .timeline import NumberCondition, Verdict, in_words, read_statement
 
 
@@ -183,9 +184,10 @@ def _field_check(
     if field.figure.form == "flag":
         if not isinstance(wanted, bool):
             raise UserError(f"expected true or false, found {wanted!r}")
-        return _FigureCheck(key, field, in_words(wanted), lambda found: found is wanted)
+        flag = in_words(wanted)
+        return _FigureCheck(key, field, flag, lambda found: slack.of_flag(found is wanted))
     comparison = NumberCondition.parse(wanted)
-    return _FigureCheck(key, field, comparison.text, comparison.passes)
+    return _FigureCheck(key, field, comparison.text, comparison.slack)
 
 
 def _hint(key: str, fields: Iterable[str]) -> str:
@@ -204,20 +206,23 @@ class _FigureCheck:
     key: str
     field: SummaryField
     wanted: str
-    passes: Callable[[Any], bool]
+    slack: Callable[[Any], float]
 
     def __call__(self, run: Outcome) -> Verdict:
         found = self.field.value(run)
         if found is None:
             meaning = self.field.figure.meaning
             nothing = f"there is none ({meaning})" if meaning else self._unknown(run)
-            return Verdict(f"{self.key} {self.wanted}", found=nothing, met=False)
+            return Verdict(f"{self.key} {self.wanted}", found=nothing, met=False, slack=NOTHING)
+        amount = self.slack(found)
         instants = self.field.instants(run)
         when = f" (t = {_listed(instants)})" if instants else ""
         return Verdict(
             f"{self.key} {self.wanted}",
             found=f"it is {in_words(found)}{when}",
-            met=self.passes(found),
+            met=amount >= 0.0,
+            slack=amount,
+            unit=self.field.figure.unit,
             time=instants[-1] if instants else None,
         )
 
@@ -267,7 +272,14 @@ class _VisitsCheck:
         )
         expected = f"{self.key} {_VISITS[self.how]} {', '.join(self.stations)}"
         shown = ", ".join(found) or "none"
-        return Verdict(expected, found=f"they were {shown}{when}", met=wrong is None, time=time)
+        return Verdict(
+            expected,
+            found=f"they were {shown}{when}",
+            met=wrong is None,
+            slack=slack.of_visits(found, self.stations, self.how),
+            unit="visits",
+            time=time,
+        )
 
     def _first_wrong(self, found: list[str]) -> int | None:
         """Return the number of the first visit that is wrong, or of the first that is missing."""

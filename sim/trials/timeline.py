@@ -18,12 +18,21 @@ from typing import Any, Literal, Protocol
 from floorplan import UserError
 from floorplan.files.fields import is_figure
 from floorplan.files.problems import suggestion
-from navigation import FixedDistance, Motion, Moving, TooClose, standing, when
+from navigation import (
+    FixedDistance,
+    Motion,
+    Moving,
+    TooClose,
+    minimum_separation,
+    standing,
+    when,
+)
 
 from ..core.events import EVENT_KINDS, Form
 from ..core.recorder import Event
 from ..core.scenario import Scenario
 from ..record.outcome import Outcome
+from . import slack
 from .names import checked_name, event_kinds, known_names, machines, people
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
@@ -77,11 +86,18 @@ class NumberCondition:
         """Return whether `figure` is within all bounds."""
         return all(_OPERATORS[sign](figure, bound) for sign, bound in self.bounds)
 
+    def slack(self, figure: float) -> float:
+        """Return how far `figure` is within all bounds; negative if it is not."""
+        if not isinstance(figure, int | float):
+            return slack.NOTHING
+        return slack.of_bounds(figure, self.bounds)
+
 
 @dataclass(frozen=True)
 class Verdict:
     """Result of an expectation: `expected` and `found`, in words, and whether it was `met`.
 
+    `slack` is how far it was from not being met, in `unit`: negative exactly if it was not met.
     `time` is when it was decided (seconds), if at an instant. `place` are the keys under which the
     expectation stands in the trial file.
     """
@@ -90,11 +106,20 @@ class Verdict:
     _: KW_ONLY
     found: str
     met: bool
+    slack: float
+    unit: str = ""
     time: float | None = None
     place: tuple[str | int, ...] = ()
 
     def __str__(self) -> str:
         return f"expected {self.expected}, but {self.found}"
+
+    @property
+    def slack_in_words(self) -> str:
+        """The slack and its unit; an empty text if there was nothing to judge."""
+        if math.isinf(self.slack):
+            return ""
+        return f"{self.slack:.6g} {self.unit}".strip()
 
 
 def in_words(value: Any) -> str:
@@ -149,6 +174,11 @@ class Near:
         first, second = (run.motions[name] for name in self.bodies)
         near = list(when(TooClose(FixedDistance(self.metres)), first, second, 0.0, run.duration))
         return complement(near, run.duration) if self.apart else near
+
+    def spare(self, run: Outcome, begin: float, end: float) -> float:
+        """Return the least distance from `begin` to `end` (seconds) beyond `metres`."""
+        first, second = (run.motions[name] for name in self.bodies)
+        return minimum_separation(first, second, begin, end)[1] - self.metres
 
     def __str__(self) -> str:
         first, second = self.bodies
@@ -339,19 +369,48 @@ class Statement:
         try:
             window = self.window.of(run)
         except UserError as why:
-            return Verdict(str(self), found=str(why), met=False)
+            return Verdict(str(self), found=str(why), met=False, slack=slack.NOTHING)
         if self.form == "whenever":
             return self._answered(run, *window)
         if self.form == "always":
             gap = self._gap(run, *window)
             found = "so all the time" if gap is None else f"not so at t = {gap:.3f} s"
-            return Verdict(str(self), found=found, met=gap is None, time=gap)
+            return self._verdict(run, window, found, gap is None, gap, 0)
         times = self._times(run, *window)
         first = times[0] if times else None
         if self.form == "never":
-            return Verdict(str(self), found=_listed(times), met=not times, time=first)
-        met = self.times.passes(len(times)) if self.times else bool(times)
-        return Verdict(str(self), found=_listed(times), met=met, time=first)
+            met = not times
+        else:
+            met = self.times.passes(len(times)) if self.times else bool(times)
+        return self._verdict(run, window, _listed(times), met, first, len(times))
+
+    def _verdict(
+        self,
+        run: Outcome,
+        window: tuple[Moment, Moment],
+        found: str,
+        met: bool,
+        time: float | None,
+        count: int,
+    ) -> Verdict:
+        """Return the verdict, with its slack."""
+        (begin, _), (end, _) = window
+        amount, unit = self._slack(run, begin, end, count)
+        amount = slack.signed(amount, met=met)
+        return Verdict(str(self), found=found, met=met, time=time, slack=amount, unit=unit)
+
+    def _slack(self, run: Outcome, begin: float, end: float, count: int) -> tuple[float, str]:
+        """Return the slack, and its unit: of a distance, a number of times, or a duration."""
+        what = self.what
+        if isinstance(what, Near) and self.times is None and what.apart == (self.form == "always"):
+            spare = what.spare(run, begin, end)
+            return (-spare if self.form == "eventually" else spare), "m"
+        if isinstance(what, EventPattern) or self.form == "eventually":
+            wanted = self.times or NumberCondition.parse(0 if self.form == "never" else ">= 1")
+            return wanted.slack(count), ""
+        parts = ((max(b, begin), min(e, end)) for b, e in what.intervals(run))
+        held = sum(max(until - since, 0.0) for since, until in parts)
+        return (-held if self.form == "never" else held - (end - begin)), "s"
 
     def _times(self, run: Outcome, begin: Moment, end: Moment) -> list[float]:
         """Return when it happens, or begins to hold, between two moments."""
@@ -373,18 +432,27 @@ class Statement:
     def _answered(self, run: Outcome, begin: Moment, end: Moment) -> Verdict:
         assert self.trigger is not None
         answered = 0
+        least = self.delay
+        missed: Event | None = None
         for k, event in self.trigger.found(run):
             moment: Moment = (event["t"], float(k))
             if not begin < moment < end:
                 continue
             until = event["t"] + self.delay
-            if not self._times(run, moment, (min(until, run.duration), math.inf)):
-                if until > run.duration:
-                    continue  # there is no telling what would have followed
-                found = f"none followed {self.trigger.kind} at t = {event['t']:.3f} s"
-                return Verdict(str(self), found=found, met=False, time=event["t"])
-            answered += 1
-        return Verdict(str(self), found=f"followed each of {answered}", met=True)
+            if self._times(run, moment, (min(until, run.duration), math.inf)):
+                answered += 1
+            elif until > run.duration:
+                continue  # there is no telling what would have followed
+            elif missed is None:
+                missed = event
+            followed = self._times(run, moment, (run.duration, math.inf)) or [run.duration]
+            least = min(least, until - followed[0])
+        amount = slack.signed(least, met=missed is None)
+        if missed is None:
+            found = f"followed each of {answered}"
+            return Verdict(str(self), found=found, met=True, slack=amount, unit="s")
+        found = f"none followed {self.trigger.kind} at t = {missed['t']:.3f} s"
+        return Verdict(str(self), found=found, met=False, time=missed["t"], slack=amount, unit="s")
 
     def __str__(self) -> str:
         if self.trigger is not None:

@@ -286,7 +286,7 @@ def leaves(value, path=()):
 def test_every_figure_of_the_summary_can_be_expected(run):
     known = summary_fields(run.trial)
     names = {"trial", "floorplan", "rules", "law_audit", "seed", "personality"}
-    names |= {"cpu_seconds", "realtime_factor", "person", "agv"}
+    names |= {"cpu_seconds", "realtime_factor", "person", "agv", "machine"}
     for path in leaves({**run.summary, "metrics": run.metrics}):
         if path[-1] not in names:
             assert ".".join(path).removesuffix(".distance") in known or ".".join(path) in known

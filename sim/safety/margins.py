@@ -1,0 +1,132 @@
+"""Least margins of a run: distance minus required distance, minimised over continuous time."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from navigation import Enclosure, Encounter, Motion, minimum_margin
+from navigation.separation import AnyLaw
+
+from .laws import Curve
+
+Span = tuple[float, float]
+"""From when to when, seconds."""
+
+
+SMALLEST = 1e-9
+"""Metres. The least amount that the summary of a run tells from 0."""
+
+
+class Margin(NamedTuple):
+    """The least margin between a person and a machine: metres, seconds, and their names."""
+
+    value: float
+    time: float
+    person: str
+    machine: str
+
+    @property
+    def figures(self) -> dict[str, float | str]:
+        """The margin as the summary of a run contains it."""
+        # Figures have nine decimals: a margin that is just negative stays negative.
+        value = min(self.value, -SMALLEST) if self.value < 0.0 else self.value
+        return {**self._asdict(), "value": value}
+
+
+class RecordedRequirement:
+    """Law that requires what was required in a run: a curve of lines between points.
+
+    It stands for a law that looks at more than speeds, of which the plans are known only then.
+    """
+
+    def __init__(self, curve: Curve) -> None:
+        self._curve = curve
+        self._times = [time for time, _ in curve]
+
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """Return the distance in metres that was required from `begin` to `end` (seconds)."""
+        first, last = self._at(begin), self._before(end) if begin < end else self._at(end)
+        inner = self._curve[bisect_right(self._times, begin) : bisect_right(self._times, end)]
+        slope = (last - first) / (end - begin) if begin < end else 0.0
+        off = [metres - first - slope * (t - begin) for t, metres in inner if t < end]
+        low, high = min((*off, 0.0)), max((*off, 0.0))
+        return Enclosure(value=(first + last + low + high) / 2, slope=slope, slack=(high - low) / 2)
+
+    def _at(self, t: float) -> float:
+        """Return what is required from `t` on."""
+        k = bisect_right(self._times, t)
+        if k in (0, len(self._curve)):
+            return self._curve[max(k - 1, 0)][1]
+        return _between(self._curve[k - 1], self._curve[k], t)
+
+    def _before(self, t: float) -> float:
+        """Return what is required until just before `t`."""
+        k = bisect_right(self._times, math.nextafter(t, -math.inf))
+        if k in (0, len(self._curve)):
+            return self._curve[max(k - 1, 0)][1]
+        return _between(self._curve[k - 1], self._curve[k], t)
+
+
+def _between(one: tuple[float, float], other: tuple[float, float], t: float) -> float:
+    (begin, low), (end, high) = one, other
+    return low + (high - low) * (t - begin) / (end - begin)
+
+
+class Encountered(NamedTuple):
+    """A person beside a machine during a run.
+
+    `measured` is the motion of the point of the machine from which distances are measured. `spans`
+    are those in which a violation counts, `moving` those of them in which the machine moves.
+    """
+
+    person: str
+    machine: str
+    law: AnyLaw
+    walk: Motion
+    measured: Motion
+    spans: Sequence[Span]
+    moving: Sequence[Span]
+
+
+def least_margins(beside: Iterable[Encountered]) -> tuple[Margin | None, Margin | None]:
+    """Return the least margin of all pairs, and the least of those while the machine moves.
+
+    None where nothing counts. The first of several such instants and pairs.
+    """
+    pairs = [(_least(one, one.spans), one) for one in beside if one.spans]
+    overall = min((margin for margin, _ in pairs), default=None)
+    moving: Margin | None = None
+    for margin, one in sorted(pairs, key=lambda pair: pair[0]):
+        if moving is not None and moving <= margin:
+            break  # while it moves no pair comes nearer than over all
+        if any(begin <= margin.time <= end for begin, end in one.moving):
+            found = margin
+        elif one.moving:
+            found = _least(one, one.moving)
+        else:
+            continue
+        moving = found if moving is None else min(moving, found)
+    return overall, moving
+
+
+def _least(one: Encountered, spans: Sequence[Span]) -> Margin:
+    found = (minimum_margin(one.walk, one.measured, one.law, begin, end) for begin, end in spans)
+    margin, time = min((margin, time) for time, margin in found)
+    return Margin(margin, time, one.person, one.machine)
+
+
+def moving_spans(motion: Motion, begin: float, end: float) -> list[Span]:
+    """Return from when to when (seconds) a machine moves over the floor, within a span."""
+    found: list[Span] = []
+    for piece in motion.pieces:
+        if not piece.moves or piece.end <= begin or piece.begin >= end:
+            continue
+        since, until = max(piece.begin, begin), min(piece.end, end)
+        if found and found[-1][1] == since:
+            found[-1] = (found[-1][0], until)
+        else:
+            found.append((since, until))
+    return found
