@@ -44,6 +44,7 @@ from .runs.recording import (
     load_run,
 )
 from .runs.run import Run
+from .searches import SearchResults, search
 from .simulation import Simulation, run
 from .studies import (
     Study,
@@ -89,6 +90,7 @@ __all__ = [
     "RecordingError",
     "RuleSet",
     "Run",
+    "SearchResults",
     "Simulation",
     "Source",
     "Stage",
@@ -111,4 +113,5 @@ __all__ = [
     "run_many",
     "run_study",
     "safety_report",
+    "search",
 ]

@@ -18,6 +18,7 @@ from .commands.check import check, convert, list_all
 from .commands.plan import benchmark, plan
 from .commands.results import app as plot, export, metrics, render
 from .commands.run import replay, run
+from .commands.search import search
 from .commands.study import report, study
 from .commands.terminal import put_off_while_loading, say
 
@@ -61,6 +62,7 @@ app.command()(convert)
 app.command()(agent)
 app.command()(benchmark)
 app.command()(study)
+app.command()(search)
 app.command()(report)
 app.command()(bridge)
 app.command()(metrics)

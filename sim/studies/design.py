@@ -181,7 +181,8 @@ class Design:
     rows nor what else is in the study matters. What is drawn depends on the repetition only, so
     that all combinations meet the same draws and can be compared pair by pair (common random
     numbers). With `metrics`, rows have those of social navigation as well. Files named in `grid`
-    and `random` are seen from `folder`.
+    and `random` are seen from `folder`. `search` are the keys of its worst-case search, if it has
+    any.
     """
 
     name: str
@@ -193,6 +194,7 @@ class Design:
     seed: int = 0
     metrics: bool = False
     folder: Path = Path()
+    search: SearchKeys | None = None
 
     def __len__(self) -> int:
         """Return the number of rows. Raises `OverflowError` if it exceeds 63 bits (see `size`)."""
@@ -283,6 +285,19 @@ class _Draw(Strictly):
         return value
 
 
+class SearchKeys(Strictly):
+    """The keys of a search in a study file."""
+
+    minimise: str | None = None
+    slack: str | None = None
+    below: Number = 0.0
+    sampler: str = "tpe"
+    evaluations: Annotated[int, whole(1, MOST_ROWS)] = 200
+    batch: Annotated[int, whole(1)] = 8
+    random_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.25
+    cases: Annotated[int, whole(0)] = 5
+
+
 class _StudyKeys(Strictly):
     name: str | None = None
     trials: Annotated[list[str], Field(min_length=1)]
@@ -292,6 +307,7 @@ class _StudyKeys(Strictly):
     seed: Annotated[int, whole(0, LARGEST_SEED)] = 0
     metrics: Flag = False
     own_code: Flag = True
+    search: SearchKeys | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -395,6 +411,7 @@ def _build(form: type[Study], document: Document, folder: Path, own_code: bool) 
         seed=schema.seed,
         metrics=schema.metrics,
         folder=folder,
+        search=schema.search,
     )
     if study.size > MOST_ROWS:
         message = f"the rows are more than the {MOST_ROWS:,} that a study may have"

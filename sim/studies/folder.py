@@ -124,12 +124,16 @@ LONGEST = 500
 class StudyFolder:
     """The folder of one study, made if it isn't there; use it in a `with` statement.
 
+    `others` are texts that decide the results as well, by what they are.
     `OutputError` if it holds another study, is in use by another process, or can't be written to.
     """
 
-    def __init__(self, path: str | Path, study: Study) -> None:
+    def __init__(
+        self, path: str | Path, study: Study, others: Mapping[str, str] | None = None
+    ) -> None:
         self.path = Path(path)
         self._study = study
+        self._others = {name: _digest(text) for name, text in (others or {}).items()}
         self._lock: IO[bytes] | None = None
 
     def __enter__(self) -> StudyFolder:
@@ -152,7 +156,7 @@ class StudyFolder:
 
     def _identify(self) -> None:
         """Write down which study this is, or refuse the folder of another one."""
-        path, now = self.path / IDENTITY, identity(self._study)
+        path, now = self.path / IDENTITY, self._identity
         if not path.exists():
             if (self.path / RESULTS).exists():
                 raise OutputError(
@@ -166,9 +170,13 @@ class StudyFolder:
                 " give another folder with --out"
             )
 
+    @property
+    def _identity(self) -> dict[str, str]:
+        return identity(self._study) | self._others
+
     def check_unchanged(self) -> None:
         """`OutputError` if a file that decides the results is not as it was when they began."""
-        if changed := self._changed(identity(self._study)):
+        if changed := self._changed(self._identity):
             raise OutputError(
                 f"the results in {self.path} don't belong together (changed while they were made:"
                 f" {changed}); run the study again with another folder as --out"

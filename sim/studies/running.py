@@ -234,12 +234,12 @@ def run_many(
     import joblib
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-    one = joblib.delayed(_left_of)
+    one = joblib.delayed(left_of)
     with backend_of(backend, jobs or os.cpu_count() or 1) as parallel:
         results = parallel(one(trial, keep, failed, label()) for trial in trials)
         try:
             while True:
-                with _without_noise():
+                with without_noise():
                     result = next(results, _END)
                 if result is _END:
                     break
@@ -250,11 +250,11 @@ def run_many(
                 " use fewer jobs if memory is short"
             ) from None
         finally:
-            with _without_noise():
+            with without_noise():
                 results.close()
 
 
-def _left_of(
+def left_of(
     trial: Trial,
     keep: Callable[[Run], Any] | None,
     failed: Callable[[Exception], Any] | None,
@@ -281,7 +281,7 @@ def _labelled(warning: logging.LogRecord) -> bool:
 
 
 @contextmanager
-def _without_noise() -> Iterator[None]:
+def without_noise() -> Iterator[None]:
     """Keep joblib's remarks on its workers, which are of no use, from the user.
 
     That one was started anew; and, when rows are taken back, that loky's thread missed one.

@@ -19,7 +19,8 @@ TOLERANCE = 0.03
 """Metres by which a sampled margin may be above the least: what happens within `DENSE`."""
 
 LAWS = {
-    "linear": "{gantry_law: {iso_ts_15066: {t1: 0.3, t2: 0.4, intrusion: 0.5}}, machine: none, person: none}",
+    "linear": "{gantry_law: {iso_ts_15066: {t1: 0.3, t2: 0.4, intrusion: 0.5}},"
+    " machine: none, person: none}",
     "integral": "{gantry_law: {iso_ts_15066_integral: {t1: 0.3, t2: 0.4, intrusion: 0.5}},"
     " machine: none, person: none}",
     "fixed": "{gantry_law: {fixed: 2.0}, machine: none, person: none}",

@@ -1,0 +1,78 @@
+"""How a worst-case search compares with random trials, and what it costs.
+
+    python benchmarks/search.py [--seeds N] [--evaluations N] [--jobs N] [--long]
+
+The studies are those of `examples/planted_faults`, whose two controllers have a planted fault each.
+For every seed it counts the evaluations that break, of random trials and of the sampler `tpe`, and
+the runs that each minimisation takes. With --long it also measures 2,000 evaluations.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import sim
+from sim.searches import SearchResults
+
+STUDIES = ("short_sighted", "impatient")
+FOLDER = Path(__file__).parents[1] / "examples" / "planted_faults"
+
+
+def searched(name: str, seed: int, **given: object) -> SearchResults:
+    """Search one of the studies with a seed, in a folder that vanishes."""
+    study = replace(sim.Study.load(FOLDER / f"{name}.study.yaml"), seed=seed)
+    with tempfile.TemporaryDirectory(dir=FOLDER) as folder:
+        return sim.search(study, folder, minimise="least_margin_moving", **given)
+
+
+def first(results: SearchResults) -> int | None:
+    """Return the number of evaluations until the first that breaks."""
+    return min((one.number + 1 for one in results.broken), default=None)
+
+
+def main() -> None:
+    """Print a table for each study."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--seeds", type=int, default=8)
+    parser.add_argument("--evaluations", type=int, default=200)
+    parser.add_argument("--jobs", type=int, default=None)
+    parser.add_argument("--long", action="store_true")
+    asked = parser.parse_args()
+    given = {"evaluations": asked.evaluations, "jobs": asked.jobs}
+    for name in STUDIES:
+        print(f"{name}: breaking evaluations of {asked.evaluations}, first at")
+        ratios = [0, 0]
+        for seed in range(asked.seeds):
+            random = searched(name, seed, sampler="random", cases=0, **given)
+            tpe = searched(name, seed, cases=3, **given)
+            ratios[0] += len(random.broken)
+            ratios[1] += len(tpe.broken)
+            runs = [case.minimised for case in tpe.cases if case.minimised is not None]
+            sizes = [
+                f"{one.runs} runs: {len(one.trial.people)} people,"
+                f" {len(one.trial.gantry.jobs)} jobs, {one.trial.duration:g} s"
+                for one in runs
+            ]
+            print(
+                f"  seed {seed}: random {len(random.broken)} ({first(random)}),"
+                f" tpe {len(tpe.broken)} ({first(tpe)}); {'; '.join(sizes)}",
+                flush=True,
+            )
+        print(f"  in all: random {ratios[0]}, tpe {ratios[1]}")
+    if asked.long:
+        times = []
+        for sampler in ("random", "tpe"):
+            began = time.perf_counter()
+            searched(STUDIES[0], 0, sampler=sampler, cases=0, jobs=asked.jobs, evaluations=2000)
+            times.append(time.perf_counter() - began)
+            print(f"2,000 evaluations, {sampler}: {times[-1]:.0f} s")
+        print(f"median {statistics.median(times):.0f} s")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,184 @@
+"""`floorwalker search`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from . import completion
+from .arguments import NoOwnCode
+from .run import INTERRUPTED
+from .study import WIDTH
+from .terminal import plain_console, progress_bars, say, visible
+
+if TYPE_CHECKING:
+    from ..searches import Search, SearchResults
+    from ..studies import Study
+
+MOST_SHOWN = 10
+"""Evaluations in the table on a terminal."""
+
+
+def search(
+    file: Annotated[
+        str,
+        typer.Argument(metavar="STUDY.yaml", help="A study file.", autocompletion=completion.study),
+    ],
+    minimise: Annotated[
+        str | None, typer.Option(metavar="FIGURE", help="Figure to make as small as can be.")
+    ] = None,
+    slack: Annotated[
+        str | None, typer.Option(metavar="EXPECTATION", help="Expectation to break.")
+    ] = None,
+    below: Annotated[
+        float | None, typer.Option(help="A trial breaks if the figure is less (0 if not given).")
+    ] = None,
+    sampler: Annotated[
+        str | None, typer.Option(help="tpe, random, or package.module:Class.")
+    ] = None,
+    evaluations: Annotated[
+        int | None, typer.Option(min=1, help="Trials to try (200 if not given).")
+    ] = None,
+    batch: Annotated[
+        int | None, typer.Option(min=1, help="Trials that are tried together (8 if not given).")
+    ] = None,
+    cases: Annotated[
+        int | None, typer.Option(min=0, help="Distinct cases to minimise (5 if not given).")
+    ] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes to run on; all cores by default.")
+    ] = None,
+    backend: Annotated[
+        str,
+        typer.Option(
+            help="Where: a joblib backend, or dask for a Dask cluster.",
+            autocompletion=completion.backend,
+        ),
+    ] = "loky",
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the results (searches/NAME if not given)."),
+    ] = None,
+    no_own_code: NoOwnCode = False,
+) -> None:
+    """Search the trials of a study for those that break a controller, and minimise them.
+
+    A search that was stopped goes on from there. The exit code is 1 if a trial breaks.
+    """
+    from ..studies import Study
+
+    study = Study.load(file, own_code=not no_own_code)
+    given = {
+        "minimise": minimise,
+        "slack": slack,
+        "below": below,
+        "sampler": sampler,
+        "evaluations": evaluations,
+        "batch": batch,
+        "cases": cases,
+    }
+    wanted = _wanted(study, {key: value for key, value in given.items() if value is not None})
+    results = _carried_out(wanted, out, jobs, backend)
+    _report(results)
+    if results.interrupted:
+        say(
+            f"Stopped; what is done is kept in {results.folder}: run the same command to go on.",
+            err=True,
+        )
+        raise typer.Exit(INTERRUPTED)
+    if results.broken:
+        raise typer.Exit(1)
+
+
+def _wanted(study: Study, given: dict[str, Any]) -> Search:
+    """Return the search of the study file's keys and of the options, which come before them."""
+    from ..searches import Objective, Search
+
+    keys: dict[str, Any] = {}
+    if study.search is not None:
+        keys = study.search.model_dump(exclude_none=True)
+    if "minimise" in given or "slack" in given:
+        for key in ("minimise", "slack", "below"):
+            keys.pop(key, None)
+    keys |= given
+    objective = Objective(
+        keys.pop("minimise", ""), slack=keys.pop("slack", ""), below=keys.pop("below", 0.0)
+    )
+    return Search(study=study, objective=objective, **keys)
+
+
+def _carried_out(wanted: Search, out: Path | None, jobs: int | None, backend: str) -> SearchResults:
+    """Run a search, with a progress bar and the least value so far on a terminal."""
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+
+    from ..searches import Progress, run_search
+
+    shown = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[best]}", markup=False),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with progress_bars(*shown) as bars:
+        name = visible(wanted.study.name)
+        bar = bars.add_task(name, total=wanted.evaluations, best="")
+
+        def progress(now: Progress) -> None:
+            if now.minimising:
+                bars.update(bar, description=f"{name}: minimising")
+                return
+            best = "" if now.best is None else f"least {_value(now.best)}"
+            bars.update(bar, completed=now.done, best=best)
+
+        return run_search(wanted, out, jobs=jobs, backend=backend, progress=progress)
+
+
+def _value(one: Any) -> str:
+    from ..searches.report import shown
+
+    return shown(one)
+
+
+def _report(results: SearchResults) -> None:
+    """Print the worst evaluations as a table, the cases, and what the search is worth."""
+    from rich.table import Table
+
+    from ..searches.report import short, shown, size, where
+
+    console = plain_console(WIDTH)
+    ranked = sorted(results.evaluations, key=lambda one: (one.rank, one.number))
+    ranked = [one for one in ranked if one.result != "no trial"][:MOST_SHOWN]
+    names = [*dict.fromkeys(n for one in ranked for n in one.values if n not in ("seed", "trial"))]
+    title = f"{results.study.name}: the {len(ranked)} worst of {len(results):,} evaluations"
+    table = Table(title=title, title_justify="left")
+    for heading in ("Evaluation", "Value"):
+        table.add_column(heading, justify="right")
+    for name in names:
+        table.add_column(name, overflow="fold")
+    for one in ranked:
+        table.add_row(
+            str(one.number), shown(one), *(short(one.values.get(name, "")) for name in names)
+        )
+    console.print(table)
+    for notice in results.notices:
+        console.print(notice, highlight=False, soft_wrap=True)
+    broken = len(results.broken)
+    console.print(
+        f"{broken:,} of {len(results):,} evaluations broke {results.objective}"
+        if broken
+        else f"nothing broke {results.objective}",
+        highlight=False,
+    )
+    for case in results.cases:
+        if case.path is not None and case.minimised is not None:
+            console.print(
+                f"{case.path}: {', '.join(size(case))}; {where(case.situation)}",
+                highlight=False,
+                soft_wrap=True,
+            )
+    console.print(results.worth, highlight=False, soft_wrap=True)
+    console.print(f"{results.folder / 'report.html'} shows it", highlight=False, soft_wrap=True)

@@ -1,0 +1,241 @@
+"""Report of a search: its cases, the objective over evaluations, and the coverage of pairs."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..views.report_page import (
+    BLUE,
+    GREY,
+    INK,
+    VERMILION,
+    draw_grid,
+    figure,
+    page_chart,
+    write_report_page,
+)
+from .evaluations import Evaluation
+from .objective import Situation
+from .searching import Case, SearchResults
+from .space import Dimension
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+BINS = 6
+"""Parts of the range of numbers in the coverage."""
+
+MOST_DIMENSIONS = 8
+"""So many dimensions are paired in the coverage, those of several values first."""
+
+MOST_LISTED = 30
+"""So many of the worst evaluations, and of those that make no trial, are listed."""
+
+WIDTH, HEIGHT = 8.0, 3.2
+"""Inches of the chart of the objective."""
+
+PANEL = 1.5
+"""Inches of one pair in the grid of the coverage."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Coverage of two dimensions: evaluations in each cell, and the least value there."""
+
+    one: Dimension
+    other: Dimension
+    counts: np.ndarray[Any, Any]
+    least: np.ndarray[Any, Any]
+
+    @property
+    def share(self) -> float:
+        """Share of cells in which something was tried."""
+        return float((self.counts > 0).mean())
+
+
+def coverage(results: SearchResults) -> list[Pair]:
+    """Return the coverage of each pair of dimensions."""
+    several = [one for one in results.space.dimensions if len(one.values) > 1 or not one.values]
+    tried = [one for one in results.evaluations if one.result != "no trial"]
+    return [
+        _pair(one, other, tried)
+        for one, other in itertools.combinations(several[:MOST_DIMENSIONS], 2)
+    ]
+
+
+def _pair(one: Dimension, other: Dimension, tried: list[Evaluation]) -> Pair:
+    shape = (_size(one), _size(other))
+    counts, least = np.zeros(shape, dtype=int), np.full(shape, math.inf)
+    for found in tried:
+        cell = (_cell(one, found), _cell(other, found))
+        counts[cell] += 1
+        least[cell] = min(least[cell], found.rank)
+    return Pair(one, other, counts, least)
+
+
+def _size(one: Dimension) -> int:
+    return len(one.values) or BINS
+
+
+def _cell(one: Dimension, found: Evaluation) -> int:
+    coordinate = found.point[one.name]
+    if one.values:
+        return one.values.index(coordinate)
+    return min(int(one.share(coordinate) * BINS), BINS - 1)
+
+
+def objective_chart(results: SearchResults) -> str | None:
+    """Return the objective over the evaluations as SVG; None if matplotlib is not there."""
+    tried = [one for one in results.evaluations if one.value is not None and _is_plain(one.value)]
+
+    def draw(drawn: Figure) -> None:
+        axes = drawn.subplots()
+        for label, colour, some in (
+            ("random", GREY, [one for one in tried if one.is_random]),
+            (results.sampler, BLUE, [one for one in tried if not one.is_random]),
+        ):
+            if some:
+                at = [one.number for one in some]
+                axes.scatter(at, [_number(one) for one in some], s=9, color=colour, label=label)
+        least = np.minimum.accumulate([_number(one) for one in tried])
+        axes.step([one.number for one in tried], least, where="post", color=INK, linewidth=1.2)
+        axes.axhline(results.objective.below, color=VERMILION, linewidth=0.9)
+        axes.set_xlabel("evaluation")
+        axes.set_ylabel(str(results.objective))
+        axes.spines[["right", "top"]].set_visible(False)
+        axes.legend(frameon=False, fontsize=8)
+        draw_grid(axes, "y")
+
+    return page_chart("objective", (WIDTH, HEIGHT), draw) if tried else None
+
+
+def _is_plain(value: float) -> bool:
+    return math.isfinite(value)
+
+
+def _number(one: Evaluation) -> float:
+    assert one.value is not None
+    return one.value
+
+
+def coverage_chart(results: SearchResults, pairs: list[Pair]) -> str | None:
+    """Return the grid of pairs as SVG: dark where much was tried, a cross where something broke."""
+    names = [*dict.fromkeys(name for pair in pairs for name in (pair.one.name, pair.other.name))]
+    below = results.objective.below
+
+    def draw(drawn: Figure) -> None:
+        side = len(names) - 1
+        panels = drawn.subplots(side, side, squeeze=False)
+        for axes in panels.flat:
+            axes.set_axis_off()
+        for pair in pairs:
+            column, row = names.index(pair.one.name), names.index(pair.other.name) - 1
+            axes = panels[row][column]
+            axes.set_axis_on()
+            axes.imshow(
+                np.log1p(pair.counts.T), origin="lower", aspect="auto", cmap="Greys", vmin=0.0
+            )
+            x, y = np.nonzero(pair.least < below)
+            axes.plot(x, y, "x", color=VERMILION, markersize=4)
+            axes.set_xticks([])
+            axes.set_yticks([])
+            if row == side - 1:
+                axes.set_xlabel(pair.one.name, fontsize=7)
+            if column == 0:
+                axes.set_ylabel(pair.other.name, fontsize=7)
+
+    side = PANEL * max(len(names) - 1, 1)
+    return page_chart("coverage", (side + 0.4, side + 0.4), draw) if pairs else None
+
+
+def write_report(results: SearchResults, path: Path) -> None:
+    """Write the page about a search to `path`."""
+    pairs = coverage(results)
+    ranked = sorted(results.evaluations, key=lambda one: (one.rank, one.number))
+    names = [*dict.fromkeys(name for one in ranked for name in one.values if name != "seed")]
+    write_report_page(
+        path,
+        "search.html",
+        {"figure": figure},
+        results=results,
+        name=results.study.name,
+        cases=[_case(case, results) for case in results.cases],
+        chart=objective_chart(results),
+        grid=coverage_chart(results, pairs),
+        shares=[(pair.one.name, pair.other.name, f"{100 * pair.share:.0f} %") for pair in pairs],
+        names=names,
+        listed=[
+            (one, shown(one), [short(one.values.get(name)) for name in names])
+            for one in ranked[:MOST_LISTED]
+            if one.result != "no trial"
+        ],
+        no_trial=results.no_trial[:MOST_LISTED],
+    )
+
+
+def _case(case: Case, results: SearchResults) -> Mapping[str, Any]:
+    found = case.minimised
+    trial = case.path.relative_to(results.folder).as_posix() if case.path else ""
+    replay = case.replay
+    return {
+        "found": shown(case.evaluation),
+        "number": case.evaluation.number,
+        "where": where(case.situation),
+        "trial": trial,
+        "replay": replay.relative_to(results.folder).as_posix()
+        if replay is not None and replay.exists()
+        else "",
+        "value": "" if found is None else _minimised_value(found.value),
+        "size": "" if found is None else ", ".join(size(case)),
+        "runs": 0 if found is None else found.runs,
+    }
+
+
+def _minimised_value(value: float | None) -> str:
+    return "error" if value is None else f"{value:.4g}"
+
+
+def size(case: Case) -> Iterator[str]:
+    """Yield what a minimised trial consists of, in words."""
+    assert case.minimised is not None
+    trial = case.minimised.trial
+    people, jobs = len(trial.people), len(trial.gantry.jobs)
+    moves = sum(len(moves) for moves in trial.agvs.values())
+    yield f"{people} {'person' if people == 1 else 'people'}"
+    yield f"{jobs} job{'s' * (jobs != 1)}"
+    if moves:
+        yield f"{moves} AGV move{'s' * (moves != 1)}"
+    yield f"{trial.duration:g} s"
+
+
+def shown(one: Evaluation) -> str:
+    """Return the value of an evaluation in words, or that it failed."""
+    if one.result != "run":
+        return one.result
+    return "–" if one.value is None else f"{one.value:.4g}"
+
+
+def short(value: Any) -> str:
+    """Return a value of a variable in words."""
+    if isinstance(value, tuple):
+        return " ".join(map(short, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def where(at: Situation) -> str:
+    """Return a situation in words."""
+    if at.error:
+        return at.error
+    parts = [f"{at.person} and {at.machine}" if at.machine else at.person]
+    if at.x is not None and at.y is not None:
+        parts.append(f"at ({at.x:.1f}, {at.y:.1f})")
+    if at.time is not None:
+        parts.append(f"t = {at.time:.1f} s")
+    return ", ".join(filter(None, parts))

@@ -1,0 +1,545 @@
+"""Worst-case search: evaluate batches of trials, and minimise the worst distinct ones."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import KW_ONLY, dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from floorplan import UserError
+from floorplan.files.values import require
+
+from ..core.output import folder_for, write_whole
+from ..runs.run import Run
+from ..simulation import Simulation
+from ..studies.design import Study, derived_seed
+from ..studies.folder import RESULTS, StudyFolder, read_table, writing_to
+from ..studies.running import WorkerError, backend_of, left_of, without_noise
+from ..trials.loading import Trial
+from ..trials.writing import out_of_reach
+from ..views.replay import render
+from ..views.replay_data import replay_data
+from .evaluations import (
+    SITUATION,
+    Evaluation,
+    Found,
+    Keep,
+    distinct,
+    evaluation_of,
+    failed,
+    record,
+    upper_bound,
+)
+from .minimising import Minimised, Minimiser
+from .objective import Objective, Situation
+from .samplers import Checked, MakesSampler, find_sampler, source_of, told
+from .space import Point, Space
+
+if TYPE_CHECKING:
+    from joblib import Parallel
+
+STARTUP = 2
+"""Number of batches at the beginning that are random."""
+
+CASES = "cases"
+"""Folder of the minimised trials."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """How far a search is: evaluations done, and the one with the least value so far."""
+
+    done: int
+    best: Evaluation | None
+    minimising: bool = False
+
+
+Report = Callable[[Progress], None]
+"""Is called after each batch."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A distinct case that breaks the objective: where it was found, and its minimised trial.
+
+    `path` is the trial file, None where the case does not break again or the search was stopped.
+    """
+
+    evaluation: Evaluation
+    minimised: Minimised | None = None
+    path: Path | None = None
+
+    @property
+    def situation(self) -> Situation:
+        """The situation in the minimised trial, or else where it was found."""
+        if self.minimised is None or self.minimised.value is None:
+            return self.evaluation.situation
+        return self.minimised.situation
+
+    @property
+    def replay(self) -> Path | None:
+        """The replay page beside the trial file."""
+        return None if self.path is None else self.path.with_name(f"{stem(self.path)}.html")
+
+
+@dataclass(frozen=True)
+class SearchResults:
+    """Results of a search: all evaluations, and the worst distinct cases among them."""
+
+    study: Study
+    objective: Objective
+    space: Space
+    folder: Path
+    _: KW_ONLY
+    sampler: str
+    evaluations: tuple[Evaluation, ...]
+    cases: tuple[Case, ...] = ()
+    interrupted: bool = False
+    notices: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        """Return the number of evaluations."""
+        return len(self.evaluations)
+
+    @property
+    def broken(self) -> list[Evaluation]:
+        """The evaluations that break the objective, the worst first."""
+        found = [one for one in self.evaluations if one.is_break(self.objective)]
+        return sorted(found, key=lambda one: (one.rank, one.number))
+
+    @property
+    def best(self) -> Evaluation | None:
+        """The evaluation with the least value."""
+        return least(self.evaluations)
+
+    @property
+    def no_trial(self) -> list[Evaluation]:
+        """The evaluations whose values make no trial."""
+        return [one for one in self.evaluations if one.result == "no trial"]
+
+    @property
+    def rate(self) -> tuple[int, int, float]:
+        """Random trials that broke the objective, random trials, and the bound of the rate.
+
+        Only random trials count: a sampler looks where it expects the worst.
+        """
+        drawn = [one for one in self.evaluations if one.is_random and one.result != "no trial"]
+        broken = sum(one.is_break(self.objective) for one in drawn)
+        return broken, len(drawn), upper_bound(broken, len(drawn)) if drawn else 1.0
+
+    @property
+    def worth(self) -> str:
+        """What the search says about the rate at which trials break, in a sentence."""
+        broken, drawn, bound = self.rate
+        chosen = len(self.evaluations) - len(self.no_trial) - drawn
+        if not drawn:
+            return "No trial was random: the search says nothing about how many trials break."
+        many = "none" if not broken else f"{broken:,}"
+        sentence = (
+            f"Of {drawn:,} random trials {many} broke: with 95 % confidence at most"
+            f" {100 * bound:.2g} % of the trials of this study break."
+        )
+        if chosen:
+            sentence += f" The other {chosen:,} were chosen by the sampler and carry no rate."
+        return sentence
+
+
+def least(tried: tuple[Evaluation, ...] | list[Evaluation]) -> Evaluation | None:
+    """Return the evaluation with the least value, None without any that has one."""
+    ranked = [one for one in tried if one.result == "error" or one.value is not None]
+    return min(ranked, key=lambda one: (one.rank, one.number), default=None)
+
+
+def stem(path: Path) -> str:
+    """Return the name of a trial file without its endings."""
+    return path.name.removesuffix(".trial.yaml")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Search:
+    """A search of a study, ready to run.
+
+    `random_share` is the share of each batch that is random, after the first batches, which are
+    random. `cases` is the greatest number of distinct cases that are minimised.
+    """
+
+    study: Study
+    objective: Objective
+    sampler: str | MakesSampler = "tpe"
+    evaluations: int = 200
+    batch: int = 8
+    random_share: float = 0.25
+    cases: int = 5
+    space: Space = field(init=False)
+
+    def __post_init__(self) -> None:
+        for name, low in (("evaluations", 1), ("batch", 1), ("cases", 0)):
+            given = getattr(self, name)
+            if not isinstance(given, int) or isinstance(given, bool) or given < low:
+                raise UserError(f"{name} must be a whole number of at least {low}, not {given!r}")
+        if not 0.0 <= self.random_share <= 1.0:
+            raise UserError(f"random_share must be from 0 to 1, not {self.random_share!r}")
+        object.__setattr__(self, "space", Space(self.study))
+        for combination in self.study.combinations:
+            self.objective.check(combination.trial)
+
+    @property
+    def sampler_name(self) -> str:
+        """The sampler's name."""
+        name = getattr(self.sampler, "__qualname__", type(self.sampler).__qualname__)
+        return self.sampler if isinstance(self.sampler, str) else str(name)
+
+    def is_random(self, number: int) -> bool:
+        """Return whether the evaluation of that number is random."""
+        at_random = round(self.random_share * self.batch)
+        return (
+            self.sampler == "random"
+            or number < STARTUP * self.batch
+            or number % self.batch < at_random
+        )
+
+    def folder(self, out: str | Path | None) -> Path:
+        """Return the folder of its results; `UserError` if its trials can't stand there."""
+        path = folder_for(self.study.name, "searches") if out is None else Path(out)
+        faults = [out_of_reach(trial, path / CASES) for trial in self.study.trials]
+        if any(faults) and out is None:  # below the study its code is found again
+            return folder_for(self.study.name, str(self.study.folder / "searches"))
+        for trial, fault in zip(self.study.trials, faults, strict=True):
+            if fault:
+                raise UserError(f"cases of {trial.name!r} can't be saved in {path}: {fault}")
+        return path
+
+    def identity(self, make: MakesSampler) -> dict[str, str]:
+        """Return the texts that decide the evaluations beside the study."""
+        terms = [self.objective.minimise, self.objective.slack, self.sampler_name, self.batch]
+        text = json.dumps([*terms, self.random_share, STARTUP])
+        source = source_of(make)
+        return {"the search": text} | ({"the sampler": source} if source else {})
+
+
+def search(
+    study: Study,
+    out: str | Path | None = None,
+    *,
+    minimise: str = "",
+    slack: str = "",
+    below: float = 0.0,
+    sampler: str | MakesSampler = "tpe",
+    evaluations: int = 200,
+    batch: int = 8,
+    random_share: float = 0.25,
+    cases: int = 5,
+    jobs: int | None = None,
+    backend: str = "loky",
+    progress: Report = lambda _: None,
+) -> SearchResults:
+    """Search the trials of a study for the worst ones, and minimise those that break.
+
+    Parameters
+    ----------
+    study : Study
+        Its trials, grid and distributions are what may vary.
+    out : path, optional
+        Folder of the results. Default: `searches/NAME`. A search that was stopped is resumed.
+    minimise, slack : str, optional
+        The objective: a figure of the summary, or the name of an expectation of the trial.
+    below : float, optional
+        A trial breaks if the figure is less. Default: 0.
+    sampler : str or callable, optional
+        `tpe`, `random`, `package.module:Class`, or a class with methods `ask` and `tell`.
+    evaluations : int, optional
+        Number of trials to try.
+    batch : int, optional
+        Number of trials that are evaluated together, whatever the number of processes.
+    random_share : float, optional
+        Share of random trials in each batch. They alone say at which rate trials break.
+    cases : int, optional
+        Greatest number of distinct cases to minimise and save.
+    jobs : int, optional
+        Number of processes. Default: all cores. The results do not depend on it.
+    backend : str, optional
+        A joblib backend, or `dask`.
+    progress : callable, optional
+        Is called with a `Progress` after each batch.
+
+    Returns
+    -------
+    SearchResults
+
+    Raises
+    ------
+    UserError
+        If nothing varies, if the trials do not have the objective, or if a sampler goes wrong.
+    OutputError
+        If the folder has the results of another search.
+
+    Examples
+    --------
+    >>> found = sim.search(sim.Study.load("cell.study.yaml"), minimise="least_margin_moving")
+    >>> found.worth
+    """
+    require(study, Study, "sim.Study.load")
+    wanted = Search(
+        study=study,
+        objective=Objective(minimise, slack=slack, below=below),
+        sampler=sampler,
+        evaluations=evaluations,
+        batch=batch,
+        random_share=random_share,
+        cases=cases,
+    )
+    return run_search(wanted, out, jobs=jobs, backend=backend, progress=progress)
+
+
+def run_search(
+    wanted: Search,
+    out: str | Path | None = None,
+    *,
+    jobs: int | None = None,
+    backend: str = "loky",
+    progress: Report = lambda _: None,
+) -> SearchResults:
+    """Run a search; see `search`."""
+    from .report import write_report
+
+    make = find_sampler(wanted.sampler, wanted.study.folder, own_code=_may_import(wanted.study))
+    path = wanted.folder(out)
+    with StudyFolder(path, wanted.study, wanted.identity(make)) as folder:
+        tried: list[Evaluation] = []
+        cases: tuple[Case, ...] = ()
+        interrupted = False
+        with backend_of(backend, jobs or os.cpu_count() or 1) as parallel:
+            try:
+                tried.extend(_evaluated(wanted, make, folder, parallel, progress))
+                progress(Progress(done=len(tried), best=least(tried), minimising=True))
+                cases = _minimised(wanted, tried, path, parallel)
+            except KeyboardInterrupt:
+                interrupted = True
+        folder.check_unchanged()
+        results = SearchResults(
+            wanted.study,
+            wanted.objective,
+            wanted.space,
+            path,
+            sampler=wanted.sampler_name,
+            evaluations=tuple(tried),
+            cases=cases or tuple(Case(one) for one in _worst(wanted, tried)),
+            interrupted=interrupted,
+            notices=tuple(notices(wanted, tried)),
+        )
+        with writing_to(path):
+            write_report(results, path / "report.html")
+    return results
+
+
+def _may_import(study: Study) -> bool:
+    return all(trial.own_code for trial in study.trials)
+
+
+def _evaluated(
+    wanted: Search,
+    make: MakesSampler,
+    folder: StudyFolder,
+    parallel: Parallel,
+    progress: Report,
+) -> Iterator[Evaluation]:
+    """Yield the evaluations batch by batch; those that the folder has are not run again."""
+    space, objective = wanted.space, wanted.objective
+    sampler = Checked(make, space, derived_seed("sampler", wanted.study.seed))
+    known = read_table(folder.path / RESULTS) if folder.table.rows else {}
+    keep = Keep(objective)
+    best: Evaluation | None = None
+    done = 0
+    while done < wanted.evaluations:
+        # Always whole batches are asked for, so that a search can be extended.
+        numbers = range(done, done + wanted.batch)
+        asked = iter(sampler.ask(sum(not wanted.is_random(k) for k in numbers)))
+        points = [space.random_point(k) if wanted.is_random(k) else next(asked) for k in numbers]
+        wanted_now = min(wanted.batch, wanted.evaluations - done)
+        batch = []
+        for one, found in _run(
+            space,
+            [*zip(numbers, points, strict=True)],
+            wanted_now,
+            folder,
+            known,
+            keep,
+            wanted,
+            parallel,
+        ):
+            batch.append(one)
+            if one.number >= folder.table.rows:
+                with writing_to(folder.path):
+                    folder.table.add(record(one, found))
+            yield one
+        values = [
+            None if one.result == "no trial" else told(one.value, failed=one.result == "error")
+            for one in batch
+        ]
+        sampler.tell(points[: len(batch)], values)
+        done += len(batch)
+        best = least(batch if best is None else [best, *batch])
+        progress(Progress(done=done, best=best))
+        if done == len(batch):
+            _require_a_number(wanted, batch)
+
+
+def _run(
+    space: Space,
+    asked: list[tuple[int, Point]],
+    count: int,
+    folder: StudyFolder,
+    known: Mapping[str, Any],
+    keep: Keep,
+    wanted: Search,
+    parallel: Parallel,
+) -> Iterator[tuple[Evaluation, Found]]:
+    """Yield the evaluations of the points of a batch, in their order."""
+    import joblib
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    rows: list[tuple[int, Point, Mapping[str, Any], Found | None]] = []
+    tasks = []
+    one = joblib.delayed(left_of)
+    for number, point in asked[:count]:
+        values: Mapping[str, Any] = dict(point)
+        found: Found | None = None
+        try:
+            row = space.row(number, point)
+            values = row.parameters
+        except (UserError, OSError) as why:
+            found = {**failed(why), "result": "no trial"}
+        if number < folder.table.rows:
+            found = _known(known, number, values, wanted)
+        if found is None:
+            tasks.append(one(row.trial, keep, failed, f"evaluation {number}: "))
+        rows.append((number, point, values, found))
+    try:
+        with without_noise():
+            results = iter(parallel(tasks)) if tasks else iter(())
+            for number, point, values, found in rows:
+                left = next(results) if found is None else found
+                random = wanted.is_random(number)
+                yield evaluation_of(number, point, values, left, is_random=random), left
+    except TerminatedWorkerError:
+        message = "a worker process was killed or ran out of memory; use fewer jobs"
+        raise WorkerError(f"{message}. Run the same command to resume") from None
+
+
+def _known(
+    known: Mapping[str, Any], number: int, values: Mapping[str, Any], wanted: Search
+) -> Found:
+    """Return what a table has of an evaluation; `UserError` if it is not the one asked for."""
+    for name, value in values.items():
+        written = known[name][number] if name in known else None
+        text = " ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+        if written is None or not _same(written, text):
+            raise UserError(
+                f"the search can't be resumed: the sampler {wanted.sampler_name} asks for"
+                f" {name} {text} in evaluation {number}, and asked for {written} before;"
+                " give another folder with --out"
+            )
+    found: Found = {
+        key: known[key][number] if key in known else None
+        for key in ("result", "error", "value", *SITUATION)
+    }
+    return found
+
+
+def _same(written: Any, text: str) -> bool:
+    if isinstance(written, str):
+        return written == text
+    try:
+        return float(written) == float(text)
+    except ValueError:
+        return False
+
+
+def _require_a_number(wanted: Search, batch: list[Evaluation]) -> None:
+    """Raise `UserError` after the first batch if no run has the objective."""
+    runs = [one for one in batch if one.result == "run"]
+    if runs and all(one.value is None for one in runs):
+        raise UserError(
+            f"no run of the first batch has a number for {wanted.objective}:"
+            " there is nothing to minimise"
+        )
+
+
+def notices(wanted: Search, tried: list[Evaluation]) -> Iterator[str]:
+    """Yield what is odd about a search: an objective that never changes, values without trials."""
+    runs = [one for one in tried if one.result == "run"]
+    values = {one.value for one in runs}
+    if len(runs) > 1 and len(values) == 1:
+        (value,) = values
+        yield f"{wanted.objective} is {value:g} in all {len(runs)} runs: nothing guides the search"
+    if none := [one for one in tried if one.result == "no trial"]:
+        first = none[0]
+        yield (
+            f"{len(none)} of {len(tried)} points make no trial; evaluation {first.number}:"
+            f" {first.situation.error}"
+        )
+
+
+def _worst(wanted: Search, tried: list[Evaluation]) -> list[Evaluation]:
+    broken = [one for one in tried if one.is_break(wanted.objective)]
+    return distinct(broken, wanted.space.dimensions, wanted.cases)
+
+
+def _minimised(
+    wanted: Search, tried: list[Evaluation], folder: Path, parallel: Parallel
+) -> tuple[Case, ...]:
+    """Minimise the worst distinct cases, and save each that no other is the same as."""
+    import joblib
+
+    worst = _worst(wanted, tried)
+    if not worst:
+        return ()
+    paths = [what.whose for what in wanted.study.random if what.kind == "path"]
+    trials = [wanted.space.row(one.number, one.point).trial for one in worst]
+    one = joblib.delayed(_minimise)
+    with without_noise():
+        smallest = [*parallel(one(trial, wanted.objective, paths) for trial in trials)]
+    cases: list[Case] = []
+    seen: list[Trial] = []
+    for evaluation, found in zip(worst, smallest, strict=True):
+        if found is None:
+            cases.append(Case(evaluation))
+            continue
+        if found.trial in seen:
+            continue
+        seen.append(found.trial)
+        cases.append(_saved(wanted, evaluation, found, folder, len(seen)))
+    return tuple(cases)
+
+
+def _minimise(trial: Trial, objective: Objective, paths: list[str]) -> Minimised | None:
+    return Minimiser(trial, objective, paths).minimised()
+
+
+def _saved(
+    wanted: Search, evaluation: Evaluation, found: Minimised, folder: Path, number: int
+) -> Case:
+    """Write a minimised trial and its replay page."""
+    name = f"{wanted.study.name}-{number}"
+    place = folder / CASES
+    path = place / f"{name.replace('/', '-')}.trial.yaml"
+    trial = replace(found.trial, name=name)
+    case = Case(evaluation, replace(found, trial=trial), path)
+    with writing_to(place):
+        place.mkdir(parents=True, exist_ok=True)
+        write_whole(path, trial.to_yaml(place))
+        assert case.replay is not None
+        write_whole(case.replay, render(replay_data(_run_of(trial))))
+    return case
+
+
+def _run_of(trial: Trial) -> Run:
+    """Return the run of a trial: up to where somebody's code fails, if it does."""
+    simulation = Simulation(trial)
+    with suppress(Exception):
+        simulation.advance(trial.duration)
+    return simulation.finish()
