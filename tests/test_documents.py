@@ -155,7 +155,7 @@ REFERENCE = {
         "floorplan-formats.md",
     ),
     RuleForm: ("rules.md",),
-    StudyKeys: ("studies.md",),
+    StudyKeys: ("studies.md", "search.md"),
 }
 WRITTEN_ONLY = {RuleForm: {"source"}, StudyKeys: {"word"}, TrialKeys: {"stream", "number"}}
 """Keys that stand for a text, or that only `to_yaml` writes."""

@@ -14,7 +14,7 @@ from .study import WIDTH
 from .terminal import plain_console, progress_bars, say, visible
 
 if TYPE_CHECKING:
-    from ..searches import Search, SearchResults
+    from ..searches import SearchResults, WorstCaseSearch
     from ..studies import Study
 
 MOST_SHOWN = 10
@@ -92,9 +92,9 @@ def search(
         raise typer.Exit(1)
 
 
-def _wanted(study: Study, given: dict[str, Any]) -> Search:
+def _wanted(study: Study, given: dict[str, Any]) -> WorstCaseSearch:
     """Return the search of the study file's keys and of the options, which come before them."""
-    from ..searches import Objective, Search
+    from ..searches import Objective, WorstCaseSearch
 
     keys: dict[str, Any] = {}
     if study.search is not None:
@@ -106,14 +106,16 @@ def _wanted(study: Study, given: dict[str, Any]) -> Search:
     objective = Objective(
         keys.pop("minimise", ""), slack=keys.pop("slack", ""), below=keys.pop("below", 0.0)
     )
-    return Search(study=study, objective=objective, **keys)
+    return WorstCaseSearch(study=study, objective=objective, **keys)
 
 
-def _carried_out(wanted: Search, out: Path | None, jobs: int | None, backend: str) -> SearchResults:
+def _carried_out(
+    wanted: WorstCaseSearch, out: Path | None, jobs: int | None, backend: str
+) -> SearchResults:
     """Run a search, with a progress bar and the least value so far on a terminal."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
-    from ..searches import Progress, run_search
+    from ..searches import SearchProgress, run_search
 
     shown = (
         TextColumn("{task.description}", markup=False),
@@ -127,7 +129,7 @@ def _carried_out(wanted: Search, out: Path | None, jobs: int | None, backend: st
         name = visible(wanted.study.name)
         bar = bars.add_task(name, total=wanted.evaluations, best="")
 
-        def progress(now: Progress) -> None:
+        def progress(now: SearchProgress) -> None:
             if now.minimising:
                 bars.update(bar, description=f"{name}: minimising")
                 return

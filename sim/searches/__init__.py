@@ -2,8 +2,9 @@
 
 from .evaluations import Evaluation
 from .objective import Objective, ObjectiveError, Situation
+from .results import Case, SearchProgress, SearchResults
 from .samplers import Sampler, SamplerError
-from .searching import Case, Progress, Search, SearchResults, run_search, search
+from .searching import WorstCaseSearch, run_search, search
 from .space import Dimension, Space
 
 __all__ = [
@@ -12,13 +13,13 @@ __all__ = [
     "Evaluation",
     "Objective",
     "ObjectiveError",
-    "Progress",
     "Sampler",
     "SamplerError",
-    "Search",
+    "SearchProgress",
     "SearchResults",
     "Situation",
     "Space",
+    "WorstCaseSearch",
     "run_search",
     "search",
 ]

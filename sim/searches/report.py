@@ -23,7 +23,7 @@ from ..views.report_page import (
 )
 from .evaluations import Evaluation
 from .objective import Situation
-from .searching import Case, SearchResults
+from .results import Case, SearchResults
 from .space import Dimension
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ PANEL = 1.5
 
 
 @dataclass(frozen=True)
-class Pair:
+class CoveredPair:
     """Coverage of two dimensions: evaluations in each cell, and the least value there."""
 
     one: Dimension
@@ -60,7 +60,7 @@ class Pair:
         return float((self.counts > 0).mean())
 
 
-def coverage(results: SearchResults) -> list[Pair]:
+def coverage(results: SearchResults) -> list[CoveredPair]:
     """Return the coverage of each pair of dimensions."""
     several = [one for one in results.space.dimensions if len(one.values) > 1 or not one.values]
     tried = [one for one in results.evaluations if one.result != "no trial"]
@@ -70,14 +70,14 @@ def coverage(results: SearchResults) -> list[Pair]:
     ]
 
 
-def _pair(one: Dimension, other: Dimension, tried: list[Evaluation]) -> Pair:
+def _pair(one: Dimension, other: Dimension, tried: list[Evaluation]) -> CoveredPair:
     shape = (_size(one), _size(other))
     counts, least = np.zeros(shape, dtype=int), np.full(shape, math.inf)
     for found in tried:
         cell = (_cell(one, found), _cell(other, found))
         counts[cell] += 1
         least[cell] = min(least[cell], found.rank)
-    return Pair(one, other, counts, least)
+    return CoveredPair(one, other, counts, least)
 
 
 def _size(one: Dimension) -> int:
@@ -125,7 +125,7 @@ def _number(one: Evaluation) -> float:
     return one.value
 
 
-def coverage_chart(results: SearchResults, pairs: list[Pair]) -> str | None:
+def coverage_chart(results: SearchResults, pairs: list[CoveredPair]) -> str | None:
     """Return the grid of pairs as SVG: dark where much was tried, a cross where something broke."""
     names = [*dict.fromkeys(name for pair in pairs for name in (pair.one.name, pair.other.name))]
     below = results.objective.below

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,15 +32,19 @@ from .evaluations import (
     evaluation_of,
     failed,
     record,
-    upper_bound,
 )
 from .minimising import Minimised, Minimiser
-from .objective import Objective, Situation
+from .objective import Objective
+from .report import write_report
+from .results import Case, SearchProgress, SearchResults, least
 from .samplers import Checked, MakesSampler, find_sampler, source_of, told
 from .space import Point, Space
 
 if TYPE_CHECKING:
     from joblib import Parallel
+
+Report = Callable[[SearchProgress], None]
+"""Is called after each batch."""
 
 STARTUP = 2
 """Number of batches at the beginning that are random."""
@@ -50,117 +54,7 @@ CASES = "cases"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Progress:
-    """How far a search is: evaluations done, and the one with the least value so far."""
-
-    done: int
-    best: Evaluation | None
-    minimising: bool = False
-
-
-Report = Callable[[Progress], None]
-"""Is called after each batch."""
-
-
-@dataclass(frozen=True)
-class Case:
-    """A distinct case that breaks the objective: where it was found, and its minimised trial.
-
-    `path` is the trial file, None where the case does not break again or the search was stopped.
-    """
-
-    evaluation: Evaluation
-    minimised: Minimised | None = None
-    path: Path | None = None
-
-    @property
-    def situation(self) -> Situation:
-        """The situation in the minimised trial, or else where it was found."""
-        if self.minimised is None or self.minimised.value is None:
-            return self.evaluation.situation
-        return self.minimised.situation
-
-    @property
-    def replay(self) -> Path | None:
-        """The replay page beside the trial file."""
-        return None if self.path is None else self.path.with_name(f"{stem(self.path)}.html")
-
-
-@dataclass(frozen=True)
-class SearchResults:
-    """Results of a search: all evaluations, and the worst distinct cases among them."""
-
-    study: Study
-    objective: Objective
-    space: Space
-    folder: Path
-    _: KW_ONLY
-    sampler: str
-    evaluations: tuple[Evaluation, ...]
-    cases: tuple[Case, ...] = ()
-    interrupted: bool = False
-    notices: tuple[str, ...] = ()
-
-    def __len__(self) -> int:
-        """Return the number of evaluations."""
-        return len(self.evaluations)
-
-    @property
-    def broken(self) -> list[Evaluation]:
-        """The evaluations that break the objective, the worst first."""
-        found = [one for one in self.evaluations if one.is_break(self.objective)]
-        return sorted(found, key=lambda one: (one.rank, one.number))
-
-    @property
-    def best(self) -> Evaluation | None:
-        """The evaluation with the least value."""
-        return least(self.evaluations)
-
-    @property
-    def no_trial(self) -> list[Evaluation]:
-        """The evaluations whose values make no trial."""
-        return [one for one in self.evaluations if one.result == "no trial"]
-
-    @property
-    def rate(self) -> tuple[int, int, float]:
-        """Random trials that broke the objective, random trials, and the bound of the rate.
-
-        Only random trials count: a sampler looks where it expects the worst.
-        """
-        drawn = [one for one in self.evaluations if one.is_random and one.result != "no trial"]
-        broken = sum(one.is_break(self.objective) for one in drawn)
-        return broken, len(drawn), upper_bound(broken, len(drawn)) if drawn else 1.0
-
-    @property
-    def worth(self) -> str:
-        """What the search says about the rate at which trials break, in a sentence."""
-        broken, drawn, bound = self.rate
-        chosen = len(self.evaluations) - len(self.no_trial) - drawn
-        if not drawn:
-            return "No trial was random: the search says nothing about how many trials break."
-        many = "none" if not broken else f"{broken:,}"
-        sentence = (
-            f"Of {drawn:,} random trials {many} broke: with 95 % confidence at most"
-            f" {100 * bound:.2g} % of the trials of this study break."
-        )
-        if chosen:
-            sentence += f" The other {chosen:,} were chosen by the sampler and carry no rate."
-        return sentence
-
-
-def least(tried: tuple[Evaluation, ...] | list[Evaluation]) -> Evaluation | None:
-    """Return the evaluation with the least value, None without any that has one."""
-    ranked = [one for one in tried if one.result == "error" or one.value is not None]
-    return min(ranked, key=lambda one: (one.rank, one.number), default=None)
-
-
-def stem(path: Path) -> str:
-    """Return the name of a trial file without its endings."""
-    return path.name.removesuffix(".trial.yaml")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Search:
+class WorstCaseSearch:
     """A search of a study, ready to run.
 
     `random_share` is the share of each batch that is random, after the first batches, which are
@@ -237,7 +131,7 @@ def search(
     backend: str = "loky",
     progress: Report = lambda _: None,
 ) -> SearchResults:
-    """Search the trials of a study for the worst ones, and minimise those that break.
+    """WorstCaseSearch the trials of a study for the worst ones, and minimise those that break.
 
     Parameters
     ----------
@@ -264,7 +158,7 @@ def search(
     backend : str, optional
         A joblib backend, or `dask`.
     progress : callable, optional
-        Is called with a `Progress` after each batch.
+        Is called with a `SearchProgress` after each batch.
 
     Returns
     -------
@@ -283,7 +177,7 @@ def search(
     >>> found.worth
     """
     require(study, Study, "sim.Study.load")
-    wanted = Search(
+    wanted = WorstCaseSearch(
         study=study,
         objective=Objective(minimise, slack=slack, below=below),
         sampler=sampler,
@@ -296,7 +190,7 @@ def search(
 
 
 def run_search(
-    wanted: Search,
+    wanted: WorstCaseSearch,
     out: str | Path | None = None,
     *,
     jobs: int | None = None,
@@ -304,8 +198,6 @@ def run_search(
     progress: Report = lambda _: None,
 ) -> SearchResults:
     """Run a search; see `search`."""
-    from .report import write_report
-
     make = find_sampler(wanted.sampler, wanted.study.folder, own_code=_may_import(wanted.study))
     path = wanted.folder(out)
     with StudyFolder(path, wanted.study, wanted.identity(make)) as folder:
@@ -315,16 +207,16 @@ def run_search(
         with backend_of(backend, jobs or os.cpu_count() or 1) as parallel:
             try:
                 tried.extend(_evaluated(wanted, make, folder, parallel, progress))
-                progress(Progress(done=len(tried), best=least(tried), minimising=True))
+                progress(SearchProgress(done=len(tried), best=least(tried), minimising=True))
                 cases = _minimised(wanted, tried, path, parallel)
             except KeyboardInterrupt:
                 interrupted = True
         folder.check_unchanged()
         results = SearchResults(
-            wanted.study,
-            wanted.objective,
-            wanted.space,
-            path,
+            study=wanted.study,
+            objective=wanted.objective,
+            space=wanted.space,
+            folder=path,
             sampler=wanted.sampler_name,
             evaluations=tuple(tried),
             cases=cases or tuple(Case(one) for one in _worst(wanted, tried)),
@@ -341,7 +233,7 @@ def _may_import(study: Study) -> bool:
 
 
 def _evaluated(
-    wanted: Search,
+    wanted: WorstCaseSearch,
     make: MakesSampler,
     folder: StudyFolder,
     parallel: Parallel,
@@ -383,7 +275,7 @@ def _evaluated(
         sampler.tell(points[: len(batch)], values)
         done += len(batch)
         best = least(batch if best is None else [best, *batch])
-        progress(Progress(done=done, best=best))
+        progress(SearchProgress(done=done, best=best))
         if done == len(batch):
             _require_a_number(wanted, batch)
 
@@ -395,7 +287,7 @@ def _run(
     folder: StudyFolder,
     known: Mapping[str, Any],
     keep: Keep,
-    wanted: Search,
+    wanted: WorstCaseSearch,
     parallel: Parallel,
 ) -> Iterator[tuple[Evaluation, Found]]:
     """Yield the evaluations of the points of a batch, in their order."""
@@ -431,7 +323,7 @@ def _run(
 
 
 def _known(
-    known: Mapping[str, Any], number: int, values: Mapping[str, Any], wanted: Search
+    known: Mapping[str, Any], number: int, values: Mapping[str, Any], wanted: WorstCaseSearch
 ) -> Found:
     """Return what a table has of an evaluation; `UserError` if it is not the one asked for."""
     for name, value in values.items():
@@ -459,7 +351,7 @@ def _same(written: Any, text: str) -> bool:
         return False
 
 
-def _require_a_number(wanted: Search, batch: list[Evaluation]) -> None:
+def _require_a_number(wanted: WorstCaseSearch, batch: list[Evaluation]) -> None:
     """Raise `UserError` after the first batch if no run has the objective."""
     runs = [one for one in batch if one.result == "run"]
     if runs and all(one.value is None for one in runs):
@@ -469,7 +361,7 @@ def _require_a_number(wanted: Search, batch: list[Evaluation]) -> None:
         )
 
 
-def notices(wanted: Search, tried: list[Evaluation]) -> Iterator[str]:
+def notices(wanted: WorstCaseSearch, tried: list[Evaluation]) -> Iterator[str]:
     """Yield what is odd about a search: an objective that never changes, values without trials."""
     runs = [one for one in tried if one.result == "run"]
     values = {one.value for one in runs}
@@ -484,13 +376,13 @@ def notices(wanted: Search, tried: list[Evaluation]) -> Iterator[str]:
         )
 
 
-def _worst(wanted: Search, tried: list[Evaluation]) -> list[Evaluation]:
+def _worst(wanted: WorstCaseSearch, tried: list[Evaluation]) -> list[Evaluation]:
     broken = [one for one in tried if one.is_break(wanted.objective)]
     return distinct(broken, wanted.space.dimensions, wanted.cases)
 
 
 def _minimised(
-    wanted: Search, tried: list[Evaluation], folder: Path, parallel: Parallel
+    wanted: WorstCaseSearch, tried: list[Evaluation], folder: Path, parallel: Parallel
 ) -> tuple[Case, ...]:
     """Minimise the worst distinct cases, and save each that no other is the same as."""
     import joblib
@@ -521,7 +413,7 @@ def _minimise(trial: Trial, objective: Objective, paths: list[str]) -> Minimised
 
 
 def _saved(
-    wanted: Search, evaluation: Evaluation, found: Minimised, folder: Path, number: int
+    wanted: WorstCaseSearch, evaluation: Evaluation, found: Minimised, folder: Path, number: int
 ) -> Case:
     """Write a minimised trial and its replay page."""
     name = f"{wanted.study.name}-{number}"

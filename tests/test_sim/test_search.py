@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import sim
 from sim.cli import app
-from sim.searches import Objective, Search, Space, run_search
+from sim.searches import Objective, Space, WorstCaseSearch, run_search
 from sim.searches.evaluations import upper_bound
 from sim.searches.minimising import Minimiser
 
@@ -164,7 +164,9 @@ def test_tpe_finds_less_than_random_trials(study, cell):
 
 
 def test_random_evaluations_are_those_of_the_first_batches_and_a_share_of_the_others(study):
-    wanted = Search(study=study, objective=Objective("penalties"), batch=8, random_share=0.25)
+    wanted = WorstCaseSearch(
+        study=study, objective=Objective("penalties"), batch=8, random_share=0.25
+    )
     assert [k for k in range(32) if wanted.is_random(k)] == [*range(16), 16, 17, 24, 25]
 
 
@@ -478,5 +480,7 @@ def test_wrong_keys_of_a_search_are_rejected_with_their_place(cell, keys, messag
 
 
 def test_run_search_runs_what_is_given(study, cell):
-    wanted = Search(study=study, objective=Objective("penalties"), sampler="random", evaluations=8)
+    wanted = WorstCaseSearch(
+        study=study, objective=Objective("penalties"), sampler="random", evaluations=8
+    )
     assert len(run_search(wanted, cell / "out", jobs=1)) == 8

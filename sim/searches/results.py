@@ -1,0 +1,117 @@
+"""Results of a search: its evaluations, its cases, and what it is worth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..studies.design import Study
+from .evaluations import Evaluation, upper_bound
+from .minimising import Minimised
+from .objective import Objective, Situation
+from .space import Space
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchProgress:
+    """How far a search is: evaluations done, and the one with the least value so far."""
+
+    done: int
+    best: Evaluation | None
+    minimising: bool = False
+
+
+@dataclass(frozen=True)
+class Case:
+    """A distinct case that breaks the objective: where it was found, and its minimised trial.
+
+    `path` is the trial file, None where the case does not break again or the search was stopped.
+    """
+
+    evaluation: Evaluation
+    minimised: Minimised | None = None
+    path: Path | None = None
+
+    @property
+    def situation(self) -> Situation:
+        """The situation in the minimised trial, or else where it was found."""
+        if self.minimised is None or self.minimised.value is None:
+            return self.evaluation.situation
+        return self.minimised.situation
+
+    @property
+    def replay(self) -> Path | None:
+        """The replay page beside the trial file."""
+        return None if self.path is None else self.path.with_name(f"{stem(self.path)}.html")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchResults:
+    """Results of a search: all evaluations, and the worst distinct cases among them."""
+
+    study: Study
+    objective: Objective
+    space: Space
+    folder: Path
+    sampler: str
+    evaluations: tuple[Evaluation, ...]
+    cases: tuple[Case, ...] = ()
+    interrupted: bool = False
+    notices: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        """Return the number of evaluations."""
+        return len(self.evaluations)
+
+    @property
+    def broken(self) -> list[Evaluation]:
+        """The evaluations that break the objective, the worst first."""
+        found = [one for one in self.evaluations if one.is_break(self.objective)]
+        return sorted(found, key=lambda one: (one.rank, one.number))
+
+    @property
+    def best(self) -> Evaluation | None:
+        """The evaluation with the least value."""
+        return least(self.evaluations)
+
+    @property
+    def no_trial(self) -> list[Evaluation]:
+        """The evaluations whose values make no trial."""
+        return [one for one in self.evaluations if one.result == "no trial"]
+
+    @property
+    def rate(self) -> tuple[int, int, float]:
+        """Random trials that broke the objective, random trials, and the bound of the rate.
+
+        Only random trials count: a sampler looks where it expects the worst.
+        """
+        drawn = [one for one in self.evaluations if one.is_random and one.result != "no trial"]
+        broken = sum(one.is_break(self.objective) for one in drawn)
+        return broken, len(drawn), upper_bound(broken, len(drawn)) if drawn else 1.0
+
+    @property
+    def worth(self) -> str:
+        """What the search says about the rate at which trials break, in a sentence."""
+        broken, drawn, bound = self.rate
+        chosen = len(self.evaluations) - len(self.no_trial) - drawn
+        if not drawn:
+            return "No trial was random: the search says nothing about how many trials break."
+        many = "none" if not broken else f"{broken:,}"
+        sentence = (
+            f"Of {drawn:,} random trials {many} broke: with 95 % confidence at most"
+            f" {100 * bound:.2g} % of the trials of this study break."
+        )
+        if chosen:
+            sentence += f" The other {chosen:,} were chosen by the sampler and carry no rate."
+        return sentence
+
+
+def least(tried: tuple[Evaluation, ...] | list[Evaluation]) -> Evaluation | None:
+    """Return the evaluation with the least value, None without any that has one."""
+    ranked = [one for one in tried if one.result == "error" or one.value is not None]
+    return min(ranked, key=lambda one: (one.rank, one.number), default=None)
+
+
+def stem(path: Path) -> str:
+    """Return the name of a trial file without its endings."""
+    return path.name.removesuffix(".trial.yaml")
