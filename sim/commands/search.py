@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from . import completion
-from .arguments import NoOwnCode
+from .arguments import NoOwnCode, complete_backend, complete_study
 from .run import INTERRUPTED
 from .study import WIDTH
 from .terminal import plain_console, progress_bars, say, visible
@@ -24,7 +23,7 @@ MOST_SHOWN = 10
 def search(
     file: Annotated[
         str,
-        typer.Argument(metavar="STUDY.yaml", help="A study file.", autocompletion=completion.study),
+        typer.Argument(metavar="STUDY.yaml", help="A study file.", autocompletion=complete_study),
     ],
     minimise: Annotated[
         str | None, typer.Option(metavar="FIGURE", help="Figure to make as small as can be.")
@@ -54,7 +53,7 @@ def search(
         str,
         typer.Option(
             help="Where: a joblib backend, or dask for a Dask cluster.",
-            autocompletion=completion.backend,
+            autocompletion=complete_backend,
         ),
     ] = "loky",
     out: Annotated[

@@ -21,8 +21,8 @@ from ..machines.gantry.robot import GANTRY
 from ..runs.run import Run
 from ..simulation import run
 from ..studies.variables import put_at
-from ..trials.loading import Trial
-from ..trials.trial import lasting
+from ..trials.building import lasting
+from ..trials.trial import Trial
 from .objective import Objective, Situation, makes_no_trial
 
 MOST_RUNS = 100

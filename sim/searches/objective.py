@@ -15,8 +15,8 @@ from ..core.scenario import Scenario
 from ..record.outcome import Outcome
 from ..runs.run import Run
 from ..trials.expectations import SummaryField, machine_field, summary_fields
-from ..trials.loading import Trial
 from ..trials.timeline import Verdict
+from ..trials.trial import Trial
 
 
 class ObjectiveError(UserError):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from floorplan import UserError
 
-from ..core.custom_code import Kind, find_code, in_words
+from ..core.custom_code import CodeFolder, Kind, in_words
 from ..views.report_page import MissingExtraError
 from .space import Coordinate, Dimension, Point, Space
 
@@ -141,16 +141,16 @@ SAMPLER = Kind(
 """The kind of class that a search names."""
 
 
-def find_sampler(given: str | MakesSampler, folder: Path, *, own_code: bool = True) -> MakesSampler:
+def find_sampler(given: str | MakesSampler, folder: CodeFolder) -> MakesSampler:
     """Return the sampler called `given`, or the class of that name as `package.module:Class`.
 
-    Files are found from `folder`. `SamplerError` if there is none, or without `own_code`.
+    `SamplerError` if there is none in `folder`.
     """
     if not isinstance(given, str):
         return given
     if given in SAMPLERS:
         return SAMPLERS[given]
-    found: MakesSampler = find_code(given, folder, SAMPLER, own_code=own_code).load()
+    found: MakesSampler = folder.find(given, SAMPLER).load()
     return found
 
 

@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 from floorplan import UserError
 from floorplan.files.values import require
 
-from ..core.output import folder_for, write_whole
+from ..core.custom_code import CodeFolder
+from ..record.output import folder_for, write_whole
 from ..runs.run import Run
 from ..simulation import Simulation
 from ..studies.design import Study, derived_seed
 from ..studies.folder import RESULTS, StudyFolder, read_table, writing_to
 from ..studies.running import WorkerError, backend_of, left_of, without_noise
-from ..trials.loading import Trial
+from ..trials.trial import Trial
 from ..trials.writing import out_of_reach
 from ..views.replay import render
 from ..views.replay_data import replay_data
@@ -198,7 +199,8 @@ def run_search(
     progress: Report = lambda _: None,
 ) -> SearchResults:
     """Run a search; see `search`."""
-    make = find_sampler(wanted.sampler, wanted.study.folder, own_code=_may_import(wanted.study))
+    code = CodeFolder(wanted.study.folder, all(trial.own_code for trial in wanted.study.trials))
+    make = find_sampler(wanted.sampler, code)
     path = wanted.folder(out)
     with StudyFolder(path, wanted.study, wanted.identity(make)) as folder:
         tried: list[Evaluation] = []
@@ -226,10 +228,6 @@ def run_search(
         with writing_to(path):
             write_report(results, path / "report.html")
     return results
-
-
-def _may_import(study: Study) -> bool:
-    return all(trial.own_code for trial in study.trials)
 
 
 def _evaluated(

@@ -23,7 +23,7 @@ from ..studies.design import (
     derived_seed,
 )
 from ..studies.variables import Value, reordered
-from ..trials.loading import Trial
+from ..trials.trial import Trial
 
 Coordinate = Value
 """Value of one dimension: a number, or one of its values."""

@@ -33,8 +33,8 @@ from ..record.output import writing
 from ..record.sampling import CellArray
 from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
-from ..trials.trial import Trial
 from ..trials.timeline import Verdict
+from ..trials.trial import Trial
 from ..views.report_page import figure
 from ..views.safety_page import (
     Picture,
