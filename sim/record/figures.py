@@ -165,6 +165,45 @@ def _least_margin(path: str, which: int, **value: Any) -> Iterator[SummaryFigure
     yield part(path=f"{path}.machine", form="text", meaning="machine of this margin")
 
 
+def _approaches() -> Iterator[SummaryFigure]:
+    """Yield the approaches of machines during violations: how many, how long, and the worst."""
+    figure = partial(SummaryFigure, null=lambda trial: not _may_touch(trial))
+    part = partial(figure, instant="time")
+
+    def whole(run: Finished) -> dict[str, Any]:
+        worst = min(run.approaches, default=None)
+        return {
+            "count": len(run.approaches),
+            "duration": sum(one.end - one.begin for one in run.approaches),
+            "margin": None if worst is None else worst.margin,
+            "time": None if worst is None else worst.time,
+            "person": None if worst is None else worst.person,
+            "machine": None if worst is None else worst.machine,
+        }
+
+    label = "approaches during violations"
+    yield figure(path="approaches", form="parts", of=whole, label=label, words=words.approaches)
+    yield part(
+        path="approaches.count",
+        label=label,
+        meaning="times that a machine moved towards a person during a violation",
+        short=True,
+        measure="rare",
+        worst=-1,
+    )
+    yield part(
+        path="approaches.duration",
+        label="time of approaches",
+        meaning="duration of these approaches",
+        unit="s",
+        measure="rare",
+    )
+    yield part(path="approaches.margin", meaning="least margin during these approaches", unit="m")
+    yield part(path="approaches.time", meaning="time of this margin", unit="s")
+    yield part(path="approaches.person", form="text", meaning="person of this margin")
+    yield part(path="approaches.machine", form="text", meaning="machine of this margin")
+
+
 def _metrics() -> Iterator[SummaryFigure]:
     """Yield the metrics of social navigation; `docs/metrics.md` says what they mean."""
     person, machine = "metrics.people.NAME.", "metrics.machines.NAME."
@@ -439,6 +478,7 @@ FIGURES: dict[str, SummaryFigure] = {
             label="least margin, moving",
             meaning="the same while the machine moves",
         ),
+        *_approaches(),
         _of_several(
             path="nearest_people",
             form="parts",

@@ -18,6 +18,7 @@ from navigation.measures import Nearest, nearest_pair
 from ..core.body import Category, Machine
 from ..core.scenario import Scenario
 from ..people.person import Person
+from ..safety.approaches import Approach, approaches
 from ..safety.margins import (
     Encountered,
     Margin,
@@ -125,19 +126,33 @@ class Finished:
     @cached_property
     def margins(self) -> tuple[Margin | None, Margin | None]:
         """The least margin (m) while violations count, and that while the machine moves."""
-        return least_margins(
-            Encountered(
-                watch.pair.person.name,
-                watch.pair.machine.name,
-                watch.law if watch.plans is None else RecordedRequirement(watch.requirement),
-                one,
-                other.translated(*self.trial.rules.measured_at(watch.pair.machine.shape)),
-                spans,
-                self._moving(watch.pair.machine, spans),
+        return least_margins(beside for beside, _ in self._encountered)
+
+    @cached_property
+    def approaches(self) -> list[Approach]:
+        """The approaches of machines during violations, in order of time."""
+        found = (one for beside, during in self._encountered for one in approaches(beside, during))
+        return sorted(found, key=lambda one: (one.begin, one.person, one.machine))
+
+    @cached_property
+    def _encountered(self) -> list[tuple[Encountered, list[Span]]]:
+        """Each person beside each machine, and the violations of the two."""
+        return [
+            (
+                Encountered(
+                    watch.pair.person.name,
+                    watch.pair.machine.name,
+                    watch.law if watch.plans is None else RecordedRequirement(watch.requirement),
+                    one,
+                    other.translated(*self.trial.rules.measured_at(watch.pair.machine.shape)),
+                    spans,
+                    self._moving(watch.pair.machine, spans),
+                ),
+                watch.intervals,
             )
             for category in CATEGORIES
             for watch, one, other, spans in self._together(category)
-        )
+        ]
 
     def _moving(self, machine: Machine, spans: Sequence[Span]) -> list[Span]:
         """Return those parts of spans in which a machine moves: all of them for a vehicle."""

@@ -116,6 +116,15 @@ def margin(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value['value']:.3f} m ({between}) at {value['time']:.1f} s"
 
 
+def approaches(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return how many approaches there were and how long they took, and the worst of them."""
+    if not value["count"]:
+        return ""
+    between = f"{value['person']} and {value['machine']}"
+    worst = f"least margin {value['margin']:.3f} m ({between}) at {value['time']:.1f} s"
+    return f"{value['count']}, {value['duration']:.1f} s, {worst}"
+
+
 def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a distance to an AGV, whose and to which, when it was, and what was required then."""
     if value is None:
