@@ -102,6 +102,9 @@ def _study(path: Path, own_code: bool) -> str:
 
     study = Study.load(path, own_code=own_code)
     trials = _number(len(study.trials), "trial")
+    if study.repeat > 1 and not study.random:
+        message = f"notice: nothing is drawn in `random`, so the {study.repeat} repeats of a"
+        say(f"{path}: {message} combination differ only in what trials draw by seed", err=True)
     return f"a study of {trials}, {_number(len(study), 'row')}"
 
 

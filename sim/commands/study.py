@@ -15,6 +15,7 @@ from .terminal import plain_console, progress_bars, say, visible
 
 if TYPE_CHECKING:
     from ..studies import Study, StudyResults
+    from ..studies.repeats import UntilKeys
 
 
 WIDTH = 120
@@ -150,7 +151,21 @@ def _report(results: StudyResults) -> None:
         console.print(f"Only in the report: {', '.join(left_out)}", highlight=False)
     if nowhere := [measure.words for measure in named if measure not in measures]:
         console.print(f"0 in all rows: {', '.join(nowhere)}", highlight=False)
+    if compared.identical:
+        console.print(compared.identical, highlight=False, soft_wrap=True)
+    if results.study.until is not None:
+        console.print(_until(results, results.study.until), highlight=False, soft_wrap=True)
     console.print(f"Report: {results.folder / 'report.html'}", highlight=False, soft_wrap=True)
+
+
+def _until(results: StudyResults, until: UntilKeys) -> str:
+    """Return whether the wanted width was reached, or how many repetitions it needs."""
+    width, repetitions = results.width(until.of), len(results) // len(results.study.combinations)
+    words = f"{until.of}: interval of width {width:.3g} after {repetitions:,} repetitions"
+    if width <= until.width or any(group.repeats > 1 for group in results.comparison.groups):
+        return words
+    needed = results.repetitions_needed(until.of, until.width)
+    return f"{words}; a width of {until.width:g} needs about {needed:,}"
 
 
 def report(

@@ -17,6 +17,7 @@ from ..machines.kinds import KINDS
 from ..record.figures import FIGURES
 from .design import Study
 from .folder import Cell, TableError
+from .repeats import are_identical, column_of, repetitions_needed
 
 CONFIDENCE = 0.95
 """The share of studies like this one whose interval would hold the true mean."""
@@ -165,10 +166,14 @@ class Spread:
 
 @dataclass(frozen=True)
 class RowGroup:
-    """The rows of one combination: its value of each factor, and which rows they are."""
+    """The rows of one combination: its value of each factor, and which rows they are.
+
+    Of identical repeats it has the first alone; `repeats` is their number, 1 of other rows.
+    """
 
     values: tuple[str, ...]
     rows: NDArray[np.intp]
+    repeats: int = 1
 
     @property
     def label(self) -> str:
@@ -200,9 +205,21 @@ class Comparison:
         varying = [one for one in self.spreads if self.constant(one) is None]
         return [one for one in varying if one.chief] or varying
 
+    @property
+    def identical(self) -> str:
+        """What is to be known of identical repeats, in a sentence; empty if there are none."""
+        groups = [group for group in self.groups if group.repeats > 1]
+        if not groups:
+            return ""
+        return (
+            f"The {groups[0].repeats} repeats of {len(groups)} of {len(self.groups)} combinations"
+            " are identical, because nothing is drawn in them. Each is counted once, and has no"
+            " interval."
+        )
+
     def label_of(self, line: int) -> str:
         """Return the label of the group of a line of the table."""
-        return next(group.label for group in self.groups if line in group.rows)
+        return next((group.label for group in self.groups if line in group.rows), "identical")
 
 
 def factors(study: Study) -> list[str]:
@@ -211,12 +228,15 @@ def factors(study: Study) -> list[str]:
     return ["trial", *several] if len(study.trials) > 1 else several
 
 
-def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
-    """Return the rows in groups by their values of `factors`, in the order they first come up."""
+def compare(columns: Columns, factors: Sequence[str], *, once: bool = False) -> Comparison:
+    """Return the rows in groups by their values of `factors`, in the order they first come up.
+
+    Identical repeats are counted once if `once`, as where nothing is drawn.
+    """
     keys = list(zip(*(map(_shown, columns[factor]) for factor in factors), strict=True))
     keys = keys or [()] * len(columns["row"])
     groups = tuple(
-        RowGroup(key, np.array([k for k, other in enumerate(keys) if other == key]))
+        _group(columns, key, [k for k, other in enumerate(keys) if other == key], once)
         for key in dict.fromkeys(keys)
     )
     named = (one for measure in measures() for one in measure.of_each(columns))
@@ -228,6 +248,12 @@ def compare(columns: Columns, factors: Sequence[str]) -> Comparison:
         for measure, figures in values.items()
     }
     return Comparison(tuple(factors), groups, spreads, values)
+
+
+def _group(columns: Columns, key: tuple[str, ...], rows: list[int], once: bool) -> RowGroup:
+    if once and are_identical(columns, rows):
+        return RowGroup(key, np.array(rows[:1]), len(rows))
+    return RowGroup(key, np.array(rows))
 
 
 def spread(values: Floats) -> Spread | None:
@@ -284,7 +310,9 @@ def contrasts(compared: Comparison) -> Iterator[Contrast]:
             differing = [k for k, (a, b) in enumerate(pairs) if a != b]
             if differing == [factor]:
                 effects = {
-                    measure: cliffs_delta(
+                    measure: None
+                    if one.repeats > 1 or other.repeats > 1  # a single pair has no frequency
+                    else cliffs_delta(
                         compared.values[measure][one.rows], compared.values[measure][other.rows]
                     )
                     for measure in measures
@@ -390,7 +418,41 @@ class StudyResults:
     @cached_property
     def comparison(self) -> Comparison:
         """Statistics of the rows of each combination."""
-        return compare(self.columns, factors(self.study))
+        return compare(self.columns, factors(self.study), once=not self.study.random)
+
+    def width(self, figure: str) -> float:
+        """Return the greatest width of the intervals of the mean of a figure."""
+        return max((one.high - one.low for one in self._spreads(figure)), default=math.inf)
+
+    def repetitions_needed(self, figure: str, width: float) -> int:
+        """Return how many repetitions a width of the interval of a figure's mean needs.
+
+        Parameters
+        ----------
+        figure : str
+            Name of the figure, such as `penalties`.
+        width : float
+            Wanted width with 95 % confidence, from end to end, in every combination.
+
+        Returns
+        -------
+        int
+            Number of repetitions, by the normal approximation.
+
+        Raises
+        ------
+        UserError
+            If no row has the figure, or if a combination has fewer than two rows.
+        """
+        spreads = self._spreads(figure)
+        return max((repetitions_needed(one.values.tolist(), width) for one in spreads), default=0)
+
+    def _spreads(self, figure: str) -> list[Spread]:
+        """Return the spread of a figure in each combination that has it."""
+        values = Measure("", column_of(figure, [*self.columns])).values(self.columns)
+        groups = self.comparison.groups if values is not None else ()
+        found = [spread(values[group.rows]) for group in groups if values is not None]
+        return [one for one in found if one is not None]
 
     @cached_property
     def contrasts(self) -> tuple[Contrast, ...]:

@@ -19,12 +19,14 @@ from pydantic import Field, model_validator
 from floorplan import InputError, Problem, UserError
 from floorplan.files.documents import Document, parse_yaml, read_yaml
 from floorplan.files.fields import Flag, Number, Pair, Positive, Strictly, whole
-from floorplan.files.problems import field_name
+from floorplan.files.problems import field_name, suggestion
 from floorplan.files.reading import is_there
 
 from ..core.entries import is_number
 from ..trials.checks import LARGEST_SEED, faults, name_fault
+from ..trials.expectations import summary_fields
 from ..trials.trial import Trial
+from .repeats import UntilKeys
 from .variables import Value, Variable, reordered, variable
 
 SIGMAS = 3.0
@@ -195,6 +197,7 @@ class Design:
     metrics: bool = False
     folder: Path = Path()
     search: SearchKeys | None = None
+    until: UntilKeys | None = None
 
     def __len__(self) -> int:
         """Return the number of rows. Raises `OverflowError` if it exceeds 63 bits (see `size`)."""
@@ -308,6 +311,7 @@ class _StudyKeys(Strictly):
     metrics: Flag = False
     own_code: Flag = True
     search: SearchKeys | None = None
+    until: UntilKeys | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -400,6 +404,8 @@ def _build(form: type[Study], document: Document, folder: Path, own_code: bool) 
     name = schema.name or Path(document.file).name.split(".")[0]
     if fault := name_fault(name):
         reader.problems.append(document.problem(fault, "name"))
+    if schema.until is not None:
+        reader.until(schema.until, trials)
     if reader.problems:
         raise StudyError(document.file, reader.problems)
     study = form(
@@ -412,6 +418,7 @@ def _build(form: type[Study], document: Document, folder: Path, own_code: bool) 
         metrics=schema.metrics,
         folder=folder,
         search=schema.search,
+        until=schema.until,
     )
     if study.size > MOST_ROWS:
         message = f"the rows are more than the {MOST_ROWS:,} that a study may have"
@@ -487,6 +494,15 @@ class _Reader:
                 self._try(what, value, trials, "random", name)
             drawn[what] = distribution
         return drawn
+
+    def until(self, until: UntilKeys, trials: tuple[Trial, ...]) -> None:
+        """Say it if runs of the trials do not have the figure to stop by."""
+        for trial in trials:
+            known = summary_fields(trial)
+            paths = {key for key, one in known.items() if ".".join(one.path).startswith(key)}
+            if until.of not in paths or known[until.of].figure.form == "flag":
+                hint = suggestion(until.of, sorted(paths))
+                self._problem(f"a run has no such figure; {hint}", "until", "of")
 
     def _variable(self, name: str, section: str) -> Variable | None:
         try:

@@ -352,19 +352,30 @@ def run_study(
     with StudyFolder(path, study) as folder:
         done = folder.table.rows
         begin(done)
-        if done < len(study):
+        if done < len(study) and not _is_enough(study, path, done):
             keep = partial(figures_of, with_metrics=study.metrics)
             rows = of_rows(study.rows(done), keep, error_in, jobs=jobs, backend=backend)
             for row, figures in rows:
                 with writing_to(path):
                     folder.table.add(record_of(row, figures))
                 progress(folder.table.rows)
+                if _is_enough(study, path, folder.table.rows):
+                    break
             folder.check_unchanged()
         results = StudyResults(study, path, read_table(path / RESULTS))
         with writing_to(path):
             write_parquet(results.columns, path / "results.parquet")
             write_report(results, path / "report.html")
     return results
+
+
+def _is_enough(study: Study, path: Path, done: int) -> bool:
+    """Return whether so many rows make every interval as narrow as the study asks for."""
+    until = study.until
+    repetitions, rest = divmod(done, len(study.combinations))
+    if until is None or rest or repetitions < until.at_least:
+        return False
+    return StudyResults(study, path, read_table(path / RESULTS)).width(until.of) <= until.width
 
 
 def of_rows(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
 from collections import Counter
@@ -105,17 +106,19 @@ class Findings:
 def findings(
     study: Study,
     failed: set[int],
+    count: int | None = None,
     *,
     jobs: int | None = None,
     progress: Callable[[int], None] = lambda _: None,
 ) -> Findings:
     """Run every row that did not fail once more, and return what is found in all of them.
 
-    `progress` is given the number of rows that are done.
+    `count` is the number of rows, where not all were run. `progress` is given the number of rows
+    that are done.
     """
     together = Findings()
     each = len(study.combinations) // len(study.trials)
-    rows = (row for row in study.rows() if row.number not in failed)
+    rows = (row for row in itertools.islice(study.rows(), count) if row.number not in failed)
     for done, (row, found) in enumerate(of_rows(rows, row_findings, jobs=jobs), 1):
         together.add(row.number, row.number % len(study.combinations) // each, found)
         progress(done)
@@ -142,7 +145,7 @@ def row_findings(finished: Run) -> RowFindings:
 
 def with_findings(compared: Comparison, found: Findings) -> Comparison:
     """Return a comparison that has the findings of the rows among its measures, before others."""
-    count = sum(len(group.rows) for group in compared.groups)
+    count = sum(len(group.rows) * group.repeats for group in compared.groups)
     nothing = RowFindings(0, [], math.nan, math.nan, math.nan, {})
     rows = [found.rows.get(k, nothing) for k in range(count)]
     known = np.array([float(k in found.rows) for k in range(count)])
@@ -340,7 +343,7 @@ def safety_report(
     if isinstance(source, StudyResults):
         title, count = source.study.name, counted(len(source), "run")
         subtitle = f"A study of {count}, simulated by Floorwalker"
-        found = findings(source.study, {*source.failed}, jobs=jobs, progress=progress)
+        found = findings(source.study, {*source.failed}, len(source), jobs=jobs, progress=progress)
         template, values = "safety_study.html", study_report(source, found)
     else:
         require(source, Recorded, "sim.load_run")
