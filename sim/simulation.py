@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from shapely.geometry import Polygon
 
-from floorplan import Obstacle, UserError
+from floorplan import InputError, Obstacle, UserError
 from floorplan.files.problems import refuse, suggestion
 from floorplan.files.values import require
 from navigation import CollisionWorld
@@ -46,6 +46,7 @@ from .safety.laws import own_laws
 from .safety.proximity import Collisions
 from .safety.referee import Referee
 from .trials.checks import check, check_own_events
+from .trials.counterfactual import counterfactual_error, counterfactual_of, difference
 from .trials.feasibility import command_faults
 from .trials.trial import Trial
 
@@ -372,6 +373,8 @@ class Simulation(InProgress):
                 people_too_near_time=distancing.time if distancing else 0.0,
             )
         )
+        if self.trial.counterfactual is not None:
+            summary["counterfactual"] = None if interrupted else self._counterfactual(summary)
         cpu = time.process_time() - self._cpu_begin
         summary["cpu_seconds"] = round(cpu, 6)
         summary["realtime_factor"] = round(self.clock.now / cpu, 1) if cpu > 0 else None
@@ -393,6 +396,17 @@ class Simulation(InProgress):
                 if watch.plans is not None
             },
         )
+
+    def _counterfactual(self, summary: dict[str, Any]) -> dict[str, Any]:
+        """Run the trial without machines or people, and return what differs."""
+        started = {name: one["started"] for name, one in summary["people"].items()}
+        try:
+            other = Simulation(counterfactual_of(self.trial, started))
+        except InputError as why:
+            raise counterfactual_error(why) from why
+        other.advance(self.clock.now)
+        found: dict[str, Any] = rounded(difference(self.trial, summary, other.finish().summary))
+        return found
 
     def _busy(self) -> str:
         """Return the events recorded in this moment, in words, the most frequent first."""

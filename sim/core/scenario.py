@@ -481,6 +481,7 @@ class Scenario:
     blackouts: tuple[Blackout, ...] = ()
     commands: tuple[Command, ...] = ()
     sources: dict[str, str] = field(default_factory=dict)
+    counterfactual: Literal["without machines", "without people"] | None = None
 
     @property
     def code_folder(self) -> CodeFolder:

@@ -204,6 +204,52 @@ def _approaches() -> Iterator[SummaryFigure]:
     yield part(path="approaches.machine", form="text", meaning="machine of this margin")
 
 
+def _counterfactual() -> Iterator[SummaryFigure]:
+    """Yield what a run has more than the same trial without machines, or without people."""
+    figure = partial(SummaryFigure, only=attrgetter("counterfactual"))
+    people = partial(SummaryFigure, only=lambda one: one.counterfactual == "without machines")
+    machines = partial(SummaryFigure, only=lambda one: one.counterfactual == "without people")
+    path = "counterfactual"
+    label = "because of machines or people"
+    yield figure(path=path, form="parts", label=label, words=words.differences)
+    for prefix in (f"{path}.", f"{path}.people.NAME."):
+        measure: Literal["", "plain"] = "" if "NAME" in prefix else "plain"
+        yield people(
+            path=f"{prefix}visits",
+            label="visits because of machines",
+            meaning="visits more than without machines",
+            measure=measure,
+            worst=0 if "NAME" in prefix else 1,
+        )
+        yield people(
+            path=f"{prefix}distance_walked",
+            label="walked because of machines",
+            meaning="distance more than without machines",
+            unit="m",
+            measure=measure,
+        )
+        yield people(
+            path=f"{prefix}time_standing",
+            label="stood because of machines",
+            meaning="time at rest more than without machines",
+            unit="s",
+            measure=measure,
+        )
+    yield machines(
+        path=f"{path}.jobs_done",
+        label="jobs because of people",
+        meaning="jobs more than without people",
+        measure="plain",
+        worst=1,
+    )
+    for key, meaning in (
+        ("gantry_idle_time", "idle time more than without people"),
+        ("gantry_disabled_time", "disabled time more than without people"),
+        ("protective_stop_time", "protective stops more than without people"),
+    ):
+        yield machines(path=f"{path}.{key}", meaning=meaning, unit="s")
+
+
 def _metrics() -> Iterator[SummaryFigure]:
     """Yield the metrics of social navigation; `docs/metrics.md` says what they mean."""
     person, machine = "metrics.people.NAME.", "metrics.machines.NAME."
@@ -662,6 +708,7 @@ FIGURES: dict[str, SummaryFigure] = {
             of=lambda run, person: run.nearest_vehicles.get(person.name),
         ),
         *_nearest_agv(PEOPLE),
+        *_counterfactual(),
         SummaryFigure(
             path="cpu_seconds", form="text", meaning="CPU time of the run", unit="s", column=False
         ),

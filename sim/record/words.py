@@ -125,6 +125,16 @@ def approaches(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value['count']}, {value['duration']:.1f} s, {worst}"
 
 
+def differences(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return what a run has more than its counterfactual."""
+    if "visits" in value:
+        return (
+            f"{value['visits']:+d} visits, {value['distance_walked']:+.1f} m walked,"
+            f" {value['time_standing']:+.1f} s stood"
+        )
+    return f"{value['jobs_done']:+d} jobs, {value['gantry_idle_time']:+.1f} s idle"
+
+
 def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a distance to an AGV, whose and to which, when it was, and what was required then."""
     if value is None:

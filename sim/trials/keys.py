@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -233,4 +233,5 @@ class TrialKeys(Strictly):
     blackouts: tuple[Blackout, ...] = ()
     commands: CommandEntries = ()
     sources: dict[Annotated[str, AfterValidator(_as_assumed)], str] = {}
+    counterfactual: Literal["without machines", "without people"] | None = None
     expect: dict[str, Any] = {}

@@ -186,6 +186,7 @@ machines:
   north: {kind: gantry, at: [-9.0, 1.0, 0.0], x: [-14.0, -8.0], controller: oblivious}
 until_submitted: true
 sources: {max_speed: measured here}
+counterfactual: without machines
 blackouts:
 - {machine: agv1, start: {event: arrived}, seconds: 4.0}
 obstacles:
