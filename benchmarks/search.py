@@ -10,6 +10,7 @@ the runs that each minimisation takes. With --long it also measures 2,000 evalua
 from __future__ import annotations
 
 import argparse
+import shutil
 import statistics
 import tempfile
 import time
@@ -24,10 +25,11 @@ FOLDER = Path(__file__).parents[1] / "examples" / "planted_faults"
 
 
 def searched(name: str, seed: int, **given: object) -> SearchResults:
-    """Search one of the studies with a seed, in a folder that vanishes."""
-    study = replace(sim.Study.load(FOLDER / f"{name}.study.yaml"), seed=seed)
-    with tempfile.TemporaryDirectory(dir=FOLDER) as folder:
-        return sim.search(study, folder, minimise="least_margin_moving", **given)
+    """Search a copy of one of the studies with a seed, in a folder that vanishes."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(shutil.copytree(FOLDER, Path(folder) / "planted_faults"))
+        study = replace(sim.Study.load(copy / f"{name}.study.yaml"), seed=seed)
+        return sim.search(study, copy / "out", minimise="least_margin_moving", **given)
 
 
 def first(results: SearchResults) -> int | None:

@@ -7,7 +7,7 @@ import sim
 SIGHT = 9.4
 """Metres. The short-sighted controller ignores people who are farther away."""
 
-PATIENCE = 45.0
+PATIENCE = 40.0
 """Seconds. The impatient controller waits no longer for people."""
 
 CREEP = 0.1

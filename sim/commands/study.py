@@ -21,6 +21,12 @@ if TYPE_CHECKING:
 WIDTH = 120
 """Characters in a line of the table where no terminal says how many there are."""
 
+SCOREBOARD = "scoreboard"
+"""Name of the built-in study."""
+
+SIGNIFICANT = 0.05
+"""Differences with at least this p are left to the page."""
+
 BESIDE = 3
 """Characters in a line that a column takes beside its text: blanks and a rule."""
 
@@ -28,7 +34,11 @@ BESIDE = 3
 def study(
     file: Annotated[
         str,
-        typer.Argument(metavar="STUDY.yaml", help="Study file.", autocompletion=complete_study),
+        typer.Argument(
+            metavar="STUDY.yaml",
+            help="Study file, or scoreboard: the built-in comparison of gantry controllers.",
+            autocompletion=complete_study,
+        ),
     ],
     jobs: Annotated[
         int | None, typer.Option(min=1, help="Number of processes (default: number of cores).")
@@ -44,13 +54,27 @@ def study(
         Path | None,
         typer.Option(help="Folder of the results (default: studies/NAME)."),
     ] = None,
+    controller: Annotated[
+        list[str] | None,
+        typer.Option(help="For scoreboard: a controller to compare. Repeat it for each."),
+    ] = None,
+    repeat: Annotated[
+        int | None, typer.Option(min=1, help="For scoreboard: trials of each scene (default: 20).")
+    ] = None,
     row: Annotated[int | None, typer.Option(help="Only write the trial file of this row.")] = None,
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Run all variations of the trials of a study, or continue an interrupted study."""
     from ..studies import Study, save_trial
 
-    chosen = Study.load(file, own_code=not no_own_code)
+    compares = file == SCOREBOARD and not Path(file).exists()
+    if not compares and (controller or repeat is not None):
+        option = "--controller" if controller else "--repeat"
+        raise typer.BadParameter("is for scoreboard only", param_hint=option)
+    if compares:
+        chosen = _scoreboard(controller or [], repeat, own_code=not no_own_code)
+    else:
+        chosen = Study.load(file, own_code=not no_own_code)
     folder = folder_for(chosen.name, "studies") if out is None else out
     if row is not None:
         say(str(save_trial(chosen, row, folder)))
@@ -63,7 +87,10 @@ def study(
             err=True,
         )
         raise typer.Exit(INTERRUPTED) from None
-    _report(results)
+    if compares:
+        _print_scoreboard(results)
+    else:
+        _report(results)
     if failed := results.failed:
         number, error = next(iter(failed.items()))
         say(
@@ -71,6 +98,47 @@ def study(
             err=True,
         )
         raise typer.Exit(1)
+
+
+def _scoreboard(controllers: list[str], repeat: int | None, *, own_code: bool) -> Study:
+    from floorplan import UserError
+
+    from ..studies.scoreboard import scoreboard
+
+    if not own_code and any(":" in name for name in controllers):
+        raise UserError("custom controllers are refused here (--no-own-code)")
+    return scoreboard(controllers, repeat=20 if repeat is None else repeat)
+
+
+def _print_scoreboard(results: StudyResults) -> None:
+    """Print the score of each controller, and the paired tests in which two differ."""
+    from rich.table import Table
+
+    from ..studies import figure
+    from ..studies.scoreboard import MEASURES, paired_tests, scores, write_scoreboard
+
+    console = plain_console(WIDTH)
+    table = Table(title=results.study.name, title_justify="left")
+    for heading in ("Controller", "Least margin, m", *(measure.label for measure in MEASURES)):
+        table.add_column(heading, justify="left" if heading == "Controller" else "right")
+    for score in scores(results):
+        means = (score.spreads[measure] for measure in MEASURES)
+        cells = (
+            "–" if one is None else f"{figure(one.mean)} ({figure(one.low)} … {figure(one.high)})"
+            for one in means
+        )
+        table.add_row(score.controller, figure(score.least_margin), *cells)
+    console.print(table)
+    for test in paired_tests(results):
+        if test.p < SIGNIFICANT:
+            console.print(
+                f"{test.one} − {test.other}: {test.measure.words} {figure(test.difference)}"
+                f" ({figure(test.low)} … {figure(test.high)}), p = {test.p:.4f},"
+                f" {test.count} pairs",
+                highlight=False,
+                soft_wrap=True,
+            )
+    console.print(f"Report: {write_scoreboard(results)}", highlight=False, soft_wrap=True)
 
 
 def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyResults:
