@@ -174,8 +174,12 @@ def search(
 
     Examples
     --------
-    >>> found = sim.search(sim.Study.load("cell.study.yaml"), minimise="least_margin_moving")
-    >>> found.worth
+    >>> from tempfile import mkdtemp
+    >>> study = sim.Study.parse("{trials: [ariac2023], random: {start_time: {uniform: [0, 20]}}}")
+    >>> wanted = {"minimise": "least_margin", "evaluations": 4, "cases": 0}
+    >>> found = sim.search(study, mkdtemp(), jobs=1, **wanted)
+    >>> len(found)
+    4
     """
     require(study, Study, "sim.Study.load")
     wanted = WorstCaseSearch(

@@ -421,7 +421,23 @@ class StudyResults:
         return compare(self.columns, factors(self.study), once=not self.study.random)
 
     def width(self, figure: str) -> float:
-        """Return the greatest width of the intervals of the mean of a figure."""
+        """Return the greatest width of the intervals of the mean of a figure.
+
+        Parameters
+        ----------
+        figure : str
+            Name of the figure, such as `penalties`.
+
+        Returns
+        -------
+        float
+            Width with 95 % confidence in the combination with the widest interval.
+
+        Raises
+        ------
+        UserError
+            If no row has the figure.
+        """
         return max((one.high - one.low for one in self._spreads(figure)), default=math.inf)
 
     def repetitions_needed(self, figure: str, width: float) -> int:

@@ -88,7 +88,7 @@ def test_a_trial_can_expect_a_cost_and_is_written_with_it():
 
 
 def test_another_word_is_rejected():
-    with pytest.raises(sim.TrialError, match="counterfactual: .*without machines"):
+    with pytest.raises(sim.TrialError, match=r"counterfactual: .*without machines"):
         run("without robots")
 
 
