@@ -6,6 +6,7 @@ import sys
 import zlib
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, field
+from datetime import date
 from random import Random
 from typing import Annotated, Any, Literal
 
@@ -45,6 +46,37 @@ def seed_of(seed: int, what: str) -> int:
     """Return the seed for `what` in a trial with this `seed`: the same whatever else is there."""
     # Not `hash`, which is salted anew in every process.
     return zlib.crc32(f"{seed} {what}".encode())
+
+
+def _as_text(value: Any) -> Any:
+    """Return a revision or a date, which YAML may read as a number or a date, as text."""
+    return str(value) if isinstance(value, date) or is_number(value) else value
+
+
+Text = Annotated[str, BeforeValidator(_as_text)]
+"""A text, which may look like a number or a date."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SignOff(Keyed):
+    """Entries of the sign-off block of a report. Reports have lines to fill in for empty entries.
+
+    Parameters
+    ----------
+    plant : str, optional
+        Plant, line or cell.
+    revision : str, optional
+        Revision of the plant's layout or of the report.
+    author : str, optional
+        Author of the report.
+    date : str, optional
+        Date of the report.
+    """
+
+    plant: Text = ""
+    revision: Text = ""
+    author: Text = ""
+    date: Text = ""
 
 
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")

@@ -42,6 +42,7 @@ from .entries import (
     Place,
     Pose,
     RecordedTrack,
+    SignOff,
     Spread,
     Start,
     Workload,
@@ -482,6 +483,8 @@ class Scenario:
     commands: tuple[Command, ...] = ()
     sources: dict[str, str] = field(default_factory=dict)
     counterfactual: Literal["without machines", "without people"] | None = None
+    warm_up: float = 0.0
+    sign_off: SignOff = SignOff()
 
     @property
     def code_folder(self) -> CodeFolder:

@@ -109,6 +109,9 @@ def _seconds(value: Any) -> Any:
 Length = Annotated[Positive, BeforeValidator(_seconds)]
 """Seconds, or a text as `12 min`."""
 
+Delay = Annotated[NotNegative, BeforeValidator(_seconds)]
+"""The same, or 0."""
+
 
 Kind = Literal["fixed", "uniform", "triangular", "normal", "lognormal", "exponential"]
 

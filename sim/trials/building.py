@@ -43,6 +43,7 @@ def lasting(trial: _Made, seconds: float) -> _Made:
         trial.with_people(lambda person: _of_person(person, seconds)),
         duration=seconds,
         until_submitted=False,
+        warm_up=trial.warm_up if trial.warm_up < seconds else 0.0,
         work={
             name: replace(held, tasks=tuple(task for task in held.tasks if task.time < seconds))
             for name, held in trial.work.items()

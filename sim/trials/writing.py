@@ -72,6 +72,7 @@ def _trial(trial: Scenario) -> Data:
         "machines": {name: _machine(name, entry) for name, entry in trial.machines.items()},
         "until_submitted": trial.until_submitted or None,
         "obstacles": {one.obstacle.name: _value(one, trial) for one in trial.obstacles},
+        "warm_up": trial.warm_up or None,
         "expect": trial.expect,
     }
     known = {field.name for field in fields(Scenario)}
