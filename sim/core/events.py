@@ -380,6 +380,15 @@ class GantryEnabled(EventKind):
     machine: _Machine | None = None
 
 
+class GantryYielded(EventKind):
+    """The gantry waits, to keep the `required` distance to a person."""
+
+    person: _Person
+    distance: float
+    required: float
+    machine: _Machine | None = None
+
+
 class AgvMoved(EventKind):
     """An AGV starts. It `arrives` at that time (s) unless it stops on the way."""
 

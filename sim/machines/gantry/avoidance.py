@@ -15,6 +15,7 @@ from navigation.kernels.lookout import most_remote, nearest_on
 from navigation.motion import State
 
 from ...core.entries import Pose
+from ...core.events import GantryYielded
 from ...safety.stopping_check import Pedestrian, Stoppable, StoppingCheck
 from .drive import Steps
 from .robot import GantryRobot, Sighting
@@ -56,6 +57,10 @@ class Caution:
         self._under_way: tuple[Motion, Pose, float] | None = None
         self._stuck: tuple[Motion, Pose, Sequence[Sighting]] | None = None
         """The standstill, and what it was before it, from which no motion was safe."""
+        self._hindered_by: str | None = None
+        """The person for whom the slowest motion was not safe."""
+        self._has_recorded = False
+        """Whether it has recorded that it waits, since it last moved."""
         self._seen: tuple[Sighting, ...] = ()
         self._seen_at = -math.inf
 
@@ -107,8 +112,11 @@ class Caution:
                 gantry.stop()
                 self._under_way = None
             elif found != share:
+                self._has_recorded = False
                 self._move = gantry.move_to(*pose, speed_share=found, resume=False)
                 self._under_way = (gantry.body.motion, pose, found)
+            if found == 0.0 and not gantry.disabled:
+                self.record_waiting(self._hindered_by, people)
             # For `safe` seconds nobody can matter, so it looks no sooner.
             look = gantry.look(min(safe, end - gantry.now))
             yield look | self._move if found > 0.0 else look
@@ -145,6 +153,7 @@ class Caution:
         plan = Stoppable(motion, gantry.drive.stops)
         seen = [Pedestrian(person.name, person.at, self._human_speed) for person in people]
         until, who = self._foresight.safe_until(plan, seen, gantry.now, LEAST)
+        self._hindered_by = None if who is None else who.name
         return until - gantry.now if who is not None else max(until - gantry.now, LEAST)
 
     def room_to_move(self, speed: float) -> float:
@@ -173,6 +182,29 @@ class Caution:
             Speed of the gantry in m/s.
         """
         return self._foresight.required(self._human_speed, robot_speed)
+
+    def record_waiting(self, name: str | None, people: Sequence[Sighting]) -> None:
+        """Record that the gantry waits for a person, once until it moves again.
+
+        Parameters
+        ----------
+        name : str or None
+            Name of the person, or None for the nearest one.
+        people : sequence of Sighting
+            Observed people.
+        """
+        if self._has_recorded or not people:
+            return
+        here = self._gantry.position[:2]
+        nearest = min(people, key=lambda one: (one.name != name, math.dist(one.at, here)))
+        self._has_recorded = True
+        self._gantry.record(
+            GantryYielded(
+                person=nearest.name,
+                distance=math.dist(nearest.at, here),
+                required=self.required(self._gantry.state.speed),
+            )
+        )
 
     def _take_note(self, people: tuple[Sighting, ...]) -> None:
         self._seen, self._seen_at = people, self._gantry.now
@@ -240,6 +272,8 @@ def avoiding(gantry: GantryRobot) -> Steps:
         people = yield from caution.look()
         task, pose = outlook.choose(people)
         if task is None:
+            if outlook.is_hindered:
+                caution.record_waiting(None, people)
             if (yield from caution.go(outlook.refuge(people), seconds=SECOND_THOUGHTS)):
                 yield gantry.look(0.1)
             continue
@@ -254,6 +288,8 @@ class CourseChoice:
     def __init__(self, gantry: GantryRobot, caution: Caution) -> None:
         self._gantry = gantry
         self._caution = caution
+        self.is_hindered = False
+        """Whether people were near every path when none was chosen."""
         self._zone = caution.required(0.0) + ROOM
         self._rooms = [caution.room_to_move(pace) + ROOM for pace in PACES]
         self._free_at = gantry.now
@@ -276,6 +312,7 @@ class CourseChoice:
         # What is begun is finished first.
         tasks = tuple(task for task in tasks if task.begun) or tasks
         paths = [(task, path) for task in tasks for path in [gantry.way(task)] if path]
+        self.is_hindered = bool(paths)
         groups = list(dict.fromkeys(task.group for task, _ in paths))
         for group in groups[:1] if gantry.now < self._free_at + PATIENCE else groups:
             of_group = [(task, path) for task, path in paths if task.group == group]

@@ -1,0 +1,286 @@
+"""Times in which machines stood still, by cause, and the people for whom they did."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..core.body import MachineShape
+from ..core.recorder import Event
+from ..machines.gantry.robot import GANTRY
+from .outcome import Outcome
+from .sampling import Span
+from .warm_up import driving
+
+CAUSES_OF_STOPS = {
+    "penalty": "disabled as a penalty",
+    "malfunction": "disabled by a malfunction of the trial",
+    "hold": "held by a command",
+    "protective stop": "stopped by the rules, for a person",
+    "people": "waits at its own decision, to keep the distance to a person",
+    "blocked": "waits before what closes its lane",
+    "job wait": "waits as a job of the trial says",
+    "job": "stands in a job: it handles a part, or its place is out of reach",
+    "nothing to do": "has no job, or no move under way",
+    "not recorded": "a custom machine, which records no causes",
+}
+"""Causes of standing still, the first that holds, and their meanings."""
+
+
+FASTER = 0.05
+"""m/s. A machine that gains as much while it brakes has gone on."""
+
+
+@dataclass(frozen=True)
+class Stop:
+    """A time, from `begin` to `end` (s), in which a machine stood still for one `cause`.
+
+    `who` is the person for whom it began, or what was in the way, if any.
+    """
+
+    begin: float
+    end: float
+    cause: str
+    who: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MachineTimes:
+    """Times of one machine, in one run or in several.
+
+    It was `moving` for so many seconds. `stopped` has the seconds of standing still by cause.
+    `whom` has the number and seconds of stops by cause and person (or thing), the longest first.
+    `jobs_done` counts finished jobs. `had_jobs` is True if there was something to do.
+    """
+
+    machine: str
+    moving: float
+    stopped: dict[str, float]
+    whom: dict[tuple[str, str], tuple[int, float]]
+    jobs_done: int
+    had_jobs: bool
+
+
+def times_of_all(runs: Iterable[Sequence[MachineTimes]]) -> list[MachineTimes]:
+    """Return the times of each machine in several runs together."""
+    found: dict[str, list[MachineTimes]] = {}
+    for times in runs:
+        for one in times:
+            found.setdefault(one.machine, []).append(one)
+    return [
+        MachineTimes(
+            machine=machine,
+            moving=math.fsum(one.moving for one in several),
+            stopped=_seconds((cause, s) for one in several for cause, s in one.stopped.items()),
+            whom=_counted((key, n, s) for one in several for key, (n, s) in one.whom.items()),
+            jobs_done=sum(one.jobs_done for one in several),
+            had_jobs=any(one.had_jobs for one in several),
+        )
+        for machine, several in found.items()
+    ]
+
+
+def _seconds(parts: Iterable[tuple[str, float]]) -> dict[str, float]:
+    found = dict.fromkeys(CAUSES_OF_STOPS, 0.0)
+    for cause, seconds in parts:
+        found[cause] += seconds
+    return {cause: seconds for cause, seconds in found.items() if seconds > 0.0}
+
+
+def _counted(
+    parts: Iterable[tuple[tuple[str, str], int, float]],
+) -> dict[tuple[str, str], tuple[int, float]]:
+    found: dict[tuple[str, str], tuple[int, float]] = {}
+    for key, n, seconds in parts:
+        count, before = found.get(key, (0, 0.0))
+        found[key] = count + n, before + seconds
+    return dict(sorted(found.items(), key=lambda one: -one[1][1]))
+
+
+JobKey = tuple[object, ...]
+"""What tells a job apart from others: its kind and the fields of its events."""
+
+
+@dataclass
+class _State:
+    """What holds for a machine at an instant, as its events tell."""
+
+    otherwise: str
+    disabled: tuple[str, str] | None = None
+    held: bool = False
+    stopped_for: str | None = None
+    yields_to: str | None = None
+    blocked: tuple[str, float] | None = None
+    jobs: set[JobKey] = field(default_factory=set)
+
+    def cause(self) -> tuple[str, str]:
+        """Return why the machine does not move, and for whom."""
+        if self.disabled is not None:
+            return self.disabled
+        if self.held:
+            return "hold", ""
+        if self.stopped_for is not None:
+            return "protective stop", self.stopped_for
+        if self.yields_to is not None:
+            return "people", self.yields_to
+        if self.blocked is not None:
+            return "blocked", self.blocked[0]
+        if self.jobs:
+            return ("job wait" if any(job[0] == "wait" for job in self.jobs) else "job"), ""
+        return self.otherwise, ""
+
+    def take(self, event: Event, penalised: str) -> None:
+        """Take in an event of the machine. `penalised` is the person of the last penalty."""
+        match event["kind"]:
+            case "gantry_disabled":
+                self.disabled = "penalty", penalised
+            case "robot_malfunction":
+                self.disabled = self.disabled or ("malfunction", "")
+            case "gantry_enabled":
+                self.disabled = None
+            case "commanded":
+                self.held = "hold" in event
+            case "protective_stop":
+                self.stopped_for = event["person"]
+            case "protective_stop_ended":
+                self.stopped_for = None
+            case "gantry_yielded" | "agv_yielded":
+                self.yields_to = event["person"]
+            case "agv_blocked":
+                self.blocked = event["by"], event["at"]
+            case "agv_moved":
+                self.yields_to = None
+                # An AGV that is blocked drives up to the last place before that.
+                if self.blocked is not None and event["to"] != self.blocked[1]:
+                    self.blocked = None
+            case "job_started":
+                self.jobs.add(_job(event))
+            case "job_done" | "order_submitted":
+                self.jobs.discard(_job(event))
+
+
+def machine_times(run: Outcome) -> list[MachineTimes]:
+    """Return the times of each machine of a run, or of one after its warm-up."""
+    logs: dict[str, list[tuple[Event, str]]] = {one.name: [] for one in run.scene.machines}
+    robots = [one.name for one in run.scene.machines if one.category == "robot"]
+    penalised: dict[str, str] = {}
+    for event in run.events:
+        if event["kind"] == "violation" and event["penalty"]:
+            penalised[event["with"]] = event["person"]
+        elif event["kind"] == "penalty":
+            penalised |= dict.fromkeys(robots, event["person"])
+        name = _machine_of(event)
+        if name in logs:
+            logs[name].append((event, penalised.get(name, "")))
+    ordered = any(event["kind"] == "order_announced" for event in run.events)
+    return [_times(run, one, logs[one.name], ordered) for one in run.scene.machines]
+
+
+def _times(
+    run: Outcome, machine: MachineShape, log: list[tuple[Event, str]], ordered: bool
+) -> MachineTimes:
+    since, end = run.presence[machine.name]
+    spans = driving(run, machine.name)
+    log = [(e, who) for e, who in log if _leads_to_a_stop(run, machine.name, e, spans)]
+    moves = [(max(a, since), min(b, end)) for a, b in spans if b > since and a < end]
+    kinds = {event["kind"] for event, _ in log}
+    worked = ordered or not kinds.isdisjoint(("job_started", "gantry_yielded"))
+    otherwise = "nothing to do" if machine.kind in ("gantry", "agv") else "not recorded"
+    done = [e for e, _ in log if e["kind"] == "job_done" and e["t"] >= since]
+    stops = [*_joined(_stops(_State(otherwise), log, moves, since, end))]
+    return MachineTimes(
+        machine=machine.name,
+        moving=math.fsum(b - a for a, b in moves),
+        stopped=_seconds((stop.cause, stop.end - stop.begin) for stop in stops),
+        whom=_counted(
+            ((stop.cause, stop.who), 1, stop.end - stop.begin) for stop in stops if stop.who
+        ),
+        jobs_done=len(done),
+        had_jobs=machine.category == "robot" and worked,
+    )
+
+
+def _leads_to_a_stop(run: Outcome, machine: str, event: Event, moves: Sequence[Span]) -> bool:
+    """Return False for a gantry that began to brake for a person, but went on before it stood."""
+    t = event["t"]
+    end = next((b for a, b in moves if a < t < b), None)
+    if event["kind"] != "gantry_yielded" or end is None:
+        return True
+    changes = [piece.end for piece in run.motions[machine].pieces if t < piece.end < end]
+    speeds = np.hypot(*run.motions[machine].velocity(np.array([t, *changes, end])).T)
+    return bool((np.diff(speeds) <= FASTER).all())
+
+
+def _stops(
+    state: _State, log: Sequence[tuple[Event, str]], moves: Sequence[Span], since: float, end: float
+) -> Iterator[Stop]:
+    """Yield the stops of a machine between its moves, cut wherever their cause may change."""
+    events = iter([*log, None])
+    following = next(events)
+    at = since
+    for begin, until in [*moves, (end, math.inf)]:
+        while following is not None and following[0]["t"] < begin:
+            t = max(at, following[0]["t"])
+            yield Stop(at, t, *state.cause())
+            state.take(*following)
+            following, at = next(events), t
+        yield Stop(at, begin, *state.cause())
+        # Who moves waits no longer. Whom it yields to meanwhile, it brakes for.
+        while following is not None and following[0]["t"] == begin < end:
+            state.take(*following)
+            following = next(events)
+        state.yields_to = None
+        at = until
+
+
+def _joined(stops: Iterable[Stop]) -> Iterator[Stop]:
+    """Yield stops that take time, those without a break and of one cause as one."""
+    last: Stop | None = None
+    for stop in stops:
+        if stop.end <= stop.begin:
+            continue
+        if last is not None and last == replace(stop, begin=last.begin, end=last.end):
+            if last.end == stop.begin:
+                last = replace(last, end=stop.end)
+                continue
+        if last is not None:
+            yield last
+        last = stop
+    if last is not None:
+        yield last
+
+
+def _job(event: Event) -> JobKey:
+    """Return what tells the job of an event apart."""
+    if event["kind"] == "order_submitted":
+        return ("submit", event["order"])
+    job = event["job"]
+    if job == "submit":
+        return (job, event.get("order"))
+    return (job, *(event.get(name) for name in ("part", "tray", "from", "to", "quadrant", "order")))
+
+
+_OF_GANTRIES = (
+    "gantry_disabled",
+    "gantry_enabled",
+    "gantry_yielded",
+    "robot_malfunction",
+    "job_started",
+    "job_done",
+    "order_submitted",
+)
+"""Kinds of events that leave out the name of the floor's own gantry."""
+
+
+def _machine_of(event: Event) -> str:
+    """Return the machine that an event is about, or an empty text."""
+    if event["kind"] in _OF_GANTRIES:
+        return str(event.get("machine", GANTRY))
+    if event["kind"] in ("protective_stop", "protective_stop_ended"):
+        return str(event["machine"])
+    if event["kind"] == "commanded":
+        return str(event.get("hold") or event.get("release") or "")
+    return str(event.get("agv", ""))

@@ -1,0 +1,106 @@
+"""A run after its warm-up, from which what happened before is left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from navigation import Cylinder, Shapes, minimum_separation, violations
+
+from .finished import TOUCH
+from .outcome import Outcome
+from .sampling import Span, Stay, zone_exposures
+
+JUDGED = frozenset({"violation", "penalty", "teleport"})
+"""Kinds of events that are findings. Those of the warm-up are left out."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class AfterWarmUp(Outcome):
+    """Outcome of a run from `since` (s) on.
+
+    Motions and events of bodies are those of the whole run. A violation that lasts beyond the
+    warm-up begins at its end.
+    """
+
+    since: float
+
+    @cached_property
+    def presence(self) -> dict[str, Span]:
+        """Times (s) between which each body is on the floor after the warm-up."""
+        spans = super().presence
+        return {name: (max(begin, self.since), end) for name, (begin, end) in spans.items()}
+
+
+def after_warm_up(run: Outcome, since: float) -> Outcome:
+    """Return a run without its warm-up, which ends at `since` (s). It is the run itself at 0."""
+    if since <= 0.0:
+        return run
+    return AfterWarmUp(
+        run.scene,
+        run.duration,
+        summary=run.summary,
+        events=tuple(e for e in run.events if e["kind"] not in JUDGED or e["t"] >= since),
+        motions=run.motions,
+        violations={
+            pair: tuple((max(begin, since), end) for begin, end in spans if end > since)
+            for pair, spans in run.violations.items()
+        },
+        thoughts=run.thoughts,
+        requirements=run.requirements,
+        since=since,
+    )
+
+
+def started(run: Outcome) -> dict[str, float]:
+    """Return when (s) each person started who did."""
+    return {e["person"]: e["t"] for e in reversed(run.events) if e["kind"] == "human_started"}
+
+
+def zones_of(run: Outcome) -> dict[str, dict[str, float]]:
+    """Return the exposure of people in each zone, by its name."""
+    starts = started(run)
+    spans = {name: run.presence[name] for name in starts}
+    stays = [
+        Stay(
+            run.motions[name],
+            (max(begin, starts[name]), end),
+            [span for mine in run.violations_of(name).values() for span in mine],
+        )
+        for name, (begin, end) in spans.items()
+    ]
+    return zone_exposures(run.floorplan.zones, stays)
+
+
+def contacts_of(run: Outcome) -> int:
+    """Return how often the box of a robot, or of a moving vehicle, touched a person."""
+    starts, count = started(run), 0
+    for person in run.scene.people:
+        if person.name not in starts:
+            continue
+        begin, end = run.presence[person.name]
+        begin = max(begin, starts[person.name])
+        one = run.motions[person.name]
+        for machine in run.scene.machines:
+            other = run.motions[machine.name]
+            spans = [(begin, end)] if machine.category == "robot" else driving(run, machine.name)
+            reach = person.radius + (machine.box.length**2 + machine.box.width**2) ** 0.5 / 2
+            body = Cylinder(radius=person.radius, top=person.height)
+            shapes = Shapes(person=body, machine=(machine.box,))
+            for a, b in ((max(a, begin), min(b, end)) for a, b in spans):
+                if a < b and minimum_separation(one, other, a, b)[1] < reach:
+                    count += len(violations(one, other, TOUCH, a, b, shapes=shapes))
+    return count
+
+
+def driving(run: Outcome, machine: str) -> list[Span]:
+    """Return from when to when (s) a machine moves without a stop."""
+    spans: list[Span] = []
+    for piece in run.motions[machine].pieces:
+        if not piece.moves:
+            continue
+        if spans and spans[-1][1] == piece.begin:
+            spans[-1] = (spans[-1][0], piece.end)
+        else:
+            spans.append((piece.begin, piece.end))
+    return spans
