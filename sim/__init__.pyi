@@ -7,6 +7,7 @@ from .core.entries import (
     Command,
     NoticingEntry,
     RecordedTrack,
+    SignOff,
     Start,
 )
 from .core.events import EventKind
@@ -91,6 +92,7 @@ __all__ = [
     "RuleSet",
     "Run",
     "SearchResults",
+    "SignOff",
     "Simulation",
     "Source",
     "Stage",

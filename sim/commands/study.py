@@ -257,16 +257,26 @@ def report(
     duration: Annotated[
         float | None, typer.Option(help="Duration in seconds of a trial to run.")
     ] = None,
+    warm_up: Annotated[
+        float | None,
+        typer.Option(min=0, help="Seconds before which nothing counts (default: the trial's)."),
+    ] = None,
+    plant: Annotated[str, typer.Option(help="Plant, for the sign-off block.")] = "",
+    revision: Annotated[str, typer.Option(help="Revision, for the sign-off block.")] = "",
+    author: Annotated[str, typer.Option(help="Author, for the sign-off block.")] = "",
+    date: Annotated[str, typer.Option(help="Date, for the sign-off block.")] = "",
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Write a report for auditors: assumptions, laws, results and limitations."""
     from floorplan import UserError
 
+    from ..core.entries import SignOff
     from ..studies import Study, safety_report
     from ..views.safety_page import require_writable
     from .sources import is_study, run_from
 
     require_writable(out)
+    sign_off = SignOff(plant=plant, revision=revision, author=author, date=date)
     if not is_study(source):
         for option, given in (("--results", results), ("--jobs", jobs)):
             if given is not None:
@@ -275,7 +285,8 @@ def report(
             raise UserError(
                 f"{source} contains results of a study; give the study file, with --results"
             )
-        safety_report(run_from(source, duration, own_code=not no_own_code), out)
+        run = run_from(source, duration, own_code=not no_own_code)
+        safety_report(run, out, warm_up=warm_up, sign_off=sign_off)
         say(str(out))
         return
     if duration is not None:
@@ -286,6 +297,11 @@ def report(
     with progress_bars() as bars:
         bar = bars.add_task("evaluating runs", total=len(study))
         safety_report(
-            measured, out, jobs=jobs, progress=lambda done: bars.update(bar, completed=done)
+            measured,
+            out,
+            jobs=jobs,
+            progress=lambda done: bars.update(bar, completed=done),
+            warm_up=warm_up,
+            sign_off=sign_off,
         )
     say(str(out))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import zlib
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, replace
 from datetime import date
 from random import Random
 from typing import Annotated, Any, Literal
@@ -77,6 +77,17 @@ class SignOff(Keyed):
     revision: Text = ""
     author: Text = ""
     date: Text = ""
+
+    def over(self, other: SignOff) -> SignOff:
+        """Return these entries, with those of another block for empty ones.
+
+        Parameters
+        ----------
+        other : SignOff
+            The other block.
+        """
+        given = {name: value for name, value in vars(self).items() if value}
+        return replace(other, **given)
 
 
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")

@@ -6,18 +6,22 @@ import hashlib
 import itertools
 import json
 import math
+import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from floorplan import UserError
 from floorplan.files.values import require
 from navigation.benchmark import share
 from navigation.separation import AnyLaw
 
+from ..core.entries import SignOff
 from ..core.recorder import Scene
 from ..record.incidents import (
     RISKS,
@@ -32,11 +36,14 @@ from ..record.incidents import (
 )
 from ..record.output import writing
 from ..record.sampling import CellArray
+from ..record.stops import MachineTimes, machine_times, times_of_all
+from ..record.warm_up import after_warm_up, zones_of
 from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
 from ..trials.timeline import Verdict
 from ..trials.trial import Trial
 from ..views.report_page import figure
+from ..views.safety_findings import SIGNED_BY, sign_off_rows, stops_in_tables, without_a_job
 from ..views.safety_page import (
     Picture,
     clock,
@@ -69,6 +76,7 @@ class RowFindings:
     """Findings of one row: how many violations, the worst of them, times in seconds, maps.
 
     `margin` is the least margin to a required distance (metres), NaN where nothing was required.
+    `times` are those of the machines, `zones` the exposure of people in each zone.
     """
 
     count: int
@@ -77,6 +85,8 @@ class RowFindings:
     near: float
     margin: float
     maps: dict[Risk, CellArray]
+    times: Sequence[MachineTimes] = ()
+    zones: dict[str, dict[str, float]] = field(default_factory=dict)
 
 
 @dataclass(eq=False)
@@ -84,12 +94,18 @@ class Findings:
     """Findings of all rows that did not fail.
 
     `maps` are those of all rows of a trial together, by its number. `worst` has the worst
-    violations with the numbers of their rows.
+    violations with the numbers of their rows. `warm_up` is the end of the warm-up (seconds), None
+    if it is that of each trial.
     """
 
     rows: dict[int, RowFindings] = field(default_factory=dict)
     worst: list[tuple[int, Incident]] = field(default_factory=list)
     maps: dict[int, dict[Risk, CellArray]] = field(default_factory=dict)
+    warm_up: float | None = None
+
+    def warm_up_of(self, trial: Trial) -> float:
+        """Return the end of the warm-up (seconds) that was left out of a trial's runs."""
+        return trial.warm_up if self.warm_up is None else self.warm_up
 
     def add(self, row: int, trial: int, found: RowFindings) -> None:
         """Take in what was found in the row and the trial of these numbers."""
@@ -110,23 +126,26 @@ def findings(
     *,
     jobs: int | None = None,
     progress: Callable[[int], None] = lambda _: None,
+    warm_up: float | None = None,
 ) -> Findings:
     """Run every row that did not fail once more, and return what is found in all of them.
 
     `count` is the number of rows, where not all were run. `progress` is given the number of rows
-    that are done.
+    that are done. What happens before the `warm_up` (seconds), or that of the trial, is left out.
     """
-    together = Findings()
+    together = Findings(warm_up=warm_up)
     each = len(study.combinations) // len(study.trials)
+    finding = partial(row_findings, warm_up=warm_up)
     rows = (row for row in itertools.islice(study.rows(), count) if row.number not in failed)
-    for done, (row, found) in enumerate(of_rows(rows, row_findings, jobs=jobs), 1):
+    for done, (row, found) in enumerate(of_rows(rows, finding, jobs=jobs), 1):
         together.add(row.number, row.number % len(study.combinations) // each, found)
         progress(done)
     return together
 
 
-def row_findings(finished: Run) -> RowFindings:
-    """Return what is found in the run of a row."""
+def row_findings(whole: Run, warm_up: float | None = None) -> RowFindings:
+    """Return what is found in the run of a row, after the warm-up."""
+    finished = after_warm_up(whole, whole.trial.warm_up if warm_up is None else warm_up)
     found = worst_first(incidents(finished))
     both = finished.scene.people and finished.scene.machines
     maps = {of: risk(finished, of) for of in RISKS} if both else {}
@@ -140,6 +159,8 @@ def row_findings(finished: Run) -> RowFindings:
         near=time_too_close(finished),
         margin=min(filter(math.isfinite, margins), default=math.nan),
         maps=maps,
+        times=machine_times(finished),
+        zones=zones_of(finished),
     )
 
 
@@ -271,25 +292,18 @@ def _maps(found: Findings, number: int, scene: Scene) -> list[Picture]:
 
 def _exposure(results: StudyResults, found: Findings, trial: Trial) -> dict[str, Any]:
     """Return the means of a run's exposure to each zone."""
-    columns = results.columns
-    lines = [k for k, name in enumerate(columns.get("trial", [])) if name == trial.name]
+    lines = [k for k, name in enumerate(results.columns.get("trial", [])) if name == trial.name]
     mine = [found.rows[k] for k in lines if k in found.rows]
+    n = max(1, len(mine))
     zones = {
         zone.name: {
-            key: _mean_of(columns.get(f"zones.{zone.name}.{key}", ()), lines)
+            key: math.fsum(one.zones[zone.name][key] for one in mine) / n
             for key in ("time_occupied", "entries", "time_too_close")
         }
         for zone in trial.floorplan.zones
     }
-    n = max(1, len(mine))
     there, near = (sum(getattr(one, key) for one in mine) / n for key in ("on_floor", "near"))
     return exposure(trial.floorplan, zones, there, near)
-
-
-def _mean_of(column: Sequence[object], lines: Sequence[int]) -> float:
-    values = [column[k] for k in lines if k < len(column)]
-    known = [float(v) for v in values if isinstance(v, int | float)]
-    return math.fsum(known) / len(known) if known else 0.0
 
 
 def _worst_run(study: Study, found: Findings) -> dict[str, Any]:
@@ -300,7 +314,11 @@ def _worst_run(study: Study, found: Findings) -> dict[str, Any]:
     row = study.row(number)
     mine = [one for n, one in found.worst if n == number]
     values = [f"{name} {_in_words(value)}" for name, value in row.parameters.items()]
-    return {"shown": run_pictures(run(row.trial), mine, "worst"), "worst_values": ", ".join(values)}
+    since = found.warm_up_of(row.trial)
+    return {
+        "shown": run_pictures(run(row.trial), mine, "worst", since=since),
+        "worst_values": ", ".join(values),
+    }
 
 
 def _in_words(value: object) -> str:
@@ -317,6 +335,8 @@ def safety_report(
     *,
     jobs: int | None = None,
     progress: Progress = lambda _: None,
+    warm_up: float | None = None,
+    sign_off: SignOff = SignOff(),
 ) -> None:
     """Write a report of assumptions, rules, results, violations and limitations.
 
@@ -330,11 +350,15 @@ def safety_report(
         Number of processes. Defaults to the number of cores.
     progress : callable, optional
         Function called with the number of finished rows.
+    warm_up : float, optional
+        Time in seconds before which nothing counts. Defaults to that of the trial.
+    sign_off : SignOff, optional
+        Entries of the sign-off block. Those of the trial are used for empty ones.
 
     Raises
     ------
     ValueError
-        If the suffix is unknown.
+        If the suffix is unknown, or the warm-up is not shorter than the run.
     OutputError
         If the file cannot be written.
     """
@@ -343,21 +367,58 @@ def safety_report(
     if isinstance(source, StudyResults):
         title, count = source.study.name, counted(len(source), "run")
         subtitle = f"A study of {count}, simulated by Floorwalker"
-        found = findings(source.study, {*source.failed}, len(source), jobs=jobs, progress=progress)
-        template, values = "safety_study.html", study_report(source, found)
+        found = findings(
+            source.study,
+            {*source.failed},
+            len(source),
+            jobs=jobs,
+            progress=progress,
+            warm_up=warm_up,
+        )
+        template = "safety_study.html"
+        values = study_report(source, found) | _shared(source, found, sign_off)
     else:
         require(source, Recorded, "sim.load_run")
         title = source.scene.trial
         subtitle = f"A run of {clock(source.duration)} (h:mm:ss), simulated by Floorwalker"
-        template, values = "safety_run.html", _of_run(source)
+        template, values = "safety_run.html", _of_run(source, warm_up, sign_off)
     with writing(path):
         write_safety_page(path, template, title=title, subtitle=subtitle, **values)
 
 
-def _of_run(source: Recorded) -> dict[str, Any]:
+def _shared(
+    source: StudyResults, found: Findings, sign_off: SignOff
+) -> dict[str, Any]:
+    """Return the warm-up, the stops and the sign-off block of a report on a study."""
+    trials = source.study.trials
+    times = [one.times for one in found.rows.values()]
+    idle = [without_a_job(mine, len(trials[0].people)) for mine in times]
+    ends = [found.warm_up_of(trial) for trial in trials]
+    return {
+        "warm_ups": ", ".join(f"{end:g} s" for end in dict.fromkeys(ends) if end),
+        "stops": stops_in_tables(times_of_all(times), max(1, len(times))),
+        "without_a_job": Counter(name for mine in idle for name in mine),
+        "sign_off": [*sign_off_rows(sign_off.over(trials[0].sign_off))],
+        "signed_by": SIGNED_BY,
+    }
+
+
+def _of_run(
+    source: Recorded, warm_up: float | None, sign_off: SignOff
+) -> dict[str, Any]:
+    trial = source.trial if isinstance(source, Run) else None
+    if warm_up is None:
+        warm_up = 0.0 if trial is None else trial.warm_up
+    if not 0 <= warm_up < max(source.duration, sys.float_info.min):
+        raise UserError(
+            f"the warm-up must be less than the duration of the run, {source.duration:g} s, not"
+            f" {warm_up:g} s"
+        )
+    if trial is not None:
+        sign_off = sign_off.over(trial.sign_off)
     digests = {"what happened": _digest(source)}
     if not isinstance(source, Run):
-        return run_report(source, None, digests=digests)
+        return run_report(source, None, digests=digests, warm_up=warm_up, sign_off=sign_off)
     trial = source.trial
     try:
         known = identity(Study(trial.name, (trial,)))
@@ -365,7 +426,9 @@ def _of_run(source: Recorded) -> dict[str, Any]:
         known = {}
     digests = {what: known[what] for what in known if what != "the study"} | digests
     verdicts = [(_with_slack(one), one.met) for one in source.verdicts]
-    return run_report(source, trial, digests=digests, verdicts=verdicts)
+    return run_report(
+        source, trial, digests=digests, verdicts=verdicts, warm_up=warm_up, sign_off=sign_off
+    )
 
 
 def _digest(source: Recorded) -> str:

@@ -205,15 +205,20 @@ def risk_pictures(
     return parts
 
 
-def run_pictures(run: Outcome, worst: Sequence[Incident], name: str = "") -> list[Picture]:
-    """Return where everybody went in a run, the distances of the worst pairs, and instants."""
+def run_pictures(
+    run: Outcome, worst: Sequence[Incident], name: str = "", *, since: float = 0.0
+) -> list[Picture]:
+    """Return where everybody went in a run, the distances of the worst pairs, and instants.
+
+    Paths and distances are those from `since` (seconds) on.
+    """
     parts: list[Picture] = []
     dense = sum(len(motion.pieces) for motion in run.motions.values()) > LONG
 
     def paths() -> Figure:
         from .plots import heat_map, trails
 
-        return heat_map(run) if dense else trails(run)
+        return heat_map(run) if dense else trails(run, within=(since, run.duration))
 
     if run.scene.people:
         title, words = (
@@ -224,16 +229,18 @@ def run_pictures(run: Outcome, worst: Sequence[Incident], name: str = "") -> lis
         parts += _drawn(title, words, f"paths {name}", paths)
     pairs = list(dict.fromkeys((one.person, one.machine) for one in worst))
     for person, machine in pairs[:MOST_PANELS]:
-        parts += _distance(run, person, machine, name)
+        parts += _distance(run, person, machine, name, since)
     parts += _instants(run, worst[:INSTANTS], name)
     return parts
 
 
-def _distance(run: Outcome, person: str, machine: str, name: str) -> Iterator[Picture]:
+def _distance(
+    run: Outcome, person: str, machine: str, name: str, since: float
+) -> Iterator[Picture]:
     def draw() -> Figure:
         from .plots import separation
 
-        return separation(run, person, machine)
+        return separation(run, person, machine, within=(since, run.duration))
 
     title = f"Distance of {person} to {machine}"
     words = "Over time, beside what the law required; where it was less is shaded."

@@ -15,16 +15,34 @@ from navigation.kernels import COMPILED
 from navigation.separation import AnyLaw
 
 from ..core.body import MachineShape
-from ..core.entries import COMMANDS, Start
+from ..core.entries import COMMANDS, SignOff, Start
 from ..core.recorder import Scene
 from ..core.rules import RuleSet
 from ..core.scenario import ASSUMED, PersonEntry, Scenario
 from ..core.schedule import Drawn, Duration, WorkTask, as_given
 from ..machines.kinds import in_words, models_of, on_floor, short_laws
-from ..record.incidents import RISKS, incidents, risk, time_on_floor, time_too_close, worst_first
+from ..record.incidents import (
+    RISKS,
+    Incident,
+    incidents,
+    risk,
+    time_on_floor,
+    time_too_close,
+    worst_first,
+)
 from ..record.outcome import Outcome
+from ..record.stops import MachineTimes, machine_times
 from ..record.summary import figures_in_words
+from ..record.warm_up import after_warm_up, zones_of
 from .report_page import minus
+from .safety_findings import (
+    COUNTED,
+    SIGNED_BY,
+    counts,
+    sign_off_rows,
+    stops_in_tables,
+    without_a_job,
+)
 from .safety_page import (
     MOST_INCIDENTS,
     counted,
@@ -351,13 +369,18 @@ def run_report(
     *,
     digests: Mapping[str, str],
     verdicts: Sequence[tuple[str, bool]] = (),
+    warm_up: float = 0.0,
+    sign_off: SignOff = SignOff(),
 ) -> dict[str, Any]:
     """Return what `safety_run.html` shows; `scenario` is the trial, None of a recording.
 
     `digests` are those of what was read, `verdicts` the expectations and whether they were met.
+    What happened before the `warm_up` (seconds) is left out.
     """
-    worst = worst_first(incidents(run))
-    scene, zones = run.scene, run.summary.get("zones", {})
+    whole, run = run, after_warm_up(run, warm_up)
+    worst, times = worst_first(incidents(run)), machine_times(run)
+    scene = run.scene
+    zones = run.summary.get("zones", {}) if run is whole else zones_of(run)
     near, there = time_too_close(run), time_on_floor(run)
     described = about(scene, scenario)
     maps = {of: risk(run, of) for of in RISKS} if scene.people and scene.machines else {}
@@ -377,10 +400,27 @@ def run_report(
         **_summary(run),
         "maps": risk_pictures(run.floorplan, scene.machines, maps),
         "exposed": exposure(run.floorplan, zones, there, near),
-        "shown": run_pictures(run, worst),
+        "shown": run_pictures(run, worst, since=warm_up),
+        "warm_up": warm_up,
+        "compared_counts": _compared_counts(whole, run, worst, times),
+        "stops": stops_in_tables(times),
+        "without_a_job": without_a_job(times, len(scene.people)),
+        "sign_off": [*sign_off_rows(sign_off)],
+        "signed_by": SIGNED_BY,
         "software": software(),
         "digests": [*digests.items()],
     }
+
+
+def _compared_counts(
+    whole: Outcome, run: Outcome, worst: Sequence[Incident], times: Sequence[MachineTimes]
+) -> list[Row]:
+    """Return what is counted after the warm-up, and in the whole run; nothing without one."""
+    if run is whole:
+        return []
+    after = counts(run, worst, times)
+    before = counts(whole, incidents(whole), machine_times(whole))
+    return [*zip(COUNTED, after, before, strict=True)]
 
 
 def _summary(run: Outcome) -> dict[str, Any]:
