@@ -298,8 +298,9 @@ def _incident(run: Outcome, log: _Log, person: str, machine: str, span: Span) ->
     worst_at, margin = _least_margin(run, person, machine, span, times)
     events = list(log.of(person, machine, span))
     violation = next((event for event in events if event["kind"] == "violation"), None)
-    if violation is None:  # of a run that was broken off
-        distance, required, cause = math.nan, math.nan, ""
+    if violation is None:  # it began before the warm-up, or the run was broken off
+        distance = float(run.distance(person, machine, begin))
+        required, cause = float(run.required(person, machine, begin)), ""
     else:
         distance, required, cause = (violation[key] for key in ("distance", "required", "cause"))
     if distance - required <= margin:

@@ -199,7 +199,7 @@ def risk_pictures(
         def draw(of: Risk = of, found: CellArray = found) -> Figure:
             from .plots.maps import drawn_risk
 
-            return drawn_risk(plan, machines, found, of=of)
+            return drawn_risk(plan, machines, found, of=of, width="single")
 
         parts += _drawn(*_MAPS[of], f"risk {of} {name}", draw)
     return parts
@@ -218,7 +218,7 @@ def run_pictures(
     def paths() -> Figure:
         from .plots import heat_map, trails
 
-        return heat_map(run) if dense else trails(run, within=(since, run.duration))
+        return heat_map(run, width="single") if dense else trails(run, within=(since, run.duration), width="single")
 
     if run.scene.people:
         title, words = (
@@ -240,7 +240,7 @@ def _distance(
     def draw() -> Figure:
         from .plots import separation
 
-        return separation(run, person, machine, within=(since, run.duration))
+        return separation(run, person, machine, within=(since, run.duration), width="single")
 
     title = f"Distance of {person} to {machine}"
     words = "Over time, beside what the law required; where it was less is shaded."
@@ -270,7 +270,7 @@ def _instants(run: Outcome, worst: Sequence[Incident], name: str) -> Iterator[Pi
         def draw(one: Incident = one, before: float = before) -> Figure:
             from .plots.paths import moment
 
-            return moment(run, before, one.person, one.machine)
+            return moment(run, before, one.person, one.machine, width="single")
 
         yield from _drawn(title, words, f"moment {k} {name}", draw)
 

@@ -9,7 +9,7 @@ function drawMarks(tools, run, t, chosen, afterglow, hidden) {
   const pen = { ...tools, camera: tools.eye, taken: [] };
   drawViolationMarks(pen, run, t);
   const there = tools.world.bodiesAt(t, tools.eye);
-  const shown = run.shown(chosen).filter(watch => there.includes(watch.person) && there.includes(watch.other));
+  const shown = run.shown(chosen, t).filter(watch => there.includes(watch.person) && there.includes(watch.other));
   const bodies = there.filter(body => body !== hidden);
   const order = ["person", "robot", "vehicle"];
   bodies.sort((a, b) => order.indexOf(a.category) - order.indexOf(b.category));

@@ -93,8 +93,7 @@ class Replay {
   #showRuns() {
     const [first] = this.runs;
     const { floorplan, bodies, title } = first.recording;
-    const people = bodies.filter(body => body.personality)
-      .map(body => `${spoken(body.name)}: ${body.personality}`);
+    const people = castOf(bodies.filter(body => body.personality));
     const isCompared = this.runs.length > 1;
     const names = namesOf(this.runs);
     this.views.forEach((view, i) => { view.frame.querySelector(".title").textContent = names[i]; });

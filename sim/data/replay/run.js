@@ -1,6 +1,8 @@
 /* One recording: bodies and their motions, watches, violations, stops. */
 
 const FEW = 4;               // people, of whom each pair can be looked at
+const NEAR = 1;              // metres beyond the required distance, within which a pair is almost too near
+const MOST_NEAR = 3;         // pairs beside the chosen one, of which the distances of many people are shown
 const MEETINGS = ["met", "gave_way", "blocked"];
 const PERSON_COLORS = ["person-1", "person-2", "person-3", "person-4"];
 
@@ -107,11 +109,16 @@ class Run {
     return this.goals.get(name);
   }
 
-  /** The watch to show of each person: the chosen one (last, on top), or the first there is. */
-  shown(chosen) {
-    const others = this.people.filter(person => person !== chosen?.person)
-      .map(person => this.watches.find(watch => watch.person === person));
-    return [...others, chosen].filter(Boolean);
+  /**
+   * The watches to show at t: of each person the chosen one (last, on top), or a violated one, or the first
+   * there is. Of many people, only those nearest to their required distance.
+   */
+  shown(chosen, t) {
+    const others = this.people.filter(person => person !== chosen?.person).map(person => {
+      const mine = this.watches.filter(watch => watch.person === person);
+      return mine.find(watch => watch.violatedAt(t)) ?? mine[0];
+    }).filter(Boolean);
+    return [...this.people.length > FEW ? nearest(others, t) : others, chosen].filter(Boolean);
   }
 
   /** The last violation of a watch that was counted, if that was within `afterglow` seconds. */
@@ -168,6 +175,21 @@ class Run {
       return violation;
     });
   }
+}
+
+/** Of some watches those of the nearest people at t, who notice the other body or are almost too near. */
+function nearest(watches, t) {
+  const found = watches.map(watch => ({ watch, ...watch.at(t) }));
+  return found.filter(({ distance, margin, notice }) => margin < NEAR || (notice !== null && distance < notice))
+    .sort((a, b) => a.margin - b.margin).slice(0, MOST_NEAR).map(({ watch }) => watch);
+}
+
+/** The people of a recording and their personalities, many of them counted: "25 × calm". */
+function castOf(people) {
+  if (people.length <= FEW) return people.map(({ name, personality }) => `${spoken(name)}: ${personality}`);
+  const counts = new Map();
+  for (const { personality } of people) counts.set(personality, (counts.get(personality) ?? 0) + 1);
+  return [...counts].map(([personality, count]) => `${count} × ${personality}`);
 }
 
 /** A name for each run: the title, or else what differs between them, as far as `most` kinds of it. */

@@ -25,7 +25,7 @@ function drawScene(tools, run, t, chosen, afterglow) {
     taken: [...tools.names, ...bodies.map(body => boxRound(body.motion.at(t), BODY_SIZE, tools.camera))],
   };
   const ofCategory = category => bodies.filter(body => body.category === category);
-  const shown = run.shown(chosen).filter(watch => isHere(watch.person) && isHere(watch.other));
+  const shown = run.shown(chosen, t).filter(watch => isHere(watch.person) && isHere(watch.other));
   drawPassing(pen, run, t);
   for (const watch of shown) drawDistances(pen, watch, t);
   for (const body of bodies) drawTrail(pen, body, t);

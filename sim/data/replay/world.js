@@ -86,7 +86,7 @@ class World {
       else if (body.category === "vehicle") addVehicle(moving, body, t, colors);
       else addRobot(moving, body, t, run.isDisabled(body, t), colors);
     }
-    const shown = run.shown(chosen).filter(watch => bodies.includes(watch.person) && bodies.includes(watch.other));
+    const shown = run.shown(chosen, t).filter(watch => bodies.includes(watch.person) && bodies.includes(watch.other));
     for (const watch of shown) if (watch.person !== hidden) this.#addDistances(watch, t);
     if (this.fieldScale && !this.#isFieldOfRun) addField(moving, run, this.fieldScale, t, MARKED / 2);
     for (const body of bodies) this.#addTrail(body, t);

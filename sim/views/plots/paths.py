@@ -201,9 +201,11 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
 
 
 @styled()
-def moment(run: Outcome, t: float, person: str, machine: str) -> Figure:
+def moment(
+    run: Outcome, t: float, person: str, machine: str, *, width: Width = "double"
+) -> Figure:
     """Draw the bodies at `t` (s) with recent paths, and the required distance of two."""
-    figure, axes = floor_figure(run.floorplan, "double")
+    figure, axes = floor_figure(run.floorplan, width)
     draw_floor(axes, run.floorplan, run.scene.machines)
     span = (max(0.0, t - TRAIL), max(t, INSTANT))
     present = [one for one in run.motions if while_present(run, one, span)]
@@ -219,7 +221,7 @@ def moment(run: Outcome, t: float, person: str, machine: str) -> Figure:
             disc = Spot(run.motions[one.name].state(t).at).buffer(one.radius)
             colour = person_colour(index)
             fill_area(axes, disc, facecolor=colour, edgecolor="white", linewidth=0.4, zorder=5)
-    explain(figure, [axes], "double")
+    explain(figure, [axes], width)
     outlines = {one.name: _outline(run, one.name, t) for one in run.scene.machines}
     draw_names(axes, run.floorplan, paths=paths, marked=[here], machines=outlines)
     return figure
