@@ -90,6 +90,10 @@ class SignOff(Keyed):
         return replace(other, **given)
 
 
+UNSIGNED = SignOff()
+"""Sign-off block without entries."""
+
+
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")
 """Conditions of a start or a change of personality, one of them."""
 

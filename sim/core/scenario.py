@@ -34,6 +34,7 @@ from .entries import (
     ALL_ROUND,
     AS_USUAL,
     AT_ONCE,
+    UNSIGNED,
     Blackout,
     Command,
     Drop,
@@ -484,7 +485,7 @@ class Scenario:
     sources: dict[str, str] = field(default_factory=dict)
     counterfactual: Literal["without machines", "without people"] | None = None
     warm_up: float = 0.0
-    sign_off: SignOff = SignOff()
+    sign_off: SignOff = UNSIGNED
 
     @property
     def code_folder(self) -> CodeFolder:

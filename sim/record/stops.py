@@ -242,10 +242,10 @@ def _joined(stops: Iterable[Stop]) -> Iterator[Stop]:
     for stop in stops:
         if stop.end <= stop.begin:
             continue
-        if last is not None and last == replace(stop, begin=last.begin, end=last.end):
-            if last.end == stop.begin:
-                last = replace(last, end=stop.end)
-                continue
+        after = (stop.begin, stop.cause, stop.who)
+        if last is not None and (last.end, last.cause, last.who) == after:
+            last = replace(last, end=stop.end)
+            continue
         if last is not None:
             yield last
         last = stop

@@ -21,7 +21,7 @@ from floorplan.files.values import require
 from navigation.benchmark import share
 from navigation.separation import AnyLaw
 
-from ..core.entries import SignOff
+from ..core.entries import UNSIGNED, SignOff
 from ..core.recorder import Scene
 from ..record.incidents import (
     RISKS,
@@ -336,7 +336,7 @@ def safety_report(
     jobs: int | None = None,
     progress: Progress = lambda _: None,
     warm_up: float | None = None,
-    sign_off: SignOff = SignOff(),
+    sign_off: SignOff = UNSIGNED,
 ) -> None:
     """Write a report of assumptions, rules, results, violations and limitations.
 
@@ -386,9 +386,7 @@ def safety_report(
         write_safety_page(path, template, title=title, subtitle=subtitle, **values)
 
 
-def _shared(
-    source: StudyResults, found: Findings, sign_off: SignOff
-) -> dict[str, Any]:
+def _shared(source: StudyResults, found: Findings, sign_off: SignOff) -> dict[str, Any]:
     """Return the warm-up, the stops and the sign-off block of a report on a study."""
     trials = source.study.trials
     times = [one.times for one in found.rows.values()]
@@ -403,9 +401,7 @@ def _shared(
     }
 
 
-def _of_run(
-    source: Recorded, warm_up: float | None, sign_off: SignOff
-) -> dict[str, Any]:
+def _of_run(source: Recorded, warm_up: float | None, sign_off: SignOff) -> dict[str, Any]:
     trial = source.trial if isinstance(source, Run) else None
     if warm_up is None:
         warm_up = 0.0 if trial is None else trial.warm_up

@@ -21,7 +21,7 @@ from floorplan.files.documents import read_yaml
 from floorplan.files.fields import Flag, NotNegative, Number, Range, Strictly, whole
 from floorplan.files.problems import Written, suggestion
 
-from ..core.entries import COMMANDS, Blackout, Command, SignOff
+from ..core.entries import COMMANDS, UNSIGNED, Blackout, Command, SignOff
 from ..core.rules import PAPER
 from ..core.scenario import (
     ASSUMED,
@@ -34,7 +34,15 @@ from ..core.scenario import (
     Source,
     TrialError,
 )
-from ..core.schedule import Delay, DoorTimes, Intervals, Length, TimedObstacle, WorkList, time_of_day
+from ..core.schedule import (
+    Delay,
+    DoorTimes,
+    Intervals,
+    Length,
+    TimedObstacle,
+    WorkList,
+    time_of_day,
+)
 from ..machines.agv.model import AgvKeys
 from .checks import LARGEST_SEED
 from .feasibility import command_faults
@@ -235,5 +243,5 @@ class TrialKeys(Strictly):
     sources: dict[Annotated[str, AfterValidator(_as_assumed)], str] = {}
     counterfactual: Literal["without machines", "without people"] | None = None
     warm_up: Delay = 0.0
-    sign_off: SignOff = SignOff()
+    sign_off: SignOff = UNSIGNED
     expect: dict[str, Any] = {}

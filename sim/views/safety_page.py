@@ -218,7 +218,11 @@ def run_pictures(
     def paths() -> Figure:
         from .plots import heat_map, trails
 
-        return heat_map(run, width="single") if dense else trails(run, within=(since, run.duration), width="single")
+        return (
+            heat_map(run, width="single")
+            if dense
+            else trails(run, within=(since, run.duration), width="single")
+        )
 
     if run.scene.people:
         title, words = (

@@ -15,7 +15,7 @@ from navigation.kernels import COMPILED
 from navigation.separation import AnyLaw
 
 from ..core.body import MachineShape
-from ..core.entries import COMMANDS, SignOff, Start
+from ..core.entries import COMMANDS, UNSIGNED, SignOff, Start
 from ..core.recorder import Scene
 from ..core.rules import RuleSet
 from ..core.scenario import ASSUMED, PersonEntry, Scenario
@@ -370,7 +370,7 @@ def run_report(
     digests: Mapping[str, str],
     verdicts: Sequence[tuple[str, bool]] = (),
     warm_up: float = 0.0,
-    sign_off: SignOff = SignOff(),
+    sign_off: SignOff = UNSIGNED,
 ) -> dict[str, Any]:
     """Return what `safety_run.html` shows; `scenario` is the trial, None of a recording.
 

@@ -201,15 +201,15 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
 
 
 @styled()
-def moment(
-    run: Outcome, t: float, person: str, machine: str, *, width: Width = "double"
-) -> Figure:
+def moment(run: Outcome, t: float, person: str, machine: str, *, width: Width = "double") -> Figure:
     """Draw the bodies at `t` (s) with recent paths, and the required distance of two."""
     figure, axes = floor_figure(run.floorplan, width)
     draw_floor(axes, run.floorplan, run.scene.machines)
     span = (max(0.0, t - TRAIL), max(t, INSTANT))
     present = [one for one in run.motions if while_present(run, one, span)]
-    paths = [_draw_path(axes, run, body, span, edged=False) for body in present]
+    paths = [
+        _draw_path(axes, run, body, span, edged=False, named=body == person) for body in present
+    ]
     here, there = (run.motions[name].state(t).at for name in (person, machine))
     axes.plot(*zip(here, there, strict=True), color=VERMILION, linewidth=0.8, linestyle=(0, (3, 3)))
     required = float(run.required(person, machine, [t])[0])
@@ -233,10 +233,13 @@ def _outline(run: Outcome, name: str, t: float) -> Polygon:
     return run.scene.machine(name).footprint(motion.state(t).at, float(motion.rotation(t)))
 
 
-def _draw_path(axes: Axes, run: Outcome, body: str, span: Span, *, edged: bool = True) -> Array:
+def _draw_path(
+    axes: Axes, run: Outcome, body: str, span: Span, *, edged: bool = True, named: bool = True
+) -> Array:
     """Draw the path of a body; return its points (N, 2), NaN where it is broken.
 
-    If `edged`, lines of people have different widths, so that one shows below another.
+    If `edged`, lines of people have different widths, so that one shows below another. A person
+    stands in the legend if `named`.
     """
     motion = run.motions[body]
     there = while_present(run, body, span)
@@ -255,7 +258,7 @@ def _draw_path(axes: Axes, run: Outcome, body: str, span: Span, *, edged: bool =
             color=person_colour(index),
             linewidth=width,
             path_effects=[withStroke(linewidth=width + _GAP * edges, foreground="white")],
-            label=person_label(body, len(people)),
+            label=person_label(body, len(people)) if named else f"_{body}",
             zorder=3.2,
         )
     else:
