@@ -171,7 +171,7 @@ def machine_times(run: Outcome) -> list[MachineTimes]:
         if event["kind"] == "violation" and event["penalty"]:
             penalised[event["with"]] = event["person"]
         elif event["kind"] == "penalty":
-            penalised |= dict.fromkeys(robots, event["person"])
+            penalised.update((name, event["person"]) for name in robots)
         name = _machine_of(event)
         if name in logs:
             logs[name].append((event, penalised.get(name, "")))

@@ -1,0 +1,157 @@
+"""Why machines stood still, for whom, and what is left out of the counts of a report."""
+
+import numpy as np
+import pytest
+from run_events import events
+from small_floors import GANTRY, LANE, on_floor
+
+import sim
+from sim.record.incidents import incidents, time_on_floor, time_too_close
+from sim.record.stops import machine_times, times_of_all
+from sim.record.warm_up import after_warm_up, contacts_of, zones_of
+
+FLOOR = (
+    """\
+boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+stations: {west: [2, 5], east: [18, 6]}
+safe_zone: {at: [2, 5]}
+zones: {middle: {x: [8, 12], y: [2, 9], max_speed: 2.0}}
+"""
+    + GANTRY
+    + LANE
+)
+STANDING = "[{name: eve, personality: external, at: [10, 5]}]"
+WALKING = "[{name: eve}, {name: ada, at: [17, 6], max_speed: 0.7}]"
+MOVES = "[{move: [15, 6, 0]}, {wait: 4}, {move: [5, 6, 0]}]"
+
+
+def run(rules="observe", people=STANDING, jobs=MOVES, controller="oblivious", **keys):
+    more = "".join(f"{key}: {value}\n" for key, value in keys.items())
+    text = (
+        f"rules: {{based_on: {rules}, gantry_law: {{fixed: 3.0}}, agv_law: {{fixed: 2.0}}}}\n"
+        f"duration: 30\npeople: {people}\n"
+        f"gantry: {{at: [5, 6, 0], controller: {controller}, jobs: {jobs}}}\n{more}"
+    )
+    return sim.run(sim.Trial.parse(on_floor(FLOOR, text)))
+
+
+def times_of(found, machine="gantry", since=0.0):
+    """The times of a machine: together they are those of the run after its warm-up."""
+    (one,) = (one for one in machine_times(after_warm_up(found, since)) if one.machine == machine)
+    whole = one.moving + sum(one.stopped.values())
+    assert whole == pytest.approx(found.duration - since, abs=1e-6)
+    assert sum(seconds for _, seconds in one.whom.values()) <= whole + 1e-6
+    return one
+
+
+def test_a_gantry_that_waits_for_a_person_says_for_whom():
+    found = run(controller="pausing")
+    yielded = events(found, "gantry_yielded")
+    assert {event["person"] for event in yielded} == {"eve"}
+    assert all(event["distance"] > event["required"] for event in yielded)
+    times = times_of(found)
+    motion, t = found.motions["gantry"], np.linspace(0, 30, 3001)
+    stood = np.mean(np.hypot(*motion.velocity(t).T) == 0.0) * 30
+    assert times.stopped == {"people": pytest.approx(stood, abs=0.05)}
+    assert times.whom == {("people", "eve"): (len(yielded), times.stopped["people"])}
+    assert times.had_jobs and times.jobs_done == 0
+
+
+@pytest.mark.parametrize("controller", ["pausing", "avoiding"])
+@pytest.mark.parametrize("seed", range(3))
+def test_waiting_is_all_that_a_gantry_without_other_reasons_does(controller, seed):
+    jobs = "[{move: [15, 6, 0]}, {move: [5, 6, 0]}]"
+    found = run(people=WALKING, jobs=jobs, controller=controller, seed=seed)
+    times = times_of(found)
+    assert {*times.stopped} <= {"people", "nothing to do"}
+    assert times.stopped.get("people", 0.0) <= found.summary["gantry_idle_time"] + 1e-6
+    done = [event["t"] for event in events(found, "job_done")]
+    assert times.jobs_done == len(done)
+    if len(done) == 2:
+        assert times.stopped["nothing to do"] == pytest.approx(30 - done[1], abs=1e-6)
+    else:
+        assert "nothing to do" not in times.stopped
+
+
+def test_waiting_in_a_job_and_having_none_are_told_apart():
+    times = times_of(run(people="[]"))
+    assert times.stopped["job wait"] == pytest.approx(4.0)
+    assert {*times.stopped} == {"job wait", "nothing to do"} and times.jobs_done == 3
+    assert times_of(run(people="[]", jobs="[]")).stopped == {"nothing to do": 30.0}
+
+
+@pytest.mark.parametrize(
+    ("rules", "cause", "figure"),
+    [
+        ("paper", "penalty", "gantry_disabled_time"),
+        ("protective_stop", "protective stop", "protective_stop_time"),
+    ],
+)
+def test_what_the_rules_stop_is_theirs(rules, cause, figure):
+    found = run(rules)
+    times = times_of(found)
+    braking = 30 - times.moving - sum(times.stopped.values())
+    assert braking == pytest.approx(0.0, abs=1e-6)
+    # While it brakes it moves, and is disabled or stopped already.
+    assert 0 < times.stopped[cause] <= found.summary[figure]
+    assert times.stopped[cause] > found.summary[figure] - 3.0 * len(events(found, "violation"))
+    assert {key for key in times.whom if key[0] == cause} == {(cause, "eve")}
+
+
+def test_agvs_yield_are_held_and_arrive():
+    moves = "{cart: {yield: true, moves: [{time: 0, to: east}]}}"
+    hold = "[{time: 2, hold: cart}, {time: 12, release: cart}]"
+    found = run(people="[{name: eve, personality: external, at: [11, 4]}]", agvs=moves)
+    times = times_of(found, "cart")
+    (yielded,) = events(found, "agv_yielded")
+    assert times.whom == {("people", "eve"): (1, times.stopped["people"])}
+    assert times.stopped["people"] < 30 - yielded["t"] and not times.had_jobs
+    held = times_of(run(people="[]", agvs=moves, commands=hold), "cart")
+    assert held.stopped["hold"] == pytest.approx(10 - 2.0, abs=0.01)  # it brakes from 1 m/s
+    assert {*held.stopped} == {"hold"} or held.stopped["nothing to do"] > 0
+
+
+def test_times_of_several_runs_are_added():
+    one, other = (machine_times(run(controller=name)) for name in ("pausing", "oblivious"))
+    both = times_of_all([one, other])
+    assert [times.machine for times in both] == [times.machine for times in one]
+    assert both[0].moving == one[0].moving + other[0].moving
+    assert both[0].jobs_done == one[0].jobs_done + other[0].jobs_done
+    assert sum(both[0].stopped.values()) + both[0].moving == pytest.approx(60.0)
+
+
+def test_what_happens_before_the_warm_up_is_left_out():
+    found = run(people="[{name: eve, at: [5, 5]}, {name: ada, at: [17, 6]}]")
+    spans = sorted(span for some in found.violations.values() for span in some)
+    assert spans[0][0] == 0.0 and len(spans) > 1
+    since = (spans[0][1] + spans[1][0]) / 2 if spans[0][1] < spans[1][0] else spans[0][1]
+    later = after_warm_up(found, since)
+    kept = [one.begin for one in incidents(found) if one.end > since]
+    assert [one.begin for one in incidents(later)] == [max(begin, since) for begin in kept]
+    assert len(kept) < len(spans)
+    assert time_on_floor(later) == pytest.approx(2 * (30 - since))
+    assert time_too_close(later) < time_too_close(found)
+    assert after_warm_up(found, 0.0) is found
+
+
+def test_a_violation_that_lasts_beyond_the_warm_up_counts_from_its_end():
+    found = run()
+    (begin, end), *_ = found.violations["eve", "gantry"]
+    since = (begin + end) / 2
+    first = incidents(after_warm_up(found, since))[0]
+    assert (first.begin, first.end) == (since, end)
+    assert first.distance == pytest.approx(float(found.distance("eve", "gantry", since)))
+    assert (first.required, first.cause) == (3.0, "")
+    assert first.margin == pytest.approx(min(one.margin for one in incidents(found)[:1]), abs=2.0)
+
+
+def test_contacts_and_zones_of_a_whole_run_are_those_of_its_summary():
+    found = run(people="[{name: eve, at: [5, 5]}, {name: ada, at: [10, 2.9]}]", seed=2)
+    assert contacts_of(found) == found.summary["contacts"]
+    mine, theirs = zones_of(found), found.summary["zones"]
+    assert mine.keys() == theirs.keys()
+    for zone, figures in mine.items():
+        assert figures == pytest.approx(theirs[zone], abs=1e-6)
+    assert zones_of(after_warm_up(found, 15.0))["middle"]["time_occupied"] <= (
+        mine["middle"]["time_occupied"]
+    )
