@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import zlib
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field, replace
+from dataclasses import KW_ONLY, dataclass, field, fields, replace
 from datetime import date
 from random import Random
 from typing import Annotated, Any, Literal
@@ -86,8 +86,8 @@ class SignOff(Keyed):
         other : SignOff
             The other block.
         """
-        given = {name: value for name, value in vars(self).items() if value}
-        return replace(other, **given)
+        given = {one.name: getattr(self, one.name) for one in fields(self)}
+        return replace(other, **{name: value for name, value in given.items() if value})
 
 
 UNSIGNED = SignOff()

@@ -9,6 +9,8 @@ from small_floors import GANTRY, on_floor
 
 import sim
 from sim.record.incidents import incidents, risk, time_on_floor, time_too_close
+from sim.record.stops import machine_times
+from sim.record.warm_up import after_warm_up
 from sim.studies.comparison import sensitivities
 from sim.studies.safety import MARGIN, TOO_NEAR, VIOLATIONS, findings, with_findings
 from sim.views import film
@@ -165,15 +167,96 @@ def test_a_study_is_reported(tmp_path):
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert f"{count:,}</td>" in text and "S = 2 m" in text and "S = 3 m" in text
     assert "in 2 of 4 combinations" in text and text.count("<svg") > 8
+    assert "Why machines stood still" in text and "job wait" in text
+    later = findings(results.study, set(), jobs=1, warm_up=10.0)
+    kept = [incidents(after_warm_up(sim.run(row.trial), 10.0)) for row in results.study.rows()]
+    assert [one.count for one in later.rows.values()] == [*map(len, kept)]
+    sim.safety_report(results, tmp_path / "report.html", jobs=1, warm_up=10.0)
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "10 s: what happened before is in no count" in text
 
 
 @pytest.mark.slow
 def test_the_command_reports_recordings(floorwalker, tmp_path):
     (tmp_path / "cell.trial.yaml").write_text("{floorplan: ariac2023, duration: 2}")
     floorwalker("run", "cell.trial.yaml", "--out", "run", "--no-open", cwd=tmp_path)
-    done = floorwalker("report", "run", "--out", "report.html", cwd=tmp_path)
+    signed = ("--warm-up", "1", "--plant", "Hall 3", "--revision", "B")
+    done = floorwalker("report", "run", *signed, "--out", "report.html", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "report.html\n")
-    assert "A recording holds neither speeds" in (tmp_path / "report.html").read_text()
+    page = (tmp_path / "report.html").read_text()
+    assert "A recording holds neither speeds" in page and "1 s: what happened before" in page
+    assert ">Hall 3</td>" in page and ">B</td>" in page
+
+
+def crowded(keys=""):
+    """Ten people around a gantry that waits for them, one of them beside it at the start."""
+    return sim.Trial.parse(
+        "{floorplan: ariac2023, duration: 12, rules: observe, people:"
+        " [{name: near, at: [-4, 0.7]}, {name: crew, count: 9, at: anywhere}],"
+        " gantry: {controller: pausing, at: [-4, 0, 0],"
+        f" jobs: [{{pick: bin2, place: agv1}}]}}{keys}}}"
+    )
+
+
+def rows_of(page, title):
+    """The cells of the rows of the first table below a title."""
+    table = page.partition(f">{title}<")[2].partition("</table>")[0]
+    rows = re.findall(r"<tr>(.*?)</tr>", table, re.DOTALL)
+    return [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row, re.DOTALL) for row in rows]
+
+
+def report_of(run, tmp_path, **keys):
+    sim.safety_report(run, tmp_path / "report.html", **keys)
+    return (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_report_leaves_out_the_warm_up_and_says_so(tmp_path):
+    run = sim.run(crowded(", warm_up: 3"))
+    all_of_them, later = (incidents(after_warm_up(run, t)) for t in (0.0, 3.0))
+    assert any(one.begin == 0.0 and one.person == "near" for one in all_of_them)
+    page = report_of(run, tmp_path)
+    assert "3 s: what happened before is in no count" in page
+    listed = rows_of(page, "8 Violations")[1:]
+    assert sorted(row[0] for row in listed) == sorted(f"{one.begin:.3f}" for one in later)
+    counts = {row[0]: row[1:] for row in rows_of(page, "Counts after the warm-up of 3 s")[1:]}
+    pairs = [("violations with robots", True), ("violations with vehicles that move", False)]
+    for what, is_robot in pairs:
+        expected = [
+            sum((one.machine == "gantry") == is_robot for one in some)
+            for some in (later, all_of_them)
+        ]
+        assert counts[what] == [*map(str, expected)]
+    assert counts["contacts with machines"][1] == str(run.summary["contacts"])
+    whole = report_of(run, tmp_path, warm_up=0.0)
+    assert "warm-up" not in whole and len(rows_of(whole, "8 Violations")) - 1 == len(all_of_them)
+    with pytest.raises(ValueError, match="less than the duration of the run, 12 s, not 12 s"):
+        report_of(run, tmp_path, warm_up=12.0)
+
+
+def test_a_report_says_why_a_gantry_stood_and_that_it_got_no_job_done(tmp_path):
+    run = sim.run(crowded())
+    assert run.summary["jobs_done"] == 0
+    page = report_of(run, tmp_path)
+    assert "gantry: no job done beside 10 people, though there were jobs." in page
+    heads, *rows = rows_of(page, "By cause")
+    gantry = dict(zip(heads, rows[0], strict=True))
+    (times,) = (one for one in machine_times(run) if one.machine == "gantry")
+    assert (gantry["machine"], gantry["jobs done"]) == ("gantry", "0")
+    assert gantry["people"].startswith(f"{times.stopped['people']:.1f} (")
+    (cause, who), (count, seconds) = next(iter(times.whom.items()))
+    line = ["gantry", cause, who, str(count), f"{seconds:.1f}"]
+    assert line in rows_of(page, "For whom")
+    alone = sim.run(replace(crowded(), people=()))
+    assert "no job done" not in report_of(alone, tmp_path)
+
+
+def test_a_report_has_a_block_to_sign(tmp_path):
+    run = sim.run(replace(crowded(", sign_off: {plant: Hall 3, date: 2026-11-24}"), duration=1.0))
+    page = report_of(run, tmp_path, sign_off=sim.SignOff(plant="Hall <4>", author="A. Muster"))
+    head = page.partition("</header>")[0]
+    assert all(words in head for words in ("Hall &lt;4&gt;", "2026-11-24", "A. Muster"))
+    assert head.count('class="blank"') == 1 and "An annex to a risk assessment" in head
+    assert [row[0] for row in rows_of(page, "signature")] == ["prepared", "checked", "approved"]
 
 
 def test_the_command_says_at_once_what_it_can_not(floorwalker, tmp_path):

@@ -155,6 +155,7 @@ def test_contacts_and_zones_of_a_whole_run_are_those_of_its_summary():
     assert mine.keys() == theirs.keys()
     for zone, figures in mine.items():
         assert figures == pytest.approx(theirs[zone], abs=1e-6)
-    assert zones_of(after_warm_up(found, 15.0))["middle"]["time_occupied"] <= (
-        mine["middle"]["time_occupied"]
+    assert (
+        zones_of(after_warm_up(found, 15.0))["middle"]["time_occupied"]
+        <= (mine["middle"]["time_occupied"])
     )
