@@ -784,7 +784,7 @@ def test_a_distance_stands_on_a_plate_in_the_colours_of_the_page(open_page, spac
 @pytest.mark.parametrize("space", [False, True])
 def test_distances_of_a_crowd_do_not_cover_each_other(open_page, space):
     crowd = (
-        "{floorplan: ariac2023, duration: 4, rules: observe,"
+        "{floorplan: ariac2023, duration: 4, seed: 7, rules: observe,"
         " people: [{name: crew, count: 40, at: anywhere}]}"
     )
     viewer = listening_to_plates(open_page, crowd, space)
@@ -795,6 +795,36 @@ def test_distances_of_a_crowd_do_not_cover_each_other(open_page, space):
     for a, b in itertools.combinations(others, 2):
         wide, high = min(a[1], b[1]) - max(a[0], b[0]), min(a[3], b[3]) - max(a[2], b[2])
         assert max(wide, 0) * max(high, 0) <= 5 * max(a[1] - a[0], b[1] - b[0])
+
+
+LISTEN_TO_DISTANCES = """
+() => {
+  const plain = drawDistances;
+  window.shown = [];
+  window.drawDistances = (pen, watch, t) => {
+    window.shown.push(watch.person.name);
+    plain(pen, watch, t);
+  };
+}
+"""
+
+
+def test_of_many_people_only_distances_of_the_pair_in_focus_and_of_people_near_are_shown(open_page):
+    crowd = (
+        "{floorplan: ariac2023, duration: 4, rules: observe,"
+        " people: [{name: crew, count: 25, at: anywhere}]}"
+    )
+    run = sim.run(sim.Trial.parse(crowd))
+    viewer = open_page(replay.render(rounded(replay_data(run))))
+    assert viewer.text("#subtitle") == "ARIAC 2023 workcell · 25 × indifferent"
+    viewer.page.evaluate(LISTEN_TO_DISTANCES)
+    for t in (1.0, 3.0):
+        viewer.page.evaluate("window.shown = []")
+        viewer.seek(t)
+        *near, focus = dict.fromkeys(viewer.page.evaluate("window.shown"))
+        names = [person.name for person in run.scene.people if person.name != focus]
+        margins = {name: float(run.margin(name, "gantry", [t])[0]) for name in names}
+        assert near == sorted(margins, key=margins.get)[: len(near)] and 1 <= len(near) <= 3
 
 
 WATCH_CANVASES = """
