@@ -35,7 +35,7 @@ FASTER = 0.05
 
 
 @dataclass(frozen=True)
-class Stop:
+class Standstill:
     """A time, from `begin` to `end` (s), in which a machine stood still for one `cause`.
 
     `who` is the person for whom it began, or what was in the way, if any.
@@ -216,7 +216,7 @@ def _leads_to_a_stop(run: Outcome, machine: str, event: Event, moves: Sequence[S
 
 def _stops(
     state: _State, log: Sequence[tuple[Event, str]], moves: Sequence[Span], since: float, end: float
-) -> Iterator[Stop]:
+) -> Iterator[Standstill]:
     """Yield the stops of a machine between its moves, cut wherever their cause may change."""
     events = iter([*log, None])
     following = next(events)
@@ -224,10 +224,10 @@ def _stops(
     for begin, until in [*moves, (end, math.inf)]:
         while following is not None and following[0]["t"] < begin:
             t = max(at, following[0]["t"])
-            yield Stop(at, t, *state.cause())
+            yield Standstill(at, t, *state.cause())
             state.take(*following)
             following, at = next(events), t
-        yield Stop(at, begin, *state.cause())
+        yield Standstill(at, begin, *state.cause())
         # Who moves waits no longer. Whom it yields to meanwhile, it brakes for.
         while following is not None and following[0]["t"] == begin < end:
             state.take(*following)
@@ -236,9 +236,9 @@ def _stops(
         at = until
 
 
-def _joined(stops: Iterable[Stop]) -> Iterator[Stop]:
+def _joined(stops: Iterable[Standstill]) -> Iterator[Standstill]:
     """Yield stops that take time, those without a break and of one cause as one."""
-    last: Stop | None = None
+    last: Standstill | None = None
     for stop in stops:
         if stop.end <= stop.begin:
             continue
