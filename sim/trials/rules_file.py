@@ -301,17 +301,23 @@ def _notice(keys: NoticeKeys, base: Notice, law: AnyLaw) -> Notice:
 
 
 def written_rules(rules: RuleSet) -> str | dict[str, Any]:
-    """Return the rule set as a file has it: from what is written the same one is read again.
+    """Return the keys in which a rule set differs from its base, or the name of a built-in one.
 
-    `ValueError` if one of its laws can't be written.
+    The same rule set is read again from them. `ValueError` if one of its laws can't be written.
     """
     if RULE_SETS.get(rules.name) == rules:
         return rules.name
+    own, base = _all_keys(rules), _all_keys(PAPER)
+    if own["gantry_law"] != base["gantry_law"]:
+        del base["notice"]  # its law is the gantry's unless it is written
+    changed = {key: value for key, value in own.items() if key not in base or base[key] != value}
+    return {"based_on": PAPER.name, "name": rules.name, **changed}
+
+
+def _all_keys(rules: RuleSet) -> dict[str, Any]:
     notice = rules.notice
     laws = {name: written_law(law) for name, law in rules.laws.items()}
     return {
-        "based_on": PAPER.name,
-        "name": rules.name,
         "gantry_law": written_law(rules.gantry_law),
         "agv_law": written_law(rules.agv_law),
         **({"laws": laws} if laws else {}),
