@@ -30,6 +30,15 @@ from .separation import (
     Scaled,
     SeparationLaw,
 )
+from .vehicle_planner import VehiclePath, VehiclePlanner
+from .vehicles import (
+    VehicleLimits,
+    vehicle_path,
+    vehicle_segment,
+    vehicle_stop,
+    vehicle_turn,
+    vehicle_twist,
+)
 from .walking import remaining_path, stop_walking, walk
 from .world import CollisionWorld
 
@@ -63,6 +72,9 @@ __all__ = [
     "SeparationLaw",
     "Shapes",
     "TooClose",
+    "VehicleLimits",
+    "VehiclePath",
+    "VehiclePlanner",
     "agv_run",
     "agv_stop",
     "first_time",
@@ -77,6 +89,11 @@ __all__ = [
     "remaining_path",
     "standing",
     "stop_walking",
+    "vehicle_path",
+    "vehicle_segment",
+    "vehicle_stop",
+    "vehicle_turn",
+    "vehicle_twist",
     "violations",
     "walk",
     "when",

@@ -423,7 +423,7 @@ def longest_stop(machine: Machine) -> Stop:
     that of x and y together. An AGV has no jerk limit. `TypeError` for anything else.
     """
     if isinstance(machine, Lane):
-        return _longest_of_axis(AxisLimits(machine.max_speed, machine.max_acceleration))
+        return longest_of_axis(AxisLimits(machine.max_speed, machine.max_acceleration))
     limits = gantry_limits(machine) if isinstance(machine, Gantry) else machine
     if not (
         isinstance(limits, tuple)
@@ -431,7 +431,7 @@ def longest_stop(machine: Machine) -> Stop:
         and all(isinstance(axis, AxisLimits) for axis in limits)
     ):
         raise TypeError(f"expected a Gantry, a Lane or GantryLimits, found {machine!r}")
-    x, y, rotation = (_longest_of_axis(axis) for axis in limits)
+    x, y, rotation = (longest_of_axis(axis) for axis in limits)
     return Stop(max(x.time, y.time, rotation.time), math.hypot(x.distance, y.distance))
 
 
@@ -462,7 +462,7 @@ def _along_axes(axes: list[Table], start: float) -> Motion:
     return Motion(TablePieces(table))
 
 
-def _longest_of_axis(limits: AxisLimits) -> Stop:
+def longest_of_axis(limits: AxisLimits) -> Stop:
     """Return the longest stop of one axis.
 
     From speed v, and no acceleration, the jerk-limited profile takes T = v / a + a / j and covers

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping, MutableSequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import shapely
@@ -331,6 +331,14 @@ class CollisionWorld:
         else:
             near = [body for body in among if body.near(a, b, radius)]
         return not (near and any(touch(sweep, body.solid) for body in near))
+
+    def clear_of(self, shape: Any, bounds: tuple[float, float, float, float]) -> bool:
+        """Return whether an FCL object within `bounds` (metres) touches nothing on the floor."""
+        self.checks += 1
+        low, high = (bounds[0], bounds[1]), (bounds[2], bounds[3])
+        if not self._within(low, high, 0.0) or touch(shape, self._solid):
+            return False
+        return not any(touch(shape, body.solid) for body in self.near(low, high, 0.0))
 
     def hits(self, a: Point, b: Point, radius: float) -> list[CollisionBody]:
         """Return the bodies that a disc of `radius` metres touches between a and b."""

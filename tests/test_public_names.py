@@ -208,6 +208,7 @@ SAMPLES = {
         ),
         *(navigation.Cylinder.of_arm(GANTRY), navigation.Shapes(machine=(TORSO,))),
         *(navigation.Enclosure(value=1.0), navigation.Disc((0.0, 0.0), 0.3)),
+        navigation.VehicleLimits(),
     ],
 }
 """Values to copy, which are compared by what they hold."""

@@ -1,0 +1,106 @@
+"""OMPL's search for a path of a vehicle in SE(2), by RRT-Connect."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from typing import Any
+
+import ompl.base as ob
+import ompl.geometric as og
+
+from floorplan import Point
+
+from .arcs import Pose
+from .sampling import TooManyChecksError
+
+_LINKS = 10_000
+"""Number of links after which a search of OMPL's ends in any case."""
+
+_RANGE = 6.0
+"""Metres. Longest step of OMPL's trees."""
+
+
+class PoseSearch:
+    """OMPL's objects for one question: nothing is left over for the next."""
+
+    def __init__(
+        self,
+        low: Point,
+        high: Point,
+        link: Callable[[Pose, Pose], bool],
+        fits: Callable[[Pose], bool],
+    ) -> None:
+        bounds = ob.RealVectorBounds(2)
+        for axis in (0, 1):
+            bounds.setLow(axis, low[axis])
+            bounds.setHigh(axis, high[axis])
+        self._space: Any = ob.SE2StateSpace()
+        self._space.setBounds(bounds)
+        self._information: Any = ob.SpaceInformation(self._space)
+        # OMPL holds them by pointers that keep nothing alive: Python must.
+        self._links: Any = _Links(self._information, link)
+        self._poses: Any = _Poses(self._information, fits)
+        self._information.setMotionValidator(self._links)
+        self._information.setStateValidityChecker(self._poses)
+        self._setup: Any = og.SimpleSetup(self._information)
+
+    def run(self, begin: Pose, end: Pose, iterations: int) -> list[Pose] | None:
+        """Return the states of a path from `begin` to `end`, or None."""
+        self._setup.setStartAndGoalStates(self._state(begin), self._state(end))
+        planner = og.RRTConnect(self._information)
+        planner.setRange(_RANGE)
+        self._setup.setPlanner(planner)
+        self._setup.setup()
+        count = itertools.count(1)
+        self._setup.solve(ob.PlannerTerminationCondition(lambda: next(count) > iterations))
+        if not self._setup.haveExactSolutionPath():
+            return None
+        states = [*map(_pose_of, self._setup.getSolutionPath().getStates())]
+        return [begin, *states[1:-1], end]
+
+    def release(self) -> None:
+        """Release OMPL's objects in an order that it survives."""
+        self._setup = None
+        self._links = None
+        self._poses = None
+        self._information = None
+        self._space = None
+
+    def _state(self, pose: Pose) -> Any:
+        state = self._information.allocState()
+        state.setXY(pose[0], pose[1])
+        yaw = math.remainder(pose[2], math.tau)
+        state.setYaw(yaw if yaw < math.pi else -math.pi)  # OMPL's end at less than π
+        return state
+
+
+class _Links(ob.MotionValidator):  # type: ignore[misc]
+    """Answers OMPL from which pose a vehicle gets to which by turn, drive and turn."""
+
+    def __init__(self, information: Any, link: Callable[[Pose, Pose], bool]) -> None:
+        super().__init__(information)
+        self._link = link
+        self._left = _LINKS
+
+    def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:
+        self._left -= 1
+        if self._left < 0:
+            raise TooManyChecksError
+        return self._link(_pose_of(a), _pose_of(b))
+
+
+class _Poses(ob.StateValidityChecker):  # type: ignore[misc]
+    """Answers OMPL which poses are free."""
+
+    def __init__(self, information: Any, fits: Callable[[Pose], bool]) -> None:
+        super().__init__(information)
+        self._fits = fits
+
+    def isValid(self, at: Any) -> bool:
+        return self._fits(_pose_of(at))
+
+
+def _pose_of(state: Any) -> Pose:
+    return (float(state.getX()), float(state.getY()), float(state.getYaw()))
