@@ -17,8 +17,9 @@ from navigation.motion import State
 from ...core.entries import Pose
 from ...core.events import GantryYielded
 from ...safety.stopping_check import Pedestrian, Stoppable, StoppingCheck
-from .drive import Steps
-from .robot import GantryRobot, Sighting
+from ..commanded import CommandedMachine, Sighting
+from ..commanding import Steps
+from .robot import GantryRobot
 from .tasks import REACH, Task
 
 SHARES = (1.0, 0.5, 0.25, 0.1)
@@ -48,11 +49,10 @@ class Caution:
         The gantry.
     """
 
-    def __init__(self, gantry: GantryRobot) -> None:
+    def __init__(self, gantry: CommandedMachine) -> None:
         self._gantry = gantry
         self._human_speed = gantry.human_speed
-        top = math.hypot(gantry.gantry.x.max_speed, gantry.gantry.y.max_speed)
-        self._foresight = StoppingCheck(gantry.law, top)
+        self._foresight = StoppingCheck(gantry.law, gantry.shape.top_speed)
         self._move: Event = gantry.stop()
         self._under_way: tuple[Motion, Pose, float] | None = None
         self._stuck: tuple[Motion, Pose, Sequence[Sighting]] | None = None
@@ -102,7 +102,7 @@ class Caution:
         gantry = self._gantry
         end = gantry.now + seconds
         people = yield from self.look()
-        while math.dist(gantry.position, pose) > ARRIVED or gantry.now < gantry.body.motion.end:
+        while not self._is_at(pose) or gantry.now < gantry.body.motion.end:
             # Less than this is what rounding leaves of the time it was given.
             if end - gantry.now < INSTANT:
                 return False
@@ -124,6 +124,11 @@ class Caution:
                 self._take_note(look.value or ())
             people = yield from self.look()
         return True
+
+    def _is_at(self, pose: Pose) -> bool:
+        here = self._gantry.position
+        turn = math.remainder(here[2] - pose[2], math.tau)
+        return math.dist((*here[:2], turn), (*pose[:2], 0.0)) <= ARRIVED
 
     def preview(self, pose: Pose, share: float = 1.0) -> Motion:
         """Return the motion to a pose without moving. It is the current motion if that leads there.

@@ -19,30 +19,31 @@ from simpy.exceptions import Interrupt
 from floorplan import UserError
 
 from ...core.custom_code import CodeFolder, CustomCode, Kind, in_words, line_in
+from ..commanded import CommandedMachine
+from ..commanding import Steps
 from .avoidance import Caution, avoiding
-from .drive import Steps
 from .robot import GantryRobot
 
 
-def parked(gantry: GantryRobot) -> Steps:
+def parked(gantry: CommandedMachine) -> Steps:
     """Do nothing."""
     return
     yield
 
 
-def oblivious(gantry: GantryRobot) -> Steps:
+def oblivious(gantry: CommandedMachine) -> Steps:
     """Do tasks in order on straight paths, and ignore people."""
     while (task := (yield gantry.next_task())) is not None:
         yield gantry.do(task)
 
 
-def external(gantry: GantryRobot) -> Steps:
+def external(gantry: CommandedMachine) -> Steps:
     """Do nothing, because external code commands the gantry."""
     return
     yield
 
 
-def pausing(gantry: GantryRobot) -> Steps:
+def pausing(gantry: CommandedMachine) -> Steps:
     """Do tasks in order on straight paths, as fast as people allow."""
     caution = Caution(gantry)
     while (task := (yield gantry.next_task())) is not None:
@@ -117,7 +118,7 @@ MOST_AT_ONCE = 1000
 """Number of times a controller may yield at one instant; more count as endless."""
 
 
-def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
+def supervised(name: str, controller: Callable[[Any], Steps], gantry: CommandedMachine) -> Steps:
     """Return the steps of `controller`, which a trial names `name`.
 
     `ControllerError` names the fault: it raised something, yielded something that can't be
@@ -131,7 +132,7 @@ def supervised(name: str, controller: Controller, gantry: GantryRobot) -> Steps:
         yield from _checked(steps, gantry)
     except Exception as why:
         raise ControllerError(
-            f"the gantry controller {name!r} failed at t = {gantry.now:g} s"
+            f"the {gantry.shape.kind} controller {name!r} failed at t = {gantry.now:g} s"
             f"{_place(why, controller, steps)}: {_fault(why)}"
         ) from why
 
@@ -149,7 +150,7 @@ def _iterated(steps: Any) -> Steps:
     yield from steps
 
 
-def _checked(steps: Steps, gantry: GantryRobot) -> Steps:
+def _checked(steps: Steps, gantry: CommandedMachine) -> Steps:
     """Yield the same steps, if each is something that can be waited for."""
     go_on: Callable[[], Event] = partial(next, steps)
     now, yields = gantry.now, 0
@@ -162,7 +163,9 @@ def _checked(steps: Steps, gantry: GantryRobot) -> Steps:
         except StopIteration:
             return
         if not isinstance(event, Event):
-            raise TypeError(f"it yielded {event!r}, not something that the gantry's methods return")
+            raise TypeError(
+                f"it yielded {event!r}, not something that the {gantry.shape.kind}'s methods return"
+            )
         try:
             answer = yield event
             go_on = partial(steps.send, answer)
@@ -170,7 +173,7 @@ def _checked(steps: Steps, gantry: GantryRobot) -> Steps:
             go_on = partial(steps.throw, why)
 
 
-def _place(why: Exception, controller: Controller, steps: Any) -> str:
+def _place(why: Exception, controller: Callable[[Any], Steps], steps: Any) -> str:
     """Return file and line of the controller at which it failed, in brackets, where known."""
     try:
         source = inspect.getsourcefile(controller)

@@ -1,39 +1,25 @@
-"""Drive of the gantry: moves that can be replaced or stopped, and interrupts."""
+"""Drive of the gantry: its moves and stops, and times in which it is disabled."""
 
 from __future__ import annotations
 
-import math
-import sys
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
-from typing import Any, Literal
-
-from simpy.events import Event, Process
-from simpy.exceptions import Interrupt
 
 from floorplan import Gantry, UserError
-from floorplan.files.problems import suggestion
 from navigation import Motion, gantry_move, gantry_stop, standing
 from navigation.machines import AxisLimits, gantry_limits, gantry_stops
 from navigation.motion import State
 
 from ...core.body import Body
-from ...core.clock import Alarm, Clock, Turn, then
+from ...core.clock import Alarm, Clock, Turn
 from ...core.entries import Pose
 from ...core.events import GantryDisabled, GantryEnabled, RobotMalfunction
 from ...core.recorder import Record
-
-Steps = Generator[Event, Any, Any]
-"""Steps of a controller: a generator of events to wait for, in SimPy's manner."""
+from ..commanding import Drive
 
 
-class Drive:
-    """Drive of the gantry, which passes "disabled" and "enabled" to `disabled_or_enabled`.
-
-    It counts how long it was disabled, how long it was made to stand for that or for a protective
-    stop, how much of that it braked, and how long it worked.
-    """
+class GantryDrive(Drive):
+    """Drive of the gantry, which also counts how long it was disabled."""
 
     def __init__(
         self,
@@ -45,41 +31,20 @@ class Drive:
         record: Record,
         disabled_or_enabled: Callable[[str], None],
     ) -> None:
-        self.body = Body(clock, name, "gantry", standing(at[:2], heading=at[2]))
+        body = Body(clock, name, "gantry", standing(at[:2], heading=at[2]))
+        super().__init__(clock, body, disabled_or_enabled=disabled_or_enabled)
         self.disabled_time = 0.0
-        self.standing_time = 0.0
-        self.braking_time = 0.0
-        self.working_time = 0.0
-        self._clock = clock
         self._gantry = gantry
         self._limits = gantry_limits(gantry)
         self._slower = {1.0: self._limits}
         """The limits at shares of the top speeds."""
         self.stops = gantry_stops(self._limits)
         self._record = record
-        self._notify = disabled_or_enabled
-        self._enabled: Event | None = None
         self._disabled_at: float | None = None
-        self._stands_since = 0.0
-        self._held = False
-        self._commands = 0
-        self._moves: dict[Move, None] = {}
         self._previewed_at, self._previewed_on = clock.now, self.body.motion
         self._previews: dict[tuple[Pose, float], Motion] = {}
         """The motions from here and now, by target and share: a controller asks before it moves."""
-        self._replaced = clock.event()
-        self._braking = clock.event()
         self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
-
-    @property
-    def disabled(self) -> bool:
-        """True while it is made to stand."""
-        return self._enabled is not None
-
-    @property
-    def enabled(self) -> Event | None:
-        """The event that it is made to stand no longer; None while it isn't."""
-        return self._enabled
 
     def preview(self, target: Pose, speed_share: float) -> Motion:
         """Return the motion from here and now to `target`, at that share of the top speeds.
@@ -108,73 +73,6 @@ class Drive:
         """Return the fastest stop from `state` at `t` (seconds)."""
         return gantry_stop(state, t, limits=self._limits)
 
-    def begin(self) -> int:
-        """Begin a command, which takes the place of the one under way; return its number."""
-        self._commands += 1
-        if self._replaced.callbacks:
-            # A new event first: who is woken by the old one may wait for the next replacement at
-            # once.
-            replaced, self._replaced = self._replaced, self._clock.event()
-            replaced.succeed()
-        return self._commands
-
-    def is_under_way(self, command: int) -> bool:
-        """Return True while no other command has taken the place of the one of this number."""
-        return command == self._commands
-
-    def move(
-        self,
-        target: Pose,
-        speed_share: float = 1.0,
-        *,
-        resume: bool = True,
-        command: int | None = None,
-    ) -> Event:
-        """Set out for `target`, as a part of `command` or as one of its own; return its end.
-
-        See `GantryRobot.move_to`.
-        """
-        motion = self.preview(target, speed_share)
-        number = self.begin() if command is None else command
-        if not self.disabled:
-            self.body.follow(motion)
-
-        def set_out() -> None:
-            self.body.follow(self.preview(target, speed_share))
-
-        move = Move(self, number, set_out if resume else None)
-        if command is None:
-            self._begin_soon(move)
-        else:
-            move.begin()
-        return move
-
-    def follow(self, motion: Motion) -> Event:
-        """Go along `motion`, which begins here and now; see `GantryRobot.follow`."""
-        if self.disabled:
-            raise UserError("the gantry is disabled")
-        move = Move(self, self.begin(), None)
-        self.body.follow(motion)
-        self._begin_soon(move)
-        return move
-
-    def stop(self) -> Steps:
-        """Brake, and wait for the end; the command under way is forgotten."""
-        self.begin()
-        if not self.disabled:
-            self._brake()
-        return self._rest()
-
-    def wait(self, seconds: float) -> Steps:
-        """Let `seconds` go by in which it is not disabled."""
-        if not 0 <= seconds < math.inf:
-            raise UserError(f"can't wait {seconds} s")
-        return self._enabled_for(seconds, None)
-
-    def work(self, seconds: float, command: int) -> Steps:
-        """Work for `seconds` as a part of `command`; the value is True unless it was replaced."""
-        return self._enabled_for(seconds, command)
-
     def disable(
         self, seconds: float, kind: type[GantryDisabled | RobotMalfunction] = GantryDisabled
     ) -> None:
@@ -189,20 +87,15 @@ class Drive:
             self._disabled_at = self._clock.now
         self._stand()
 
-    def hold(self, stands: bool) -> None:
-        """Brake and stand until `hold(False)`: a protective stop."""
-        self._held = stands
-        if stands:
-            self._stand()
-        else:
-            self._go_on()
-
     def close(self) -> None:
         """Count the time it was disabled until now: the trial is over."""
         if self._disabled_at is not None:
             self.disabled_time += self._clock.now - self._disabled_at
-        if self._enabled is not None:
-            self.standing_time += self._clock.now - self._stands_since
+        super().close()
+
+    @property
+    def _may_go_on(self) -> bool:
+        return self._disabled_at is None and super()._may_go_on
 
     def _enable(self) -> None:
         assert self._disabled_at is not None
@@ -211,211 +104,8 @@ class Drive:
         self._record(GantryEnabled())
         self._go_on()
 
-    def _stand(self) -> None:
-        if self._enabled is None:
-            self._enabled = self._clock.event()
-            self._stands_since = self._clock.now
-            self._brake()
-            self.braking_time += self.body.motion.end - self._clock.now
-            self._notify("disabled")
-
-    def _go_on(self) -> None:
-        """Be free to move, if neither disabled nor held."""
-        if self._enabled is not None and self._disabled_at is None and not self._held:
-            enabled, self._enabled = self._enabled, None
-            self.standing_time += self._clock.now - self._stands_since
-            enabled.succeed()
-            self._notify("enabled")
-
-    def _brake(self) -> None:
-        self.body.follow(self.stopping(self.body.state, self._clock.now))
-        moves, self._moves = self._moves, {}
-        if moves or self._braking.callbacks:
-            braking, self._braking = self._braking, self._clock.event()
-            braking.succeed()
-            for move in moves:
-                then(braking, move.broken_off)
-
-    def _begin_soon(self, move: Move) -> None:
-        """Let a command of its own begin, once its controller has said all it says at once."""
-        self._clock.call_at(self._clock.now, move.begin, Turn.VIOLATION)
-
-    def await_arrival(self, move: Move) -> Event:
-        """Return the arrival of the motion under way; `move` is broken off if it brakes before."""
-        self._moves[move] = None
-        arrival = self._clock.at(self.body.motion.end)
-        then(arrival, move.arrived)
-        return arrival
-
-    def ended(self, move: Move) -> None:
-        """Take note that a move is over."""
-        self._moves.pop(move, None)
-
-    def _rest(self) -> Steps:
-        yield self._clock.at(self.body.motion.end)
-
-    def _enabled_for(self, seconds: float, command: int | None) -> Steps:
-        """Let `seconds` go by in which it is not disabled, unless `command` is replaced before."""
-        while seconds > 0 and command in (None, self._commands):
-            if self._enabled is not None:
-                yield self._enabled
-                continue
-            begun = self._clock.now
-            done = self._clock.at(begun + seconds)
-            # Until it is done, or something breaks it off: time goes on counting from what is left.
-            yield done | (self._braking if command is None else self._braking | self._replaced)
-            elapsed = self._clock.now - begun
-            if command is not None:
-                self.working_time += elapsed
-            seconds = 0.0 if done.processed else seconds - elapsed
-        return command in (None, self._commands)
-
-
-class Move(Event):
-    """The end of a move: it happens at the arrival, or where the move is given up.
-
-    Broken off where the gantry is made to stand, it sets out again by `set_out` afterwards; without
-    that it is over. Nor does it go on once another command has taken the place of its `command`.
-    """
-
-    def __init__(self, drive: Drive, command: int, set_out: Callable[[], None] | None) -> None:
-        super().__init__(drive.body.clock)
-        self._drive = drive
-        self._command = command
-        self._set_out = set_out
-        self._arrival: Event | None = None
-
-    def begin(self) -> None:
-        """Wait for the arrival, once the gantry is free to move."""
-        drive = self._drive
-        if not drive.is_under_way(self._command):
-            self._end()
-        elif drive.enabled is not None:
-            then(drive.enabled, self._go_on)
-        else:
-            self._arrival = drive.await_arrival(self)
-
-    def arrived(self, arrival: Event) -> None:
-        """Be over, if this is the arrival that it waits for."""
-        if arrival is self._arrival:
-            self._end()
-
-    def broken_off(self, _: Event) -> None:
-        """Wait to go on, if it may."""
-        if self._arrival is not None:
-            self._arrival = None
-            if self._set_out is None:
-                self._end()
-            else:
-                self.begin()
-
-    def _go_on(self, _: Event) -> None:
-        if self._set_out is None or not self._drive.is_under_way(self._command):
-            self._end()
-        else:
-            self._set_out()
-            self._arrival = self._drive.await_arrival(self)
-
-    def _end(self) -> None:
-        self._arrival = None
-        self._drive.ended(self)
-        if self.callbacks:
-            self.succeed()
-        else:  # nobody waits for it: it has happened
-            self._ok, self._value = True, None
-            self.callbacks = None  # type: ignore[assignment]
-
 
 def _slower(axis: AxisLimits, share: float) -> AxisLimits:
     if not 0 < share <= 1:
         raise UserError(f"speed_share must be more than 0 and at most 1, not {share}")
     return replace(axis, max_speed=axis.max_speed * share)
-
-
-Interruption = Literal["person_close", "disabled", "enabled", "part_dropped"]
-"""Reasons for which a controller can ask to be interrupted."""
-
-REASONS = ("person_close", "disabled", "enabled", "part_dropped")
-
-
-class Interrupts:
-    """The interrupts of one controller, masked while it handles one, as an operating system's are.
-
-    From one interrupt on there is no other until the controller has given a command outside the
-    `except` (or `finally`) in which it handles that one; then what happened meanwhile interrupts
-    it, each reason once. A command that ends at the instant of an interrupt is answered first, so
-    that its outcome is not lost.
-    """
-
-    # The masking is that of POSIX signals (`sigaction` with all of them in `sa_mask`): while a
-    # handler runs they are blocked, and one that arrives stays pending, once however often it came.
-    # Without that, a person who comes near while the controller backs off would break off the
-    # handler at its `yield`. A signal handler unmasks by its return; a generator does not say when
-    # it leaves its `except`. But Python has the exception at hand for as long as that runs, so that
-    # the first command given without it is given outside.
-
-    def __init__(self) -> None:
-        self.close_distance: float | None = None
-        """Metres within which a person's coming interrupts, if the controller asked for it."""
-        self._wanted: set[str] = set()
-        self._pending: list[str] = []
-        self._handled: Interrupt | None = None
-        self._process: Process | None = None
-
-    def ask_for(self, reason: str, distance: float) -> None:
-        """Interrupt for this reason from now on; see `GantryRobot.interrupt_on`."""
-        if reason not in REASONS:
-            hint = suggestion(str(reason), REASONS)
-            raise UserError(f"nothing called {reason!r} interrupts a controller; {hint}")
-        if reason == "person_close":
-            if not 0 < distance < math.inf:
-                raise UserError(f"give the distance for person_close in metres, not {distance}")
-            self.close_distance = distance
-        self._wanted.add(reason)
-
-    def start(self, clock: Clock, controller: Steps) -> None:
-        """Run `controller` from now on, and interrupt it."""
-        self._process = clock.process(self._delivered_to(controller))
-
-    def happened(self, reason: str) -> None:
-        """Interrupt the controller, now or as soon as it may be, if it asked for this reason."""
-        process = self._process
-        if process is None or not process.is_alive or reason not in self._wanted:
-            return
-        if reason not in self._pending:
-            self._pending.append(reason)
-            if self._handled is None:
-                process.interrupt()
-
-    def command_given(self) -> None:
-        """Unmask interrupts, unless the caller is still in the `except` that handles the last."""
-        # Inside `except`, Python has the exception, or one that was raised on top of it, at hand.
-        exception = sys.exc_info()[1]
-        while exception is not None and exception is not self._handled:
-            exception = exception.__context__
-        if exception is None:
-            self._handled = None
-
-    def _delivered_to(self, controller: Steps) -> Steps:
-        """Yield the steps of `controller`, and throw interrupts into it where they may be."""
-        go_on: Callable[[], Event] = partial(next, controller)
-        while True:
-            try:
-                event = go_on()
-            except StopIteration:
-                return
-            go_on = yield from self._waited_for(event, controller)
-
-    def _waited_for(self, event: Event, controller: Steps) -> Steps:
-        """Wait for `event`, or for an interrupt; the value resumes the controller."""
-        while True:
-            if self._pending and self._handled is None and not event.triggered:
-                self._handled = Interrupt(self._pending.pop(0))
-                return partial(controller.throw, self._handled)
-            try:
-                answer: Any = yield event
-            except Interrupt:
-                continue  # a reason is pending; where it may not be thrown yet, wait on
-            except Exception as why:
-                return partial(controller.throw, why)
-            return partial(controller.send, answer)

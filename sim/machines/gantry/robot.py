@@ -4,47 +4,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from simpy.events import Event, Process
 
 from floorplan import Gantry, UserError
 from navigation import Motion
-from navigation.motion import State
 
-from ...core.body import Machine, MachineShape
-from ...core.clock import MOMENT, Turn
+from ...core.body import MachineShape
+from ...core.clock import MOMENT
 from ...core.entries import Pose
 from ...core.events import EventKind, JobDone, JobStarted, OrderSubmitted, PartDropped
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
-from ...safety.proximity import ApproachMonitor
-from .drive import Drive, Interruption, Interrupts, Steps
-from .tasks import Gripper, Handling, Passing, Step, Task, Tasks, Worksites, tasks_of
+from ..commanded import CommandedMachine
+from ..commanding import Steps
+from .drive import GantryDrive
+from .tasks import Gripper, Handling, Passing, Step, Task, Worksites, tasks_of
 
 GANTRY = "gantry"
 """The name of the floor's own gantry, which events leave out."""
 
-OBSERVATION_RATE = 10.0
-"""Hz. Rate at which the gantry sees where people are."""
 
-
-@dataclass(frozen=True)
-class Sighting:
-    """A person as the gantry's sensors see them: x, y in metres, velocity in m/s."""
-
-    name: str
-    at: tuple[float, float]
-    velocity: tuple[float, float]
-
-    @property
-    def speed(self) -> float:
-        """The speed over the floor, m/s."""
-        return math.hypot(*self.velocity)
-
-
-class GantryRobot(Machine):
+class GantryRobot(CommandedMachine):
     """Gantry robot as seen by its controller.
 
     A controller is a function or class that takes this robot and returns a generator. It yields
@@ -81,6 +64,8 @@ class GantryRobot(Machine):
         Function that records an `EventKind`.
     """
 
+    drive: GantryDrive
+
     def __init__(
         self,
         stage: Stage,
@@ -92,18 +77,12 @@ class GantryRobot(Machine):
     ) -> None:
         self.gantry = gantry
         self.floorplan = replace(stage.floorplan, gantry=gantry)
-        self.rules = stage.rules
-        self.human_speed = stage.fastest
         self.handling = Handling()
-        self.tasks = Tasks(stage.clock)
-        self.jobs_done = 0
         self.parts_dropped = 0
         self.gripper = Gripper(stage.clock, self._lose)
         self.gripper.will_lose(entry.drops)
-        self.shape = gantry_shape(gantry, name)
-        self.law = stage.rules.law_of(self.shape)
         self.record = stage.record if name == GANTRY else self._record_by_name
-        self.drive = Drive(
+        drive = GantryDrive(
             stage.clock,
             gantry,
             gantry.start if entry.at is None else entry.at,
@@ -111,14 +90,10 @@ class GantryRobot(Machine):
             record=self.record,
             disabled_or_enabled=self.interrupt,
         )
-        self.body = self.drive.body
-        self._stage = stage
-        self._interrupts = Interrupts()
-        self._clock = stage.clock
+        super().__init__(stage, gantry_shape(gantry, name), drive)
         self._entry = entry
         self._controller = controller
-        self._sites = Worksites(stage, gantry, self.drive)
-        self._proximity: ApproachMonitor | None = None
+        self._sites = Worksites(stage, gantry, drive)
         self._floor_changed = stage.clock.event()
         self._begin_round()
 
@@ -128,81 +103,8 @@ class GantryRobot(Machine):
 
     def begin(self) -> None:
         """Start the controller."""
-        self._proximity = ApproachMonitor(self._stage, self, self._came_near)
+        self._watch_approaches()
         self.start(self._controller(self))
-
-    # Its sensors.
-
-    @property
-    def now(self) -> float:
-        """Simulated time in seconds."""
-        return self._clock.now
-
-    @property
-    def state(self) -> State:
-        """Current pose and velocity."""
-        return self.body.state
-
-    @property
-    def position(self) -> Pose:
-        """Current pose: x and y in metres and rotation in radians."""
-        return self.body.state.position
-
-    @property
-    def disabled(self) -> bool:
-        """Whether the gantry is disabled or in a protective stop."""
-        return self.drive.disabled
-
-    def look(self, after: float = 0.0) -> Event:
-        """Observe the people. The value of the event is a tuple of `Sighting`.
-
-        Parameters
-        ----------
-        after : float, optional
-            Minimum delay in seconds. The observation is the next one of `OBSERVATION_RATE` after
-            it.
-
-        Returns
-        -------
-        Event
-            Event to yield: `people = yield gantry.look()`.
-
-        Raises
-        ------
-        ValueError
-            If the delay is negative or infinite.
-        """
-        if not 0 <= after < math.inf:
-            raise UserError(f"can't wait {after} s")
-        self._interrupts.command_given()
-        earliest = (self.now + after) * OBSERVATION_RATE
-        at = math.ceil(earliest - 1e-9) / OBSERVATION_RATE
-        return self._clock.ask(at, self._sightings, Turn.NOTICE)
-
-    def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
-        """Interrupt the controller from now on when something happens while it waits.
-
-        As in SimPy, the `yield` raises `simpy.Interrupt` with `reason` as its cause. The current
-        motion continues until the next command. After an interrupt there is no other one until the
-        controller gives a command outside the `except` block that handles it. Reasons that occur
-        meanwhile interrupt it then, each once.
-
-        Parameters
-        ----------
-        reason : {"person_close", "disabled", "enabled", "part_dropped"}
-            A person is closer than `distance`, the referee stops the gantry or releases it, or the
-            gripper drops the carried part.
-        distance : float, optional
-            Distance in metres of a person from the axis of the gantry.
-
-        Raises
-        ------
-        ValueError
-            If the reason is unknown or the distance invalid.
-        """
-        self._interrupts.ask_for(reason, distance)
-        if self._proximity is not None:
-            self._proximity.near(self._interrupts.close_distance)
 
     # Its commands.
 
@@ -255,65 +157,6 @@ class GantryRobot(Machine):
         """
         return self.drive.preview(self._sites.at(x, y, rotation), speed_share)
 
-    def follow(self, motion: Motion) -> Event:
-        """Start to follow a motion. It does not continue after the gantry was disabled.
-
-        Parameters
-        ----------
-        motion : Motion
-            Motion that begins at the current time and pose.
-
-        Returns
-        -------
-        Event
-            Event to yield. It occurs when the motion ends or another command replaces it.
-
-        Raises
-        ------
-        ValueError
-            If the gantry is disabled.
-        """
-        move = self.drive.follow(motion)
-        self._interrupts.command_given()
-        return move
-
-    def stop(self) -> Process:
-        """Start the fastest stop, and discard the current command.
-
-        Returns
-        -------
-        Process
-            Event to yield.
-        """
-        return self._command(self.drive.stop())
-
-    def stopping(self, state: State, t: float) -> Motion:
-        """Return the fastest stop without moving.
-
-        Parameters
-        ----------
-        state : State
-            Initial pose and velocity.
-        t : float
-            Start time in seconds.
-        """
-        return self.drive.stopping(state, t)
-
-    def wait(self, seconds: float) -> Process:
-        """Wait. Time in which the gantry is disabled does not count.
-
-        Parameters
-        ----------
-        seconds : float
-            Duration in seconds.
-
-        Returns
-        -------
-        Process
-            Event to yield.
-        """
-        return self._command(self.drive.wait(seconds))
-
     def pick(self, place: str) -> Process:
         """Move to a place and pick up a part.
 
@@ -345,22 +188,6 @@ class GantryRobot(Machine):
         return self._visit("place", self.handling.place, place)
 
     # Its tasks.
-
-    @property
-    def open_tasks(self) -> tuple[Task, ...]:
-        """Tasks that can be started or continued now, in order of preference."""
-        return self.tasks.open
-
-    def next_task(self) -> Event:
-        """Wait for a task.
-
-        Returns
-        -------
-        Event
-            Event to yield. Its value is the preferred open task, or None if there will be none.
-        """
-        self._interrupts.command_given()
-        return self.tasks.next()
 
     def do(self, task: Task) -> Process:
         """Carry out the remaining steps of a task on straight paths.
@@ -457,36 +284,6 @@ class GantryRobot(Machine):
 
     # The simulation's side of it.
 
-    def start(self, controller: Steps) -> None:
-        """Start or replace the controller.
-
-        Parameters
-        ----------
-        controller : generator
-            Generator returned by a controller.
-        """
-        self._interrupts.start(self._clock, controller)
-
-    def interrupt(self, reason: str) -> None:
-        """Interrupt the controller as soon as possible if it has asked for that.
-
-        Parameters
-        ----------
-        reason : str
-            Reason. See `interrupt_on`.
-        """
-        self._interrupts.happened(reason)
-
-    def hold(self, stands: bool) -> None:
-        """Start or end a protective stop.
-
-        Parameters
-        ----------
-        stands : bool
-            True to brake and stay stationary, False to continue.
-        """
-        self.drive.hold(stands)
-
     def disable(self, seconds: float) -> None:
         """Disable the gantry as a penalty.
 
@@ -496,10 +293,6 @@ class GantryRobot(Machine):
             Duration in seconds.
         """
         self.drive.disable(seconds)
-
-    def close(self) -> None:
-        """Finish at the end of the trial."""
-        self.drive.close()
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
         """Return values for the summary. A gantry that may move but does not is idle.
@@ -511,46 +304,18 @@ class GantryRobot(Machine):
         now : float
             Time in seconds.
         """
-        drive = self.drive
-        moving = sum(piece.end - piece.begin for piece in motion.pieces if not piece.stands)
-        # While it brakes because it is made to stand, both count.
-        busy = moving - drive.braking_time + drive.working_time + drive.standing_time
         return {
-            "disabled_time": drive.disabled_time,
-            "idle_time": max(0.0, now - busy),
+            "disabled_time": self.drive.disabled_time,
+            "idle_time": self._idle_time(motion, now),
             "jobs_done": self.jobs_done,
             **({"parts_dropped": self.parts_dropped} if self.gripper.drops else {}),
         }
-
-    def sight_changed(self) -> None:
-        """Handle the begin or end of a blackout."""
-        distance, here = self._interrupts.close_distance, self.body.at
-        people = self._stage.people if distance is not None else ()
-        if any(math.dist(person.body.at, here) < (distance or 0.0) for person in people):
-            self._came_near()
-
-    def _came_near(self) -> None:
-        if not self._stage.blind[self.name]:
-            self.interrupt("person_close")
 
     def floor_changed(self) -> None:
         """Handle that a machine has stopped on the floor."""
         changed, self._floor_changed = self._floor_changed, self._clock.event()
         changed.succeed()
         self.tasks.reconsider()
-
-    def _command(self, steps: Steps) -> Process:
-        self._interrupts.command_given()
-        return self._clock.process(steps)
-
-    def _sightings(self) -> tuple[Sighting, ...]:
-        if self._stage.blind[self.name]:
-            return ()
-        seen = []
-        for person in self._stage.people:
-            position, velocity, _ = person.body.state
-            seen.append(Sighting(person.name, position[:2], velocity[:2]))
-        return tuple(seen)
 
     def _find(self, task: Task) -> Steps:
         _next_step(task)

@@ -17,7 +17,7 @@ from ...core.clock import MOMENT, Alarm, Clock, Turn
 from ...core.entries import Drop, Pose
 from ...core.scenario import Job
 from ...core.stage import Stage
-from .drive import Drive
+from ..commanding import Drive
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,405 @@
+"""Machines with a controller: their sensors, commands and tasks, the same for every kind."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from dataclasses import dataclass
+
+from simpy.events import Event, Process
+
+from floorplan import UserError
+from navigation import Motion
+from navigation.motion import State
+
+from ..core.body import Machine, MachineShape
+from ..core.clock import Turn
+from ..core.entries import Pose
+from ..core.stage import Stage
+from ..safety.proximity import ApproachMonitor
+from .commanding import Drive, Interruption, Interrupts, Steps
+from .gantry.tasks import Task, Tasks
+
+OBSERVATION_RATE = 10.0
+"""Hz. Rate at which a machine sees where people are."""
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """A person as a machine's sensors see them: x, y in metres, velocity in m/s."""
+
+    name: str
+    at: tuple[float, float]
+    velocity: tuple[float, float]
+
+    @property
+    def speed(self) -> float:
+        """The speed over the floor, m/s."""
+        return math.hypot(*self.velocity)
+
+
+class CommandedMachine(Machine):
+    """A machine to be commanded by a controller.
+
+    A controller yields what its methods return: `yield machine.move_to(-2.5, 0.5)`. It does one
+    thing at a time, so a command takes the place of what was under way. While it is made to stand
+    it stands, and whatever was under way goes on afterwards. `record(event)` records an event,
+    which may be of a custom `EventKind`.
+    """
+
+    def __init__(self, stage: Stage, shape: MachineShape, drive: Drive) -> None:
+        self.rules = stage.rules
+        self.human_speed = stage.fastest
+        self.tasks = Tasks(stage.clock)
+        self.jobs_done = 0
+        self.shape = shape
+        self.law = stage.rules.law_of(shape)
+        self.drive = drive
+        self.body = drive.body
+        self._stage = stage
+        self._clock = stage.clock
+        self._interrupts = Interrupts()
+        self._proximity: ApproachMonitor | None = None
+
+    # Its sensors.
+
+    @property
+    def now(self) -> float:
+        """Simulated time in seconds."""
+        return self._clock.now
+
+    @property
+    def state(self) -> State:
+        """Current pose and velocity."""
+        return self.body.state
+
+    @property
+    def position(self) -> Pose:
+        """Current pose: x and y in metres and rotation in radians."""
+        return self.body.state.position
+
+    @property
+    def disabled(self) -> bool:
+        """Whether the machine is disabled or in a protective stop."""
+        return self.drive.disabled
+
+    def look(self, after: float = 0.0) -> Event:
+        """Observe the people. The value of the event is a tuple of `Sighting`.
+
+        Parameters
+        ----------
+        after : float, optional
+            Minimum delay in seconds. The observation is the next one of `OBSERVATION_RATE` after
+            it.
+
+        Returns
+        -------
+        Event
+            Event to yield: `people = yield machine.look()`.
+
+        Raises
+        ------
+        ValueError
+            If the delay is negative or infinite.
+        """
+        if not 0 <= after < math.inf:
+            raise UserError(f"can't wait {after} s")
+        self._interrupts.command_given()
+        earliest = (self.now + after) * OBSERVATION_RATE
+        at = math.ceil(earliest - 1e-9) / OBSERVATION_RATE
+        return self._clock.ask(at, self._sightings, Turn.NOTICE)
+
+    def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
+        """Interrupt the controller from now on when something happens while it waits.
+
+        As in SimPy, the `yield` raises `simpy.Interrupt` with `reason` as its cause. The current
+        motion continues until the next command. After an interrupt there is no other one until the
+        controller gives a command outside the `except` block that handles it. Reasons that occur
+        meanwhile interrupt it then, each once.
+
+        Parameters
+        ----------
+        reason : {"person_close", "disabled", "enabled", "part_dropped"}
+            A person is closer than `distance`, the referee stops the machine or releases it, or the
+            gripper drops the carried part.
+        distance : float, optional
+            Distance in metres of a person from the axis of the machine.
+
+        Raises
+        ------
+        ValueError
+            If the reason is unknown or the distance invalid.
+        """
+        self._interrupts.ask_for(reason, distance)
+        if self._proximity is not None:
+            self._proximity.near(self._interrupts.close_distance)
+
+    # Its commands.
+
+    @abstractmethod
+    def move_to(
+        self,
+        x: float,
+        y: float,
+        rotation: float | None = None,
+        *,
+        speed_share: float = 1.0,
+        resume: bool = True,
+    ) -> Event:
+        """Start to move to a pose.
+
+        Parameters
+        ----------
+        x, y : float
+            Position in metres.
+        rotation : float, optional
+            Rotation in radians. By default it does not change.
+        speed_share : float, optional
+            Share of the top speeds to use.
+        resume : bool, optional
+            Whether the move continues after the machine was disabled.
+
+        Returns
+        -------
+        Event
+            Event to yield. It occurs when the move ends or another command replaces it.
+
+        Raises
+        ------
+        ValueError
+            If the pose is outside the range of the machine.
+        """
+
+    @abstractmethod
+    def preview(
+        self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
+    ) -> Motion:
+        """Return the motion that `move_to` would start now.
+
+        Parameters
+        ----------
+        x, y, rotation, speed_share
+            See `move_to`.
+        """
+
+    def follow(self, motion: Motion) -> Event:
+        """Start to follow a motion. It does not continue after the machine was disabled.
+
+        Parameters
+        ----------
+        motion : Motion
+            Motion that begins at the current time and pose.
+
+        Returns
+        -------
+        Event
+            Event to yield. It occurs when the motion ends or another command replaces it.
+
+        Raises
+        ------
+        ValueError
+            If the machine is stopped.
+        """
+        move = self.drive.follow(motion)
+        self._interrupts.command_given()
+        return move
+
+    def stop(self) -> Process:
+        """Start the fastest stop, and discard the current command.
+
+        Returns
+        -------
+        Process
+            Event to yield.
+        """
+        return self._command(self.drive.stop())
+
+    def stopping(self, state: State, t: float) -> Motion:
+        """Return the fastest stop without moving.
+
+        Parameters
+        ----------
+        state : State
+            Initial pose and velocity.
+        t : float
+            Start time in seconds.
+        """
+        return self.drive.stopping(state, t)
+
+    def wait(self, seconds: float) -> Process:
+        """Wait. Time in which the machine is stopped does not count.
+
+        Parameters
+        ----------
+        seconds : float
+            Duration in seconds.
+
+        Returns
+        -------
+        Process
+            Event to yield.
+        """
+        return self._command(self.drive.wait(seconds))
+
+    def until(self, t: float) -> Event:
+        """Wait for an instant.
+
+        Parameters
+        ----------
+        t : float
+            Time in seconds.
+
+        Returns
+        -------
+        Event
+            Event to yield.
+        """
+        self._interrupts.command_given()
+        return self._clock.at(t, Turn.NOTICE)
+
+    # Its tasks.
+
+    @property
+    def open_tasks(self) -> tuple[Task, ...]:
+        """Tasks that can be started or continued now, in order of preference."""
+        return self.tasks.open
+
+    def next_task(self) -> Event:
+        """Wait for a task.
+
+        Returns
+        -------
+        Event
+            Event to yield. Its value is the preferred open task, or None if there will be none.
+        """
+        self._interrupts.command_given()
+        return self.tasks.next()
+
+    @abstractmethod
+    def do(self, task: Task) -> Process:
+        """Carry out the remaining steps of a task on straight paths.
+
+        An interrupted step is repeated from its begin.
+
+        Parameters
+        ----------
+        task : Task
+            The task.
+
+        Returns
+        -------
+        Process
+            Event to yield. Its value is False if another command replaced this one, otherwise True.
+        """
+
+    @abstractmethod
+    def locate(self, task: Task) -> Event:
+        """Start or continue a task, and wait until its next step is in reach.
+
+        Parameters
+        ----------
+        task : Task
+            The task.
+
+        Returns
+        -------
+        Event
+            Event to yield. Its value is the pose of the next step.
+        """
+
+    @abstractmethod
+    def handle(self, task: Task) -> Process:
+        """Carry out the next step of a task at the current pose.
+
+        An interrupted step is repeated from its begin.
+
+        Parameters
+        ----------
+        task : Task
+            The task.
+
+        Returns
+        -------
+        Process
+            Event to yield. Its value is False if the machine is elsewhere or another command
+            replaced this one, otherwise True.
+
+        Raises
+        ------
+        ValueError
+            If the task is done.
+        """
+
+    # The simulation's side of it.
+
+    def start(self, controller: Steps) -> None:
+        """Start or replace the controller.
+
+        Parameters
+        ----------
+        controller : generator
+            Generator returned by a controller.
+        """
+        self._interrupts.start(self._clock, controller)
+
+    def interrupt(self, reason: str) -> None:
+        """Interrupt the controller as soon as possible if it has asked for that.
+
+        Parameters
+        ----------
+        reason : str
+            Reason. See `interrupt_on`.
+        """
+        self._interrupts.happened(reason)
+
+    def hold(self, stands: bool) -> None:
+        """Start or end a protective stop.
+
+        Parameters
+        ----------
+        stands : bool
+            True to brake and stay stationary, False to continue.
+        """
+        self.drive.hold(stands)
+
+    def close(self) -> None:
+        """Finish at the end of the trial."""
+        self.drive.close()
+
+    def sight_changed(self) -> None:
+        """Handle the begin or end of a blackout."""
+        distance, here = self._interrupts.close_distance, self.body.at
+        people = self._stage.people if distance is not None else ()
+        if any(math.dist(person.body.at, here) < (distance or 0.0) for person in people):
+            self._came_near()
+
+    def _idle_time(self, motion: Motion, now: float) -> float:
+        """Return how long it neither moved, handled nor was made to stand (s).
+
+        `motion` is all that it did.
+        """
+        drive = self.drive
+        moving = sum(piece.end - piece.begin for piece in motion.pieces if not piece.stands)
+        # While it brakes because it is made to stand, both count.
+        busy = moving - drive.braking_time + drive.working_time + drive.standing_time
+        return max(0.0, now - busy)
+
+    def _watch_approaches(self) -> None:
+        self._proximity = ApproachMonitor(self._stage, self, self._came_near)
+
+    def _came_near(self) -> None:
+        if not self._stage.blind[self.name]:
+            self.interrupt("person_close")
+
+    def _command(self, steps: Steps) -> Process:
+        self._interrupts.command_given()
+        return self._clock.process(steps)
+
+    def _sightings(self) -> tuple[Sighting, ...]:
+        if self._stage.blind[self.name]:
+            return ()
+        seen = []
+        for person in self._stage.people:
+            position, velocity, _ = person.body.state
+            seen.append(Sighting(person.name, position[:2], velocity[:2]))
+        return tuple(seen)
