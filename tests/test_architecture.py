@@ -56,6 +56,8 @@ OF_THE_LIBRARY = {
         "moving_obstacles",
         "polynomials",
         "separation",
+        "vehicle_planner",
+        "vehicles",
         "walking",
     },
     "bdi": {"actions", "language", "reasoning"},

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, get_args
 
+from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import Point, rectangle
@@ -197,6 +198,9 @@ class MachineShape:
         Vertices in metres of the line on which it moves, if any.
     direction : (float, float), optional
         Unit vector of its heading, if it never turns.
+    outline : tuple of (float, float), optional
+        Corners in metres of its footprint, from the axis along the heading, if that is not the
+        rectangle.
 
     Raises
     ------
@@ -216,6 +220,7 @@ class MachineShape:
     mount: float = 0.0
     course: tuple[Point, ...] = ()
     direction: Point | None = None
+    outline: tuple[Point, ...] = ()
 
     def __post_init__(self) -> None:
         if self.category not in get_args(Category):
@@ -241,7 +246,7 @@ class MachineShape:
         return first_time(too_fast, motion, motion, now, max(now, motion.end))
 
     def footprint(self, at: Point, rotation: float) -> Polygon:
-        """Return the covered rectangle.
+        """Return the covered area.
 
         Parameters
         ----------
@@ -250,6 +255,11 @@ class MachineShape:
         rotation : float
             Heading in radians.
         """
+        if self.outline:
+            turned = affinity.rotate(
+                Polygon(self.outline), rotation, origin=(0, 0), use_radians=True
+            )
+            return affinity.translate(turned, *at)
         direction = (math.cos(rotation), math.sin(rotation))
         return rectangle(at, direction, self.length, self.width)
 

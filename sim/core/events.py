@@ -414,6 +414,14 @@ class AgvBlocked(EventKind):
     at: float
 
 
+class MachineBlocked(EventKind):
+    """A vehicle has no free path to its goal, for the reason in `message`, and waits for one."""
+
+    machine: _Machine
+    goal: Point
+    message: str
+
+
 class Collision(EventKind):
     """The boxes of two machines begin to overlap, at relative `speed` (m/s)."""
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol
 
 from pydantic import ConfigDict, TypeAdapter
+from shapely.geometry import Polygon
 from typing_extensions import Self
 
 from floorplan import Door, Floorplan, Obstacle, Point
@@ -453,6 +454,38 @@ class MachineModel(ABC):
             Problems, each with its key.
         """
         return ()
+
+    def code_faults(self, folder: CodeFolder) -> Iterable[Fault]:
+        """Return the problems of custom code that the model names, without importing it.
+
+        Parameters
+        ----------
+        folder : CodeFolder
+            Folder of custom code.
+
+        Returns
+        -------
+        iterable of Fault
+            Problems with their places among the keys. By default there are none.
+        """
+        return ()
+
+    def stands_at_start(self, name: str, plan: Floorplan) -> Polygon | None:
+        """Return the area on the floor that the machine covers at the start.
+
+        Parameters
+        ----------
+        name : str
+            Name of the machine.
+        plan : Floorplan
+            Floor.
+
+        Returns
+        -------
+        Polygon or None
+            None if it covers none, which is the default.
+        """
+        return None
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest stop within the limits of a machine, or None if unknown.

@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass, is_dataclass
 
 from pydantic import ValidationError
+from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Gantry, UserError
 from floorplan.files.problems import Fault, Place, field_name, form_keys, misfits, shown
@@ -21,10 +22,11 @@ from ..core.scenario import AgvMove, GantryEntry, Scenario
 from ..core.stage import MachineEntry, MachineModel, Stage
 from ..safety.laws import OwnLaw
 from .agv.model import AgvModel
+from .amr.model import AmrModel, overlaps
 from .gantry.model import GantryModel
 from .gantry.robot import GANTRY
 
-KINDS: dict[str, type[MachineModel]] = {"gantry": GantryModel, "agv": AgvModel}
+KINDS: dict[str, type[MachineModel]] = {"gantry": GantryModel, "agv": AgvModel, "amr": AmrModel}
 """The kinds of machines by name. A package adds its own by `KINDS["tugger"] = TuggerModel`."""
 
 
@@ -91,7 +93,7 @@ def made_by(model: MachineModel, name: str, stage: Stage) -> Machine:
             )
 
     made.body.on_jump.append(refuse_jump)
-    if type(model) not in (GantryModel, AgvModel):
+    if type(model) not in (GantryModel, AgvModel, AmrModel):
         made.body.on_change.append(refuse_haste)
     return made
 
@@ -146,6 +148,7 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
     plan = scenario.floorplan
     taken = {GANTRY, *(lane.name for lane in plan.lanes)}
     vehicles = _vehicles(scenario)
+    stand: dict[str, Polygon] = {}
     for name, entry in scenario.machines.items():
         if name in taken:
             yield f"another machine is called {name!r} already", (name,)
@@ -161,8 +164,15 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
             for message, place in misfits(why, kind.key_schema or kind, entry.keys):
                 yield message, (name, *place)
         else:
-            for message, place in model.faults(plan, vehicles):
+            found = (*model.faults(plan, vehicles), *model.code_faults(scenario.code_folder))
+            for message, place in found:
                 yield message, (name, *place)
+            if (area := model.stands_at_start(name, plan)) is not None:
+                stand[name] = area
+    lanes = {lane.name: lane.footprint(lane.locations[lane.start]) for lane in plan.lanes}
+    for one, other in overlaps({**lanes, **stand}.items()):
+        if isinstance(stand.get(other), Polygon):
+            yield f"starts where {one} stands", (other,)
 
 
 def moves_of(scenario: Scenario) -> Iterator[tuple[Place, Sequence[AgvMove]]]:

@@ -60,7 +60,15 @@ FORMAT = "floorwalker-scene/1"
 
 _LATER = r"floorwalker-scene/([2-9]|[1-9]\d+)"
 
-OPTIONAL = (*LEFT_OUT_IF_EMPTY, "one_way", "passing", "controller", "between_people", "reactions")
+OPTIONAL = (
+    *LEFT_OUT_IF_EMPTY,
+    "one_way",
+    "passing",
+    "controller",
+    "between_people",
+    "reactions",
+    "outline",
+)
 """Fields of floors, scenes and rule sets that are left out where they are empty."""
 
 _LAWS = {
@@ -171,7 +179,7 @@ def _plain(value: Any) -> Any:
 def _fields(value: Any) -> dict[str, Any]:
     """Return the fields of a value, but for empty ones of late, and the notices on a floor."""
     left_out = {"notices"} if isinstance(value, Floorplan) else set()
-    if isinstance(value, Floorplan | Scene | RuleSet):
+    if isinstance(value, Floorplan | Scene | RuleSet | MachineShape):
         left_out |= {name for name in OPTIONAL if not getattr(value, name, True)}
     names = (field.name for field in fields(value) if field.name not in left_out)
     return {name: _plain(getattr(value, name)) for name in names}

@@ -147,6 +147,8 @@ def own_names(trial: Scenario) -> Iterator[str]:
     modules = (trial.actions, *(person.actions for person in trial.people))
     yield from dict.fromkeys(name for name in modules if name is not None)
     yield from (str(entry.kind) for entry in trial.machines.values() if is_own(entry))
+    controllers = (entry.keys.get("controller") for entry in trial.machines.values())
+    yield from (name for name in controllers if isinstance(name, str) and ":" in name)
     for law in dict.fromkeys(own_laws(trial.rules)):
         if law.folder == trial.folder.resolve():
             yield law.name

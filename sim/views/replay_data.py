@@ -127,6 +127,7 @@ def _machine(machine: MachineShape, plan: Floorplan) -> dict[str, Any]:
     return {
         **{name: getattr(machine, name) for name in ("name", "category", "length", "width")},
         **({"reach": machine.reach, "mount": machine.mount} if machine.reach > 0 else {}),
+        **({"outline": machine.outline} if machine.outline else {}),
         **({"course": machine.course} if machine.course and not on_lane else {}),
         **({"bridge": (rails.y.low, rails.y.high)} if rails is not None else {}),
         "bottom": machine.bottom,

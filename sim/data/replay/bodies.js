@@ -31,7 +31,12 @@ function drawVehicle({ context, camera, palette }, vehicle, t) {
   context.translate(...camera.toScreen(x, y));
   context.rotate(-rotation);
   context.beginPath();
-  context.roundRect(-length / 2, -width / 2, length, width, Math.min(4, width / 4));
+  if (vehicle.outline) {
+    for (const [ahead, left] of vehicle.outline) context.lineTo(ahead * camera.scale, -left * camera.scale);
+    context.closePath();
+  } else {
+    context.roundRect(-length / 2, -width / 2, length, width, Math.min(4, width / 4));
+  }
   context.fillStyle = palette[vehicle.color];
   context.fill();
   context.lineWidth = 1;

@@ -70,13 +70,19 @@ function addRod(put, from, to, width, color) {
 }
 
 /** A vehicle: a low body on wheels, and what it carries its load on. */
-function addVehicle(pile, vehicle, t, colors) {
+function addVehicle(pile, renderer, vehicle, t, colors) {
   const { x, y, rotation } = vehicle.motion.at(t);
   const { length, width } = vehicle;
   const bottom = bottomOf(vehicle);
   const height = Math.max(0.2, heightOf(vehicle) - bottom);
   const body = frameAt(x, y, bottom, rotation);
   const put = (shape, frame, l, w, h, own) => pile.add(shape, shape === "box" ? "edged" : "solid", sized(frame, l, w, h), own);
+  if (vehicle.outline) {
+    const prism = renderer.learned(vehicle, () => prismMesh(vehicle.outline, 0, 1));
+    pile.add(prism, "edged", sized(body, 1, 1, height), colors.vehicle);
+    put("box", shifted(body, 0.3 * length, 0, height), 0.1 * length, 0.1 * width, 0.02, colors.stripe);
+    return;
+  }
   const chassis = Math.min(0.36, 0.5 * height);
   for (const end of [-1, 1]) {
     for (const side of [-1, 1]) {

@@ -43,7 +43,7 @@ function stateOf({ margin, distance, notice, violated }, { isOfPeople }) {
 }
 
 /**
- * Distance, required distance, margin, speeds and the gantry's job of one run at an instant;
+ * Distance, required distance, margin, speeds and the job of one run at an instant;
  * with the names of the pair, if it is not the `chosen` one.
  */
 class Readout {

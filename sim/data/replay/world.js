@@ -83,7 +83,7 @@ class World {
     for (const body of bodies) {
       if (body === hidden) continue;
       if (body.category === "person") addFigure(moving, body, t, colors[body.color], colors);
-      else if (body.category === "vehicle") addVehicle(moving, body, t, colors);
+      else if (body.category === "vehicle") addVehicle(moving, this.renderer, body, t, colors);
       else addRobot(moving, body, t, run.isDisabled(body, t), colors);
     }
     const shown = run.shown(chosen, t).filter(watch => bodies.includes(watch.person) && bodies.includes(watch.other));

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from pydantic import Field, model_validator
+from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Lane, UserError
 from floorplan.files.fields import (
@@ -146,6 +147,11 @@ class AgvModel(MachineModel):
             if are_in_order and k and move.time < self.moves[k - 1].time:
                 message = f"{move.time:g} s is before the move above it; put moves in order"
                 yield message, (k, "time")
+
+    def stands_at_start(self, name: str, plan: Floorplan) -> Polygon | None:
+        """Return the area that it covers at the start."""
+        at = self.lane.locations.get(self.lane.start)
+        return None if at is None else self.lane.footprint(at)
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest stop on its lane."""

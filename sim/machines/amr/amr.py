@@ -1,0 +1,251 @@
+"""A vehicle that drives freely, as its controller sees it: its commands, tasks and sensors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from simpy.events import Event, Process
+
+from navigation import Motion, PlanningError, vehicle_twist
+from navigation.vehicles import Twist
+
+from ...core.clock import Alarm, Turn
+from ...core.entries import Pose
+from ...core.events import EventKind, JobDone, JobStarted, MachineBlocked
+from ...core.stage import Stage
+from ..commanded import CommandedMachine, Sighting
+from ..commanding import Steps
+from ..gantry.tasks import Step, Task
+from .drive import VehicleDrive
+from .missions import Mission, task_of
+from .shape import Chassis
+
+RETRY = 2.0
+"""Seconds after which a blocked vehicle plans again, if nothing has changed on the floor."""
+
+
+class Amr(CommandedMachine):
+    """A vehicle that drives freely, to be commanded by a controller.
+
+    Its tasks are the missions of the trial: to go to a place, to turn, to wait. While it is held,
+    it stands, and whatever was under way goes on afterwards.
+    """
+
+    drive: VehicleDrive
+
+    def __init__(
+        self,
+        stage: Stage,
+        name: str,
+        vehicle: Chassis,
+        at: Pose,
+        *,
+        missions: Sequence[Mission] = (),
+        every: float | None = None,
+        repeat: bool = False,
+        controller: Callable[[Amr], Steps],
+    ) -> None:
+        super().__init__(
+            stage, vehicle.shape(name), VehicleDrive(stage, name, vehicle, at, self.interrupt)
+        )
+        self.limits = vehicle.limits
+        self._missions = tuple(missions)
+        self._every = every
+        self._repeat = repeat
+        self._controller = controller
+        self._round: tuple[Task, ...] = ()
+        self._round_began = -math.inf
+        self._rest = Alarm(stage.clock, self._comes_to_rest, Turn.MOTION_ENDS)
+        self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
+        self._changed = stage.clock.event()
+        self.body.on_change.append(self._motion_changed)
+        self._begin_round()
+
+    def begin(self) -> None:
+        """Let its controller begin."""
+        self._watch_approaches()
+        self.start(self._controller(self))
+
+    # Its sensors.
+
+    @property
+    def people(self) -> tuple[Sighting, ...]:
+        """The people around, as it sees them now."""
+        return self._sightings()
+
+    @property
+    def twist_now(self) -> Twist:
+        """Its velocity now: m/s forwards and to the left, rad/s."""
+        (_, _, rotation), (vx, vy, turning), _ = self.state
+        c, s = math.cos(rotation), math.sin(rotation)
+        return Twist(vx * c + vy * s, vy * c - vx * s, turning)
+
+    def record(self, event: EventKind) -> None:
+        """Record an event."""
+        self._stage.record(event)
+
+    # Its commands.
+
+    def move_to(
+        self,
+        x: float,
+        y: float,
+        rotation: float | None = None,
+        *,
+        speed_share: float = 1.0,
+        resume: bool = True,
+    ) -> Event:
+        """Go to x, y (metres) and `rotation` (radians; None for any), around what is on the floor.
+
+        See `CommandedMachine.move_to`. `PlanningError` if there is no route.
+        """
+        target = self.drive.destination(_target(x, y, rotation))
+        move = self.drive.move(target, speed_share, resume=resume)
+        self._interrupts.command_given()
+        return move
+
+    def preview(
+        self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
+    ) -> Motion:
+        """Return the motion that `move_to` would make from here and now; nothing moves by it."""
+        return self.drive.preview(_target(x, y, rotation), speed_share)
+
+    def turn_to(self, rotation: float, *, speed_share: float = 1.0) -> Event:
+        """Turn on the spot to `rotation` (radians), to be waited for."""
+        x, y, _ = self.position
+        return self.move_to(x, y, rotation, speed_share=speed_share)
+
+    def twist(self, twist: Sequence[float], seconds: float) -> Event:
+        """Drive with a twist for `seconds`, and stop unless another command comes before.
+
+        The twist is (v, ω), or (vx, vy, ω): m/s forwards and to the left, rad/s. `UserError` if it
+        is not finite or too fast.
+        """
+        motion = vehicle_twist(self.state, twist, self.now, seconds=seconds, limits=self.limits)
+        return self.follow(motion)
+
+    # Its tasks.
+
+    def do(self, task: Task) -> Process:
+        """Do the steps of a task that are left; see `CommandedMachine.do`."""
+        return self._command(self._do(task, self.drive.begin()))
+
+    def locate(self, task: Task) -> Event:
+        """Begin the task: the value is the pose of its next step, once there is a route to it."""
+        return self._command(self._find(task))
+
+    def handle(self, task: Task) -> Process:
+        """Do the work of the task's next step, here. The value is True if it was done."""
+        return self._command(self._handle(task, self.drive.begin()))
+
+    # The simulation's side of it.
+
+    def floor_changed(self) -> None:
+        """Find another way if something stands in the present one now."""
+        changed, self._changed = self._changed, self._clock.event()
+        changed.succeed()
+        under_way = self.body.motion.end > self.now and not self.disabled
+        if under_way and not self.drive.route_is_free():
+            self.drive.forget_route()
+            # It brakes, and sets out again from there.
+            self.drive.hold(True)
+            self.drive.hold(False)
+
+    def figures(self, motion: Motion, now: float) -> dict[str, Any]:
+        """Return its figures; it is idle while it neither moves, waits nor is made to stand."""
+        return {"jobs_done": self.jobs_done, "idle_time": self._idle_time(motion, now)}
+
+    def _motion_changed(self) -> None:
+        self._rest.set(max(self.body.motion.end, self.now))
+
+    def _comes_to_rest(self) -> None:
+        self._stage.came_to_rest(self)
+
+    def _goal(self, step: Step) -> tuple[float, ...]:
+        """Return x, y, and the rotation if there is one, of a step."""
+        if step.target is None:
+            return self.position
+        x, y, rotation = step.target
+        if step.action == "turn":
+            return (*self.position[:2], rotation)
+        return (x, y) if math.isnan(rotation) else (x, y, rotation)
+
+    def _find(self, task: Task) -> Steps:
+        """Return the pose of the next step of a task, once there is a route to it."""
+        self._begin(task)
+        step = task.next_step
+        assert step is not None
+        return (yield from self._routed(step))
+
+    def _routed(self, step: Step) -> Steps:
+        """Return the pose in which a route to a step ends, once there is one."""
+        told = False
+        goal = self._goal(step)
+        while True:
+            try:
+                return self.drive.destination(goal)
+            except PlanningError as why:
+                if not told:
+                    told = True
+                    self.record(
+                        MachineBlocked(
+                            machine=self.name, goal=(goal[0], goal[1]), message=why.message
+                        )
+                    )
+            yield self._changed | self._clock.at(self.now + RETRY)
+
+    def _do(self, task: Task, command: int) -> Steps:
+        while self.drive.is_under_way(command) and (step := task.next_step) is not None:
+            self._begin(task)
+            goal = self._goal(step)
+            while self.drive.is_under_way(command) and not self.drive.is_at(goal):
+                pose = yield from self._routed(step)
+                if self.drive.is_under_way(command):
+                    yield self.drive.move(pose, command=command)
+            if self.drive.is_under_way(command):
+                yield from self._handle(task, command)
+        return task.finished
+
+    def _handle(self, task: Task, command: int) -> Steps:
+        self._begin(task)
+        step = task.next_step
+        if step is None or not self.drive.is_at(self._goal(step)):
+            return False
+        done: bool = yield from self.drive.work(step.seconds, command)
+        if not done or task.next_step is not step:
+            return False
+        task.advance()
+        if task.finished:
+            self.jobs_done += 1
+            self.record(JobDone.of({"job": task.kind, **task.fields, "machine": self.name}))
+            self._go_on()
+        return True
+
+    def _begin(self, task: Task) -> None:
+        if not task.announced:
+            task.announced = True
+            self.record(JobStarted.of({"job": task.kind, **task.fields, "machine": self.name}))
+
+    def _go_on(self) -> None:
+        """Let the next round begin once this one is over."""
+        if all(task.finished for task in self._round) and self.now > self._round_began:
+            if self._every is not None:
+                begun = self._round_began + self._every
+                self._next_round.set(max(begun, self.now))
+            elif self._repeat:
+                self._begin_round()
+        self.tasks.reconsider()
+
+    def _begin_round(self) -> None:
+        self._round_began = self.now
+        self._round = tuple(task_of(mission, self._stage.floorplan) for mission in self._missions)
+        self.tasks.more_to_come = self._every is not None
+        for k, task in enumerate(self._round):
+            task.stage = k
+        self.tasks.add(self._round)
+
+
+def _target(x: float, y: float, rotation: float | None) -> tuple[float, ...]:
+    return (x, y) if rotation is None else (x, y, rotation)

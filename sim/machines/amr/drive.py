@@ -1,0 +1,257 @@
+"""Drive of a vehicle: routes around what is on the floor, and motions along them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+import shapely
+
+from floorplan import Floorplan, Point
+from navigation import (
+    CollisionWorld,
+    Disc,
+    Motion,
+    PlanningError,
+    VehicleLimits,
+    VehiclePlanner,
+    join,
+    standing,
+    vehicle_path,
+    vehicle_stop,
+)
+from navigation.motion import State
+from navigation.vehicles import stops_of
+
+from ...core.body import Body
+from ...core.entries import Pose
+from ...core.stage import Stage
+from ..commanding import Drive
+from .shape import Chassis
+
+ON_ROUTE = 1e-4
+"""Metres and radians. A vehicle this close to a leg of its route is on it."""
+
+
+def floor_of(vehicle: Chassis, name: str, plan: Floorplan) -> CollisionWorld:
+    """Return the floor as a vehicle of that name sees it, with AGVs at their starts."""
+    gates = [gate for gate in plan.one_ways if gate.is_about(name)]
+    world = CollisionWorld(plan, top=vehicle.top, gates=gates)
+    for zone in plan.zones:
+        if zone.forbidden and zone.is_about(name):
+            world.place(zone.name, zone.area)
+    return world
+
+
+class VehicleDrive(Drive):
+    """Drive of a vehicle, which plans a route for each new target and follows it."""
+
+    def __init__(
+        self, stage: Stage, name: str, vehicle: Chassis, at: Pose, notify: Callable[[str], None]
+    ) -> None:
+        body = Body(stage.clock, name, "amr", standing(at[:2], heading=at[2]))
+        super().__init__(stage.clock, body, disabled_or_enabled=notify)
+        self.limits = vehicle.limits
+        self.stops = stops_of(vehicle.limits)
+        self.planner = VehiclePlanner(
+            floor_of(vehicle, name, stage.floorplan), vehicle.footprint, limits=vehicle.limits
+        )
+        self._stage = stage
+        self._shape = vehicle.shape(name)
+        self._people: dict[str, Disc] = {}
+        """The people whom routes avoid."""
+        self._placed: set[str] = set()
+        self._route: list[Pose] = []
+        self._target: tuple[float, ...] = ()
+        """Where the route leads: x, y, and the rotation if one was wanted."""
+        self._previewed_at, self._previewed_on = -1.0, body.motion
+        self._previews: dict[tuple[tuple[float, ...], float], Motion] = {}
+        """The motions from here and now: a controller asks again before it moves."""
+
+    @property
+    def world(self) -> CollisionWorld:
+        """The floor as the vehicle sees it."""
+        return self.planner.world
+
+    def destination(self, target: Sequence[float]) -> Pose:
+        """Return the pose in which a route to x, y, and a rotation if it is given, ends.
+
+        `PlanningError` if there is none.
+        """
+        return self._route_to(tuple(map(float, target)))[-1]
+
+    def preview(self, target: Sequence[float], speed_share: float) -> Motion:
+        """Return the motion from here and now to `target`, at that share of the top speeds.
+
+        `PlanningError` if there is no route, `ValueError` if the share is not in 0 … 1.
+        """
+        now, motion = self._clock.now, self.body.motion
+        if self._previewed_at != now or self._previewed_on is not motion:
+            self._previewed_at, self._previewed_on = now, motion
+            self._previews.clear()
+        key = (tuple(map(float, target)), speed_share)
+        found = self._previews.get(key)
+        if found is None:
+            limits = self.limits.slower(speed_share)
+            route = self._route_to(key[0])
+            try:
+                found = self._along(route, now, limits)
+            except ValueError:  # it does not move along the route
+                self.forget_route()
+                self._route, self._target = self._from_rest(key[0]), key[0]
+                found = self._along(self._route, now, limits)
+            self._previews[key] = found
+        return found
+
+    def _along(self, route: list[Pose], now: float, limits: VehicleLimits) -> Motion:
+        """Return the motion along a route, after a stop where that begins elsewhere."""
+        state, (first, *left) = self.body.state, route
+        if first == state.position:
+            return vehicle_path(state, left, now, limits=limits)
+        stop = self.stopping(state, now)
+        return join([stop, vehicle_path(first, left, stop.end, limits=limits)])
+
+    def _from_rest(self, target: tuple[float, ...]) -> list[Pose]:
+        """Return the poses to a target from where a stop ends."""
+        stop = self.stopping(self.body.state, self._clock.now)
+        path = self.planner.plan(stop.state(stop.end).position, target)
+        return [*map(_pose, path.poses.tolist())]
+
+    def stopping(self, state: State, t: float) -> Motion:
+        """Return the fastest stop from `state` at `t` (seconds), on the arc it drives on."""
+        return vehicle_stop(state, t, limits=self.limits)
+
+    def resumed(self, target: Pose, speed_share: float) -> Motion:
+        """Return the motion to `target` after a stop; only a stop where there is no route now."""
+        try:
+            return self.preview(target, speed_share)
+        except PlanningError:
+            return self.stopping(self.body.state, self._clock.now)
+
+    def is_at(self, target: Sequence[float]) -> bool:
+        """Return whether the vehicle stands at x, y, and in the rotation if one is given."""
+        here = self.body.state.position
+        turn = math.remainder(here[2] - target[2], math.tau) if len(target) == 3 else 0.0
+        near = math.dist(here[:2], target[:2]) < ON_ROUTE and abs(turn) < ON_ROUTE
+        return near and self.body.motion.end <= self._clock.now
+
+    def route_is_free(self) -> bool:
+        """Return whether nothing stands in what is left of the route now."""
+        left = self._rest_of_route()
+        if left is None:
+            return True
+        self._look_around()
+        return self.planner.free_along(left)
+
+    def avoid(self, people: Mapping[str, Point], aside: float) -> bool:
+        """Plan around people where they are; return whether the present route is given up.
+
+        Routes keep `aside` metres from their bodies where there is room for that.
+        """
+        x, y, rotation = self.body.state.position
+        here = self._shape.footprint((x, y), rotation)
+        radius = self._stage.floorplan.human.radius + aside
+        self._people = {}
+        for name, at in people.items():
+            # Who is nearer now must not block the start.
+            clear = min(radius, here.distance(shapely.Point(at)) - ON_ROUTE)
+            if clear > ON_ROUTE:
+                self._people[f"person {name}"] = Disc(at, clear)
+        if self.route_is_free():
+            return False
+        self.forget_route()
+        return True
+
+    def forget_route(self) -> None:
+        """Plan anew for the next motion."""
+        self._route, self._target = [], ()
+        self._previews.clear()
+
+    def _route_to(self, target: tuple[float, ...]) -> list[Pose]:
+        """Return the poses from here on to a target, of the route under way if it leads there.
+
+        A vehicle under way to another place stops first.
+        """
+        left = self._rest_of_route()
+        if left is not None and target in (self._target, left[-1], left[-1][:2]):
+            return left
+        self._look_around()
+        state = self.body.state
+        here = state.position
+        stop = self.stopping(state, self._clock.now)
+        rest = stop.state(stop.end).position
+        try:
+            path = self.planner.plan(rest, target)
+        except PlanningError:
+            if not self._people:
+                raise
+            self._people = {}
+            self._look_around()
+            path = self.planner.plan(rest, target)
+        poses = [*map(_pose, path.poses.tolist())]
+        self._route = [here, *poses] if _stops_straight(state, rest) else poses
+        self._target = target
+        return self._route
+
+    def _rest_of_route(self) -> list[Pose] | None:
+        """Return the pose now and those of the route that are left; None off the route."""
+        here = self.body.state.position
+        if len(self._route) == 1 and _is_between(here, self._route[0], self._route[0]):
+            return self._route
+        for k, (one, other) in enumerate(itertools.pairwise(self._route)):
+            if _is_between(here, one, other) and not _moves_back(self.body.state, one, other):
+                # Who has all but turned to the heading of a drive turns to it first.
+                turned = one[:2] == other[:2] or here[2] == one[2]
+                self._route = [here, *self._route[k + 1 if turned else k :]]
+                return self._route
+        return None
+
+    def _look_around(self) -> None:
+        """Put everything on the floor of the planner where it is now."""
+        stage, world = self._stage, self.world
+        for name in self._placed - stage.active_closures.keys() - self._people.keys():
+            if name in {body.name for body in world.bodies}:
+                world.remove(name)
+        for one in stage.active_closures.values():
+            world.place(one.name, one.footprint, one.bottom, one.top)
+        for name, disc in self._people.items():
+            world.place(name, disc)
+        self._placed = {*stage.active_closures, *self._people}
+        for machine in stage.vehicles:
+            if machine.name != self.body.name:
+                machine.stand_in(world)
+
+
+def _stops_straight(state: State, rest: Pose) -> bool:
+    """Return whether a vehicle that moves stops on the line on which it moves."""
+    (x, y, rotation), (vx, vy, _), _ = state
+    dx, dy = rest[0] - x, rest[1] - y
+    across = abs(vx * dy - vy * dx)
+    return rotation == rest[2] and math.hypot(dx, dy) > 0 and across <= ON_ROUTE * state.speed
+
+
+def _pose(numbers: Sequence[float]) -> Pose:
+    x, y, rotation = numbers
+    return (x, y, rotation)
+
+
+def _moves_back(state: State, one: Pose, other: Pose) -> bool:
+    """Return whether a vehicle moves against the direction from one pose to another."""
+    (vx, vy, _) = state.velocity
+    return vx * (other[0] - one[0]) + vy * (other[1] - one[1]) < 0
+
+
+def _is_between(here: Pose, one: Pose, other: Pose) -> bool:
+    """Return whether a pose is on the drive, or turn, from one to another."""
+    (ax, ay), (bx, by) = one[:2], other[:2]
+    length = math.dist((ax, ay), (bx, by))
+    low, high = sorted((one[2], other[2]))
+    if not low - ON_ROUTE <= here[2] <= high + ON_ROUTE:
+        return False
+    if length < ON_ROUTE:
+        return math.dist(here[:2], (ax, ay)) < ON_ROUTE
+    dx, dy = (bx - ax) / length, (by - ay) / length
+    along = (here[0] - ax) * dx + (here[1] - ay) * dy
+    across = (here[1] - ay) * dx - (here[0] - ax) * dy
+    return -ON_ROUTE <= along <= length + ON_ROUTE and abs(across) < ON_ROUTE

@@ -1,0 +1,172 @@
+"""Chassis of a trial: its keys and its model."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+import shapely
+from shapely.geometry import Polygon
+
+from floorplan import Floorplan, UserError
+from floorplan.files.fields import Flag, Pair, Positive
+from floorplan.files.problems import Fault, Written
+from navigation import PlanningError, VehicleLimits, VehiclePlanner
+from navigation.machines import Stop
+from navigation.vehicle_planner import footprint_fault
+
+from ...core.body import MachineShape
+from ...core.custom_code import CodeFolder
+from ...core.entries import Pose
+from ...core.stage import MachineModel, Stage
+from ..gantry.controllers import ControllerError
+from .amr import Amr
+from .controllers import find_program, program
+from .drive import floor_of
+from .missions import Mission
+from .shape import Chassis
+
+MOST_RATE = 100.0
+"""Hz. Highest rate at which a function is called."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AmrModel(MachineModel):
+    """A vehicle that drives freely; its fields are the keys in a trial file (m, s, radians)."""
+
+    at: Pose
+    size: tuple[Positive, Positive] = (1.2, 0.8)
+    footprint: tuple[Pair, ...] = ()
+    height: Positive = 0.4
+    load: tuple[Positive, Positive, Positive] | None = None
+    drive: Literal["differential", "holonomic"] = "differential"
+    max_speed: Positive = 1.5
+    max_acceleration: Positive = 0.7
+    max_jerk: Positive = 3.0
+    max_side_speed: Positive | None = None
+    max_turn_speed: Positive = 1.0
+    max_turn_acceleration: Positive = 1.5
+    max_turn_jerk: Positive = 6.0
+    controller: Annotated[str | Callable[[Any], Any], Written(str)] = "oblivious"
+    rate: Positive | None = None
+    missions: tuple[Mission, ...] = ()
+    every: Positive | None = None
+    repeat: Flag = False
+
+    category = "vehicle"
+
+    @property
+    def limits(self) -> VehicleLimits:
+        """The limits of the vehicle."""
+        aside = self.max_speed if self.max_side_speed is None else self.max_side_speed
+        return VehicleLimits(
+            speed=self.max_speed,
+            acceleration=self.max_acceleration,
+            jerk=self.max_jerk,
+            turn_speed=self.max_turn_speed,
+            turn_acceleration=self.max_turn_acceleration,
+            turn_jerk=self.max_turn_jerk,
+            side_speed=aside if self.drive == "holonomic" else 0.0,
+        )
+
+    @property
+    def vehicle(self) -> Chassis:
+        """The vehicle with its load. `UserError` if the footprint is none."""
+        footprint = self._footprint()
+        if fault := footprint_fault(footprint):
+            raise UserError(fault)
+        top = self.height
+        if self.load is not None:
+            length, width, height = self.load
+            around = shapely.box(-length / 2, -width / 2, length / 2, width / 2)
+            footprint = footprint.union(around).convex_hull
+            top += height
+        return Chassis(footprint=footprint, top=top, limits=self.limits)
+
+    def shape(self, name: str, plan: Floorplan) -> MachineShape:
+        """Return its shape, as others see it."""
+        return self.vehicle.shape(name)
+
+    def make(self, name: str, stage: Stage) -> Amr:
+        """Return the vehicle; `ControllerError` if its controller can't be found."""
+        return Amr(
+            stage,
+            name,
+            self.vehicle,
+            self.at,
+            missions=self.missions,
+            every=self.every,
+            repeat=self.repeat,
+            controller=program(self.controller, self.rate, stage.code_folder),
+        )
+
+    def code_faults(self, folder: CodeFolder) -> Iterator[Fault]:
+        """Yield why its controller can't be found."""
+        try:
+            find_program(self.controller, self.rate, folder)
+        except ControllerError as why:
+            yield str(why), ("controller",)
+
+    def stands_at_start(self, name: str, plan: Floorplan) -> Polygon | None:
+        """Return the area that it covers at the start."""
+        if footprint_fault(self._footprint()):
+            return None
+        x, y, rotation = self.at
+        return self.shape(name, plan).footprint((x, y), rotation)
+
+    def longest_stop(self, plan: Floorplan) -> Stop | None:
+        """Return the longest and farthest stop that its limits leave it."""
+        return self.limits.longest_stop
+
+    def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
+        """Yield what does not fit: footprint, start, places that it can't reach, and rates."""
+        if fault := footprint_fault(self._footprint()):
+            yield fault, ("footprint",)
+            return
+        if self.footprint and self.size != type(self).size:
+            yield "give size or footprint, not both", ("size",)
+        if self.max_side_speed is not None and self.drive != "holonomic":
+            yield "only a holonomic drive has one", ("max_side_speed",)
+        if self.rate is not None and self.rate > MOST_RATE:
+            yield f"must be at most {MOST_RATE:g} Hz, not {self.rate:g}", ("rate",)
+        if self.every is not None and self.repeat:
+            yield "give every or repeat, not both", ("every",)
+        yield from self._places_out_of_reach(plan)
+
+    def _places_out_of_reach(self, plan: Floorplan) -> Iterator[Fault]:
+        """Yield the start and the places that the footprint does not fit, or can't get to."""
+        world = floor_of(self.vehicle, "", plan)
+        empty = world.as_if(away=[lane.name for lane in plan.lanes])
+        planner = VehiclePlanner(empty, self.vehicle.footprint, limits=self.limits)
+        here: tuple[float, ...] = self.at
+        if not planner.fits(here):
+            yield planner.what_is_in_the_way(self.at), ("at",)
+            return
+        for k, mission in enumerate(self.missions):
+            try:
+                goal = mission.goal(plan)
+                if mission.turn is not None:
+                    goal = (here[0], here[1], mission.turn)
+                if goal is not None:
+                    here = planner.plan(here, goal).poses[-1].tolist()
+            except UserError as why:
+                yield str(why), ("missions", k, "go")
+            except PlanningError as why:
+                yield why.message, ("missions", k, "go" if mission.turn is None else "turn")
+
+    def _footprint(self) -> Polygon:
+        if not self.footprint:
+            length, width = self.size
+            return shapely.box(-length / 2, -width / 2, length / 2, width / 2)
+        if len(self.footprint) < 3:
+            return Polygon()
+        return Polygon(self.footprint)
+
+
+def overlaps(stand: Iterable[tuple[str, Polygon]]) -> Iterator[tuple[str, str]]:
+    """Yield the names of every two vehicles that stand in one place."""
+    for (one, area), (other, there) in itertools.combinations(stand, 2):
+        if area.intersection(there).area > 0:
+            yield one, other
