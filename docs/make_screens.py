@@ -44,7 +44,9 @@ class Screen:
 
 
 TWO_PEOPLE = str(DOCS.parent / "examples" / "two_people.trial.yaml")
+VEHICLES = str(DOCS.parent / "examples" / "vehicles.trial.yaml")
 SCREENS = {
+    "vehicles.png": Screen(trial=VEHICLES, at=52.0, size=(1400, 780)),
     "replay.png": Screen(trial="workcell", at=47.0),
     "space.png": Screen(trial="workcell", at=57.5, view="3d", nearer=-330.0, size=(1400, 780)),
     "space-dark.png": Screen(
