@@ -381,7 +381,7 @@ class GantryEnabled(EventKind):
 
 
 class GantryYielded(EventKind):
-    """The gantry waits, to keep the `required` distance to a person."""
+    """A gantry or vehicle waits, to keep the `required` distance to a person."""
 
     person: _Person
     distance: float

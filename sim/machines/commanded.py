@@ -15,6 +15,7 @@ from navigation.motion import State
 from ..core.body import Machine, MachineShape
 from ..core.clock import Turn
 from ..core.entries import Pose
+from ..core.recorder import Record
 from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
 from .commanding import Drive, Interruption, Interrupts, Steps
@@ -46,6 +47,8 @@ class CommandedMachine(Machine):
     it stands, and whatever was under way goes on afterwards. `record(event)` records an event,
     which may be of a custom `EventKind`.
     """
+
+    record: Record
 
     def __init__(self, stage: Stage, shape: MachineShape, drive: Drive) -> None:
         self.rules = stage.rules

@@ -74,6 +74,7 @@ def test_a_cautious_vehicle_keeps_the_distance_by_its_own_motion(controller):
     assert run.summary["machines"]["fork"]["jobs_done"] >= 2
     assert navigation.minimum_separation(run.motions["ann"], run.motions["fork"], 0, 200)[1] < 8
     assert events(run, "violation", **{"with": "fork"}) == []
+    assert {event["machine"] for event in events(run, "gantry_yielded", "job_done")} == {"fork"}
 
 
 def test_a_vehicle_goes_around_another_that_stands(tmp_path):

@@ -50,6 +50,7 @@ class Amr(CommandedMachine):
         super().__init__(
             stage, vehicle.shape(name), VehicleDrive(stage, name, vehicle, at, self.interrupt)
         )
+        self.record = self._record_by_name
         self.limits = vehicle.limits
         self._missions = tuple(missions)
         self._every = every
@@ -62,6 +63,11 @@ class Amr(CommandedMachine):
         self._changed = stage.clock.event()
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
+
+    def _record_by_name(self, event: EventKind) -> None:
+        """Record an event with the name of the vehicle, if it has a field for it."""
+        fields = {**event.fields, "machine": self.name} if "machine" in event.forms else None
+        self._stage.record(event if fields is None else event.of(fields))
 
     def begin(self) -> None:
         """Let its controller begin."""
@@ -81,10 +87,6 @@ class Amr(CommandedMachine):
         (_, _, rotation), (vx, vy, turning), _ = self.state
         c, s = math.cos(rotation), math.sin(rotation)
         return Twist(vx * c + vy * s, vy * c - vx * s, turning)
-
-    def record(self, event: EventKind) -> None:
-        """Record an event."""
-        self._stage.record(event)
 
     # Its commands.
 
@@ -219,14 +221,14 @@ class Amr(CommandedMachine):
         task.advance()
         if task.finished:
             self.jobs_done += 1
-            self.record(JobDone.of({"job": task.kind, **task.fields, "machine": self.name}))
+            self.record(JobDone.of({"job": task.kind, **task.fields}))
             self._go_on()
         return True
 
     def _begin(self, task: Task) -> None:
         if not task.announced:
             task.announced = True
-            self.record(JobStarted.of({"job": task.kind, **task.fields, "machine": self.name}))
+            self.record(JobStarted.of({"job": task.kind, **task.fields}))
 
     def _go_on(self) -> None:
         """Let the next round begin once this one is over."""
