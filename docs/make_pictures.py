@@ -11,6 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from make_candidates import candidates
+
 import floorplan
 import sim
 from navigation import CollisionWorld, PathPlanner
@@ -85,8 +87,11 @@ def scenes(out: Path) -> None:
         plots.save(figure, out / f"{name.replace('_', '-')}.svg")
 
 
+ALL = (tutorial, gallery, scenes, candidates)
+"""Functions that make all pictures into a folder."""
+
+
 if __name__ == "__main__":
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS / "images"
-    tutorial(folder)
-    gallery(folder)
-    scenes(folder)
+    for make in ALL:
+        make(folder)

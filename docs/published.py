@@ -73,7 +73,7 @@ def reference(_: Path) -> dict[str, str]:
 
 def pictures(folder: Path) -> dict[str, str]:
     """Make the plots."""
-    for make in (make_pictures.tutorial, make_pictures.gallery, make_pictures.scenes):
+    for make in make_pictures.ALL:
         make(folder)
     return {}
 
@@ -145,7 +145,7 @@ PUBLISHED = {
         pictures=(
             *(f"tutorial-{one}.svg" for one in ("first", "way", "trails", "before", "after")),
             *(f"plot-{one}.svg" for one in ("floorplan", "path", "trails", "spacetime")),
-            *("plot-separation.svg", "plot-heatmap.svg"),
+            *("plot-separation.svg", "plot-heatmap.svg", "avoidance-candidates.svg"),
             *(f"{scene.replace('_', '-')}.svg" for scene in make_pictures.SCENES),
         ),
     ),
