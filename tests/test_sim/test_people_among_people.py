@@ -502,7 +502,10 @@ def test_people_who_can_go_nowhere_say_so_and_are_a_deadlock(walks):
     ways = [((x, y), [(goal, y)]) for x, goal in ((0.4, 6.6), (2.5, 2.5), (3.5, 3.5), (4.5, 4.5))]
     run = walks(floor, [*ways, ((6.6, y), [(0.4, y)])], 60.0)
     assert {event["person"] for event in events(run, "blocked")} == {"p0", "p4"}
-    assert events(run, "deadlock")[0]["people"] == ["p0", "p4"]
+    (deadlock,) = events(run, "deadlock")
+    assert deadlock["people"] == ["p0", "p4"]
+    # Nobody moves after 2 s, and blocked people decide every 8 s.
+    assert 30.0 <= deadlock["t"] <= 40.0
     assert run.summary["deadlocks"] == 1
     assert run.summary["people"]["p0"]["time_lost_to_others"] > 20
     assert least(run) >= 0.6
