@@ -79,7 +79,7 @@ def repeated(me: Traveller, outlook: Outlook) -> Decision:
     again.first_free()
     chosen = len(log.courses) - 1
     # Among nobody, every candidate that is left is free.
-    while again.walks.next_free([], table, me.radius):
+    while again.walks.next_free([], table, me.radius) is not None:
         pass
     me.zones = zones
     motions = [again.walk(course, top_speed=speed) for course, speed in log.courses]
