@@ -17,8 +17,7 @@ from ..core.scenario import PersonEntry, Scenario
 from ..core.stage import Stage
 from ..safety.proximity import Distancing
 from ..safety.referee import Referee
-from .crowd.crowd import Crowd
-from .crowd.custom_steering import find_steering
+from .crowd.custom_steering import make_crowd
 from .crowd.parameters import drawn
 from .crowd.places import starting_places, with_homes
 from .minds import (
@@ -88,7 +87,7 @@ class Population:
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
         self._board = board
         self.people: list[Person] = []
-        self._crowd = crowd = self._make_crowd()
+        self._crowd = crowd = make_crowd(stage, scenario.steering, scenario.seed)
         scenario = replace(scenario, people=with_places(scenario, walks))
         entrances = Entrances(stage.clock)
         starts = starting_places(scenario, stage.world, crowd)
@@ -153,12 +152,6 @@ class Population:
         for person in self._attentive:
             if person.name != left["person"]:
                 person.perceive("has_left", left["person"])
-
-    def _make_crowd(self) -> Crowd:
-        stage, name = self._stage, self._scenario.steering
-        if name is None:
-            return Crowd(stage)
-        return Crowd(stage, find_steering(name, stage.code_folder))
 
     @property
     def deadlocks(self) -> int:

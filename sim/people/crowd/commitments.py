@@ -55,10 +55,14 @@ class Commitments(CommittedMotions):
     def take_away(self, who: Traveller) -> None:
         """Remove a person from the floor, and keep the row."""
         k = self.indices.get(who)
-        if k is not None and self.boxes[4 * k] < math.inf:
+        if k is not None and self.is_there(who):
             # Bounds that overlap with none.
             box = numbers((math.inf, math.inf, -math.inf, -math.inf))
             self.change(k, Swath(self.tables[k], box))
+
+    def is_there(self, who: Traveller) -> bool:
+        """Return whether a person or a disc of a vehicle has not been taken away."""
+        return self.boxes[4 * self.indices[who]] < math.inf
 
     def set_goal(self, who: Traveller, goal: Point | None, route: list[Point]) -> None:
         """Set the goal and the route of a person, or clear them."""

@@ -58,7 +58,7 @@ class Crowd:
             stage, self._commitments, self._people, self._ground, self.decide, self._commit
         )
         self._vehicles = [
-            Vehicle(stage, machine, self._commitments, self._interruptions.notice)
+            Vehicle(stage, machine, self._commitments, self.notice)
             for machine in stage.vehicles
         ]
 
@@ -215,6 +215,10 @@ class Crowd:
     def make_way_for(self, me: Traveller) -> None:
         """Let others react to the new motion of a recorded person."""
         self._interruptions.make_way_for(me)
+
+    def notice(self, discs: Sequence[Traveller]) -> None:
+        """Let people react to a vehicle that has changed its motion. It consists of `discs`."""
+        self._interruptions.notice(discs)
 
     def halt(self, me: Traveller, is_clear: Callable[[Motion], bool]) -> None:
         """Stop before a place that has closed, as far as possible.

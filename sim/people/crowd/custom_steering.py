@@ -1,9 +1,9 @@
-"""Steerings of the user's own, by the names that a trial gives."""
+"""Steerings by the names that a trial gives: baselines, and those of the user's own."""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import dist
 
 from floorplan import Problem, UserError
@@ -12,8 +12,14 @@ from navigation import Motion
 
 from ...core.custom_code import CodeFolder, Kind, argument_fault, in_words, own_line
 from ...core.scenario import TrialError
+from ...core.stage import Stage
+from ..steering_baselines.orca import Orca
+from ..steering_baselines.scene import VelocityModel
+from ..steering_baselines.social_force import SocialForce
+from .crowd import Crowd
 from .observe import Outlook
 from .propose import Steering
+from .sampled import SampledCrowd
 from .traveller import Traveller
 
 NEAR = 1e-6
@@ -27,13 +33,32 @@ class SteeringError(UserError):
     """A steering of the user's own goes wrong."""
 
 
+BASELINES: Mapping[str, Callable[[int], VelocityModel]] = {
+    "orca": lambda seed: Orca(),
+    "social_force": SocialForce,
+}
+"""Sampled baselines of the literature by name. Each is made from the seed of the trial."""
+
 STEERING = Kind(
     noun="steering",
     words="steering: a steering is a class that has replan(body, neighbours, outlook)",
     accepts=lambda found: inspect.isclass(found) and callable(getattr(found, "replan", None)),
     error=SteeringError,
+    builtin=BASELINES,
 )
 """The kind of class that a trial names as its steering."""
+
+
+def make_crowd(stage: Stage, name: str | None, seed: int) -> Crowd:
+    """Return the crowd of a stage with the steering `name`, or the built-in one without a name.
+
+    `seed` is that of the trial. `TrialError` if there is no such steering.
+    """
+    if name is None:
+        return Crowd(stage)
+    if name in BASELINES:
+        return SampledCrowd(stage, BASELINES[name](seed))
+    return Crowd(stage, find_steering(name, stage.code_folder))
 
 
 def find_steering(name: str, folder: CodeFolder) -> Steering:

@@ -1,0 +1,1 @@
+"""Baselines of the literature for the steering of people: social force and ORCA."""
