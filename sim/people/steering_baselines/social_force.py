@@ -44,7 +44,7 @@ class SocialForceParameters:
     """Weight c of people outside of the angle of sight."""
     faster: float = 1.3
     """Maximum speed as a multiple of the desired speed. A person's maximum speed also holds."""
-    fluctuation: float = 0.05
+    fluctuation: float = 0.3
     """Standard deviation of each component of the fluctuation, m/s². The paper gives no value."""
 
 

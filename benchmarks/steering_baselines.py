@@ -1,0 +1,99 @@
+"""The built-in steering beside the field's baselines, social force and ORCA, in the same scenes.
+
+    python benchmarks/steering_baselines.py [--crowds 10] [--patrols 1] [--only STEERING ...]
+
+The scenes are the random crowds and the patrol of `avoidance_rules.py`. The time lost of
+a person in the crowds is the time until the last of two arrivals, or until the end of the trial,
+minus that of the two planned paths at top speed. Overlaps are pairs of people who come closer than
+the sum of their radii, found in continuous time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import navigation
+import sim
+from avoidance_rules import PATROL
+from random_crowds import Point, nearest
+from random_crowds import trial as crowd
+
+BUILT_IN = "built-in"
+
+STEERINGS = (BUILT_IN, "social_force", "orca")
+
+
+@dataclass
+class Found:
+    """What came of scenes of one kind: numbers of legs, people and pairs, seconds, and metres."""
+
+    legs: int = 0
+    late: int = 0
+    lost: float = 0.0
+    overlaps: int = 0
+    deepest: float = 0.0
+    cpu: float = 0.0
+
+
+def measured(steering: str, scenes: Iterable[sim.Trial]) -> Found:
+    """Run scenes with a steering, and return what came of them."""
+    found = Found()
+    for scene in scenes:
+        begin = time.process_time()
+        run = sim.run(replace(scene, steering=None if steering == BUILT_IN else steering))
+        found.cpu += time.process_time() - begin
+        found.overlaps += run.summary["overlaps"]
+        found.deepest = max(found.deepest, -nearest(run))
+        arrivals: dict[str, list[float]] = {name: [] for name in run.summary["people"]}
+        for event in run.events:
+            if event["kind"] == "arrived":
+                arrivals[event["person"]].append(event["t"])
+        found.legs += sum(map(len, arrivals.values()))
+        if all(person.at for person in scene.people):  # not on patrol
+            for name, free in free_times(scene):
+                is_late = len(arrivals[name]) < 2
+                found.late += is_late
+                found.lost += (run.duration if is_late else arrivals[name][1]) - free
+    return found
+
+
+def free_times(scene: sim.Trial) -> Iterator[tuple[str, float]]:
+    """Yield each person of a random crowd, and the time of both planned paths at top speed (s)."""
+    human = scene.floorplan.human
+    planner = navigation.PathPlanner(navigation.CollisionWorld(scene.floorplan), human.radius)
+    for person in scene.people:
+        alone = sim.run(replace(scene, people=(person,)))
+        assert not isinstance(person.at, str) and person.at is not None
+        goals: list[Point] = [event["at"] for event in alone.events if event["kind"] == "goal"]
+        legs = itertools.pairwise([person.at, *goals])
+        yield person.name, sum(planner.plan(*leg).length for leg in legs) / human.max_speed
+
+
+def main() -> None:
+    """Measure, and print the table of `docs/people-among-people.md`."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
+    parser.add_argument("--crowds", type=int, default=10, help="number of random crowds")
+    parser.add_argument("--patrols", type=int, default=1, help="number of patrols")
+    parser.add_argument("--only", nargs="+", choices=STEERINGS, default=STEERINGS)
+    asked = parser.parse_args()
+    crowds = [crowd(number) for number in range(asked.crowds)]
+    patrols = [replace(sim.Trial.parse(PATROL), seed=seed) for seed in range(asked.patrols)]
+    print("| scenes | steering | legs | late | time lost | overlaps | deepest | CPU |")
+    print("|---|---|---|---|---|---|---|---|")
+    for kind, scenes in (("random crowds", crowds), ("patrol of 50", patrols)):
+        for steering in asked.only if scenes else ():
+            found = measured(steering, scenes)
+            late = (str(found.late), f"{found.lost:,.0f} s") if kind == "random crowds" else "––"
+            print(
+                f"| {kind} | {steering} | {found.legs} | {' | '.join(late)} "
+                f"| {found.overlaps:,} | {found.deepest:.2f} m | {found.cpu:,.1f} s |",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()
