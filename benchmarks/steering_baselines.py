@@ -16,11 +16,11 @@ import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from avoidance_rules import PATROL
+from random_crowds import Point, nearest, trial as crowd
+
 import navigation
 import sim
-from avoidance_rules import PATROL
-from random_crowds import Point, nearest
-from random_crowds import trial as crowd
 
 BUILT_IN = "built-in"
 
@@ -39,8 +39,11 @@ class Found:
     cpu: float = 0.0
 
 
-def measured(steering: str, scenes: Iterable[sim.Trial]) -> Found:
-    """Run scenes with a steering, and return what came of them."""
+def measured(steering: str, scenes: Iterable[sim.Trial], *, has_end: bool) -> Found:
+    """Run scenes with a steering, and return what came of them.
+
+    `has_end` is whether each person goes to two places only.
+    """
     found = Found()
     for scene in scenes:
         begin = time.process_time()
@@ -53,7 +56,7 @@ def measured(steering: str, scenes: Iterable[sim.Trial]) -> Found:
             if event["kind"] == "arrived":
                 arrivals[event["person"]].append(event["t"])
         found.legs += sum(map(len, arrivals.values()))
-        if all(person.at for person in scene.people):  # not on patrol
+        if has_end:
             for name, free in free_times(scene):
                 is_late = len(arrivals[name]) < 2
                 found.late += is_late
@@ -67,7 +70,7 @@ def free_times(scene: sim.Trial) -> Iterator[tuple[str, float]]:
     planner = navigation.PathPlanner(navigation.CollisionWorld(scene.floorplan), human.radius)
     for person in scene.people:
         alone = sim.run(replace(scene, people=(person,)))
-        assert not isinstance(person.at, str) and person.at is not None
+        assert person.at is not None
         goals: list[Point] = [event["at"] for event in alone.events if event["kind"] == "goal"]
         legs = itertools.pairwise([person.at, *goals])
         yield person.name, sum(planner.plan(*leg).length for leg in legs) / human.max_speed
@@ -86,8 +89,8 @@ def main() -> None:
     print("|---|---|---|---|---|---|---|---|")
     for kind, scenes in (("random crowds", crowds), ("patrol of 50", patrols)):
         for steering in asked.only if scenes else ():
-            found = measured(steering, scenes)
-            late = (str(found.late), f"{found.lost:,.0f} s") if kind == "random crowds" else "––"
+            found = measured(steering, scenes, has_end=scenes is crowds)
+            late = (str(found.late), f"{found.lost:,.0f} s") if scenes is crowds else ("–", "–")
             print(
                 f"| {kind} | {steering} | {found.legs} | {' | '.join(late)} "
                 f"| {found.overlaps:,} | {found.deepest:.2f} m | {found.cpu:,.1f} s |",

@@ -58,8 +58,7 @@ class Crowd:
             stage, self._commitments, self._people, self._ground, self.decide, self._commit
         )
         self._vehicles = [
-            Vehicle(stage, machine, self._commitments, self.notice)
-            for machine in stage.vehicles
+            Vehicle(stage, machine, self._commitments, self.notice) for machine in stage.vehicles
         ]
 
     # People

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -113,9 +114,7 @@ class SampledCrowd(Crowd):
         for k in arrived:
             bodies[k].arrive()
 
-    def _has_arrived(
-        self, k: int, bodies: Sequence[Traveller], at: Floats, stands: Flags
-    ) -> bool:
+    def _has_arrived(self, k: int, bodies: Sequence[Traveller], at: Floats, stands: Flags) -> bool:
         """Return whether a person has arrived, perhaps beside a stationary one on the goal."""
         me = bodies[k]
         assert me.goal is not None
@@ -170,10 +169,8 @@ class SampledCrowd(Crowd):
             route = route[visible:]
         elif visible < 0 and now >= self._replans.get(me, now):
             self._replans[me] = now + PARAMETERS.again
-            try:
+            with suppress(PlanningError):
                 route = me.reroute(at)
-            except PlanningError:
-                pass
         if len(route) > 1 and math.dist(at, route[0]) < 2 * me.top_speed / STEPS_PER_SECOND:
             route = route[1:]
         if route is not me.route:
@@ -203,7 +200,7 @@ class SampledCrowd(Crowd):
         """Walk at the chosen velocity (m/s) until the next step, and note whether blocked."""
         vx, vy = map(float, chosen)
         speed = math.sqrt(vx * vx + vy * vy)
-        x, y, heading = me.body.state.position
+        x, y = me.body.at
         if speed > TINY:
             along_x, along_y = (x, vx, 0.0, 0.0), (y, vy, 0.0, 0.0)
             turned = (math.atan2(vy, vx), 0.0, 0.0, 0.0)

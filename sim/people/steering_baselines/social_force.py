@@ -45,7 +45,7 @@ class SocialForceParameters:
     faster: float = 1.3
     """Maximum speed as a multiple of the desired speed. A person's maximum speed also holds."""
     fluctuation: float = 0.3
-    """Standard deviation of each component of the fluctuation, m/s². The paper gives no value."""
+    """Standard deviation of both components of the fluctuation, m/s². The paper gives no value."""
 
 
 class SocialForce:
@@ -91,7 +91,7 @@ class SocialForce:
         np.maximum(semi_minor, NEAREST, out=semi_minor)
         acts = (semi_minor < REACH * given.people_range) & scene.steered[:, None]
         np.fill_diagonal(acts, val=False)
-        who, other = np.nonzero(acts)
+        who, _ = np.nonzero(acts)
         slope = apart[acts] / distance[acts][:, None] + beyond[acts] / other_distance[acts][:, None]
         slope *= (both[acts] / (4 * semi_minor[acts]))[:, None]
         push = given.people_strength / given.people_range
