@@ -13,7 +13,7 @@ import shapely
 import navigation
 import sim
 from sim.people.steering_baselines.orca import HalfPlane, Orca, least_change, nearest_permitted
-from sim.people.steering_baselines.scene import Scene, WallSides
+from sim.people.steering_baselines.scene import SampledScene, WallSides
 from sim.people.steering_baselines.social_force import SocialForce, SocialForceParameters
 
 HALL = """
@@ -27,10 +27,10 @@ CALM = SocialForceParameters(fluctuation=0.0)
 MODELS = {"orca": lambda: Orca(), "social_force": lambda: SocialForce(0, CALM)}
 
 
-def scene(at, velocity, desired, *, steered=None, walls=()) -> Scene:
+def scene(at, velocity, desired, *, steered=None, walls=()) -> SampledScene:
     """People of 0.3 m and 1 m/s, and points of walls near the first."""
     count = len(at)
-    return Scene(
+    return SampledScene(
         step=0.05,
         at=np.array(at, dtype=float),
         velocity=np.array(velocity, dtype=float),
@@ -197,7 +197,8 @@ def test_person_alone_walks_straight_to_the_goal(tmp_path, steering):
     (arrived,) = [event for event in run.events if event["kind"] == "arrived"]
     motion = run.motions["a"]
     t = np.linspace(0.0, arrived["t"], 200)
-    assert np.abs(motion.position(t)[:, 1] - 3.0).max() < 0.05
+    beside = 1e-6 if steering == "orca" else 0.1  # fluctuations
+    assert np.abs(motion.position(t)[:, 1] - 3.0).max() < beside
     # 9.4 m at 1 m/s, and 0.45 s for the acceleration of the social force in steps of 0.05 s.
     expected = 9.4 if steering == "orca" else 9.4 + 0.45
     assert arrived["t"] == pytest.approx(expected, abs=0.06)

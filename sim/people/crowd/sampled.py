@@ -21,7 +21,15 @@ from navigation.motion import Piece
 from ...core.clock import Alarm, Turn
 from ...core.events import Blocked
 from ...core.stage import Stage
-from ..steering_baselines.scene import TINY, Flags, Floats, Indices, Scene, VelocityModel, WallSides
+from ..steering_baselines.scene import (
+    TINY,
+    Flags,
+    Floats,
+    Indices,
+    SampledScene,
+    VelocityModel,
+    WallSides,
+)
 from .crowd import Crowd
 from .parameters import PARAMETERS
 from .traveller import Traveller
@@ -130,14 +138,14 @@ class SampledCrowd(Crowd):
 
     def _scene(
         self, bodies: Sequence[Traveller], at: Floats, velocity: Floats, under_way: list[int]
-    ) -> Scene:
+    ) -> SampledScene:
         """Return what the model knows."""
         desired, steered = np.zeros_like(at), np.zeros(len(bodies), dtype=bool)
         steered[under_way] = True
         for k in under_way:
             desired[k] = self._desired(bodies[k])
         wall_of, wall_at = self._near_walls(bodies, at, under_way)
-        return Scene(
+        return SampledScene(
             step=1.0 / STEPS_PER_SECOND,
             at=at,
             velocity=velocity,

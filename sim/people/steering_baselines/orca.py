@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .scene import TINY, Floats, Scene
+from .scene import TINY, Floats, SampledScene
 
 Vector = tuple[float, float]
 
@@ -58,7 +58,7 @@ class Orca:
     def __init__(self, parameters: OrcaParameters | None = None) -> None:
         self._given = OrcaParameters() if parameters is None else parameters
 
-    def velocities(self, scene: Scene) -> Floats:
+    def velocities(self, scene: SampledScene) -> Floats:
         """See `VelocityModel`."""
         found = scene.velocity.copy()
         for k in np.flatnonzero(scene.steered).tolist():
@@ -67,7 +67,7 @@ class Orca:
             found[k] = nearest_permitted(walls, people, desired, fastest)
         return found
 
-    def _of_people(self, scene: Scene, k: int) -> list[HalfPlane]:
+    def _of_people(self, scene: SampledScene, k: int) -> list[HalfPlane]:
         """Return the half-planes of the nearest neighbours of a person."""
         given, apart = self._given, scene.at - scene.at[k]
         square = (apart * apart).sum(axis=1)
@@ -89,7 +89,7 @@ class Orca:
             planes.append(HalfPlane((mine[0] + share * ux, mine[1] + share * uy), normal))
         return planes
 
-    def _of_walls(self, scene: Scene, k: int) -> list[HalfPlane]:
+    def _of_walls(self, scene: SampledScene, k: int) -> list[HalfPlane]:
         """Return the half-planes that do not reach the nearest walls within their horizon."""
         first, last = np.searchsorted(scene.wall_of, [k, k + 1])
         planes = []

@@ -18,7 +18,7 @@ TINY = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scene:
+class SampledScene:
     """All N bodies at one time, and the points of walls near those who are under way.
 
     Attributes
@@ -53,7 +53,7 @@ class Scene:
 class VelocityModel(Protocol):
     """Interface of a sampled steering."""
 
-    def velocities(self, scene: Scene) -> Floats:
+    def velocities(self, scene: SampledScene) -> Floats:
         """Return the velocity of each body until the next step, shape (N, 2), m/s.
 
         Only those of steered bodies are used.

@@ -13,7 +13,7 @@ from random import Random
 
 import numpy as np
 
-from .scene import Floats, Scene, lengths, unit
+from .scene import Floats, SampledScene, lengths, unit
 
 REACH = 12.0
 """Number of ranges σ or R beyond which a potential is ignored. It has then decayed to 6e-6."""
@@ -63,7 +63,7 @@ class SocialForce:
         self._given = SocialForceParameters() if parameters is None else parameters
         self._chance = Random(seed)
 
-    def velocities(self, scene: Scene) -> Floats:
+    def velocities(self, scene: SampledScene) -> Floats:
         """See `VelocityModel`. The step is that of the semi-implicit Euler method."""
         given = self._given
         force = (scene.desired - scene.velocity) / given.relaxation
@@ -77,7 +77,7 @@ class SocialForce:
         share = np.where(too_fast, fastest / np.where(too_fast, speed, 1.0), 1.0)
         return np.asarray(velocity * share[:, None])
 
-    def _add_people(self, force: Floats, scene: Scene) -> None:
+    def _add_people(self, force: Floats, scene: SampledScene) -> None:
         """Add the repulsion between people, eqs. 3, 4 and 8 of the paper."""
         given = self._given
         desired = unit(scene.desired)
@@ -101,7 +101,7 @@ class SocialForce:
         pushes *= np.where(seen, 1.0, given.unseen)[:, None]
         np.add.at(force, who, pushes)
 
-    def _add_walls(self, force: Floats, scene: Scene) -> None:
+    def _add_walls(self, force: Floats, scene: SampledScene) -> None:
         """Add the repulsion of walls, eq. 5 of the paper."""
         given = self._given
         away = scene.at[scene.wall_of] - scene.wall_at
@@ -109,7 +109,7 @@ class SocialForce:
         push = given.walls_strength / given.walls_range * _decay(distance, given.walls_range)
         np.add.at(force, scene.wall_of, away * (push / distance)[:, None])
 
-    def _add_fluctuations(self, force: Floats, scene: Scene) -> None:
+    def _add_fluctuations(self, force: Floats, scene: SampledScene) -> None:
         """Add the fluctuations. Without them two people who meet head-on never pass."""
         width = self._given.fluctuation
         if width > 0.0:
@@ -117,7 +117,7 @@ class SocialForce:
                 force[k] += self._chance.gauss(0.0, width), self._chance.gauss(0.0, width)
 
 
-def _heading(scene: Scene) -> Floats:
+def _heading(scene: SampledScene) -> Floats:
     """Return the desired directions, and the directions of motion of those who have no goal."""
     return np.where(scene.steered[:, None], unit(scene.desired), unit(scene.velocity))
 
