@@ -199,8 +199,8 @@ def test_person_alone_walks_straight_to_the_goal(tmp_path, steering):
     t = np.linspace(0.0, arrived["t"], 200)
     beside = 1e-6 if steering == "orca" else 0.1  # fluctuations
     assert np.abs(motion.position(t)[:, 1] - 3.0).max() < beside
-    # 9.4 m at 1 m/s. The social force adds 0.45 s for the acceleration in steps of 0.05 s, and up to
-    # 2 % because the maximum speed cuts off the faster half of the fluctuations.
+    # 9.4 m at 1 m/s. The social force adds 0.45 s for the acceleration in steps of 0.05 s,
+    # and up to 2 % because the maximum speed cuts off the faster half of the fluctuations.
     soonest, share = (9.4, 1.0) if steering == "orca" else (9.85, 1.02)
     assert soonest - 0.06 < arrived["t"] < soonest * share + 0.06
 
