@@ -13,7 +13,7 @@ import ompl.geometric as og
 from floorplan import Point
 
 from .arcs import Pose
-from .sampling import TooManyChecksError
+from .sampling import Motions, Places
 
 _LINKS = 10_000
 """Number of links after which a search of OMPL's ends in any case."""
@@ -40,8 +40,8 @@ class PoseSearch:
         self._space.setBounds(bounds)
         self._information: Any = ob.SpaceInformation(self._space)
         # OMPL holds them by pointers that keep nothing alive: Python must.
-        self._links: Any = _Links(self._information, link)
-        self._poses: Any = _Poses(self._information, fits)
+        self._links: Any = Motions(self._information, link, _LINKS, _pose_of)
+        self._poses: Any = Places(self._information, lambda pose, _: fits(pose), math.inf, _pose_of)
         self._information.setMotionValidator(self._links)
         self._information.setStateValidityChecker(self._poses)
         self._setup: Any = og.SimpleSetup(self._information)
@@ -74,32 +74,6 @@ class PoseSearch:
         yaw = math.remainder(pose[2], math.tau)
         state.setYaw(yaw if yaw < math.pi else -math.pi)  # OMPL's end at less than π
         return state
-
-
-class _Links(ob.MotionValidator):  # type: ignore[misc]
-    """Answers OMPL from which pose a vehicle gets to which by turn, drive and turn."""
-
-    def __init__(self, information: Any, link: Callable[[Pose, Pose], bool]) -> None:
-        super().__init__(information)
-        self._link = link
-        self._left = _LINKS
-
-    def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:
-        self._left -= 1
-        if self._left < 0:
-            raise TooManyChecksError
-        return self._link(_pose_of(a), _pose_of(b))
-
-
-class _Poses(ob.StateValidityChecker):  # type: ignore[misc]
-    """Answers OMPL which poses are free."""
-
-    def __init__(self, information: Any, fits: Callable[[Pose], bool]) -> None:
-        super().__init__(information)
-        self._fits = fits
-
-    def isValid(self, at: Any) -> bool:
-        return self._fits(_pose_of(at))
 
 
 def _pose_of(state: Any) -> Pose:

@@ -81,8 +81,8 @@ class OmplFloor:
         self._space.setBounds(bounds)
         self.information: Any = ob.SpaceInformation(self._space)
         # OMPL holds them by pointers that keep nothing alive: Python must.
-        self._motions: Any = _Motions(self.information, free, most)
-        self._places: Any = _Places(self.information, free, most)
+        self._motions: Any = Motions(self.information, free, most)
+        self._places: Any = Places(self.information, free, most)
         self.information.setMotionValidator(self._motions)
         self.information.setStateValidityChecker(self._places)
         self.information.setup()
@@ -180,35 +180,58 @@ def state_at(information: Any, place: Point) -> Any:
     return state
 
 
-class _Motions(ob.MotionValidator):  # type: ignore[misc]
-    """Answers OMPL which segments are free, each as one sweep."""
+def _place_of(state: Any) -> Point:
+    return (state[0], state[1])
 
-    def __init__(self, information: Any, free: Free, most: float) -> None:
+
+class Motions(ob.MotionValidator):  # type: ignore[misc]
+    """Answers OMPL which segments are free, each as one sweep.
+
+    `free` is asked `most` times, for the `values` of both states.
+    """
+
+    def __init__(
+        self,
+        information: Any,
+        free: Callable[[Any, Any], bool],
+        most: float,
+        values: Callable[[Any], Any] = _place_of,
+    ) -> None:
         super().__init__(information)
         self._free = free
         self._left = most
+        self._values = values
 
     def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:
+        """Return whether the segment between two states is free."""
         self._left -= 1
         if self._left < 0:
             raise TooManyChecksError
-        return self._free((a[0], a[1]), (b[0], b[1]))
+        return self._free(self._values(a), self._values(b))
 
 
-class _Places(ob.StateValidityChecker):  # type: ignore[misc]
-    """Answers OMPL which places are free."""
+class Places(ob.StateValidityChecker):  # type: ignore[misc]
+    """Answers OMPL which places are free, as `Motions` without length."""
 
-    def __init__(self, information: Any, free: Free, most: float) -> None:
+    def __init__(
+        self,
+        information: Any,
+        free: Callable[[Any, Any], bool],
+        most: float,
+        values: Callable[[Any], Any] = _place_of,
+    ) -> None:
         super().__init__(information)
         self._free = free
         self._left = most
+        self._values = values
 
     def isValid(self, at: Any) -> bool:
+        """Return whether a state is free."""
         self._left -= 1
         if self._left < 0:
             raise TooManyChecksError
-        place = (at[0], at[1])
-        return self._free(place, place)
+        values = self._values(at)
+        return self._free(values, values)
 
 
 MOST_CHECKS = 200

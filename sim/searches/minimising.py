@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
-from floorplan import UserError
+from floorplan import Point, UserError
 
 from ..core.entries import Start, is_number
 from ..core.scenario import Job, PersonEntry
@@ -158,10 +158,7 @@ class Minimiser:
                 )
             )
         for name in [*self._best.agvs]:
-            self._remove(
-                lambda t, name=name: t.agvs[name],  # type: ignore[misc]
-                lambda t, kept, name=name: replace(t, agvs={**t.agvs, name: kept}),  # type: ignore[misc]
-            )
+            self._remove_moves(name)
         for name in [*self._best.machines]:
             machines = {other: m for other, m in self._best.machines.items() if other != name}
             self._try(replace(self._best, machines=machines))
@@ -233,6 +230,12 @@ class Minimiser:
     def _with_person(self, k: int, person: PersonEntry) -> Trial:
         people = self._best.people
         return replace(self._best, people=(*people[:k], person, *people[k + 1 :]))
+
+    def _remove_moves(self, agv: str) -> None:
+        self._remove(
+            lambda trial: trial.agvs[agv],
+            lambda trial, kept: replace(trial, agvs={**trial.agvs, agv: kept}),
+        )
 
     def _remove(
         self,
@@ -307,9 +310,13 @@ def _of_person(k: int, person: PersonEntry) -> Iterator[tuple[float, Put]]:
         speed: Any = person.max_speed
         yield speed, lambda trial, x: put(trial, max_speed=x)
     if isinstance(person.at, tuple):
-        (x0, y0) = person.at
-        yield x0, lambda trial, x: put(trial, at=(x, trial.people[k].at[1]))  # type: ignore[index]
-        yield y0, lambda trial, y: put(trial, at=(trial.people[k].at[0], y))  # type: ignore[index]
+        yield person.at[0], lambda trial, x: put(trial, at=(x, _place(trial.people[k])[1]))
+        yield person.at[1], lambda trial, y: put(trial, at=(_place(trial.people[k])[0], y))
+
+
+def _place(person: PersonEntry) -> Point:
+    assert isinstance(person.at, tuple)  # as it is when a number of it varies
+    return person.at
 
 
 def _gantry_at(axis: int) -> Put:
