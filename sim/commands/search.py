@@ -148,12 +148,12 @@ def _report(results: SearchResults) -> None:
     """Print the worst evaluations as a table, the cases, and what the search is worth."""
     from rich.table import Table
 
-    from ..searches.report import short, shown, size, where
+    from ..searches.report import rounded, short, shown, size, varying, where
 
     console = plain_console(WIDTH)
     ranked = sorted(results.evaluations, key=lambda one: (one.rank, one.number))
     ranked = [one for one in ranked if one.result != "no trial"][:MOST_SHOWN]
-    names = [*dict.fromkeys(n for one in ranked for n in one.values if n not in ("seed", "trial"))]
+    names = varying(results)
     title = f"{results.study.name}: the {len(ranked)} worst of {len(results):,} evaluations"
     table = Table(title=title, title_justify="left")
     for heading in ("Evaluation", "Value"):
@@ -176,10 +176,12 @@ def _report(results: SearchResults) -> None:
     )
     for case in results.cases:
         if case.path is not None and case.minimised is not None:
+            value = case.minimised.value
+            least = "" if value is None else f"; {results.objective} {rounded(value)}"
             console.print(
-                f"{case.path}: {', '.join(size(case))}; {where(case.situation)}",
+                f"{case.path}: {', '.join(size(case))}{least}; {where(case.situation)}",
                 highlight=False,
                 soft_wrap=True,
             )
     console.print(results.worth, highlight=False, soft_wrap=True)
-    console.print(f"{results.folder / 'report.html'} shows it", highlight=False, soft_wrap=True)
+    console.print(f"report: {results.folder / 'report.html'}", highlight=False, soft_wrap=True)

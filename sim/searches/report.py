@@ -38,11 +38,17 @@ MOST_DIMENSIONS = 8
 MOST_LISTED = 30
 """So many of the worst evaluations, and of those that make no trial, are listed."""
 
+SMALL = 0.001
+"""Values of the objective that are smaller are shown with their first digit."""
+
 WIDTH, HEIGHT = 8.0, 3.2
 """Inches of the chart of the objective."""
 
 PANEL = 1.5
 """Inches of one pair in the grid of the coverage."""
+
+LABEL = 11
+"""Points of the names in the coverage."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,7 @@ class CoveredPair:
 
 def coverage(results: SearchResults) -> list[CoveredPair]:
     """Return the coverage of each pair of dimensions."""
-    several = [one for one in results.space.dimensions if len(one.values) > 1 or not one.values]
+    several = [one for one in results.space.dimensions if one.values or one.low < one.high]
     tried = [one for one in results.evaluations if one.result != "no trial"]
     return [
         _pair(one, other, tried)
@@ -143,13 +149,13 @@ def coverage_chart(results: SearchResults, pairs: list[CoveredPair]) -> str | No
                 np.log1p(pair.counts.T), origin="lower", aspect="auto", cmap="Greys", vmin=0.0
             )
             x, y = np.nonzero(pair.least < below)
-            axes.plot(x, y, "x", color=VERMILION, markersize=4)
+            axes.plot(x, y, "x", color=VERMILION, markersize=6, markeredgewidth=1.5)
             axes.set_xticks([])
             axes.set_yticks([])
             if row == side - 1:
-                axes.set_xlabel(pair.one.name, fontsize=7)
+                axes.set_xlabel(pair.one.name, fontsize=LABEL)
             if column == 0:
-                axes.set_ylabel(pair.other.name, fontsize=7)
+                axes.set_ylabel(pair.other.name, fontsize=LABEL)
 
     side = PANEL * max(len(names) - 1, 1)
     return page_chart("coverage", (side + 0.4, side + 0.4), draw) if pairs else None
@@ -159,7 +165,7 @@ def write_report(results: SearchResults, path: Path) -> None:
     """Write the page about a search to `path`."""
     pairs = coverage(results)
     ranked = sorted(results.evaluations, key=lambda one: (one.rank, one.number))
-    names = [*dict.fromkeys(name for one in ranked for name in one.values if name != "seed")]
+    names = varying(results)
     write_report_page(
         path,
         "search.html",
@@ -199,7 +205,7 @@ def _case(case: Case, results: SearchResults) -> Mapping[str, Any]:
 
 
 def _minimised_value(value: float | None) -> str:
-    return "error" if value is None else f"{value:.4g}"
+    return "error" if value is None else rounded(value)
 
 
 def size(case: Case) -> Iterator[str]:
@@ -219,14 +225,33 @@ def shown(one: Evaluation) -> str:
     """Return the value of an evaluation in words, or that it failed."""
     if one.result != "run":
         return one.result
-    return "–" if one.value is None else f"{one.value:.4g}"
+    return "–" if one.value is None else rounded(one.value)
+
+
+def rounded(value: float) -> str:
+    """Return a value of the objective with three decimals, or with its first digit if less."""
+    if value == round(value):
+        return f"{value:g}"
+    return f"{value:.3f}" if abs(value) >= SMALL else f"{value:.1g}"
+
+
+def varying(results: SearchResults) -> list[str]:
+    """Return the names of what differs between evaluations, without the seed."""
+    values: dict[str, set[str]] = {}
+    for one in results.evaluations:
+        if one.result != "no trial":
+            for name, value in one.values.items():
+                values.setdefault(name, set()).add(str(value))
+    return [name for name, found in values.items() if len(found) > 1 and name != "seed"]
 
 
 def short(value: Any) -> str:
     """Return a value of a variable in words."""
     if isinstance(value, tuple):
         return " ".join(map(short, value))
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    return f"{round(value, 2):g}" if abs(value) >= 1.0 else f"{value:.2g}"
 
 
 def where(at: Situation) -> str:

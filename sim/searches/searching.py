@@ -36,7 +36,7 @@ from .evaluations import (
 )
 from .minimising import Minimised, Minimiser
 from .objective import Objective
-from .report import write_report
+from .report import shown, write_report
 from .results import Case, SearchProgress, SearchResults, least
 from .samplers import Checked, MakesSampler, find_sampler, source_of, told
 from .space import Point, Space
@@ -425,10 +425,17 @@ def _saved(
     case = Case(evaluation, replace(found, trial=trial), path)
     with writing_to(place):
         place.mkdir(parents=True, exist_ok=True)
-        write_whole(path, trial.to_yaml(place))
+        write_whole(path, f"{_origin(wanted, evaluation)}{trial.to_yaml(place)}")
         assert case.replay is not None
         write_whole(case.replay, render(replay_data(_run_of(trial))))
     return case
+
+
+def _origin(wanted: WorstCaseSearch, evaluation: Evaluation) -> str:
+    """Return comments that say where a minimised trial comes from."""
+    what = evaluation.situation.error or f"{wanted.objective} {shown(evaluation)}"
+    found = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
+    return f"# Minimised from {found}:\n# {what}\n"
 
 
 def _run_of(trial: Trial) -> Run:
