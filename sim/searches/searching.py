@@ -132,7 +132,7 @@ def search(
     backend: str = "loky",
     progress: Report = lambda _: None,
 ) -> SearchResults:
-    """WorstCaseSearch the trials of a study for the worst ones, and minimise those that break.
+    """Search the trials of a study for the worst ones, and minimise those that break.
 
     Parameters
     ----------

@@ -109,7 +109,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     if fault := name_fault(trial.name):
         yield fault, ("name",)
     yield from _size(trial.duration, "duration")
-    if not 0 <= trial.warm_up < trial.duration:
+    if trial.warm_up and not 0 < trial.warm_up < trial.duration:
         message = f"must be less than the duration, {trial.duration:g} s, not {trial.warm_up:g} s"
         yield message, ("warm_up",)
     if not isinstance(trial.seed, int) or not 0 <= trial.seed <= LARGEST_SEED:

@@ -38,6 +38,7 @@ CALLS = {
     "replay": "replay run --out page.html --no-open",
     "report": "report run --out report.html",
     "run": "run short.trial.yaml --out another",
+    "search": "search drawn.study.yaml --sampler random --evaluations 4 --jobs 1 --below -9",
     "study": "study short.study.yaml --jobs 2 --out studied",
 }
 """A call of each command, in the folder `samples`."""
@@ -66,6 +67,8 @@ def samples(tmp_path_factory):
         "short.trial.yaml": "floorplan: ariac2023\nduration: 4.0\npeople: [{name: operator, "
         "personality: helpful}]\ngantry: {controller: pausing, at: [-2.5, 0.5, 0.0]}\n",
         "short.study.yaml": "trials: [short.trial.yaml]\ngrid: {personality: [helpful, curious]}\n",
+        "drawn.study.yaml": "trials: [short.trial.yaml]\n"
+        "random: {max_speed: {uniform: [0.5, 1.5]}}\nsearch: {minimise: least_margin}\n",
         "short.asl": "+bell <- .print(hello); wave.\n",
         "percepts.jsonl": '{"t": 1.0, "add": "bell"}\n',
         "hall.yaml": "boundary: [[0, 0], [10, 0], [10, 6], [0, 6]]\n"
