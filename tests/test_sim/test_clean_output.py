@@ -45,7 +45,7 @@ CALLS = {
 
 NOTICES = {
     "agent": r"( +\d+\.\d{3} .*\n)+",
-    "benchmark": r"wrote b/report\.html, CSV of all answers and an OMPL log for each floor\n",
+    "benchmark": r"Wrote b/report\.html, CSV files of all answers and an OMPL log for each floor\n",
     "bridge": r"serving ws://127\.0\.0\.1:\d+\n(stands still at t = 0\.0 s: there is no agent\n)?"
     r"the trial begins\n",
     "check": r"short\.trial\.yaml: rules: .* needed\)\n",
