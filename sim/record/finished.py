@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from floorplan import UserError
-from navigation import Cylinder, FixedDistance, Motion, Shapes, minimum_separation, violations
+from navigation import Box, Cylinder, FixedDistance, Motion, Shapes, minimum_separation, violations
 from navigation.encounter import Odometer
 from navigation.kernels.pieces import walked_and_stood
 from navigation.measures import Nearest, nearest_pair
@@ -39,6 +39,17 @@ CATEGORIES: tuple[Category, ...] = ("robot", "vehicle")
 
 TOUCH = FixedDistance(1e-6)
 """Surfaces that are no farther from each other than a micrometre touch."""
+
+
+def touches(one: Motion, other: Motion, body: Cylinder, box: Box, spans: Iterable[Span]) -> int:
+    """Return how often the box of a machine touches a person in spans (seconds)."""
+    shapes = Shapes(person=body, machine=(box,))
+    reach = body.radius + math.hypot(box.length, box.width) / 2
+    return sum(
+        len(violations(one, other, TOUCH, begin, end, shapes=shapes))
+        for begin, end in spans
+        if minimum_separation(one, other, begin, end)[1] < reach
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,13 +178,9 @@ class Finished:
         humans = {person.name: person.walker.human for person in self.people}
         count = 0
         for watch, one, other, spans in (*self._together("robot"), *self._together("vehicle")):
-            human, box = humans[watch.pair.person.name], watch.pair.machine.shape.box
-            reach = human.radius + math.hypot(box.length, box.width) / 2
-            for begin, end in spans:
-                if minimum_separation(one, other, begin, end)[1] < reach:
-                    body = Cylinder(radius=human.radius, top=human.height)
-                    shapes = Shapes(person=body, machine=(box,))
-                    count += len(violations(one, other, TOUCH, begin, end, shapes=shapes))
+            human = humans[watch.pair.person.name]
+            body = Cylinder(radius=human.radius, top=human.height)
+            count += touches(one, other, body, watch.pair.machine.shape.box, spans)
         return count
 
     def _together(
@@ -199,19 +206,11 @@ class Finished:
     @cached_property
     def _drives(self) -> dict[str, list[tuple[float, float]]]:
         """From when to when each vehicle drives, without a stop (s)."""
-        found: dict[str, list[tuple[float, float]]] = {}
-        for name, machine in self.machines.items():
-            drives = found.setdefault(name, [])
-            if machine.shape.category != "vehicle":
-                continue
-            for piece in self.motions[name].pieces:
-                if not piece.moves:
-                    continue
-                if drives and drives[-1][1] == piece.begin:
-                    drives[-1] = (drives[-1][0], piece.end)
-                else:
-                    drives.append((piece.begin, piece.end))
-        return found
+        return {
+            name: moving_spans(self.motions[name])
+            for name, machine in self.machines.items()
+            if machine.shape.category == "vehicle"
+        }
 
     @cached_property
     def among_people(self) -> Nearest | None:

@@ -11,9 +11,9 @@ import numpy as np
 from ..core.body import MachineShape
 from ..core.recorder import Event
 from ..machines.gantry.robot import GANTRY
+from ..safety.margins import moving_spans
 from .outcome import Outcome
 from .sampling import Span
-from .warm_up import driving
 
 CAUSES_OF_STOPS = {
     "penalty": "disabled as a penalty",
@@ -183,7 +183,7 @@ def _times(
     run: Outcome, machine: MachineShape, log: list[tuple[Event, str]], ordered: bool
 ) -> MachineTimes:
     since, end = run.presence[machine.name]
-    spans = driving(run, machine.name)
+    spans = moving_spans(run.motions[machine.name])
     log = [(e, who) for e, who in log if _leads_to_a_stop(run, machine.name, e, spans)]
     moves = [(max(a, since), min(b, end)) for a, b in spans if b > since and a < end]
     kinds = {event["kind"] for event, _ in log}

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from navigation import Cylinder, Shapes, minimum_separation, violations
+from navigation import Cylinder
 
-from .finished import TOUCH
+from ..safety.margins import moving_spans
+from .finished import touches
 from .outcome import Outcome
 from .sampling import Span, Stay, zone_exposures
 
@@ -80,27 +81,11 @@ def contacts_of(run: Outcome) -> int:
             continue
         begin, end = run.presence[person.name]
         begin = max(begin, starts[person.name])
-        one = run.motions[person.name]
+        body = Cylinder(radius=person.radius, top=person.height)
         for machine in run.scene.machines:
-            other = run.motions[machine.name]
-            spans = [(begin, end)] if machine.category == "robot" else driving(run, machine.name)
-            reach = person.radius + (machine.box.length**2 + machine.box.width**2) ** 0.5 / 2
-            body = Cylinder(radius=person.radius, top=person.height)
-            shapes = Shapes(person=body, machine=(machine.box,))
-            for a, b in ((max(a, begin), min(b, end)) for a, b in spans):
-                if a < b and minimum_separation(one, other, a, b)[1] < reach:
-                    count += len(violations(one, other, TOUCH, a, b, shapes=shapes))
+            motion = run.motions[machine.name]
+            spans = [(begin, end)] if machine.category == "robot" else moving_spans(motion)
+            cut = ((max(a, begin), min(b, end)) for a, b in spans)
+            walk = run.motions[person.name]
+            count += touches(walk, motion, body, machine.box, ((a, b) for a, b in cut if a < b))
     return count
-
-
-def driving(run: Outcome, machine: str) -> list[Span]:
-    """Return from when to when (s) a machine moves without a stop."""
-    spans: list[Span] = []
-    for piece in run.motions[machine].pieces:
-        if not piece.moves:
-            continue
-        if spans and spans[-1][1] == piece.begin:
-            spans[-1] = (spans[-1][0], piece.end)
-        else:
-            spans.append((piece.begin, piece.end))
-    return spans

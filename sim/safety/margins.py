@@ -118,8 +118,8 @@ def _least(one: Encountered, spans: Sequence[Span]) -> Margin:
     return Margin(margin, time, one.person, one.machine)
 
 
-def moving_spans(motion: Motion, begin: float, end: float) -> list[Span]:
-    """Return from when to when (seconds) a machine moves over the floor, within a span."""
+def moving_spans(motion: Motion, begin: float = -math.inf, end: float = math.inf) -> list[Span]:
+    """Return from when to when (seconds) a machine moves without a stop, within a span."""
     found: list[Span] = []
     for piece in motion.pieces:
         if not piece.moves or piece.end <= begin or piece.begin >= end:

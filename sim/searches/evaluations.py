@@ -102,13 +102,14 @@ def evaluation_of(
 def record(one: Evaluation, found: Found) -> Record:
     """Return the line of an evaluation in the table."""
     line: Record = {"row": one.number, "sampled": "random" if one.is_random else "sampler"}
-    line |= {name: _plain(value) for name, value in one.values.items()}
+    line |= {name: plain(value) for name, value in one.values.items()}
     line |= {key: found[key] for key in ("result", "error", "value", *SITUATION)}
     line |= found["figures"]
     return line
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return a value as a table has it: several numbers as one text."""
     return " ".join(map(str, value)) if isinstance(value, tuple) else value
 
 

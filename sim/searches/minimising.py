@@ -8,7 +8,7 @@ out without the trial being met is left out, in large parts first.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeVar
@@ -151,17 +151,11 @@ class Minimiser:
     def _machines(self) -> None:
         self._try(replace(self._best, agvs={}, yielding=frozenset()))
         for name in [*self._best.agvs]:
-            self._try(
-                replace(
-                    self._best,
-                    agvs={other: m for other, m in self._best.agvs.items() if other != name},
-                )
-            )
+            self._try(replace(self._best, agvs=_without(self._best.agvs, name)))
         for name in [*self._best.agvs]:
             self._remove_moves(name)
         for name in [*self._best.machines]:
-            machines = {other: m for other, m in self._best.machines.items() if other != name}
-            self._try(replace(self._best, machines=machines))
+            self._try(replace(self._best, machines=_without(self._best.machines, name)))
 
     def _jobs(self) -> None:
         gantry = self._best.gantry
@@ -207,8 +201,7 @@ class Minimiser:
         self._remove(lambda t: t.obstacles, lambda t, kept: replace(t, obstacles=kept))
         self._remove(lambda t: t.commands, lambda t, kept: replace(t, commands=kept))
         for name in [*self._best.doors]:
-            doors = {other: times for other, times in self._best.doors.items() if other != name}
-            self._try(replace(self._best, doors=doors))
+            self._try(replace(self._best, doors=_without(self._best.doors, name)))
 
     def _of_people(self) -> None:
         """Leave out what makes the people left differ from everybody else."""
@@ -221,15 +214,12 @@ class Minimiser:
                 recorded=person.recorded,
                 source=person.source,
             )
-            if self._try(self._with_person(k, plain)):
+            if self._try(_with_person(self._best, k, plain)):
                 continue
             for key in ("max_speed", "changes", "beliefs", "schedule", "breaks", "noticing"):
                 one = self._best.people[k]
-                self._try(self._with_person(k, replace(one, **{key: getattr(plain, key)})))
-
-    def _with_person(self, k: int, person: PersonEntry) -> Trial:
-        people = self._best.people
-        return replace(self._best, people=(*people[:k], person, *people[k + 1 :]))
+                changed = replace(one, **{key: getattr(plain, key)})
+                self._try(_with_person(self._best, k, changed))
 
     def _remove_moves(self, agv: str) -> None:
         self._remove(
@@ -262,6 +252,14 @@ class Minimiser:
             return
         for k in range(count):
             self._try(_rounded(self._best, self._paths, k, digits))
+
+
+def _without(entries: Mapping[str, _Entry], name: str) -> dict[str, _Entry]:
+    return {other: entry for other, entry in entries.items() if other != name}
+
+
+def _with_person(trial: Trial, k: int, person: PersonEntry) -> Trial:
+    return replace(trial, people=(*trial.people[:k], person, *trial.people[k + 1 :]))
 
 
 Put = Callable[[Trial, float], Trial]
@@ -301,8 +299,7 @@ def _numbers(trial: Trial, paths: Sequence[str]) -> Iterator[tuple[float, Put]]:
 
 def _of_person(k: int, person: PersonEntry) -> Iterator[tuple[float, Put]]:
     def put(trial: Trial, **changed: Any) -> Trial:
-        people = trial.people
-        return replace(trial, people=(*people[:k], replace(people[k], **changed), *people[k + 1 :]))
+        return _with_person(trial, k, replace(trial.people[k], **changed))
 
     if person.start.time is not None:
         yield person.start.time, lambda trial, x: put(trial, start=Start(time=x))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
@@ -166,8 +165,3 @@ def failure_in_words(why: Exception) -> str:
     """Return an error on one line, with its type if it is none of Floorwalker's."""
     words = str(why) if is_ours(why) else f"{type(why).__name__}: {why}"
     return " ".join(words.split())
-
-
-def is_finite(value: float | None) -> bool:
-    """Return whether a value is there and finite."""
-    return value is not None and math.isfinite(value)

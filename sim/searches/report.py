@@ -99,7 +99,9 @@ def _cell(one: Dimension, found: Evaluation) -> int:
 
 def objective_chart(results: SearchResults) -> str | None:
     """Return the objective over the evaluations as SVG; None if matplotlib is not there."""
-    tried = [one for one in results.evaluations if one.value is not None and _is_plain(one.value)]
+    tried = [
+        one for one in results.evaluations if one.value is not None and math.isfinite(one.value)
+    ]
 
     def draw(drawn: Figure) -> None:
         axes = drawn.subplots()
@@ -120,10 +122,6 @@ def objective_chart(results: SearchResults) -> str | None:
         draw_grid(axes, "y")
 
     return page_chart("objective", (WIDTH, HEIGHT), draw) if tried else None
-
-
-def _is_plain(value: float) -> bool:
-    return math.isfinite(value)
 
 
 def _number(one: Evaluation) -> float:

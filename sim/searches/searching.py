@@ -32,6 +32,7 @@ from .evaluations import (
     distinct,
     evaluation_of,
     failed,
+    plain,
     record,
 )
 from .minimising import Minimised, Minimiser
@@ -330,7 +331,7 @@ def _known(
     """Return what a table has of an evaluation; `UserError` if it is not the one asked for."""
     for name, value in values.items():
         written = known[name][number] if name in known else None
-        text = " ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+        text = str(plain(value))
         if written is None or not _same(written, text):
             raise UserError(
                 f"the search can't be resumed: the sampler {wanted.sampler_name} asks for"

@@ -19,6 +19,7 @@ from ...core.body import MachineShape
 from ...record.incidents import CELL, Risk, risk, risk_of_all
 from ...record.outcome import Outcome, span_of
 from ...record.sampling import Span, cells_of, moments, spread
+from ...record.warm_up import started
 from ..report_page import GREY
 from .floor import draw_floor, floor_figure, settle
 from .style import Array, Width, styled
@@ -131,12 +132,12 @@ def time_covered(run: Outcome) -> Array:
 
     The first cell is in the south-west corner of the bounds of the floor.
     """
-    started = {e["person"]: e["t"] for e in run.events if e["kind"] == "human_started"}
+    starts = started(run)
     seconds = np.zeros(cells_of(run.floorplan, HEAT_CELL))
     for person in run.scene.people:
-        if person.name in started:
+        if person.name in starts:
             motion = run.motions[person.name]
-            at_centre = _time_in_cells(motion, started[person.name], run.duration, run.floorplan)
+            at_centre = _time_in_cells(motion, starts[person.name], run.duration, run.floorplan)
             seconds += spread(at_centre, HEAT_CELL, person.radius, np.add, 0.0)
     return seconds
 
