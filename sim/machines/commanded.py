@@ -19,7 +19,7 @@ from ..core.recorder import Record
 from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
 from .commanding import Drive, Interruption, Interrupts, Steps
-from .gantry.tasks import Task, Tasks
+from .tasks import Task, Tasks
 
 OBSERVATION_RATE = 10.0
 """Hz. Rate at which a machine sees where people are."""

@@ -19,7 +19,7 @@ from ..core.entries import Conveyor, Item, Load, PartType, Workload
 from ..core.events import PartCame, PartMissed, PartTaken
 from ..core.stage import Stage
 from ..machines.agv.agv import Agv
-from ..machines.gantry.tasks import Passing, Step
+from ..machines.tasks import Passing, Step
 from .scoring import Inserted
 
 Offset = tuple[float, float]

@@ -14,7 +14,8 @@ from floorplan import Floorplan, Point
 from ..core.entries import AssemblyTask, CombinedTask, Item, KittingTask, Load, Order, PartType
 from ..core.events import PartFaulty
 from ..core.recorder import Record
-from ..machines.gantry.tasks import Handling, Step, Task
+from ..machines.gantry.tasks import Handling
+from ..machines.tasks import Step, Task
 from .inventory import (
     BELT,
     DISPOSAL_BINS,

@@ -8,7 +8,7 @@ import pytest
 
 from sim.core.clock import Clock
 from sim.core.scenario import Source
-from sim.machines.gantry.tasks import Step, Task, Tasks
+from sim.machines.tasks import Step, Task, Tasks
 from sim.people.person import LOOKS_AGAIN, Entrances
 
 

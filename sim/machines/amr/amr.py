@@ -17,7 +17,7 @@ from ...core.events import EventKind, JobDone, JobStarted, MachineBlocked
 from ...core.stage import Stage
 from ..commanded import CommandedMachine, Sighting
 from ..commanding import Steps
-from ..gantry.tasks import Step, Task
+from ..tasks import Step, Task
 from .drive import VehicleDrive
 from .missions import Mission, task_of
 from .shape import Chassis

@@ -6,6 +6,7 @@ import inspect
 import itertools
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -16,7 +17,14 @@ from ...core.custom_code import CodeFolder, CustomCode, Kind
 from ...core.entries import Pose
 from ..commanding import Steps
 from ..gantry.avoidance import Caution
-from ..gantry.controllers import ControllerError, external, oblivious, parked, supervised
+from ..gantry.controllers import (
+    CONTROLLER,
+    ControllerError,
+    external,
+    oblivious,
+    parked,
+    supervised,
+)
 from .amr import RETRY, Amr
 
 ASIDE = 0.5
@@ -69,19 +77,7 @@ VEHICLE_CONTROLLERS: dict[str, Callable[[Any], Steps]] = {
 """The controllers of vehicles that come with Floorwalker."""
 
 
-def _is_controller(found: object) -> bool:
-    if inspect.isclass(found):
-        return hasattr(found, "__iter__")
-    return inspect.isfunction(found) and inspect.isgeneratorfunction(inspect.unwrap(found))
-
-
-CONTROLLER = Kind(
-    noun="vehicle controller",
-    words="generator function, nor a class with a method __iter__, as a controller is",
-    accepts=_is_controller,
-    error=ControllerError,
-    builtin=VEHICLE_CONTROLLERS,
-)
+VEHICLE_CONTROLLER = replace(CONTROLLER, noun="vehicle controller", builtin=VEHICLE_CONTROLLERS)
 """The kind of function or class that a vehicle names as its controller."""
 
 FUNCTION = Kind(
@@ -116,7 +112,7 @@ def find_program(
     """Return the source of a custom controller, which is not imported; None for other ones."""
     if not isinstance(given, str) or (rate is None and given in VEHICLE_CONTROLLERS):
         return None
-    return folder.find(given, CONTROLLER if rate is None else FUNCTION)
+    return folder.find(given, VEHICLE_CONTROLLER if rate is None else FUNCTION)
 
 
 def _steered(function: Callable[[Amr], Sequence[float] | None], rate: float, me: Amr) -> Steps:

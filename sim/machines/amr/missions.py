@@ -12,7 +12,7 @@ from floorplan import Floorplan, UserError
 from floorplan.files.fields import Angle, Keyed, Number, Positive
 from floorplan.files.problems import suggestion
 
-from ..gantry.tasks import Step, Task
+from ..tasks import Step, Task
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,8 +19,9 @@ from ...core.events import GantryYielded
 from ...safety.stopping_check import Pedestrian, Stoppable, StoppingCheck
 from ..commanded import CommandedMachine, Sighting
 from ..commanding import Steps
+from ..tasks import Task
 from .robot import GantryRobot
-from .tasks import REACH, Task
+from .tasks import REACH
 
 SHARES = (1.0, 0.5, 0.25, 0.1)
 """The shares of its top speeds that the gantry chooses from."""

@@ -20,8 +20,9 @@ from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ..commanded import CommandedMachine
 from ..commanding import Steps
+from ..tasks import Passing, Step, Task
 from .drive import GantryDrive
-from .tasks import Gripper, Handling, Passing, Step, Task, Worksites, tasks_of
+from .tasks import Gripper, Handling, Worksites, tasks_of
 
 GANTRY = "gantry"
 """The name of the floor's own gantry, which events leave out."""
