@@ -15,8 +15,8 @@ from navigation.vehicles import Twist
 
 from ...core.custom_code import CodeFolder, CustomCode, Kind
 from ...core.entries import Pose
+from ..caution import Caution
 from ..commanding import Steps
-from ..gantry.avoidance import Caution
 from ..gantry.controllers import (
     CONTROLLER,
     ControllerError,

@@ -19,9 +19,10 @@ from simpy.exceptions import Interrupt
 from floorplan import UserError
 
 from ...core.custom_code import CodeFolder, CustomCode, Kind, in_words, line_in
+from ..caution import Caution
 from ..commanded import CommandedMachine
 from ..commanding import Steps
-from .avoidance import Caution, avoiding
+from .avoidance import avoiding
 from .robot import GantryRobot
 
 
