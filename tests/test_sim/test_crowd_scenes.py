@@ -138,9 +138,22 @@ def test_people_of_a_scene_arrive_without_losing_much_time(name, legs, most_lost
 @pytest.mark.parametrize(
     ("scene", "arguments", "legs", "most_lost"),
     [
-        pytest.param(two_rooms, (15, 1.5, 10.0, 6.0), 60, 3300.0, id="aisle for two, 15 + 15"),
-        pytest.param(two_rooms, (20, 0.8, 0.2, 7.0), 80, 3600.0, id="door of 0.8 m, 20 + 20"),
-        pytest.param(corridor, (15, 30.0, 2.0), 55, 3500.0, id="corridor of 2 m, 15 + 15"),
+        pytest.param(
+            two_rooms,
+            (15, 1.5, 10.0, 6.0),
+            60,
+            3300.0,
+            id="aisle for two, 15 + 15",
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            two_rooms,
+            (20, 0.8, 0.2, 7.0),
+            80,
+            3600.0,
+            id="door of 0.8 m, 20 + 20",
+            marks=pytest.mark.slow,
+        ),
         pytest.param(corridor, (3, 10.0, 1.5), 12, 110.0, id="closed aisle for two, 3 + 3"),
         pytest.param(
             two_rooms,
@@ -159,6 +172,7 @@ def test_a_jam_dissolves(tmp_path, scene, arguments, legs, most_lost):
     assert lost(run) <= most_lost
 
 
+@pytest.mark.slow
 def test_an_aisle_for_one_lets_eight_and_eight_pass(tmp_path):
     """Mean of four draws, because one of them may lose twice as much."""
     runs = [two_rooms(tmp_path, 8, 1.0, 10.0, 6.0, draw=draw) for draw in range(1, 5)]
@@ -167,14 +181,22 @@ def test_an_aisle_for_one_lets_eight_and_eight_pass(tmp_path):
     assert sum(map(lost, runs)) <= 4 * 900.0
 
 
+@pytest.mark.slow
 def test_everybody_gets_through_a_corridor(tmp_path):
     """Fifteen people against fifteen in a corridor of 2 x 30 m, within 240 s."""
     run = corridor(tmp_path, 15, 30.0, 2.0)
+    assert run.summary["overlaps"] == 0
+    assert len(events(run, "arrived")) >= 55
+    assert lost(run) <= 3500.0
     assert {event["person"] for event in events(run, "arrived")} == set(run.summary["people"])
 
 
 @pytest.mark.parametrize(
-    ("count", "legs", "most_lost"), [(10, 360, 40.0), (50, 920, 4000.0)], ids=["10", "50"]
+    ("count", "legs", "most_lost"),
+    [
+        pytest.param(10, 360, 40.0, id="10"),
+        pytest.param(50, 920, 4000.0, id="50", marks=pytest.mark.slow),
+    ],
 )
 def test_a_patrol_keeps_walking(count, legs, most_lost):
     run = sim.run(

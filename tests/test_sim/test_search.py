@@ -156,6 +156,7 @@ def test_a_search_can_be_extended_but_not_changed(study, cell):
         found(study, cell / "out", sampler="tpe", batch=4)
 
 
+@pytest.mark.slow
 def test_tpe_finds_less_than_random_trials(study, cell):
     both = [found(study, cell / name, sampler=name, evaluations=64) for name in ("random", "tpe")]
     chosen = [one.value for one in both[1].evaluations if not one.is_random]
