@@ -131,8 +131,8 @@ def _nearest_agv(prefix: str) -> Iterator[SummaryFigure]:
     yield from _nearest(
         f"{prefix}nearest_agv",
         _of_vehicles,
-        label="least distance to AGVs",
-        meaning="minimum distance of a person to a moving AGV, as the rules measure",
+        label="least distance to vehicles",
+        meaning="minimum distance of a person to a moving vehicle, as the rules measure",
         measure="" if prefix else "plain",
         worst=0 if prefix else 1,
     )
@@ -317,8 +317,8 @@ FIGURES: dict[str, SummaryFigure] = {
         SummaryFigure(
             path="agv_violations",
             of=lambda run: run.agv_violations,
-            label="violations with AGVs",
-            meaning="violations with a moving AGV",
+            label="violations with vehicles",
+            meaning="violations with a moving vehicle",
             words=words.plain,
             events=(events.Violation, {"cause": "VEHICLE"}),
             measure="rare",
@@ -326,8 +326,8 @@ FIGURES: dict[str, SummaryFigure] = {
         SummaryFigure(
             path="agv_teleports",
             of=lambda run: run.referee.agv_teleports,
-            label="teleports by AGVs",
-            meaning="teleports because of an AGV",
+            label="teleports by vehicles",
+            meaning="teleports because of a vehicle",
             words=words.plain,
             events=(events.Teleport, {"reason": "agv"}),
             measure="plain",
@@ -390,8 +390,8 @@ FIGURES: dict[str, SummaryFigure] = {
         SummaryFigure(
             path="jobs_done",
             of=lambda run: run.of_robots("jobs_done"),
-            label="gantry jobs done",
-            meaning="jobs done by the gantry",
+            label="jobs done",
+            meaning="jobs done by the gantry and by free vehicles",
             words=words.of_robots(words.plain),
             events=(events.JobDone, {}),
             measure="chief",
@@ -508,7 +508,7 @@ FIGURES: dict[str, SummaryFigure] = {
             path="nearest_agv",
             form="parts",
             of=lambda run: run.nearest_agv,
-            label="least distance to AGV",
+            label="least distance to vehicle",
             words=words.nearest_agv,
         ),
         *_nearest_agv(""),

@@ -427,7 +427,7 @@ expect: {nearest_agv: "> 0", people.crew2.nearest_agv.required: "> 0"}
     assert nearest["distance"] == pytest.approx(min(sampled.values()), abs=5e-3)
     assert run.summary["people"][nearest["person"]]["nearest_agv"]["agv"] == nearest["agv"]
     assert run.summary["people"]["late"]["nearest_agv"] is None
-    shown = dict(figures_in_words(run.summary))["least distance to AGV"]
+    shown = dict(figures_in_words(run.summary))["least distance to vehicle"]
     assert f"({nearest['person']} and {nearest['agv']}) at {nearest['time']:.1f} s" in shown
 
 

@@ -80,7 +80,7 @@ def test_the_command_shows_the_figures_of_an_unknown_kind_and_none_of_a_gantry_n
     done = floorwalker("run", "yard.trial.yaml", "--out", "run", cwd=tmp_path)
     rows = [re.split(r"\s{2,}", line.strip()) for line in done.stdout.splitlines()]
     figures = dict(row for row in rows if len(row) == 2)
-    assert figures["train"] == "rounds 2" and "gantry jobs done" not in figures
+    assert figures["train"] == "rounds 2" and "jobs done" not in figures
     with pytest.raises(sim.TrialError, match="minimum_separation: a run has no such figure"):
         sim.Trial.parse(
             "{floorplan: warehouse, people: [{name: a}], expect: {minimum_separation: 1}}"
