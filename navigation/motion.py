@@ -296,9 +296,10 @@ class Motion:
         ]
         return Motion(tuple(pieces), self.jumps)
 
-    def pieces_from(self, t: float) -> Sequence[Piece]:
-        """Return the pieces that end after `t` (seconds)."""
-        return self.pieces[max(0, bisect_right(self._begins, t) - 1) :]
+    def pieces_from(self, t: float, until: float = math.inf) -> Sequence[Piece]:
+        """Return the pieces that end after `t` and begin before `until` (seconds)."""
+        first = max(0, bisect_right(self._begins, t) - 1)
+        return self.pieces[first : bisect_left(self._begins, until)]
 
     @cached_property
     def _begins(self) -> Sequence[float]:

@@ -78,7 +78,7 @@ def _cuts(walk: Motion, machine: Motion, begin: float, end: float) -> list[float
     inner = {
         piece.begin
         for motion in (walk, machine)
-        for piece in motion.pieces
+        for piece in motion.pieces_from(begin, end)
         if begin < piece.begin < end
     }
     return sorted({begin, end, *inner})

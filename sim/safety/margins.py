@@ -121,8 +121,8 @@ def _least(one: Encountered, spans: Sequence[Span]) -> Margin:
 def moving_spans(motion: Motion, begin: float = -math.inf, end: float = math.inf) -> list[Span]:
     """Return from when to when (seconds) a machine moves without a stop, within a span."""
     found: list[Span] = []
-    for piece in motion.pieces:
-        if not piece.moves or piece.end <= begin or piece.begin >= end:
+    for piece in motion.pieces_from(begin, end):
+        if not piece.moves or piece.end <= begin:
             continue
         since, until = max(piece.begin, begin), min(piece.end, end)
         if found and found[-1][1] == since:
