@@ -136,6 +136,7 @@ SCRIPTS = (
     "bodies",
     "passing",
     "field",
+    "scanner",
     "scene",
     "frames",
     "sight",

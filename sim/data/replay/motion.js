@@ -71,6 +71,7 @@ class Motion {
       y: c[k + 4] + u * (c[k + 5] + u * (c[k + 6] + u * c[k + 7])),
       rotation: c[k + 8] + u * (c[k + 9] + u * (c[k + 10] + u * c[k + 11])),
       vx, vy, speed: Math.hypot(vx, vy),
+      turning: moving ? c[k + 9] + u * (2 * c[k + 10] + u * 3 * c[k + 11]) : 0,
     };
   }
 

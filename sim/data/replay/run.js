@@ -42,6 +42,8 @@ class Run {
     this.goals = new Map();
     this.jobs = new Jobs(events);
     this.disabled = intervalsOf(events, known, DISABLES, ENABLES);
+    this.occupied = intervalsOf(events, known, fieldOf("field_occupied"), fieldOf("field_free"));
+    this.muted = intervalsOf(events, known, machineIn("fields_muted"), machineIn("fields_unmuted"));
     this.held = intervalsOf(events, Infinity, commanded("hold"), commanded("release"));
     this.conveyed = conveyed(events);
     this.comings = comings(events, recording.passing);
@@ -139,6 +141,16 @@ class Run {
     return isWithin(this.held.get(name), t);
   }
 
+  /** True while somebody is in a field of a machine, "protective" or "warning". */
+  isOccupied({ name }, field, t) {
+    return this.people.some(({ name: person }) => isWithin(this.occupied.get([name, field, person].join()), t));
+  }
+
+  /** True while the fields of a machine are muted. */
+  isMuted({ name }, t) {
+    return isWithin(this.muted.get(name), t);
+  }
+
   /** What somebody outside has put down, and is there at t. */
   placedAt(t) {
     return thereAt(this, t).filter(thing => thing.isPlaced);
@@ -215,6 +227,9 @@ function pairsOfPeople(people, events) {
 const DISABLES = event => (
   event.kind === "gantry_disabled" || event.kind === "robot_malfunction" ? machineOf(event) : null);
 const commanded = field => event => (event.kind === "commanded" ? event[field] : null);
+const machineIn = kind => event => (event.kind === kind ? machineOf(event) : null);
+const fieldOf = kind => event => (
+  event.kind === kind ? [machineOf(event), event.field, event.person].join() : null);
 const ENABLES = event => (event.kind === "gantry_enabled" ? machineOf(event) : null);
 
 /** The times from an event with which one of a machine's begins to that with which it ends, by its name: {begins, ends}. */

@@ -28,6 +28,7 @@ function drawScene(tools, run, t, chosen, afterglow) {
   const shown = run.shown(chosen, t).filter(watch => isHere(watch.person) && isHere(watch.other));
   drawPassing(pen, run, t);
   for (const watch of shown) drawDistances(pen, watch, t);
+  for (const body of bodies) if (body.fields) drawFields(pen, run, body, t);
   for (const body of bodies) drawTrail(pen, body, t);
   for (const vehicle of ofCategory("vehicle")) drawVehicle(pen, vehicle, t);
   for (const person of people) drawPathAhead(pen, person, t);

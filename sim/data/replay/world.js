@@ -89,6 +89,7 @@ class World {
     const shown = run.shown(chosen, t).filter(watch => bodies.includes(watch.person) && bodies.includes(watch.other));
     for (const watch of shown) if (watch.person !== hidden) this.#addDistances(watch, t);
     if (this.fieldScale && !this.#isFieldOfRun) addField(moving, run, this.fieldScale, t, MARKED / 2);
+    for (const body of bodies) if (body.fields) addFields(moving, this.renderer, run, body, t, colors);
     for (const body of bodies) this.#addTrail(body, t);
     for (const body of bodies) if (body.category === "person") this.#addPathAhead(body, t, afterglow);
     for (const watch of run.watches) {
