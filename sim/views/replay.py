@@ -137,6 +137,7 @@ SCRIPTS = (
     "passing",
     "field",
     "scanner",
+    "waits",
     "scene",
     "frames",
     "sight",

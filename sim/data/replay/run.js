@@ -44,6 +44,7 @@ class Run {
     this.disabled = intervalsOf(events, known, DISABLES, ENABLES);
     this.occupied = intervalsOf(events, known, fieldOf("field_occupied"), fieldOf("field_free"));
     this.muted = intervalsOf(events, known, machineIn("fields_muted"), machineIn("fields_unmuted"));
+    this.waits = waitsOf(events, known);
     this.held = intervalsOf(events, Infinity, commanded("hold"), commanded("release"));
     this.conveyed = conveyed(events);
     this.comings = comings(events, recording.passing);

@@ -31,6 +31,7 @@ function drawScene(tools, run, t, chosen, afterglow) {
   for (const body of bodies) if (body.fields) drawFields(pen, run, body, t);
   for (const body of bodies) drawTrail(pen, body, t);
   for (const vehicle of ofCategory("vehicle")) drawVehicle(pen, vehicle, t);
+  drawWaits(pen, run, t);
   for (const person of people) drawPathAhead(pen, person, t);
   for (const robot of ofCategory("robot")) drawRobot(pen, robot, t, run.isDisabled(robot, t));
   for (const person of people) {

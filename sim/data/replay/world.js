@@ -90,6 +90,7 @@ class World {
     for (const watch of shown) if (watch.person !== hidden) this.#addDistances(watch, t);
     if (this.fieldScale && !this.#isFieldOfRun) addField(moving, run, this.fieldScale, t, MARKED / 2);
     for (const body of bodies) if (body.fields) addFields(moving, this.renderer, run, body, t, colors);
+    addWaits(moving, run, t, MARKED, colors.notice);
     for (const body of bodies) this.#addTrail(body, t);
     for (const body of bodies) if (body.category === "person") this.#addPathAhead(body, t, afterglow);
     for (const watch of run.watches) {
