@@ -12,7 +12,7 @@ function fieldsAt(run, machine, t) {
   const { rotation, vx, vy, turning, speed } = motion.at(t);
   const along = vx * Math.cos(rotation) + vy * Math.sin(rotation);
   const isIn = (value, [low, high]) => value >= (low ?? -Infinity) - TOLERANCE && value <= (high ?? Infinity) + TOLERANCE;
-  return fields.find(({ linear, theta, direction }) => isIn(direction ? speed : along, linear) && isIn(turning, theta)
+  return fields.find(({ linear = [], theta = [], direction }) => isIn(direction ? speed : along, linear) && isIn(turning, theta)
     && (!direction || speed <= TOLERANCE || isIn(angleFrom(direction[0], Math.atan2(vy, vx) - rotation), [0, direction[1] - direction[0]])));
 }
 
