@@ -445,34 +445,40 @@ def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
     Motion
         Motion that is stationary in between. It jumps if a motion starts elsewhere.
     """
-    pieces: list[Piece] = []
+    table = numbers([])
     jumps: set[float] = set()
     for motion in motions:
-        if pieces:
-            _stand_until(pieces, motion.start)
-            if gap(pieces[-1], motion.pieces[0]) > JUMP_TOLERANCE:
+        if table:
+            _stand_until(table, motion.start)
+            if math.dist(_pose_at_end(table)[:2], motion.table[2:10:4]) > JUMP_TOLERANCE:
                 jumps.add(motion.start)
-        pieces += motion.pieces
+        table += motion.table
         jumps |= motion.jumps
     if end is not None:
-        _stand_until(pieces, float(end))
-    return Motion(tuple(pieces), frozenset(jumps))
+        _stand_until(table, float(end))
+    return Motion(TablePieces(table), frozenset(jumps))
 
 
-def _stand_until(pieces: list[Piece], t: float) -> None:
-    """End `pieces` at `t`: leave out later ones, stand where one is missing."""
-    while len(pieces) > 1 and pieces[-1].begin >= t:
-        pieces.pop()
-    last = pieces[-1]
-    if last.end > t:
-        pieces[-1] = last.cut(last.begin, t)
-    elif last.end < t:
-        u = last.end - last.begin
-        at = (value(last.x, u), value(last.y, u), value(last.rotation, u))
+def _stand_until(table: Table, t: float) -> None:
+    """End the pieces of a table at `t`: leave out later ones, stand where one is missing."""
+    while len(table) > POSE_WIDTH and table[-POSE_WIDTH] >= t:
+        del table[-POSE_WIDTH:]
+    end = table[1 - POSE_WIDTH]
+    if end > t:
+        table[1 - POSE_WIDTH] = t
+    elif end < t:
+        at = _pose_at_end(table)
         # A piece of no length gives way to the standing that begins at the same instant.
-        if u == 0.0:
-            pieces.pop()
-        pieces.append(still(at, last.end, t))
+        if end == table[-POSE_WIDTH]:
+            del table[-POSE_WIDTH:]
+        table += rest(end, t, *at)
+
+
+def _pose_at_end(table: Table) -> tuple[float, float, float]:
+    """Return x, y and rotation at the end of the last piece of a table."""
+    (piece,) = pieces_of(table[-POSE_WIDTH:])
+    u = piece.end - piece.begin
+    return value(piece.x, u), value(piece.y, u), value(piece.rotation, u)
 
 
 def gap(before: Piece, after: Piece) -> float:
