@@ -3,6 +3,16 @@
 from .bodies import Disc
 from .catalog import Path, PlannerError, PlanningError, planners
 from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes
+from .fields import (
+    FieldEntry,
+    FieldGap,
+    FieldSet,
+    FieldSpan,
+    Intrusion,
+    ProtectiveFields,
+    first_intrusion,
+    intrusions,
+)
 from .machines import agv_run, agv_stop, gantry_move, gantry_stop
 from .monitor import (
     Apart,
@@ -53,10 +63,15 @@ __all__ = [
     "Disc",
     "Enclosure",
     "Encounter",
+    "FieldEntry",
+    "FieldGap",
+    "FieldSet",
+    "FieldSpan",
     "FixedDistance",
     "GantryPath",
     "GantryPlanner",
     "IntegralLaw",
+    "Intrusion",
     "Law",
     "Motion",
     "MotionLaw",
@@ -68,6 +83,7 @@ __all__ = [
     "Piece",
     "PlannerError",
     "PlanningError",
+    "ProtectiveFields",
     "Scaled",
     "SeparationLaw",
     "Shapes",
@@ -77,10 +93,12 @@ __all__ = [
     "VehiclePlanner",
     "agv_run",
     "agv_stop",
+    "first_intrusion",
     "first_time",
     "first_violation",
     "gantry_move",
     "gantry_stop",
+    "intrusions",
     "join",
     "minimum_margin",
     "minimum_separation",

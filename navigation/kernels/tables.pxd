@@ -298,14 +298,31 @@ cdef struct NearestPoint:
 cdef struct RelativeMotion:
     double x, y, vx, vy, ax, ay, spin, half, bend, jolt, twist, swing
 
+cdef struct FramePath:
+    Edge tangent
+    double bend
+
+cdef struct BodyVelocity:
+    double ahead, aside, ahead_rate, aside_rate, turn, turn_slack, half, bend
+
+cdef struct FieldSpeeds:
+    double low, high, turn_low, turn_high, directed, ax, ay, bx, by, tolerance
+
 cdef struct SeenPerson:
     double x, y, top_speed, fixed
 
 cdef struct MovingPerson:
     double x, y, vx, vy
 
+ctypedef FieldSpeeds* FieldRows
 ctypedef SeenPerson* SeenPeople
 ctypedef MovingPerson* MovingPeople
+
+cdef inline FieldRows field_speeds(Numbers row) noexcept:
+    return <FieldSpeeds*> row.data.as_doubles
+
+cdef inline Py_ssize_t field_count(Numbers row) noexcept:
+    return len(row) // 10
 
 cdef inline SeenPeople seen_people(Numbers row) noexcept:
     return <SeenPerson*> row.data.as_doubles

@@ -509,6 +509,49 @@ class RelativeMotion(NamedTuple):
     swing: float
 
 
+class FramePath(NamedTuple):
+    """Path of a person in the frame of a machine: within `bend` (metres) of a tangent."""
+
+    tangent: Edge
+    bend: float
+
+
+class BodyVelocity(NamedTuple):
+    """Velocity of a body in its own frame over an interval: forwards and to the left (m/s).
+
+    For `half` seconds before and after the middle, both stay within `bend` of the value there and
+    their rates (m/s²); the turn rate (rad/s) stays within `turn_slack`.
+    """
+
+    ahead: float
+    aside: float
+    ahead_rate: float
+    aside_rate: float
+    turn: float
+    turn_slack: float
+    half: float
+    bend: float
+
+
+class FieldSpeeds(NamedTuple):
+    """Velocities at which a set of fields applies: ranges of speed (m/s) and turn rate (rad/s).
+
+    `directed` is 0 if the speed is that along the heading, and otherwise the speed over the floor,
+    in directions from a to b: unit vectors, up to half a turn apart (1) or more (2).
+    """
+
+    low: float
+    high: float
+    turn_low: float
+    turn_high: float
+    directed: float
+    ax: float
+    ay: float
+    bx: float
+    by: float
+    tolerance: float
+
+
 class SeenPerson(NamedTuple):
     """Person as a machine sees them: place (metres), top speed (m/s), and a fixed distance.
 
@@ -531,7 +574,9 @@ class MovingPerson(NamedTuple):
     vy: float
 
 
+FieldRows: TypeAlias = "Rows[FieldSpeeds]"
 SeenPeople: TypeAlias = "Rows[SeenPerson]"
 MovingPeople: TypeAlias = "Rows[MovingPerson]"
 
+field_speeds, field_count = _view(FieldSpeeds, 10), _count(10)
 seen_people, moving_people, person_count = _view(SeenPerson, 4), _view(MovingPerson, 4), _count(4)

@@ -1,0 +1,438 @@
+"""Protective fields of a machine: areas about it in which a person slows or stops it.
+
+A safety scanner has sets of fields, and the speed of the machine chooses among them. Instants are
+solved for, so that no contact is missed, however short.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+from shapely.geometry import Polygon
+
+from floorplan import UserError
+
+from .kernels.encounter import EncounterBounds
+from .kernels.fields import FieldSearch, FieldSwitches
+from .kernels.numbers import numbers
+from .motion import Motion
+
+Corners = tuple[tuple[float, float], ...]
+
+FieldKind = Literal["protective", "warning"]
+
+KINDS: tuple[FieldKind, ...] = ("protective", "warning")
+
+SPEED_TOLERANCE = 1e-4
+"""m/s and rad/s. Limits of sets are met within this: a body on an arc is a spline."""
+
+UNBOUNDED = (-math.inf, math.inf)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldSet:
+    """Fields of a machine, and the velocities at which they apply.
+
+    Parameters
+    ----------
+    name : str
+        Name in reports.
+    protective : sequence of tuple of float
+        Corners of the protective field in the frame of the machine, metres: x forwards, y to the
+        left. The polygon may be concave.
+    warning : sequence of tuple of float, optional
+        Corners of the warning field. Without any, there is none.
+    linear : tuple of float, optional
+        Minimum and maximum of the speed along the heading, m/s. Backwards is negative.
+    theta : tuple of float, optional
+        Minimum and maximum of the turn rate, rad/s, counterclockwise.
+    direction : tuple of float, optional
+        First and last direction of travel from the heading, radians counterclockwise. With it,
+        `linear` is of the speed over the floor, which is never negative. At rest every direction
+        fits.
+    load : bool, optional
+        Whether the machine must be loaded, or must not be. By default both fit.
+
+    Raises
+    ------
+    UserError
+        If a polygon is none, or a range is empty or not a number.
+
+    Notes
+    -----
+    The keys are those of Nav2's velocity polygons (`linear_min`, `theta_max`,
+    `direction_start_angle`, …). Limits are inclusive, within 0.0001 m/s and rad/s.
+    """
+
+    name: str
+    protective: Corners
+    warning: Corners = ()
+    linear: tuple[float, float] = UNBOUNDED
+    theta: tuple[float, float] = UNBOUNDED
+    direction: tuple[float, float] | None = None
+    load: bool | None = None
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        if not isinstance(self.name, str) or not self.name:
+            raise UserError(f"name of a field set must be a text, not {self.name!r}")
+        put(self, "protective", _polygon(self.protective, f"{self.name}: protective"))
+        if len(self.warning):
+            put(self, "warning", _polygon(self.warning, f"{self.name}: warning"))
+        else:
+            put(self, "warning", ())
+        put(self, "linear", _range(self.linear, f"{self.name}: linear"))
+        put(self, "theta", _range(self.theta, f"{self.name}: theta"))
+        if self.direction is not None:
+            put(self, "direction", _directions(self.direction, f"{self.name}: direction"))
+        if self.load not in (True, False, None):
+            raise UserError(f"{self.name}: load must be true or false, not {self.load!r}")
+
+    def fits_load(self, loaded: bool) -> bool:
+        """Return whether the set applies to a machine that is `loaded` or not."""
+        return self.load in (None, loaded)
+
+    def corners(self, field: FieldKind) -> Corners:
+        """Return the corners of a field."""
+        return self.protective if field == "protective" else self.warning
+
+    @cached_property
+    def _speeds(self) -> list[float]:
+        """The numbers of the set for the kernel, with the tolerance."""
+        low, high = self.linear
+        turn_low, turn_high = self.theta
+        eps = SPEED_TOLERANCE
+        ranges = [low - eps, high + eps, turn_low - eps, turn_high + eps]
+        if self.direction is None:
+            return [*ranges, 0.0, 1.0, 0.0, 1.0, 0.0, eps]
+        a, b = self.direction
+        wide = 2.0 if b - a > math.pi else 1.0
+        return [*ranges, wide, math.cos(a), math.sin(a), math.cos(b), math.sin(b), eps]
+
+    @cached_property
+    def _search(self) -> dict[FieldKind, FieldSearch]:
+        """What finds contacts with each field that the set has."""
+        found: dict[FieldKind, FieldSearch] = {}
+        for field in KINDS:
+            corners = self.corners(field)
+            edges = zip(corners, (*corners[1:], *corners[:1]), strict=True)
+            if corners:
+                found[field] = FieldSearch(numbers([c for a, b in edges for c in (*a, *b)]))
+        return found
+
+
+class Intrusion(NamedTuple):
+    """Contact of a person with a field: from `begin` to `end` (seconds), while its set applies."""
+
+    begin: float
+    end: float
+    field: FieldKind
+    set: str
+
+
+class FieldEntry(NamedTuple):
+    """First contact of a person with a field: its time (seconds), the field, and its set."""
+
+    t: float
+    field: FieldKind
+    set: str
+
+
+class FieldSpan(NamedTuple):
+    """Time span (seconds) in which a set applies, or none does."""
+
+    begin: float
+    end: float
+    set: FieldSet | None
+
+
+class FieldGap(NamedTuple):
+    """Velocities to which no set applies: ranges, as those of `FieldSet`."""
+
+    linear: tuple[float, float]
+    theta: tuple[float, float]
+    direction: tuple[float, float] | None
+    loaded: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProtectiveFields:
+    """Field sets of a machine. The first that fits its velocity and load applies.
+
+    Parameters
+    ----------
+    sets : sequence of FieldSet
+        Sets in the order of their priority. Either all of them have a `direction` or none.
+    response_time : float, optional
+        Time from a contact to the begin of braking, s: of the sensor, the control and the brakes.
+        Instants of contacts do not contain it.
+
+    Raises
+    ------
+    UserError
+        If there is no set, two have the same name, or the time is negative or not finite.
+    """
+
+    sets: tuple[FieldSet, ...]
+    response_time: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sets", tuple(self.sets))
+        if not self.sets:
+            raise UserError("sets must have a field set")
+        names = [each.name for each in self.sets]
+        for name in names:
+            if names.count(name) > 1:
+                raise UserError(f"sets must have different names, not {name!r} twice")
+        if len({each.direction is None for each in self.sets}) > 1:
+            raise UserError("either all sets must have a direction or none")
+        if not 0 <= self.response_time < math.inf:
+            raise UserError(f"response_time must be 0 or more, not {self.response_time}")
+
+    def applying(
+        self, machine: Motion, begin: float, end: float, loaded: bool = False
+    ) -> tuple[FieldSpan, ...]:
+        """Return which set applies when.
+
+        Parameters
+        ----------
+        machine : Motion
+            Motion of the machine.
+        begin, end : float
+            Time span, s. Both are finite.
+        loaded : bool, optional
+            Whether the machine is loaded.
+
+        Returns
+        -------
+        tuple of FieldSpan
+            Consecutive spans, with switches solved to 1 ns.
+        """
+        spans = []
+        rows = self._switches(machine, loaded)
+        for (since, k), (until, _) in itertools.pairwise([*rows, (math.inf, -1)]):
+            if since < end and until > begin or since <= begin == end < until:
+                chosen = None if k < 0 else self._for(loaded)[k]
+                spans.append(FieldSpan(max(since, begin), min(until, end), chosen))
+        return tuple(spans)
+
+    def gaps(
+        self, linear: tuple[float, float], theta: tuple[float, float] = (0.0, 0.0)
+    ) -> tuple[FieldGap, ...]:
+        """Return the velocities of a machine to which no set applies.
+
+        Parameters
+        ----------
+        linear, theta : tuple of float
+            Ranges of the machine's velocity, in m/s and rad/s. If the sets have a `direction`, the
+            speed is that over the floor.
+        """
+        return tuple(itertools.chain(*(self._gaps(linear, theta, on) for on in (False, True))))
+
+    def _gaps(
+        self, linear: tuple[float, float], theta: tuple[float, float], loaded: bool
+    ) -> Iterator[FieldGap]:
+        sets = self._for(loaded)
+        around: list[tuple[float, float] | None] = [None]
+        if self.sets[0].direction is not None:
+            turns = [a % math.tau for each in sets for a in each.direction or ()]
+            around = [*_parts((0.0, math.tau), turns)]
+        for way in around:
+            for turn in _parts(theta, [limit for each in sets for limit in each.theta]):
+                latest: FieldGap | None = None
+                for part in _parts(linear, [limit for each in sets for limit in each.linear]):
+                    if any(_covers(each, part, turn, way) for each in sets):
+                        if latest is not None:
+                            yield latest
+                        latest = None
+                    elif latest is None:
+                        latest = FieldGap(part, turn, way, loaded)
+                    else:
+                        latest = latest._replace(linear=(latest.linear[0], part[1]))
+                if latest is not None:
+                    yield latest
+
+    def _for(self, loaded: bool) -> tuple[FieldSet, ...]:
+        return self._with_load[loaded][0]
+
+    @cached_property
+    def _with_load(self) -> tuple[tuple[tuple[FieldSet, ...], FieldSwitches], ...]:
+        """The sets of a machine without load and with, and what chooses among them."""
+        found = []
+        for loaded in (False, True):
+            sets = tuple(each for each in self.sets if each.fits_load(loaded))
+            rows = numbers([value for each in sets for value in each._speeds])
+            found.append((sets, FieldSwitches(rows)))
+        return tuple(found)
+
+    def _switches(self, machine: Motion, loaded: bool) -> list[tuple[float, int]]:
+        """Return since when each set applies, by its number, and for the first since ever."""
+        # The motion keeps them: many people are judged beside one machine.
+        kept = vars(machine)
+        known: dict[bool, list[tuple[float, int]]]
+        fields, known = kept.get("field_switches", (None, {}))
+        if fields is not self:
+            known = {}
+            kept["field_switches"] = (self, known)
+        if loaded not in known:
+            # A second before and after, the machine is at rest.
+            begin, end = machine.start - 1.0, machine.end + 1.0
+            found = self._with_load[loaded][1].switches(machine.table, begin, end)
+            known[loaded] = [(-math.inf, found[0][1]), *found[1:]]
+        return known[loaded]
+
+
+def intrusions(
+    fields: ProtectiveFields,
+    machine: Motion,
+    person: Motion,
+    radius: float,
+    begin: float,
+    end: float,
+    loaded: bool = False,
+) -> tuple[Intrusion, ...]:
+    """Return when a person's disc touches the fields of a machine.
+
+    Parameters
+    ----------
+    fields : ProtectiveFields
+        Fields of the machine.
+    machine, person : Motion
+        Motions of both. They are at rest before and after.
+    radius : float
+        Radius of the person, metres.
+    begin, end : float
+        Time span, s. The end may be infinite.
+    loaded : bool, optional
+        Whether the machine is loaded.
+
+    Returns
+    -------
+    tuple of Intrusion
+        Contacts in the order of their begins. A contact ends at the latest when another set
+        begins to apply. The response time is not counted.
+
+    Notes
+    -----
+    Time is continuous: no contact is missed that is deeper than 1e-10 m. Motions that jump begin
+    or end contacts at the jump.
+    """
+    found: list[Intrusion] = []
+    for span, encounter, last in _spans(fields, machine, person, (begin, end), loaded):
+        for field, search in span.set._search.items() if span.set else ():
+            for since, until in search.spans(encounter, radius, span.begin, span.end, False):
+                until = end if until == last else until
+                found.append(Intrusion(since, until, field, span.set.name))
+    return tuple(sorted(found))
+
+
+def first_intrusion(
+    fields: ProtectiveFields,
+    machine: Motion,
+    person: Motion,
+    radius: float,
+    begin: float,
+    end: float,
+    loaded: bool = False,
+    *,
+    field: FieldKind | None = None,
+) -> FieldEntry | None:
+    """Return the first contact of a person's disc with the fields of a machine, or None.
+
+    Parameters
+    ----------
+    fields, machine, person, radius, begin, end, loaded
+        See `intrusions`.
+    field : {"protective", "warning"}, optional
+        Field to look at. By default both: of those that begin at once, the protective field.
+    """
+    for span, encounter, _ in _spans(fields, machine, person, (begin, end), loaded):
+        best: FieldEntry | None = None
+        for each, search in span.set._search.items() if span.set else ():
+            if field in (None, each):
+                until = span.end if best is None else best.t
+                contacts = search.spans(encounter, radius, span.begin, until, True)
+                if contacts and (best is None or contacts[0][0] < best.t):
+                    best = FieldEntry(contacts[0][0], each, span.set.name)
+        if best is not None:
+            return best
+    return None
+
+
+def _spans(
+    fields: ProtectiveFields,
+    machine: Motion,
+    person: Motion,
+    within: tuple[float, float],
+    loaded: bool,
+) -> Iterator[tuple[FieldSpan, EncounterBounds, float]]:
+    """Yield the spans of sets, what bounds the encounter, and when both motions are over."""
+    begin, end = map(float, within)
+    # After both have come to rest nothing changes, so the last second stands for ever.
+    last = min(end, max(begin, machine.end, person.end) + 1.0)
+    encounter = EncounterBounds(person.table, machine.table, [], 0.0)
+    for span in fields.applying(machine, begin, last, loaded):
+        yield span, encounter, last
+
+
+def _polygon(given: Sequence[Sequence[float]], name: str) -> Corners:
+    """Return the corners of a polygon; `UserError` if it is none."""
+    try:
+        corners = tuple((float(x), float(y)) for x, y in given)
+    except (TypeError, ValueError):
+        raise UserError(f"{name} must be a list of corners (x, y), not {given!r}") from None
+    if len(corners) > 1 and corners[0] == corners[-1]:
+        corners = corners[:-1]
+    if len(corners) < 3:
+        raise UserError(f"{name} must have 3 corners or more, not {len(corners)}")
+    for corner in corners:
+        if not all(map(math.isfinite, corner)):
+            raise UserError(f"{name} must be finite, not {corner}")
+    if not Polygon(corners).is_valid:
+        raise UserError(f"{name} must be a polygon whose edges do not cross or touch")
+    return corners
+
+
+def _range(given: Sequence[float], name: str) -> tuple[float, float]:
+    try:
+        low, high = map(float, given)
+    except (TypeError, ValueError):
+        raise UserError(f"{name} must be a minimum and a maximum, not {given!r}") from None
+    if not low <= high:
+        raise UserError(f"{name} must not begin above its end, found {low:g} to {high:g}")
+    return low, high
+
+
+def _directions(given: Sequence[float], name: str) -> tuple[float, float]:
+    low, high = _range(given, name)
+    if not 0 < high - low <= math.tau + 1e-9:
+        raise UserError(f"{name} must be more than nothing and at most a turn, not {given!r}")
+    return low, high
+
+
+def _parts(whole: tuple[float, float], cuts: Sequence[float]) -> list[tuple[float, float]]:
+    """Return the parts into which `cuts` divide a range; a range of no length is one part."""
+    low, high = whole
+    ends = sorted({low, *(cut for cut in cuts if low < cut < high), high})
+    return [*itertools.pairwise(ends)] or [whole]
+
+
+def _covers(
+    fields: FieldSet,
+    linear: tuple[float, float],
+    theta: tuple[float, float],
+    way: tuple[float, float] | None,
+) -> bool:
+    """Return whether a set applies to all velocities of a part."""
+    for part, whole in ((linear, fields.linear), (theta, fields.theta)):
+        if not whole[0] <= part[0] <= part[1] <= whole[1]:
+            return False
+    if way is None or fields.direction is None:
+        return True
+    first, last = fields.direction
+    return ((way[0] + way[1]) / 2 - first) % math.tau <= last - first

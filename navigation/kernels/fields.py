@@ -1,0 +1,292 @@
+"""When a person's disc touches a field of a machine, and which of its field sets then applies.
+
+A field is a polygon that moves and turns with the machine. In the frame of the machine, the
+person's centre stays within a bound of second order of its tangent at the middle of an interval,
+and the distances of a tangent from the edges of the polygon are exact. Undecided intervals are
+halved, the earlier half first: see `encounter` for the method. Switches of sets are found the same
+way, with bounds of the velocity in the frame of the machine.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import cython
+else:
+    from . import uncompiled as cython
+
+if not cython.compiled:
+    from math import cos, sin
+
+    from .cubics import *
+    from .encounter import EncounterBounds, Follower
+
+_RESOLUTION: float = 1e-9  # seconds; a change within a shorter interval counts as at its begin
+_TOUCH: float = 1e-10  # metres; a contact of less depth may count as none
+_NEVER: cython.int = 0
+_PERHAPS: cython.int = 1
+_ALWAYS: cython.int = 2
+
+
+class FieldSwitches:
+    """Choice of a field set by velocity: `sets` are rows of `FieldSpeeds`, the first fit counts."""
+
+    def __init__(self, sets: Numbers) -> None:
+        self.sets = sets
+
+    def switches(self, machine: Numbers, begin: float, end: float) -> list[tuple[float, int]]:
+        """Return when another set begins to apply, and its number, from `begin` to `end` (seconds).
+
+        The number is -1 where no set applies. The first of them is at `begin`.
+        """
+        found: list[tuple[float, int]] = []
+        bounds: EncounterBounds = EncounterBounds(machine, machine, [], 0.0)
+        bounds.start(begin)
+        while bounds.next_interval(end):
+            k: cython.Py_ssize_t = self.applying(bounds.machine, bounds.lower, bounds.upper)
+            while k == -2:
+                if bounds.upper - bounds.lower > _RESOLUTION and bounds.halve():
+                    k = self.applying(bounds.machine, bounds.lower, bounds.upper)
+                else:
+                    middle: float = bounds.lower + (bounds.upper - bounds.lower) / 2
+                    k = self.applying(bounds.machine, middle, middle)
+            if not found or found[len(found) - 1][1] != k:
+                found.append((bounds.lower, k))
+        return found
+
+    def applying(self, machine: Follower, lower: float, upper: float) -> cython.Py_ssize_t:
+        """Return the set that applies throughout an interval, -1 if none does, -2 if undecided."""
+        now: BodyVelocity = velocity_over(machine, lower, upper)
+        k: cython.Py_ssize_t
+        for k in range(field_count(self.sets)):
+            fits: cython.int = fit(field_speeds(self.sets)[k], now)
+            if fits != _NEVER:
+                return k if fits == _ALWAYS else -2
+        return -1
+
+
+class FieldSearch:
+    """Search for the contacts of discs with a polygon, of which `edges` are all edges (metres)."""
+
+    def __init__(self, edges: Numbers) -> None:
+        self.edges = edges
+        self.reach = 0.0
+        k: cython.Py_ssize_t
+        for k in range(edge_count(edges)):
+            e: Edge = edges_of(edges)[k]
+            self.reach = max(self.reach, norm(e.ax, e.ay))
+
+    def spans(
+        self, encounter: EncounterBounds, radius: float, begin: float, end: float, first: bool
+    ) -> list[tuple[float, float]]:
+        """Return begin and end of each contact of a disc about the person, seconds.
+
+        `first` is whether the first contact is all that is needed: its end is then wrong.
+        """
+        found: list[tuple[float, float]] = []
+        inside: cython.bint = False
+        since: float = begin
+        encounter.start(begin)
+        while encounter.next_interval(end):
+            state: cython.int = self.touched(encounter, radius, inside)
+            while state == _PERHAPS:
+                if encounter.upper - encounter.lower > _RESOLUTION and encounter.halve():
+                    state = self.touched(encounter, radius, inside)
+                else:
+                    middle: float = encounter.lower + (encounter.upper - encounter.lower) / 2
+                    state = self.nearby(path_over(encounter, middle, middle), radius, inside)
+            if state == _ALWAYS and not inside:
+                since = encounter.lower
+                inside = True
+                if first:
+                    break
+            elif state == _NEVER and inside:
+                found.append((since, encounter.lower))
+                inside = False
+        if inside:
+            found.append((since, end))
+        return found
+
+    def touched(self, encounter: EncounterBounds, radius: float, so_far: bool) -> cython.int:
+        """Return whether the disc touches the polygon in the interval of an encounter."""
+        apart: Closest = encounter.closest(encounter.lower, encounter.upper, 0.0, 0.0)
+        if apart.low > self.reach + radius:
+            return _NEVER
+        path: FramePath = path_over(encounter, encounter.lower, encounter.upper)
+        return self.nearby(path, radius, so_far)
+
+    def nearby(self, path: FramePath, radius: float, so_far: bool) -> cython.int:
+        """Return whether a disc touches the polygon on a path. `so_far` decides a doubtful touch.
+
+        The disc touches if its centre is within the polygon, or within its radius of an edge. The
+        distance from an edge is convex along a line, so it is greatest at an end.
+        """
+        tangent: Edge = path.tangent
+        x: float = (tangent.ax + tangent.bx) / 2
+        y: float = (tangent.ay + tangent.by) / 2
+        half: float = norm(tangent.bx - tangent.ax, tangent.by - tangent.ay) / 2
+        low: float = INFINITY
+        high: float = INFINITY
+        within_polygon: cython.bint = False
+        k: cython.Py_ssize_t
+        for k in range(edge_count(self.edges)):
+            e: Edge = edges_of(self.edges)[k]
+            if edge_passes(x, y, e):
+                within_polygon = not within_polygon
+            about: float = distance_to_edge(x, y, e)
+            if half == 0.0:
+                low = min(low, about)
+                high = min(high, about)
+            elif about - half > radius + path.bend:
+                low = min(low, about - half)
+            else:
+                first: float = distance_to_edge(tangent.ax, tangent.ay, e)
+                last: float = distance_to_edge(tangent.bx, tangent.by, e)
+                high = min(high, max(first, last))
+                nearest: float = 0.0
+                if not cross(tangent, e):
+                    nearest = min(
+                        min(first, last),
+                        min(
+                            distance_to_edge(e.ax, e.ay, tangent),
+                            distance_to_edge(e.bx, e.by, tangent),
+                        ),
+                    )
+                low = min(low, nearest)
+        # Beyond the bend no edge is crossed, so the whole path is on one side.
+        if within_polygon and low > path.bend:
+            return _ALWAYS
+        if high + path.bend <= radius + (_TOUCH if so_far else 0.0):
+            return _ALWAYS
+        if half == 0.0 and path.bend == 0.0:
+            return _ALWAYS if within_polygon else _NEVER
+        if not within_polygon and low - path.bend > radius - (0.0 if so_far else _TOUCH):
+            return _NEVER
+        return _PERHAPS
+
+
+def velocity_over(body: Follower, begin: float, end: float) -> BodyVelocity:
+    """Return the velocity in the frame of the body, with bounds, in an interval of its piece."""
+    half: float = (end - begin) / 2
+    u: float = begin - body.entered + half
+    x: Cubic = shift(body.x, u)
+    y: Cubic = shift(body.y, u)
+    turn: Cubic = shift(body.rotation, u)
+    c: float = cos(turn.p)
+    s: float = sin(turn.p)
+    ahead: float = c * x.v + s * y.v
+    aside: float = c * y.v - s * x.v
+    # The coefficients are half the acceleration and a sixth of the jerk.
+    jerk: float = 6 * norm(x.j, y.j)
+    acceleration: float = 2 * norm(x.a, y.a) + half * jerk
+    speed: float = norm(x.v, y.v) + half * acceleration
+    spin_rate: float = 2 * abs(turn.a) + 6 * half * abs(turn.j)
+    spin: float = abs(turn.v) + half * spin_rate
+    # The second derivative of R(-θ) v: the frame turns back what the velocity gains.
+    curve: float = jerk + 2 * spin * acceleration + (spin_rate + spin * spin) * speed
+    return BodyVelocity(
+        ahead,
+        aside,
+        2 * (c * x.a + s * y.a) + turn.v * aside,
+        2 * (c * y.a - s * x.a) - turn.v * ahead,
+        turn.v,
+        half * (2 * abs(turn.a) + 3 * half * abs(turn.j)),
+        half,
+        half * half / 2 * curve,
+    )
+
+
+def within(value: float, slack: float, low: float, high: float) -> cython.int:
+    """Return whether a number within `slack` of `value` is in a range."""
+    if value + slack < low or value - slack > high:
+        return _NEVER
+    return _ALWAYS if value - slack >= low and value + slack <= high else _PERHAPS
+
+
+def left_of_ray(now: BodyVelocity, x: float, y: float, tolerance: float) -> cython.int:
+    """Return whether a velocity points to the left of the direction x, y (m/s)."""
+    rate: float = x * now.aside_rate - y * now.ahead_rate
+    slack: float = abs(rate) * now.half + now.bend
+    return within(x * now.aside - y * now.ahead, slack, -tolerance, INFINITY)
+
+
+def fit(speeds: FieldSpeeds, now: BodyVelocity) -> cython.int:
+    """Return whether a set applies at a velocity."""
+    moves: cython.int = _ALWAYS
+    slack: float
+    if speeds.directed == 0.0:
+        slack = abs(now.ahead_rate) * now.half + now.bend
+        moves = within(now.ahead, slack, speeds.low, speeds.high)
+    else:
+        slack = norm(now.ahead_rate, now.aside_rate) * now.half + now.bend
+        moves = min(
+            within(norm(now.ahead, now.aside), slack, speeds.low, speeds.high),
+            fit_direction(speeds, now),
+        )
+    return min(moves, within(now.turn, now.turn_slack, speeds.turn_low, speeds.turn_high))
+
+
+def fit_direction(speeds: FieldSpeeds, now: BodyVelocity) -> cython.int:
+    """Return whether a velocity is in the directions of a set: between two rays."""
+    after: cython.int = left_of_ray(now, speeds.ax, speeds.ay, speeds.tolerance)
+    before: cython.int = left_of_ray(now, -speeds.bx, -speeds.by, speeds.tolerance)
+    # Directions of more than half a turn are all but those between the rays the other way.
+    return max(after, before) if speeds.directed == 2.0 else min(after, before)
+
+
+def path_over(encounter: EncounterBounds, begin: float, end: float) -> FramePath:
+    """Return the path of the person in the frame of the machine, in an interval of the stretch."""
+    half: float = (end - begin) / 2
+    u: float = begin - encounter.since + half
+    x: Cubic = shift(encounter.x, u)
+    y: Cubic = shift(encounter.y, u)
+    turn: Cubic = shift(encounter.machine.rotation, u)
+    c: float = cos(turn.p)
+    s: float = sin(turn.p)
+    # The encounter has the place of the machine as the person sees it; this is the reverse.
+    px: float = -(c * x.p + s * y.p)
+    py: float = s * x.p - c * y.p
+    vx: float = -(c * x.v + s * y.v) + turn.v * py
+    vy: float = s * x.v - c * y.v - turn.v * px
+    jerk: float = 6 * norm(x.j, y.j)
+    acceleration: float = 2 * norm(x.a, y.a) + half * jerk
+    speed: float = norm(x.v, y.v) + half * acceleration
+    away: float = norm(x.p, y.p) + half * speed
+    spin_rate: float = 2 * abs(turn.a) + 6 * half * abs(turn.j)
+    spin: float = abs(turn.v) + half * spin_rate
+    curve: float = acceleration + 2 * spin * speed + (spin_rate + spin * spin) * away
+    dx: float = vx * half
+    dy: float = vy * half
+    return FramePath(Edge(px - dx, py - dy, px + dx, py + dy), half * half / 2 * curve)
+
+
+def distance_to_edge(x: float, y: float, e: Edge) -> float:
+    """Return the distance of a place from a segment (metres)."""
+    dx: float = e.bx - e.ax
+    dy: float = e.by - e.ay
+    along: float = (x - e.ax) * dx + (y - e.ay) * dy
+    square: float = dx * dx + dy * dy
+    if along <= 0.0:
+        return norm(x - e.ax, y - e.ay)
+    if along >= square:
+        return norm(x - e.bx, y - e.by)
+    return norm(x - (e.ax + dx * (along / square)), y - (e.ay + dy * (along / square)))
+
+
+def side_of(x: float, y: float, e: Edge) -> float:
+    """Return twice the area of the triangle of an edge and a place: above 0 on its left."""
+    return (e.bx - e.ax) * (y - e.ay) - (e.by - e.ay) * (x - e.ax)
+
+
+def cross(e: Edge, f: Edge) -> cython.bint:
+    """Return whether two segments cross or touch. Of those on one line the answer means nothing."""
+    return (
+        side_of(e.ax, e.ay, f) * side_of(e.bx, e.by, f) <= 0.0
+        and side_of(f.ax, f.ay, e) * side_of(f.bx, f.by, e) <= 0.0
+    )
+
+
+def edge_passes(x: float, y: float, e: Edge) -> cython.bint:
+    """Return whether the ray from a place along x crosses an edge: even-odd rule."""
+    return (e.ay > y) != (e.by > y) and (side_of(x, y, e) > 0.0) == (e.by > e.ay)
