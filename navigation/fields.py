@@ -328,7 +328,7 @@ def intrusions(
             for since, until in search.spans(encounter, radius, span.begin, span.end, False):
                 until = end if until == last else until
                 found.append(Intrusion(since, until, field, span.set.name))
-    return tuple(sorted(found))
+    return tuple(sorted(found, key=lambda each: (each.begin, each.field)))
 
 
 def first_intrusion(
@@ -355,8 +355,7 @@ def first_intrusion(
         best: FieldEntry | None = None
         for each, search in span.set._search.items() if span.set else ():
             if field in (None, each):
-                until = span.end if best is None else best.t
-                contacts = search.spans(encounter, radius, span.begin, until, True)
+                contacts = search.spans(encounter, radius, span.begin, span.end, True)
                 if contacts and (best is None or contacts[0][0] < best.t):
                     best = FieldEntry(contacts[0][0], each, span.set.name)
         if best is not None:

@@ -38,6 +38,7 @@ cdef class EncounterBounds:
     cdef bint go_on(self, double end) except -1
     cdef bint next_interval(self, double end) except -1
     cdef bint halve(self) except -1
+    cdef bint divide(self, double share) except -1
     cdef Closest closest(self, double begin, double end, double slope, double curve) noexcept
     cdef Closest _between_centres(self, double u, double half, double slope, double curve) noexcept
     cdef Range _between_surfaces(self, double u, double half, double slope, double curve) noexcept

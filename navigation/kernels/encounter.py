@@ -304,9 +304,13 @@ class EncounterBounds:
 
     def halve(self) -> cython.bint:
         """Leave the later half of the interval for later, or return that it is too short."""
+        return self.divide(0.5)
+
+    def divide(self, share: float) -> cython.bint:
+        """Leave what comes after a share of the interval for later, as `halve` does."""
         lower: float = self.lower
         upper: float = self.upper
-        middle: float = lower + (upper - lower) / 2
+        middle: float = lower + (upper - lower) * share
         if not lower < middle < upper:
             return False
         # Each of those that are left begins where the one before it ends.

@@ -2,7 +2,7 @@ from libc.math cimport cos, sin
 from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport EncounterBounds, Follower
 
-cdef double _RESOLUTION, _TOUCH
+cdef double _RESOLUTION, _TOUCH, _POINT, _ASIDE, _LEAST_SHARE
 cdef int _NEVER, _PERHAPS, _ALWAYS
 
 cdef class FieldSwitches:
@@ -16,8 +16,8 @@ cdef class FieldSearch:
     cpdef list spans(
         self, EncounterBounds encounter, double radius, double begin, double end, bint first
     )
-    cdef int touched(self, EncounterBounds encounter, double radius, bint so_far) noexcept
-    cdef int nearby(self, FramePath path, double radius, bint so_far) noexcept
+    cdef FieldTouch touched(self, EncounterBounds encounter, double radius, bint so_far) noexcept
+    cdef FieldTouch nearby(self, FramePath path, double radius, bint so_far) noexcept
 
 cdef BodyVelocity velocity_over(Follower body, double begin, double end) noexcept
 cdef int fit(FieldSpeeds speeds, BodyVelocity now) noexcept
@@ -30,3 +30,4 @@ cdef double distance_to_edge(double x, double y, Edge e) noexcept
 cdef double side_of(double x, double y, Edge e) noexcept
 cdef bint cross(Edge e, Edge f) noexcept
 cdef bint edge_passes(double x, double y, Edge e) noexcept
+cdef double cut_beside(double before, double after, double bend) noexcept

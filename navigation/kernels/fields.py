@@ -24,6 +24,9 @@ if not cython.compiled:
 
 _RESOLUTION: float = 1e-9  # seconds; a change within a shorter interval counts as at its begin
 _TOUCH: float = 1e-10  # metres; a contact of less depth may count as none
+_POINT: float = 1e-9  # metres; the radius of a person is at least this
+_ASIDE: float = 1e-3  # share of an interval that is left on either side of a root
+_LEAST_SHARE: float = 0.02  # of an interval that is divided
 _NEVER: cython.int = 0
 _PERHAPS: cython.int = 1
 _ALWAYS: cython.int = 2
@@ -87,83 +90,81 @@ class FieldSearch:
         found: list[tuple[float, float]] = []
         inside: cython.bint = False
         since: float = begin
+        # The touch of a point is decided as that of a disc which is deeper than `_TOUCH`.
+        radius = max(radius, _POINT)
         encounter.start(begin)
         while encounter.next_interval(end):
-            state: cython.int = self.touched(encounter, radius, inside)
-            while state == _PERHAPS:
-                if encounter.upper - encounter.lower > _RESOLUTION and encounter.halve():
-                    state = self.touched(encounter, radius, inside)
+            touch: FieldTouch = self.touched(encounter, radius, inside)
+            while touch.state == _PERHAPS:
+                if encounter.upper - encounter.lower > _RESOLUTION and encounter.divide(touch.cut):
+                    touch = self.touched(encounter, radius, inside)
                 else:
                     middle: float = encounter.lower + (encounter.upper - encounter.lower) / 2
-                    state = self.nearby(path_over(encounter, middle, middle), radius, inside)
-            if state == _ALWAYS and not inside:
+                    touch = self.nearby(path_over(encounter, middle, middle), radius, inside)
+            if touch.state == _ALWAYS and not inside:
                 since = encounter.lower
                 inside = True
                 if first:
                     break
-            elif state == _NEVER and inside:
+            elif touch.state == _NEVER and inside:
                 found.append((since, encounter.lower))
                 inside = False
         if inside:
             found.append((since, end))
         return found
 
-    def touched(self, encounter: EncounterBounds, radius: float, so_far: bool) -> cython.int:
+    def touched(self, encounter: EncounterBounds, radius: float, so_far: bool) -> FieldTouch:
         """Return whether the disc touches the polygon in the interval of an encounter."""
         apart: Closest = encounter.closest(encounter.lower, encounter.upper, 0.0, 0.0)
         if apart.low > self.reach + radius:
-            return _NEVER
+            return FieldTouch(_NEVER, 0.5)
         path: FramePath = path_over(encounter, encounter.lower, encounter.upper)
         return self.nearby(path, radius, so_far)
 
-    def nearby(self, path: FramePath, radius: float, so_far: bool) -> cython.int:
+    def nearby(self, path: FramePath, radius: float, so_far: bool) -> FieldTouch:
         """Return whether a disc touches the polygon on a path. `so_far` decides a doubtful touch.
 
         The disc touches if its centre is within the polygon, or within its radius of an edge. The
         distance from an edge is convex along a line, so it is greatest at an end.
         """
         tangent: Edge = path.tangent
+        bend: float = path.bend
         x: float = (tangent.ax + tangent.bx) / 2
         y: float = (tangent.ay + tangent.by) / 2
         half: float = norm(tangent.bx - tangent.ax, tangent.by - tangent.ay) / 2
         low: float = INFINITY
         high: float = INFINITY
-        within_polygon: cython.bint = False
+        before: float = INFINITY
+        after: float = INFINITY
+        inside: cython.bint = False
         k: cython.Py_ssize_t
         for k in range(edge_count(self.edges)):
             e: Edge = edges_of(self.edges)[k]
             if edge_passes(x, y, e):
-                within_polygon = not within_polygon
+                inside = not inside
             about: float = distance_to_edge(x, y, e)
             if half == 0.0:
                 low = min(low, about)
-                high = min(high, about)
-            elif about - half > radius + path.bend:
+                high = low
+            elif about - half > radius + bend:
                 low = min(low, about - half)
             else:
                 first: float = distance_to_edge(tangent.ax, tangent.ay, e)
                 last: float = distance_to_edge(tangent.bx, tangent.by, e)
                 high = min(high, max(first, last))
-                nearest: float = 0.0
-                if not cross(tangent, e):
-                    nearest = min(
-                        min(first, last),
-                        min(
-                            distance_to_edge(e.ax, e.ay, tangent),
-                            distance_to_edge(e.bx, e.by, tangent),
-                        ),
-                    )
-                low = min(low, nearest)
+                low = min(low, 0.0 if cross(tangent, e) else min(first, last))
+                low = min(low, distance_to_edge(e.ax, e.ay, tangent))
+                low = min(low, distance_to_edge(e.bx, e.by, tangent))
+                before = min(before, first)
+                after = min(after, last)
         # Beyond the bend no edge is crossed, so the whole path is on one side.
-        if within_polygon and low > path.bend:
-            return _ALWAYS
-        if high + path.bend <= radius + (_TOUCH if so_far else 0.0):
-            return _ALWAYS
-        if half == 0.0 and path.bend == 0.0:
-            return _ALWAYS if within_polygon else _NEVER
-        if not within_polygon and low - path.bend > radius - (0.0 if so_far else _TOUCH):
-            return _NEVER
-        return _PERHAPS
+        if (inside and low > bend) or high + bend <= radius + (_TOUCH if so_far else 0.0):
+            return FieldTouch(_ALWAYS, 0.5)
+        if half == 0.0 and bend == 0.0:
+            return FieldTouch(_ALWAYS if inside else _NEVER, 0.5)
+        if not inside and low - bend > radius - (0.0 if so_far else _TOUCH):
+            return FieldTouch(_NEVER, 0.5)
+        return FieldTouch(_PERHAPS, cut_beside(before - radius, after - radius, bend))
 
 
 def velocity_over(body: Follower, begin: float, end: float) -> BodyVelocity:
@@ -290,3 +291,19 @@ def cross(e: Edge, f: Edge) -> cython.bint:
 def edge_passes(x: float, y: float, e: Edge) -> cython.bint:
     """Return whether the ray from a place along x crosses an edge: even-odd rule."""
     return (e.ay > y) != (e.by > y) and (side_of(x, y, e) > 0.0) == (e.by > e.ay)
+
+
+def cut_beside(before: float, after: float, bend: float) -> float:
+    """Return the share of an interval at which to divide it: just before or after a root.
+
+    The root is that of the line from one value to another, and less than `bend` from the line.
+    """
+    if (before > 0.0) == (after > 0.0) or before == INFINITY or after == INFINITY:
+        return 0.5
+    root: float = before / (before - after)
+    aside: float = max(2 * bend / abs(before - after), _ASIDE)
+    if root - aside > _LEAST_SHARE:
+        return root - aside
+    if root + aside < 1.0 - _LEAST_SHARE:
+        return root + aside
+    return 0.5

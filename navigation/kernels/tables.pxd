@@ -302,6 +302,10 @@ cdef struct FramePath:
     Edge tangent
     double bend
 
+cdef struct FieldTouch:
+    int state
+    double cut
+
 cdef struct BodyVelocity:
     double ahead, aside, ahead_rate, aside_rate, turn, turn_slack, half, bend
 

@@ -516,6 +516,16 @@ class FramePath(NamedTuple):
     bend: float
 
 
+class FieldTouch(NamedTuple):
+    """Whether a disc touches a field on a path: never, perhaps or always.
+
+    If perhaps, the path is divided at the share `cut`.
+    """
+
+    state: int
+    cut: float
+
+
 class BodyVelocity(NamedTuple):
     """Velocity of a body in its own frame over an interval: forwards and to the left (m/s).
 
