@@ -3,6 +3,13 @@
 from .bodies import Disc
 from .catalog import Path, PlannerError, PlanningError, planners
 from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes
+from .field_lengths import (
+    FieldSupplements,
+    ShortField,
+    needed_fields,
+    short_fields,
+    stopping_reach,
+)
 from .fields import (
     FieldEntry,
     FieldGap,
@@ -67,6 +74,7 @@ __all__ = [
     "FieldGap",
     "FieldSet",
     "FieldSpan",
+    "FieldSupplements",
     "FixedDistance",
     "GantryPath",
     "GantryPlanner",
@@ -87,6 +95,7 @@ __all__ = [
     "Scaled",
     "SeparationLaw",
     "Shapes",
+    "ShortField",
     "TooClose",
     "VehicleLimits",
     "VehiclePath",
@@ -102,11 +111,14 @@ __all__ = [
     "join",
     "minimum_margin",
     "minimum_separation",
+    "needed_fields",
     "plan_among",
     "planners",
     "remaining_path",
+    "short_fields",
     "standing",
     "stop_walking",
+    "stopping_reach",
     "vehicle_path",
     "vehicle_segment",
     "vehicle_stop",

@@ -216,7 +216,7 @@ class ProtectiveFields:
         spans = []
         rows = self._switches(machine, loaded)
         for (since, k), (until, _) in itertools.pairwise([*rows, (math.inf, -1)]):
-            if since < end and until > begin or since <= begin == end < until:
+            if (since < end and until > begin) or since <= begin == end < until:
                 chosen = None if k < 0 else self._for(loaded)[k]
                 spans.append(FieldSpan(max(since, begin), min(until, end), chosen))
         return tuple(spans)
@@ -323,11 +323,10 @@ def intrusions(
     or end contacts at the jump.
     """
     found: list[Intrusion] = []
-    for span, encounter, last in _spans(fields, machine, person, (begin, end), loaded):
-        for field, search in span.set._search.items() if span.set else ():
-            for since, until in search.spans(encounter, radius, span.begin, span.end, False):
-                until = end if until == last else until
-                found.append(Intrusion(since, until, field, span.set.name))
+    for each, span, encounter, last in _spans(fields, machine, person, (begin, end), loaded):
+        for field, search in each._search.items():
+            for since, until in search.spans(encounter, radius, *span, False):
+                found.append(Intrusion(since, end if until == last else until, field, each.name))
     return tuple(sorted(found, key=lambda each: (each.begin, each.field)))
 
 
@@ -351,13 +350,13 @@ def first_intrusion(
     field : {"protective", "warning"}, optional
         Field to look at. By default both: of those that begin at once, the protective field.
     """
-    for span, encounter, _ in _spans(fields, machine, person, (begin, end), loaded):
+    for each, span, encounter, _ in _spans(fields, machine, person, (begin, end), loaded):
         best: FieldEntry | None = None
-        for each, search in span.set._search.items() if span.set else ():
-            if field in (None, each):
-                contacts = search.spans(encounter, radius, span.begin, span.end, True)
+        for kind, search in each._search.items():
+            if field in (None, kind):
+                contacts = search.spans(encounter, radius, *span, True)
                 if contacts and (best is None or contacts[0][0] < best.t):
-                    best = FieldEntry(contacts[0][0], each, span.set.name)
+                    best = FieldEntry(contacts[0][0], kind, each.name)
         if best is not None:
             return best
     return None
@@ -369,14 +368,15 @@ def _spans(
     person: Motion,
     within: tuple[float, float],
     loaded: bool,
-) -> Iterator[tuple[FieldSpan, EncounterBounds, float]]:
-    """Yield the spans of sets, what bounds the encounter, and when both motions are over."""
+) -> Iterator[tuple[FieldSet, tuple[float, float], EncounterBounds, float]]:
+    """Yield sets, their spans, what bounds the encounter, and when both motions are over."""
     begin, end = map(float, within)
     # After both have come to rest nothing changes, so the last second stands for ever.
     last = min(end, max(begin, machine.end, person.end) + 1.0)
     encounter = EncounterBounds(person.table, machine.table, [], 0.0)
     for span in fields.applying(machine, begin, last, loaded):
-        yield span, encounter, last
+        if span.set is not None:
+            yield span.set, span[:2], encounter, last
 
 
 def _polygon(given: Sequence[Sequence[float]], name: str) -> Corners:
