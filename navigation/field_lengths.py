@@ -311,6 +311,7 @@ def needed_fields(
     response_time: float,
     supplements: FieldSupplements | None = None,
     warning_time: float = 1.0,
+    backwards: bool = True,
 ) -> ProtectiveFields:
     """Return field sets that are long enough for a machine, one step of speed after another.
 
@@ -328,12 +329,14 @@ def needed_fields(
         Additions to the length and width.
     warning_time : float, optional
         Time for which the warning field is longer than the protective field, s.
+    backwards : bool, optional
+        Whether there are sets for driving backwards faster than in the first step.
 
     Returns
     -------
     ProtectiveFields
-        Of each step a set for straight driving and one for turning, ahead and backwards. The first
-        step has one for both ways. Of a holonomic drive, each set is for all directions.
+        Two sets of each step, for straight driving and for turning. Those of the first step are for
+        both ways. Sets of a holonomic drive are for all directions.
 
     Raises
     ------
@@ -349,7 +352,9 @@ def needed_fields(
         return maker.fields([(f"{b:g} m/s", a, b, True) for a, b in steps])
     parts = [(f"{speeds[0]:g} m/s", -speeds[0], speeds[0], False)]
     for a, b in steps[1:]:
-        parts += [(f"{b:g} m/s", a, b, False), (f"{b:g} m/s backwards", -b, -a, False)]
+        parts.append((f"{b:g} m/s", a, b, False))
+        if backwards:
+            parts.append((f"{b:g} m/s backwards", -b, -a, False))
     return maker.fields(parts)
 
 

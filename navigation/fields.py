@@ -238,6 +238,9 @@ class ProtectiveFields:
         self, linear: tuple[float, float], theta: tuple[float, float], loaded: bool
     ) -> Iterator[FieldGap]:
         sets = self._for(loaded)
+        if not sets:
+            yield FieldGap(linear, theta, None, loaded)
+            return
         around: list[tuple[float, float] | None] = [None]
         if self.sets[0].direction is not None:
             turns = [a % math.tau for each in sets for a in each.direction or ()]
@@ -409,7 +412,7 @@ def _range(given: Sequence[float], name: str) -> tuple[float, float]:
 
 def _directions(given: Sequence[float], name: str) -> tuple[float, float]:
     low, high = _range(given, name)
-    if not 0 < high - low <= math.tau + 1e-9:
+    if not 0 < high - low <= math.tau + 1e-3:
         raise UserError(f"{name} must be more than nothing and at most a turn, not {given!r}")
     return low, high
 

@@ -15,6 +15,7 @@ from typer.models import CommandInfo
 from .commands.agent import agent
 from .commands.bridge import bridge
 from .commands.check import check, convert, list_all
+from .commands.fields import fields
 from .commands.plan import benchmark, plan
 from .commands.results import app as plot, export, metrics, render
 from .commands.run import replay, run
@@ -61,6 +62,7 @@ app.command()(check)
 app.command()(convert)
 app.command()(agent)
 app.command()(benchmark)
+app.command()(fields)
 app.command()(study)
 app.command()(search)
 app.command()(report)

@@ -47,6 +47,7 @@ OF_THE_LIBRARY = {
         "benchmark",
         "catalog",
         "encounter",
+        "fields",
         "freespace",
         "kernels",
         "machines",

@@ -1,0 +1,213 @@
+"""`floorwalker fields`."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .arguments import NoOwnCode, complete_trial
+from .terminal import say
+
+if TYPE_CHECKING:
+    from floorplan import Floorplan
+    from navigation import FieldSet, FieldSupplements, ProtectiveFields, VehicleLimits
+    from navigation.machines import AxisLimits
+
+    from ..core.stage import MachineModel
+
+WIDTH = 80
+"""Columns of the output."""
+
+RESPONSE_TIME = 0.2
+"""Seconds. Response time of the sensor, the control and the brakes, where none is given."""
+
+
+def fields(
+    trial: Annotated[
+        str,
+        typer.Argument(help="Trial: a name or a file.", autocompletion=complete_trial),
+    ],
+    machine: Annotated[
+        str | None, typer.Option(help="Name of the machine (default: all of the trial).")
+    ] = None,
+    speeds: Annotated[
+        str | None,
+        typer.Option(
+            metavar="V,V,...",
+            help="Highest speed of each step, m/s (default: thirds of the machine's top speed).",
+        ),
+    ] = None,
+    response_time: Annotated[
+        float, typer.Option(help="Time from a contact to the begin of braking, s.")
+    ] = RESPONSE_TIME,
+    approach_speed: Annotated[
+        float,
+        typer.Option(help="Speed of a person towards the machine, m/s; 1.6 by ISO 13855."),
+    ] = 0.0,
+    measurement: Annotated[float, typer.Option(help="Supplement for the sensor's error, m.")] = 0.1,
+    reflectors: Annotated[float, typer.Option(help="Supplement for reflectors, m.")] = 0.0,
+    wear: Annotated[
+        float, typer.Option(help="Supplement for worn brakes, as a share of the braking distance.")
+    ] = 0.1,
+    ground_clearance: Annotated[
+        float, typer.Option(help="Supplement for a foot below the machine, m.")
+    ] = 0.15,
+    side: Annotated[float, typer.Option(help="Supplement on each side, m.")] = 0.1,
+    warning_time: Annotated[
+        float, typer.Option(min=0, help="Time by which the warning field is longer, s.")
+    ] = 1.0,
+    backwards: Annotated[
+        bool, typer.Option("--backwards", help="Write sets for driving backwards too.")
+    ] = False,
+    no_own_code: NoOwnCode = False,
+) -> None:
+    """Compute the protective fields that the machines of a trial need.
+
+    Writes the section `fields` of the trial, with the lengths in comments.
+    """
+    from floorplan import UserError
+    from navigation import FieldSupplements
+
+    from ..machines.field_limits import field_limits
+    from ..machines.kinds import models_of
+    from ..trials.names import checked_name
+    from ..trials.trial import Trial
+
+    read = Trial.load(trial, own_code=not no_own_code)
+    models = models_of(read, own=not no_own_code)
+    if machine is not None:
+        checked_name(machine, "machine", list(models))
+        models = {machine: models[machine]}
+    supplements = FieldSupplements(
+        measurement=measurement,
+        reflectors=reflectors,
+        wear=wear,
+        ground_clearance=ground_clearance,
+        approach_speed=approach_speed,
+        side=side,
+    )
+    steps = None if speeds is None else _numbers(speeds)
+    lines: list[str] = []
+    for name, model in models.items():
+        limits = field_limits(model, read.floorplan)
+        if limits is None:
+            if machine is not None:
+                raise UserError(f"the limits of {name!r} are not known: its kind is custom")
+            say(f"{name} is left out: the limits of a custom kind are not known", err=True)
+            continue
+        section = _Section(name, model, read.floorplan, limits, response_time, supplements)
+        lines += section.lines(steps, warning_time, backwards)
+    if not lines:
+        raise UserError(f"{trial} has no machine whose fields can be computed")
+    say("\n".join(["fields:", *lines]))
+
+
+class _Section:
+    """What is written of one machine."""
+
+    def __init__(
+        self,
+        name: str,
+        model: MachineModel,
+        plan: Floorplan,
+        limits: VehicleLimits | AxisLimits,
+        response_time: float,
+        supplements: FieldSupplements,
+    ) -> None:
+        from navigation import VehicleLimits
+
+        self.name = name
+        self.footprint = model.shape(name, plan).footprint((0.0, 0.0), 0.0)
+        self.limits = limits
+        self.ahead = limits.along(1.0, 0.0) if isinstance(limits, VehicleLimits) else limits
+        self.stays_straight = not isinstance(limits, VehicleLimits)
+        self.response_time = response_time
+        self.supplements = supplements
+
+    def lines(
+        self, steps: Sequence[float] | None, warning_time: float, backwards: bool
+    ) -> Iterator[str]:
+        """Yield the lines of the machine in the section `fields`."""
+        from floorplan import UserError
+        from navigation import needed_fields
+
+        top = self.ahead.max_speed
+        speeds = steps or [round(top / 3, 2), round(2 * top / 3, 2), top]
+        if speeds[-1] > top:
+            raise UserError(f"{self.name}: {speeds[-1]:g} m/s is above its top speed, {top:g} m/s")
+        if speeds[-1] < top:
+            say(f"{self.name}: no set applies above {speeds[-1]:g} m/s", err=True)
+        needed = needed_fields(
+            self.footprint,
+            self.limits,
+            speeds,
+            response_time=self.response_time,
+            supplements=self.supplements,
+            warning_time=warning_time,
+            backwards=backwards or self.stays_straight,
+        )
+        yield from self._table(speeds)
+        yield from self._sets(needed)
+
+    def _table(self, speeds: Sequence[float]) -> Iterator[str]:
+        """Yield the lengths as comments."""
+        from navigation import stopping_reach
+
+        yield f"  # {self.name}: way ahead from a contact to standstill, and length of the field"
+        yield "  # speed  response  braking  time  supplement  length"
+        yield "  #   m/s         m        m     s           m       m"
+        for speed in speeds:
+            reach = stopping_reach(self.ahead, speed, self.response_time)
+            more = self.supplements.length(reach)
+            yield (
+                f"  # {speed:5.2f}  {reach.response:8.2f}  {reach.braking:7.2f}  {reach.time:4.2f}"
+                f"  {more:10.2f}  {reach.distance + more:6.2f}"
+            )
+
+    def _sets(self, needed: ProtectiveFields) -> Iterator[str]:
+        """Yield the section of the machine."""
+        import json
+
+        # A text in JSON is one in YAML, with whatever a name has in it.
+        yield f"  {self.name if self.name.isidentifier() else json.dumps(self.name)}:"
+        yield f"    response_time: {needed.response_time:g}"
+        yield "    sets:"
+        for each in needed.sets:
+            yield f"    - name: {each.name}"
+            for key, value in _ranges(each):
+                yield f"      {key}: [{value[0]:.6g}, {value[1]:.6g}]"
+            for key, corners in (("protective", each.protective), ("warning", each.warning)):
+                pairs = ", ".join(f"[{x:g},_{y:g}]" for x, y in corners)
+                first = f"      {key}: "
+                wrapped = textwrap.wrap(
+                    f"[{pairs}]",
+                    WIDTH,
+                    initial_indent=first,
+                    subsequent_indent=" " * (len(first) + 1),
+                    break_on_hyphens=False,
+                )
+                yield from (line.replace("_", " ") for line in wrapped)
+
+
+def _ranges(each: FieldSet) -> Iterator[tuple[str, tuple[float, float]]]:
+    """Yield the ranges of a set that are bounded."""
+    from navigation.fields import UNBOUNDED
+
+    if each.linear != UNBOUNDED:
+        yield "linear", each.linear
+    if each.theta != UNBOUNDED:
+        yield "theta", each.theta
+    if each.direction is not None:
+        yield "direction", each.direction
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise typer.BadParameter(
+            f"expected numbers with commas between them, found {text!r}", param_hint="--speeds"
+        ) from None
