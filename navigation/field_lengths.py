@@ -9,9 +9,10 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias
 
+import numpy as np
 import shapely
 from shapely import affinity
 from shapely.geometry import Polygon
@@ -21,6 +22,7 @@ from floorplan import UserError
 from .fields import UNBOUNDED, Corners, FieldSet, ProtectiveFields
 from .kernels.braking import braking
 from .machines import AxisLimits
+from .motion import Array
 from .vehicles import VehicleLimits
 
 Limits: TypeAlias = VehicleLimits | AxisLimits
@@ -40,6 +42,9 @@ _EXACT = 1e-6
 
 _BOX = 0.9
 """Share of a box above which its corners are not cut off."""
+
+_TURNS, _SHARES = (-1.0, -0.5, 0.5, 1.0), (0.25, 0.5, 1.0)
+"""Shares of the farthest turn, and of its arc, at which the corners of a machine are looked at."""
 
 _STARTS = 33
 """Number of speeds of which the farthest stop is taken."""
@@ -341,10 +346,13 @@ def needed_fields(
     Raises
     ------
     UserError
-        If speeds do not rise, or are not positive.
+        If speeds do not rise or are not positive, or a time is negative or not finite.
     """
-    if not speeds or any(not a < b for a, b in itertools.pairwise([0.0, *speeds])):
+    if not speeds or any(not a < b < math.inf for a, b in itertools.pairwise([0.0, *speeds])):
         raise UserError(f"speeds must be positive and rise, not {', '.join(map(str, speeds))}")
+    for name, value in (("response_time", response_time), ("warning_time", warning_time)):
+        if not 0 <= value < math.inf:
+            raise UserError(f"{name} must be 0 or more, not {value}")
     sizes = supplements or FieldSupplements()
     maker = _FieldMaker(footprint, limits, response_time, sizes, warning_time)
     steps = [*itertools.pairwise([0.0, *speeds])]
@@ -390,7 +398,7 @@ class _FieldMaker:
 
     def _set(self, each: FieldSet) -> FieldSet:
         """Return a set with fields that are long enough."""
-        area, warning = [self.footprint], []
+        corners = shapely.get_coordinates(self.footprint.exterior)
         low, high = each.linear
         spin = 0.0
         # Above the first step, a machine that drives straight does not begin to turn.
@@ -398,7 +406,7 @@ class _FieldMaker:
             axis = self.limits.turning
             fastest = min(each.theta[1], axis.max_speed)
             spin = stopping_reach(axis, fastest, self.response_time).distance
-            area += [swept_turn(self.footprint, turn) for turn in (-spin, spin)]
+        area, warned = [_turned(corners, spin)], []
         ways = [(angle, speed) for angle, speed in ((0.0, high), (math.pi, -low)) if speed > 0]
         if each.direction is not None:
             ways = [(angle, high) for angle in _angles(*each.direction)]
@@ -407,54 +415,60 @@ class _FieldMaker:
             assert axis_along is not None  # a drive that is not holonomic has two ways
             reach = stopping_reach(axis_along, speed, self.response_time)
             length = reach.distance + self.supplements.length(reach)
-            area += self._driven(angle, length, spin)
-            warning += self._driven(angle, length + speed * self.warning_time, spin)
-        side = self.supplements.side
-        return FieldSet(
-            name=each.name,
-            protective=_octagon(area, side),
-            warning=_octagon([*area, *warning], side),
-            linear=each.linear,
-            theta=each.theta,
-            direction=each.direction,
-        )
-
-    def _driven(self, angle: float, length: float, spin: float) -> list[Polygon]:
-        """Return areas that the machine covers on the arcs that it may turn on, and straight."""
-        places = [swept_straight(self.footprint, angle, length)]
-        for turn, share in itertools.product((-spin, -spin / 2, spin / 2, spin), (0.25, 0.5, 1.0)):
-            if turn:
-                bent, radius = turn * share, length / turn
-                x, y = radius * math.sin(bent), radius * (1 - math.cos(bent))
-                c, s = math.cos(angle), math.sin(angle)
-                moved = affinity.rotate(self.footprint, bent, origin=(0, 0), use_radians=True)
-                places.append(affinity.translate(moved, c * x - s * y, s * x + c * y))
-        return places
+            area.append(_driven(corners, angle, length, spin))
+            warned.append(_driven(corners, angle, length + speed * self.warning_time, spin))
+        protective = _octagon(np.concatenate(area), self.supplements.side)
+        warning = _octagon(np.concatenate([protective, *warned]), self.supplements.side)
+        return replace(each, protective=protective, warning=warning)
 
 
 def _is_straight(each: FieldSet) -> bool:
     return each.theta == (-_STRAIGHT, _STRAIGHT)
 
 
-def _octagon(areas: Sequence[Polygon], margin: float) -> Corners:
-    """Return the corners of an octagon that keeps a margin (metres) from areas, at most 2 cm more.
+def _turned(corners: Array, spin: float) -> Array:
+    """Return points (N, 2) whose hull contains the corners in all turns up to `spin` each way."""
+    count = max(1, math.ceil(spin / _STEP))
+    # The chord between two rotations is nearer to the centre than the arc, by this share.
+    share = 1 / math.cos(spin / count / 2)
+    turns = [_rotated(share * corners, spin * k / count) for k in range(-count, count + 1)]
+    return np.concatenate([corners, *turns])
+
+
+def _driven(corners: Array, angle: float, length: float, spin: float) -> Array:
+    """Return the corners at the end of a way, straight or on the arcs that may be: (N, 2)."""
+    ahead = length * np.array([math.cos(angle), math.sin(angle)])
+    places = [corners + ahead]
+    for turn, share in itertools.product(_TURNS if spin else (), _SHARES):
+        bent, radius = spin * turn * share, 1 / (spin * turn)
+        on_arc = np.array([radius * math.sin(bent), radius * (1 - math.cos(bent))])
+        x, y = ahead
+        shift = np.array([x * on_arc[0] - y * on_arc[1], y * on_arc[0] + x * on_arc[1]])
+        places.append(_rotated(corners, bent) + shift)
+    return np.concatenate(places)
+
+
+def _rotated(points: Array, angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return points @ np.array([[c, s], [-s, c]])
+
+
+def _octagon(points: Array, margin: float) -> Corners:
+    """Return the corners of an octagon that keeps a margin (metres) from points, at most 2 cm more.
 
     It is their box if cutting off its corners makes little difference.
     """
-    whole = shapely.union_all(areas)
-    box = _box(whole, margin)
-    diamond = affinity.rotate(_box(affinity.rotate(whole, -45, (0, 0)), margin), 45, (0, 0))
+    box = _box(points, margin)
+    diamond = affinity.rotate(_box(_rotated(points, -math.pi / 4), margin), 45, origin=(0, 0))
     eight = box.intersection(diamond)
     chosen = box if eight.area > _BOX * box.area else eight
     corners = shapely.get_coordinates(chosen.exterior).tolist()[:-1]
     return tuple((round(x, 3), round(y, 3)) for x, y in corners)
 
 
-def _box(area: Polygon, margin: float) -> Polygon:
+def _box(points: Array, margin: float) -> Polygon:
     # A millimetre more, for the corners are rounded to half of it.
-    low_x, low_y, high_x, high_y = (round(value, 9) for value in area.bounds)
     more = margin + 1e-3
-    return shapely.box(
-        *(-math.ceil(100 * (more - value)) / 100 for value in (low_x, low_y)),
-        *(math.ceil(100 * (value + more)) / 100 for value in (high_x, high_y)),
-    )
+    low, high = (points.min(0) - more).tolist(), (points.max(0) + more).tolist()
+    ends = [math.floor(100 * value) / 100 for value in low]
+    return shapely.box(*ends, *(math.ceil(100 * value) / 100 for value in high))

@@ -244,7 +244,9 @@ class ProtectiveFields:
         around: list[tuple[float, float] | None] = [None]
         if self.sets[0].direction is not None:
             turns = [a % math.tau for each in sets for a in each.direction or ()]
-            around = [*_parts((0.0, math.tau), turns)]
+            # What rounding of directions leaves between two sets is none.
+            parts = _parts((0.0, math.tau), turns)
+            around = [part for part in parts if part[1] - part[0] > SPEED_TOLERANCE]
         for way in around:
             for turn in _parts(theta, [limit for each in sets for limit in each.theta]):
                 latest: FieldGap | None = None
@@ -432,7 +434,7 @@ def _covers(
 ) -> bool:
     """Return whether a set applies to all velocities of a part."""
     for part, whole in ((linear, fields.linear), (theta, fields.theta)):
-        if not whole[0] <= part[0] <= part[1] <= whole[1]:
+        if part[0] < whole[0] - SPEED_TOLERANCE or part[1] > whole[1] + SPEED_TOLERANCE:
             return False
     if way is None or fields.direction is None:
         return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated
@@ -71,6 +72,7 @@ def fields(
     from floorplan import UserError
     from navigation import FieldSupplements
 
+    from ..machines.agv.model import AgvModel
     from ..machines.field_limits import field_limits
     from ..machines.kinds import models_of
     from ..trials.names import checked_name
@@ -99,7 +101,8 @@ def fields(
             say(f"{name} is left out: the limits of a custom kind are not known", err=True)
             continue
         section = _Section(name, model, read.floorplan, limits, response_time, supplements)
-        lines += section.lines(steps, warning_time, backwards)
+        # An AGV drives both ways on its lane.
+        lines += section.lines(steps, warning_time, backwards or isinstance(model, AgvModel))
     if not lines:
         raise UserError(f"{trial} has no machine whose fields can be computed")
     say("\n".join(["fields:", *lines]))
@@ -117,13 +120,10 @@ class _Section:
         response_time: float,
         supplements: FieldSupplements,
     ) -> None:
-        from navigation import VehicleLimits
-
         self.name = name
         self.footprint = model.shape(name, plan).footprint((0.0, 0.0), 0.0)
         self.limits = limits
-        self.ahead = limits.along(1.0, 0.0) if isinstance(limits, VehicleLimits) else limits
-        self.stays_straight = not isinstance(limits, VehicleLimits)
+        self.fastest = _fastest(limits)
         self.response_time = response_time
         self.supplements = supplements
 
@@ -134,12 +134,8 @@ class _Section:
         from floorplan import UserError
         from navigation import needed_fields
 
-        top = self.ahead.max_speed
-        speeds = steps or [round(top / 3, 2), round(2 * top / 3, 2), top]
-        if speeds[-1] > top:
-            raise UserError(f"{self.name}: {speeds[-1]:g} m/s is above its top speed, {top:g} m/s")
-        if speeds[-1] < top:
-            say(f"{self.name}: no set applies above {speeds[-1]:g} m/s", err=True)
+        top = self.fastest.max_speed
+        speeds = steps or [round(share * top / 3, 2) for share in (1, 2)] + [top]
         needed = needed_fields(
             self.footprint,
             self.limits,
@@ -147,8 +143,12 @@ class _Section:
             response_time=self.response_time,
             supplements=self.supplements,
             warning_time=warning_time,
-            backwards=backwards or self.stays_straight,
+            backwards=backwards,
         )
+        if speeds[-1] > top:
+            raise UserError(f"{self.name}: {speeds[-1]:g} m/s is above its top speed, {top:g} m/s")
+        if speeds[-1] < top:
+            say(f"{self.name}: no set applies above {speeds[-1]:g} m/s", err=True)
         yield from self._table(speeds)
         yield from self._sets(needed)
 
@@ -156,11 +156,11 @@ class _Section:
         """Yield the lengths as comments."""
         from navigation import stopping_reach
 
-        yield f"  # {self.name}: way ahead from a contact to standstill, and length of the field"
+        yield f"  # {self.name}: way from a contact to standstill, and length of the field"
         yield "  # speed  response  braking  time  supplement  length"
         yield "  #   m/s         m        m     s           m       m"
         for speed in speeds:
-            reach = stopping_reach(self.ahead, speed, self.response_time)
+            reach = stopping_reach(self.fastest, speed, self.response_time)
             more = self.supplements.length(reach)
             yield (
                 f"  # {speed:5.2f}  {reach.response:8.2f}  {reach.braking:7.2f}  {reach.time:4.2f}"
@@ -169,10 +169,7 @@ class _Section:
 
     def _sets(self, needed: ProtectiveFields) -> Iterator[str]:
         """Yield the section of the machine."""
-        import json
-
-        # A text in JSON is one in YAML, with whatever a name has in it.
-        yield f"  {self.name if self.name.isidentifier() else json.dumps(self.name)}:"
+        yield f"  {self.name}:"
         yield f"    response_time: {needed.response_time:g}"
         yield "    sets:"
         for each in needed.sets:
@@ -190,6 +187,16 @@ class _Section:
                     break_on_hyphens=False,
                 )
                 yield from (line.replace("_", " ") for line in wrapped)
+
+
+def _fastest(limits: VehicleLimits | AxisLimits) -> AxisLimits:
+    """Return the limits in the direction in which a machine is fastest."""
+    from navigation import VehicleLimits
+
+    if isinstance(limits, VehicleLimits):
+        angle = math.atan2(limits.side_speed, limits.speed)
+        return limits.along(math.cos(angle), math.sin(angle))
+    return limits
 
 
 def _ranges(each: FieldSet) -> Iterator[tuple[str, tuple[float, float]]]:

@@ -17,9 +17,6 @@ from navigation import (
 )
 from navigation.fields import KINDS, SPEED_TOLERANCE
 
-STEP = 2e-3
-"""Seconds between samples."""
-
 RADIUS = 0.3
 
 
@@ -77,13 +74,12 @@ def touches(case, which, field, t):
     return applies(case, which, t) & (depth(case, which, field, t) <= 0)
 
 
-def changes(case, which, field, begin, end):
+def changes(case, which, field, t):
     """Times at which a contact begins or ends, found among samples and then bisected."""
-    t = np.linspace(begin, end, int((end - begin) / STEP) + 2)
     state = touches(case, which, field, t)
     k = np.flatnonzero(state[1:] != state[:-1])
     low, high, before = t[k], t[k + 1], state[k]
-    for _ in range(40):
+    for _ in range(24):
         middle = (low + high) / 2
         same = touches(case, which, field, middle) == before
         low, high = np.where(same, middle, low), np.where(same, high, middle)

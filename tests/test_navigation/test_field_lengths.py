@@ -1,0 +1,172 @@
+"""Lengths of protective fields against the motions of machines."""
+
+import math
+import random
+
+import pytest
+import shapely
+from shapely import affinity
+from shapely.geometry import Polygon
+
+from floorplan import UserError
+from navigation import (
+    FieldSet,
+    FieldSupplements,
+    ProtectiveFields,
+    VehicleLimits,
+    needed_fields,
+    short_fields,
+    stopping_reach,
+    vehicle_segment,
+    vehicle_stop,
+    vehicle_turn,
+)
+from navigation.field_lengths import swept_straight, swept_turn
+from navigation.machines import AxisLimits
+
+FOOTPRINT = shapely.box(-1.2, -0.4, 1.2, 0.4)
+BARE = FieldSupplements(measurement=0.0, wear=0.0, ground_clearance=0.0, side=0.0)
+DRIVES = (
+    VehicleLimits(),
+    VehicleLimits(speed=0.8, acceleration=0.3, jerk=math.inf),
+    VehicleLimits(side_speed=0.9),
+)
+
+
+def rectangle(front, back=1.3, side=0.5):
+    return ((-back, -side), (front, -side), (front, side), (-back, side))
+
+
+@pytest.mark.parametrize("limits", DRIVES)
+def test_no_stop_from_a_speed_is_farther(limits):
+    rng = random.Random(1)
+    farthest = {}
+    for _ in range(300):
+        axis = limits.along(1.0, 0.0)
+        drive = vehicle_segment((0, 0, 0), (rng.uniform(0.1, 4), 0), limits=limits)
+        t, response = rng.uniform(0, drive.end), rng.choice([0.0, 0.2, 0.7])
+        stop = vehicle_stop(drive.state(t + response), t + response, limits=limits)
+        way = float(stop.position(stop.end)[0] - drive.position(t)[0])
+        speed = float(drive.velocity(t)[0])
+        reach = stopping_reach(axis, speed, response).distance
+        assert way <= reach + 1e-9
+        farthest[response] = max(farthest.get(response, 0.0), way / reach)
+    assert min(farthest.values()) > 0.95  # so the bound is no more than it has to be
+
+
+def test_no_turn_from_a_speed_is_farther():
+    rng, limits = random.Random(2), VehicleLimits()
+    for _ in range(200):
+        turn = vehicle_turn((0, 0, 0), rng.uniform(0.1, 4), limits=limits)
+        t, response = rng.uniform(0, turn.end), rng.choice([0.0, 0.2, 0.7])
+        stop = vehicle_stop(turn.state(t + response), t + response, limits=limits)
+        way = float(stop.rotation(stop.end) - turn.rotation(t))
+        speed = turn.state(t).velocity[2]
+        assert way <= stopping_reach(limits.turning, speed, response).distance + 1e-9
+
+
+def test_the_way_of_an_agv_is_speed_and_brakes():
+    reach = stopping_reach(AxisLimits(2.0, 2.0), 2.0, 0.2)
+    assert reach == pytest.approx((0.4, 1.0, 1.2))
+
+
+def test_the_sum_of_the_standard():
+    reach = stopping_reach(AxisLimits(2.0, 2.0), 2.0, 0.2)
+    sizes = FieldSupplements(
+        measurement=0.1, reflectors=0.2, wear=0.1, ground_clearance=0.15, approach_speed=1.6
+    )
+    assert sizes.length(reach) == pytest.approx(0.1 + 0.2 + 0.15 + 0.1 * 1.0 + 1.6 * 1.2)
+
+
+@pytest.mark.parametrize("limits", [*DRIVES, AxisLimits(2.0, 2.0)])
+def test_computed_fields_are_long_enough(limits):
+    top = limits.max_speed if isinstance(limits, AxisLimits) else limits.top_speed
+    speeds = [0.3, top]
+    fields = needed_fields(FOOTPRINT, limits, speeds, response_time=0.3, supplements=BARE)
+    assert short_fields(fields, FOOTPRINT, limits) == ()
+    low = 0.0 if fields.sets[0].direction else -top
+    assert fields.gaps((low, top), (-1.0, 1.0)) == ()
+    for each in fields.sets:
+        assert Polygon(each.warning).covers(Polygon(each.protective))
+
+
+def test_backwards_sets_are_left_out():
+    keys = {"response_time": 0.2, "backwards": False}
+    fields = needed_fields(FOOTPRINT, VehicleLimits(), [0.3, 1.5], **keys)
+    assert next(gap.linear for gap in fields.gaps((-1.5, 1.5))) == (-1.5, -0.3)
+
+
+def test_supplements_lengthen_and_widen_fields():
+    keys = {"response_time": 0.2, "supplements": BARE}
+    bare = needed_fields(FOOTPRINT, VehicleLimits(), [0.3, 1.5], **keys)
+    keys["supplements"] = FieldSupplements(wear=0.0, approach_speed=0.0, side=0.2)
+    wide = needed_fields(FOOTPRINT, VehicleLimits(), [0.3, 1.5], **keys)
+    bare, wide = (Polygon(each.sets[2].protective).bounds for each in (bare, wide))
+    assert [b - a for a, b in zip(bare, wide, strict=True)] == pytest.approx(
+        [-0.2, -0.2, 0.45, 0.2], abs=0.011
+    )
+
+
+def test_a_short_field_is_reported_with_its_length():
+    reach = stopping_reach(VehicleLimits().along(1, 0), 1.5, 0.2).distance
+    field = FieldSet(name="fast", protective=rectangle(2.0), linear=(0.1, 2.0))
+    fields = ProtectiveFields(sets=[field], response_time=0.2)
+    (short,) = short_fields(fields, FOOTPRINT, VehicleLimits())
+    assert short.missing == pytest.approx(1.2 + reach - 2.0, abs=1e-5)
+    assert short.speed == 1.5
+    assert str(short) == (
+        "the protective field of 'fast' is 1.56 m too short ahead:"
+        " at 1.5 m/s the machine stops after 2.36 m"
+    )
+    assert not short_fields(fields, FOOTPRINT, VehicleLimits(speed=0.3))
+
+
+def test_a_narrow_field_is_reported_for_turns():
+    field = FieldSet(name="rest", protective=rectangle(2.0), linear=(0, 0.05), theta=(-1, 0))
+    fields = ProtectiveFields(sets=[field], response_time=0.2)
+    (short,) = short_fields(fields, FOOTPRINT, VehicleLimits())
+    assert short.travel == "turning right"
+    corner = math.hypot(1.2, 0.4)
+    turned = affinity.rotate(FOOTPRINT, -short.reach, (0, 0), use_radians=True)
+    assert 0 < short.missing <= corner - 0.5
+    assert short.missing >= -turned.bounds[1] - 0.5 - 1e-6
+
+
+def test_a_field_behind_is_needed_backwards():
+    field = FieldSet(name="back", protective=rectangle(1.3, 1.3), linear=(-0.5, -0.1))
+    (short,) = short_fields(ProtectiveFields(sets=[field]), FOOTPRINT, AxisLimits(1.0, 0.5))
+    assert (short.travel, short.speed) == ("backwards", 0.5)
+
+
+def test_swept_areas_contain_every_pose():
+    for angle in (-2.0, -0.3, 0.5, 3.0):
+        area = swept_turn(FOOTPRINT, angle)
+        for k in range(50):
+            pose = affinity.rotate(FOOTPRINT, angle * k / 49, (0, 0), use_radians=True)
+            assert area.buffer(1e-9).covers(pose)
+        area = swept_straight(FOOTPRINT, angle, 1.5)
+        for k in range(50):
+            s = 1.5 * k / 49
+            pose = affinity.translate(FOOTPRINT, s * math.cos(angle), s * math.sin(angle))
+            assert area.buffer(1e-9).covers(pose)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "keys", "message"),
+    [
+        ([], {}, "speeds must be positive and rise, not "),
+        ([0.5, 0.5], {}, "speeds must be positive and rise, not 0.5, 0.5"),
+        ([-1.0], {}, "speeds must be positive and rise, not -1.0"),
+        ([1.0], {"response_time": math.nan}, "response_time must be 0 or more, not nan"),
+        ([1.0], {"warning_time": -1}, "warning_time must be 0 or more, not -1"),
+    ],
+)
+def test_wrong_figures_are_rejected(speeds, keys, message):
+    with pytest.raises(UserError) as why:
+        needed_fields(FOOTPRINT, VehicleLimits(), speeds, **{"response_time": 0.2, **keys})
+    assert str(why.value) == message
+
+
+def test_negative_supplements_are_rejected():
+    with pytest.raises(UserError, match="wear must be 0 or more, not -1"):
+        FieldSupplements(wear=-1)

@@ -1,0 +1,77 @@
+"""The command `fields`: what it writes is what the library computes."""
+
+import pytest
+import yaml
+
+from navigation import FieldSet, ProtectiveFields, short_fields
+from sim import Trial
+from sim.machines.field_limits import field_limits
+from sim.machines.kinds import models_of
+
+TRIAL = """\
+floorplan: warehouse
+duration: 30
+machines:
+  fork: {kind: amr, at: [10, 1.5, 0], size: [2.4, 0.8]}
+  round_robot: {kind: amr, at: [14, 1.5, 0], drive: holonomic}
+"""
+
+
+@pytest.fixture
+def trial(tmp_path):
+    file = tmp_path / "t.yaml"
+    file.write_text(TRIAL)
+    return file
+
+
+@pytest.mark.parametrize("source", ["the trial", "ariac2023"])
+def test_fields_of_every_machine_are_long_enough(floorwalker, trial, source):
+    source = trial if source == "the trial" else source
+    done = floorwalker("fields", source, "--response-time", 0.3, "--wear", 0.2)
+    assert done.returncode == 0
+    assert max(map(len, done.stdout.splitlines())) <= 80
+    read, written = Trial.load(source), yaml.safe_load(done.stdout)["fields"]
+    models = models_of(read)
+    assert written.keys() == models.keys()
+    for name, section in written.items():
+        sets = [FieldSet(**keys) for keys in section["sets"]]
+        fields = ProtectiveFields(sets=sets, response_time=section["response_time"])
+        footprint = models[name].shape(name, read.floorplan).footprint((0.0, 0.0), 0.0)
+        limits = field_limits(models[name], read.floorplan)
+        assert short_fields(fields, footprint, limits) == ()
+        top = models[name].shape(name, read.floorplan).top_speed
+        assert fields.gaps((0.0, top), (-1.0, 1.0)) == ()
+
+
+def test_one_machine_with_its_speeds(floorwalker, trial):
+    done = floorwalker("fields", trial, "--machine", "fork", "--speeds", "0.3,0.9", "--backwards")
+    (section,) = yaml.safe_load(done.stdout)["fields"].values()
+    assert [each["linear"] for each in section["sets"]][::2] == [
+        [-0.3, 0.3],
+        [0.3, 0.9],
+        [-0.9, -0.3],
+    ]
+    assert "#  0.90" in done.stdout
+    assert done.stderr == "fork: no set applies above 0.9 m/s\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--machine", "frk"), "no machine is called 'frk'; did you mean 'fork'?"),
+        (("--machine", "fork", "--speeds", "9"), "fork: 9 m/s is above its top speed, 1.5 m/s"),
+        (("--response-time", "nan"), "response_time must be 0 or more, not nan"),
+        (("--side", "-1"), "side must be 0 or more, not -1.0"),
+    ],
+)
+def test_wrong_words_are_rejected(floorwalker, trial, words, message):
+    done = floorwalker("fields", trial, *words)
+    assert done.returncode == 1
+    assert done.stderr == f"floorwalker: {message}\n"
+    assert done.stdout == ""
+
+
+def test_a_trial_without_machines_has_no_fields(floorwalker):
+    done = floorwalker("fields", "people_door")
+    assert done.returncode == 1
+    assert "people_door has no machine whose fields can be computed" in done.stderr
