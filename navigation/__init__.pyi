@@ -3,23 +3,10 @@
 from .bodies import Disc
 from .catalog import Path, PlannerError, PlanningError, planners
 from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes
-from .field_lengths import (
-    FieldSupplements,
-    ShortField,
-    needed_fields,
-    short_fields,
-    stopping_reach,
-)
-from .fields import (
-    FieldEntry,
-    FieldGap,
-    FieldSet,
-    FieldSpan,
-    Intrusion,
-    ProtectiveFields,
-    first_intrusion,
-    intrusions,
-)
+from .field_design import needed_fields
+from .field_intrusions import FieldEntry, Intrusion, first_intrusion, intrusions
+from .field_lengths import FieldSupplements, ShortField, short_fields, stopping_reach
+from .fields import FieldGap, FieldSet, FieldSpan, ProtectiveFields
 from .machines import agv_run, agv_stop, gantry_move, gantry_stop
 from .monitor import (
     Apart,

@@ -8,21 +8,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
-import numpy as np
 import shapely
 from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import UserError
 
-from .fields import UNBOUNDED, Corners, FieldSet, ProtectiveFields
+from .fields import FieldSet, ProtectiveFields
 from .kernels.braking import braking
 from .machines import AxisLimits
-from .motion import Array
 from .vehicles import VehicleLimits
 
 Limits: TypeAlias = VehicleLimits | AxisLimits
@@ -31,20 +29,11 @@ Limits: TypeAlias = VehicleLimits | AxisLimits
 WALKING_SPEED = 1.6
 """m/s. Speed K at which a person walks towards a machine, by ISO 13855."""
 
-_STEP = math.radians(2.0)
+STEP = math.radians(2.0)
 """Radians between directions, and between rotations, of which areas are made."""
-
-_STRAIGHT = 0.05
-"""rad/s. Turn rates up to this are those of the sets for straight driving."""
 
 _EXACT = 1e-6
 """Metres. A field that lacks less is long enough."""
-
-_BOX = 0.9
-"""Share of a box above which its corners are not cut off."""
-
-_TURNS, _SHARES = (-1.0, -0.5, 0.5, 1.0), (0.25, 0.5, 1.0)
-"""Shares of the farthest turn, and of its arc, at which the corners of a machine are looked at."""
 
 _STARTS = 33
 """Number of speeds of which the farthest stop is taken."""
@@ -240,9 +229,9 @@ def _swept(
         if isinstance(limits, VehicleLimits) and limits.holonomic:
             ways += [("sideways", side * math.pi / 2, limits.side_speed) for side in (1, -1)]
     else:
-        ways = [(_travel(angle), angle, high) for angle in _angles(*each.direction)]
+        ways = [(_travel(angle), angle, high) for angle in directions(*each.direction)]
     for travel, angle, fastest in ways:
-        axis = _along(limits, angle)
+        axis = limits_along(limits, angle)
         if axis is None or fastest <= 0 or (each.direction and low > axis.max_speed):
             continue
         if low > axis.max_speed or high < -axis.max_speed:
@@ -261,7 +250,7 @@ def _swept(
                 yield travel, speed, reach, swept_turn(footprint, sign * reach.distance)
 
 
-def _along(limits: Limits, angle: float) -> AxisLimits | None:
+def limits_along(limits: Limits, angle: float) -> AxisLimits | None:
     """Return the limits in a direction of travel, or None if the machine cannot go there."""
     c, s = math.cos(angle), math.sin(angle)
     if isinstance(limits, AxisLimits):
@@ -274,9 +263,9 @@ def _travel(angle: float) -> str:
     return "ahead" if ahead > 0.7 else "backwards" if ahead < -0.7 else "sideways"
 
 
-def _angles(first: float, last: float) -> list[float]:
+def directions(first: float, last: float) -> list[float]:
     """Return directions from first to last, no more than a step apart, and those of the axes."""
-    count = math.ceil((last - first) / _STEP)
+    count = math.ceil((last - first) / STEP)
     steps = {first + (last - first) * k / count for k in range(count + 1)}
     quarters = range(math.ceil(first / (math.pi / 2)), math.floor(last / (math.pi / 2)) + 1)
     return sorted(steps | {k * math.pi / 2 for k in quarters})
@@ -297,7 +286,7 @@ def swept_turn(footprint: Polygon, angle: float) -> Polygon:
 
     It is larger by a share of 0.02 % of the distance from (0, 0) at most.
     """
-    count = max(1, math.ceil(abs(angle) / _STEP))
+    count = max(1, math.ceil(abs(angle) / STEP))
     # The chord between two rotations is nearer to the centre than the arc, by this share.
     share = 1 / math.cos(angle / count / 2)
     larger = affinity.scale(footprint, share, share, origin=(0, 0))
@@ -306,169 +295,3 @@ def swept_turn(footprint: Polygon, angle: float) -> Polygon:
         for k in range(count + 1)
     ]
     return shapely.union_all([a.union(b).convex_hull for a, b in itertools.pairwise(turned)])
-
-
-def needed_fields(
-    footprint: Polygon,
-    limits: Limits,
-    speeds: Sequence[float],
-    *,
-    response_time: float,
-    supplements: FieldSupplements | None = None,
-    warning_time: float = 1.0,
-    backwards: bool = True,
-) -> ProtectiveFields:
-    """Return field sets that are long enough for a machine, one step of speed after another.
-
-    Parameters
-    ----------
-    footprint : shapely.Polygon
-        Footprint in the frame of the machine, metres.
-    limits : VehicleLimits or AxisLimits
-        Limits of the machine.
-    speeds : sequence of float
-        Highest speed of each step, m/s, rising.
-    response_time : float
-        Time from a contact to the begin of braking, s.
-    supplements : FieldSupplements, optional
-        Additions to the length and width.
-    warning_time : float, optional
-        Time for which the warning field is longer than the protective field, s.
-    backwards : bool, optional
-        Whether there are sets for driving backwards faster than in the first step.
-
-    Returns
-    -------
-    ProtectiveFields
-        Two sets of each step, for straight driving and for turning. Those of the first step are for
-        both ways. Sets of a holonomic drive are for all directions.
-
-    Raises
-    ------
-    UserError
-        If speeds do not rise or are not positive, or a time is negative or not finite.
-    """
-    if not speeds or any(not a < b < math.inf for a, b in itertools.pairwise([0.0, *speeds])):
-        raise UserError(f"speeds must be positive and rise, not {', '.join(map(str, speeds))}")
-    for name, value in (("response_time", response_time), ("warning_time", warning_time)):
-        if not 0 <= value < math.inf:
-            raise UserError(f"{name} must be 0 or more, not {value}")
-    sizes = supplements or FieldSupplements()
-    maker = _FieldMaker(footprint, limits, response_time, sizes, warning_time)
-    steps = [*itertools.pairwise([0.0, *speeds])]
-    if isinstance(limits, VehicleLimits) and limits.holonomic:
-        return maker.fields([(f"{b:g} m/s", a, b, True) for a, b in steps])
-    parts = [(f"{speeds[0]:g} m/s", -speeds[0], speeds[0], False)]
-    for a, b in steps[1:]:
-        parts.append((f"{b:g} m/s", a, b, False))
-        if backwards:
-            parts.append((f"{b:g} m/s backwards", -b, -a, False))
-    return maker.fields(parts)
-
-
-@dataclass(frozen=True)
-class _FieldMaker:
-    """What makes the sets of a machine."""
-
-    footprint: Polygon
-    limits: Limits
-    response_time: float
-    supplements: FieldSupplements
-    warning_time: float
-
-    def fields(self, parts: Sequence[tuple[str, float, float, bool]]) -> ProtectiveFields:
-        """Return the sets of ranges of speed: name, minimum, maximum, and whether all around."""
-        sets = []
-        for name, low, high, around in parts:
-            ways = (-math.pi, math.pi) if around else None
-            turns = [(name, UNBOUNDED)]
-            if isinstance(self.limits, VehicleLimits):
-                straight = (-_STRAIGHT, _STRAIGHT)
-                turns = [(name, straight), (f"{name} turning", UNBOUNDED)]
-            for title, theta in turns:
-                each = FieldSet(
-                    name=title,
-                    protective=tuple(self.footprint.exterior.coords),
-                    linear=(low, high),
-                    theta=theta,
-                    direction=ways,
-                )
-                sets.append(self._set(each))
-        return ProtectiveFields(sets=tuple(sets), response_time=self.response_time)
-
-    def _set(self, each: FieldSet) -> FieldSet:
-        """Return a set with fields that are long enough."""
-        corners = shapely.get_coordinates(self.footprint.exterior)
-        low, high = each.linear
-        spin = 0.0
-        # Above the first step, a machine that drives straight does not begin to turn.
-        if isinstance(self.limits, VehicleLimits) and (low <= 0 <= high or not _is_straight(each)):
-            axis = self.limits.turning
-            fastest = min(each.theta[1], axis.max_speed)
-            spin = stopping_reach(axis, fastest, self.response_time).distance
-        area, warned = [_turned(corners, spin)], []
-        ways = [(angle, speed) for angle, speed in ((0.0, high), (math.pi, -low)) if speed > 0]
-        if each.direction is not None:
-            ways = [(angle, high) for angle in _angles(*each.direction)]
-        for angle, speed in ways:
-            axis_along = _along(self.limits, angle)
-            assert axis_along is not None  # a drive that is not holonomic has two ways
-            reach = stopping_reach(axis_along, speed, self.response_time)
-            length = reach.distance + self.supplements.length(reach)
-            area.append(_driven(corners, angle, length, spin))
-            warned.append(_driven(corners, angle, length + speed * self.warning_time, spin))
-        protective = _octagon(np.concatenate(area), self.supplements.side)
-        warning = _octagon(np.concatenate([protective, *warned]), self.supplements.side)
-        return replace(each, protective=protective, warning=warning)
-
-
-def _is_straight(each: FieldSet) -> bool:
-    return each.theta == (-_STRAIGHT, _STRAIGHT)
-
-
-def _turned(corners: Array, spin: float) -> Array:
-    """Return points (N, 2) whose hull contains the corners in all turns up to `spin` each way."""
-    count = max(1, math.ceil(spin / _STEP))
-    # The chord between two rotations is nearer to the centre than the arc, by this share.
-    share = 1 / math.cos(spin / count / 2)
-    turns = [_rotated(share * corners, spin * k / count) for k in range(-count, count + 1)]
-    return np.concatenate([corners, *turns])
-
-
-def _driven(corners: Array, angle: float, length: float, spin: float) -> Array:
-    """Return the corners at the end of a way, straight or on the arcs that may be: (N, 2)."""
-    ahead = length * np.array([math.cos(angle), math.sin(angle)])
-    places = [corners + ahead]
-    for turn, share in itertools.product(_TURNS if spin else (), _SHARES):
-        bent, radius = spin * turn * share, 1 / (spin * turn)
-        on_arc = np.array([radius * math.sin(bent), radius * (1 - math.cos(bent))])
-        x, y = ahead
-        shift = np.array([x * on_arc[0] - y * on_arc[1], y * on_arc[0] + x * on_arc[1]])
-        places.append(_rotated(corners, bent) + shift)
-    return np.concatenate(places)
-
-
-def _rotated(points: Array, angle: float) -> Array:
-    c, s = math.cos(angle), math.sin(angle)
-    return points @ np.array([[c, s], [-s, c]])
-
-
-def _octagon(points: Array, margin: float) -> Corners:
-    """Return the corners of an octagon that keeps a margin (metres) from points, at most 2 cm more.
-
-    It is their box if cutting off its corners makes little difference.
-    """
-    box = _box(points, margin)
-    diamond = affinity.rotate(_box(_rotated(points, -math.pi / 4), margin), 45, origin=(0, 0))
-    eight = box.intersection(diamond)
-    chosen = box if eight.area > _BOX * box.area else eight
-    corners = shapely.get_coordinates(chosen.exterior).tolist()[:-1]
-    return tuple((round(x, 3), round(y, 3)) for x, y in corners)
-
-
-def _box(points: Array, margin: float) -> Polygon:
-    # A millimetre more, for the corners are rounded to half of it.
-    more = margin + 1e-3
-    low, high = (points.min(0) - more).tolist(), (points.max(0) + more).tolist()
-    ends = [math.floor(100 * value) / 100 for value in low]
-    return shapely.box(*ends, *(math.ceil(100 * value) / 100 for value in high))

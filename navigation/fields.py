@@ -1,7 +1,6 @@
 """Protective fields of a machine: areas about it in which a person slows or stops it.
 
-A safety scanner has sets of fields, and the speed of the machine chooses among them. Instants are
-solved for, so that no contact is missed, however short.
+A safety scanner has sets of fields, and the speed of the machine chooses among them.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from shapely.geometry import Polygon
 
 from floorplan import UserError
 
-from .kernels.encounter import EncounterBounds
 from .kernels.fields import FieldSearch, FieldSwitches
 from .kernels.numbers import numbers
 from .motion import Motion
@@ -115,7 +113,7 @@ class FieldSet:
         return [*ranges, wide, math.cos(a), math.sin(a), math.cos(b), math.sin(b), eps]
 
     @cached_property
-    def _search(self) -> dict[FieldKind, FieldSearch]:
+    def searches(self) -> dict[FieldKind, FieldSearch]:
         """What finds contacts with each field that the set has."""
         found: dict[FieldKind, FieldSearch] = {}
         for field in KINDS:
@@ -124,23 +122,6 @@ class FieldSet:
             if corners:
                 found[field] = FieldSearch(numbers([c for a, b in edges for c in (*a, *b)]))
         return found
-
-
-class Intrusion(NamedTuple):
-    """Contact of a person with a field: from `begin` to `end` (seconds), while its set applies."""
-
-    begin: float
-    end: float
-    field: FieldKind
-    set: str
-
-
-class FieldEntry(NamedTuple):
-    """First contact of a person with a field: its time (seconds), the field, and its set."""
-
-    t: float
-    field: FieldKind
-    set: str
 
 
 class FieldSpan(NamedTuple):
@@ -290,98 +271,6 @@ class ProtectiveFields:
             found = self._with_load[loaded][1].switches(machine.table, begin, end)
             known[loaded] = [(-math.inf, found[0][1]), *found[1:]]
         return known[loaded]
-
-
-def intrusions(
-    fields: ProtectiveFields,
-    machine: Motion,
-    person: Motion,
-    radius: float,
-    begin: float,
-    end: float,
-    loaded: bool = False,
-) -> tuple[Intrusion, ...]:
-    """Return when a person's disc touches the fields of a machine.
-
-    Parameters
-    ----------
-    fields : ProtectiveFields
-        Fields of the machine.
-    machine, person : Motion
-        Motions of both. They are at rest before and after.
-    radius : float
-        Radius of the person, metres.
-    begin, end : float
-        Time span, s. The end may be infinite.
-    loaded : bool, optional
-        Whether the machine is loaded.
-
-    Returns
-    -------
-    tuple of Intrusion
-        Contacts in the order of their begins. A contact ends at the latest when another set
-        begins to apply. The response time is not counted.
-
-    Notes
-    -----
-    Time is continuous: no contact is missed that is deeper than 1e-10 m. Motions that jump begin
-    or end contacts at the jump.
-    """
-    found: list[Intrusion] = []
-    for each, span, encounter, last in _spans(fields, machine, person, (begin, end), loaded):
-        for field, search in each._search.items():
-            for since, until in search.spans(encounter, radius, *span, False):
-                found.append(Intrusion(since, end if until == last else until, field, each.name))
-    return tuple(sorted(found, key=lambda each: (each.begin, each.field)))
-
-
-def first_intrusion(
-    fields: ProtectiveFields,
-    machine: Motion,
-    person: Motion,
-    radius: float,
-    begin: float,
-    end: float,
-    loaded: bool = False,
-    *,
-    field: FieldKind | None = None,
-) -> FieldEntry | None:
-    """Return the first contact of a person's disc with the fields of a machine, or None.
-
-    Parameters
-    ----------
-    fields, machine, person, radius, begin, end, loaded
-        See `intrusions`.
-    field : {"protective", "warning"}, optional
-        Field to look at. By default both: of those that begin at once, the protective field.
-    """
-    for each, span, encounter, _ in _spans(fields, machine, person, (begin, end), loaded):
-        best: FieldEntry | None = None
-        for kind, search in each._search.items():
-            if field in (None, kind):
-                contacts = search.spans(encounter, radius, *span, True)
-                if contacts and (best is None or contacts[0][0] < best.t):
-                    best = FieldEntry(contacts[0][0], kind, each.name)
-        if best is not None:
-            return best
-    return None
-
-
-def _spans(
-    fields: ProtectiveFields,
-    machine: Motion,
-    person: Motion,
-    within: tuple[float, float],
-    loaded: bool,
-) -> Iterator[tuple[FieldSet, tuple[float, float], EncounterBounds, float]]:
-    """Yield sets, their spans, what bounds the encounter, and when both motions are over."""
-    begin, end = map(float, within)
-    # After both have come to rest nothing changes, so the last second stands for ever.
-    last = min(end, max(begin, machine.end, person.end) + 1.0)
-    encounter = EncounterBounds(person.table, machine.table, [], 0.0)
-    for span in fields.applying(machine, begin, last, loaded):
-        if span.set is not None:
-            yield span.set, span[:2], encounter, last
 
 
 def _polygon(given: Sequence[Sequence[float]], name: str) -> Corners:

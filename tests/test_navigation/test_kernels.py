@@ -83,6 +83,19 @@ for _ in range(40):
                 navigation.minimum_margin(*pair, law, 0.0, 20.0, shapes=solids),
                 navigation.minimum_separation(*pair, 0.0, 20.0, shapes=solids),
             )).encode())
+corners = [(-1.0, -0.5), (2.0, -0.8), (0.5, 0.0), (2.5, 0.6), (-1.0, 0.5)]
+fields = navigation.ProtectiveFields(sets=(
+    navigation.FieldSet(name="slow", protective=corners, linear=(-0.2, 0.4), theta=(-0.5, 0.5)),
+    navigation.FieldSet(name="fast", protective=[(2 * x, y) for x, y in corners]),
+))
+for _ in range(40):
+    person = navigation.walk([place() for _ in range(4)], rng.uniform(0, 3))
+    twist = rng.uniform(-1, 1), rng.uniform(-1, 1)
+    machine = navigation.vehicle_twist((*place(), rng.uniform(-3, 3)), twist, seconds=4.0)
+    digest.update(repr((
+        fields.applying(machine, 0.0, 9.0),
+        navigation.intrusions(fields, machine, person, 0.3, 0.0, 9.0),
+    )).encode())
 for name in ("ariac2023", "people_aisle", "people_door"):
     with tempfile.TemporaryDirectory() as folder:
         recording = sim.Recording(pathlib.Path(folder))
