@@ -8,9 +8,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from shapely.geometry import Polygon
 
@@ -90,6 +90,9 @@ class FieldSet:
             put(self, "direction", _directions(self.direction, f"{self.name}: direction"))
         if self.load not in (True, False, None):
             raise UserError(f"{self.name}: load must be true or false, not {self.load!r}")
+
+    def __getstate__(self) -> dict[str, Any]:
+        return _state(self)
 
     def fits_load(self, loaded: bool) -> bool:
         """Return whether the set applies to a machine that is `loaded` or not."""
@@ -174,6 +177,9 @@ class ProtectiveFields:
             raise UserError("either all sets must have a direction or none")
         if not 0 <= self.response_time < math.inf:
             raise UserError(f"response_time must be 0 or more, not {self.response_time}")
+
+    def __getstate__(self) -> dict[str, Any]:
+        return _state(self)
 
     def applying(
         self, machine: Motion, begin: float, end: float, loaded: bool = False
@@ -261,8 +267,8 @@ class ProtectiveFields:
         # The motion keeps them: many people are judged beside one machine.
         kept = vars(machine)
         known: dict[bool, list[tuple[float, int]]]
-        fields, known = kept.get("field_switches", (None, {}))
-        if fields is not self:
+        owner, known = kept.get("field_switches", (None, {}))
+        if owner is not self:
             known = {}
             kept["field_switches"] = (self, known)
         if loaded not in known:
@@ -271,6 +277,11 @@ class ProtectiveFields:
             found = self._with_load[loaded][1].switches(machine.table, begin, end)
             known[loaded] = [(-math.inf, found[0][1]), *found[1:]]
         return known[loaded]
+
+
+def _state(value: FieldSet | ProtectiveFields) -> dict[str, Any]:
+    """Return what a copy of a value needs: kernels, which are not copied, are made anew."""
+    return {each.name: getattr(value, each.name) for each in fields(value)}
 
 
 def _polygon(given: Sequence[Sequence[float]], name: str) -> Corners:
@@ -316,16 +327,16 @@ def _parts(whole: tuple[float, float], cuts: Sequence[float]) -> list[tuple[floa
 
 
 def _covers(
-    fields: FieldSet,
+    each: FieldSet,
     linear: tuple[float, float],
     theta: tuple[float, float],
     way: tuple[float, float] | None,
 ) -> bool:
     """Return whether a set applies to all velocities of a part."""
-    for part, whole in ((linear, fields.linear), (theta, fields.theta)):
+    for part, whole in ((linear, each.linear), (theta, each.theta)):
         if part[0] < whole[0] - SPEED_TOLERANCE or part[1] > whole[1] + SPEED_TOLERANCE:
             return False
-    if way is None or fields.direction is None:
+    if way is None or each.direction is None:
         return True
-    first, last = fields.direction
+    first, last = each.direction
     return ((way[0] + way[1]) / 2 - first) % math.tau <= last - first

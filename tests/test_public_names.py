@@ -188,6 +188,9 @@ LAW = navigation.SeparationLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 TORSO = navigation.Box.of_torso(GANTRY)
 DOOR = floorplan.Door(name="door", ends=((0.0, 0.0), (1.0, 0.0)))
 GATE = floorplan.Gate(name="gate", ends=((0.0, 0.0), (1.0, 0.0)), towards=(0.0, 1.0))
+FIELDS = navigation.ProtectiveFields(
+    sets=[navigation.FieldSet(name="all", protective=[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])]
+)
 INTEGRAL = navigation.IntegralLaw(t1=0.1, t2=0.5, stopping=0.2, intrusion=0.1)
 
 SAMPLES = {
@@ -208,7 +211,7 @@ SAMPLES = {
         ),
         *(navigation.Cylinder.of_arm(GANTRY), navigation.Shapes(machine=(TORSO,))),
         *(navigation.Enclosure(value=1.0), navigation.Disc((0.0, 0.0), 0.3)),
-        navigation.VehicleLimits(),
+        *(navigation.VehicleLimits(), FIELDS, FIELDS.sets[0], navigation.FieldSupplements()),
     ],
 }
 """Values to copy, which are compared by what they hold."""
@@ -223,6 +226,7 @@ COPIES = {
 @pytest.mark.parametrize("package", GEOMETRY)
 def test_copies_are_equal(package, way):
     navigation.first_time(navigation.TooClose(LAW), PERSON, MOVE, 0.0, 10.0)
+    navigation.intrusions(FIELDS, MOVE, PERSON, 0.3, 0.0, 10.0)
     different = [
         type(original).__name__
         for original in SAMPLES[package]
