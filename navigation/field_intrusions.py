@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from .fields import FieldKind, FieldSet, ProtectiveFields
 from .kernels.encounter import EncounterBounds
+from .kernels.fields import within_reach
 from .motion import Motion
 
 
@@ -66,7 +67,9 @@ def intrusions(
     or end contacts at the jump.
     """
     found: list[Intrusion] = []
-    for each, span, encounter, last in _spans(fields, machine, person, (begin, end), loaded):
+    for each, span, encounter, last in _spans(
+        fields, machine, person, radius, (begin, end), loaded
+    ):
         for field, search in each.searches.items():
             for since, until in search.spans(encounter, radius, *span, False):
                 found.append(Intrusion(since, end if until == last else until, field, each.name))
@@ -93,7 +96,7 @@ def first_intrusion(
     field : {"protective", "warning"}, optional
         Field to look at. By default both: of those that begin at once, the protective field.
     """
-    for each, span, encounter, _ in _spans(fields, machine, person, (begin, end), loaded):
+    for each, span, encounter, _ in _spans(fields, machine, person, radius, (begin, end), loaded):
         best: FieldEntry | None = None
         for kind, search in each.searches.items():
             if field in (None, kind):
@@ -109,6 +112,7 @@ def _spans(
     fields: ProtectiveFields,
     machine: Motion,
     person: Motion,
+    radius: float,
     within: tuple[float, float],
     loaded: bool,
 ) -> Iterator[tuple[FieldSet, tuple[float, float], EncounterBounds, float]]:
@@ -117,6 +121,9 @@ def _spans(
     # After both have come to rest nothing changes, so the last second stands for ever.
     last = min(end, max(begin, machine.end, person.end) + 1.0)
     encounter = EncounterBounds(person.table, machine.table, [], 0.0)
-    for span in fields.applying(machine, begin, last, loaded):
-        if span.set is not None:
-            yield span.set, span[:2], encounter, last
+    # Most people are out of the reach of all fields for most of the time.
+    since, until = within_reach(encounter, fields.reach + radius, begin, last)
+    if since <= until:
+        for span in fields.applying(machine, since, until, loaded):
+            if span.set is not None:
+                yield span.set, span[:2], encounter, last

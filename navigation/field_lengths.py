@@ -1,7 +1,7 @@
 """How long the fields of a machine must be: its way while it responds and brakes, and supplements.
 
-The length of a protective field is that of ISO 13855:2024, clause 5, S = (K × T) + D_DS + Z, with
-the way of the machine added. See `docs/protective-fields.md` for the terms and their sources.
+A field is as long as the way of the machine from a contact to its standstill, and supplements. Of
+ISO 13855:2024, S = (K × T) + D_DS + Z, these are K × T, the approach of a person, and Z.
 """
 
 from __future__ import annotations
@@ -25,9 +25,6 @@ from .vehicles import VehicleLimits
 
 Limits: TypeAlias = VehicleLimits | AxisLimits
 """Limits of a vehicle, or of one that only goes straight ahead and back."""
-
-WALKING_SPEED = 1.6
-"""m/s. Speed K at which a person walks towards a machine, by ISO 13855."""
 
 STEP = math.radians(2.0)
 """Radians between directions, and between rotations, of which areas are made."""

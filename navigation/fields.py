@@ -181,6 +181,11 @@ class ProtectiveFields:
     def __getstate__(self) -> dict[str, Any]:
         return _state(self)
 
+    @cached_property
+    def reach(self) -> float:
+        """Radius of the circle about the axis of the machine that contains all fields, metres."""
+        return max(math.hypot(*c) for each in self.sets for c in (*each.protective, *each.warning))
+
     def applying(
         self, machine: Motion, begin: float, end: float, loaded: bool = False
     ) -> tuple[FieldSpan, ...]:

@@ -10,6 +10,8 @@ cdef class FieldSwitches:
     cpdef list switches(self, Numbers machine, double begin, double end)
     cdef Py_ssize_t applying(self, Follower machine, double lower, double upper) noexcept
 
+cpdef tuple within_reach(EncounterBounds encounter, double reach, double begin, double end)
+
 cdef class FieldSearch:
     cdef Numbers edges
     cdef double reach

@@ -69,6 +69,24 @@ class FieldSwitches:
         return -1
 
 
+def within_reach(
+    encounter: EncounterBounds, reach: float, begin: float, end: float
+) -> tuple[float, float]:
+    """Return a time span outside of which two places are farther apart than `reach` (metres).
+
+    It begins and ends with pieces of the motions. If there is none, its end is before its begin.
+    """
+    since: float = end
+    until: float = begin - 1.0
+    encounter.start(begin)
+    while encounter.next_interval(end):
+        apart: Closest = encounter.closest(encounter.lower, encounter.upper, 0.0, 0.0)
+        if apart.low <= reach:
+            since = min(since, encounter.lower)
+            until = encounter.upper
+    return since, until
+
+
 class FieldSearch:
     """Search for the contacts of discs with a polygon, of which `edges` are all edges (metres)."""
 
