@@ -34,6 +34,9 @@ _NAMES = tuple(marker.partition("(")[0] for marker in _MARKERS)
 _FAILURES: pytest.StashKey[Failures] = pytest.StashKey()
 """Where a test has what its runs left."""
 
+REPEAT = "floorwalker_repeat"
+"""Property of the report of a test with seeds; see `repeat_of`."""
+
 _CELL = """
 name: ariac_cell
 floorplan: ariac2023
@@ -111,9 +114,34 @@ def pytest_runtest_makereport(
     """Say in the report of a failed test what its trials came to."""
     report = yield
     failures = item.stash.get(_FAILURES, None)
-    if report.failed and report.when != "teardown" and failures is not None and failures.runs:
-        report.sections.append(("Floorwalker", failures.report()))
+    if failures is not None and failures.runs:
+        if report.failed and report.when != "teardown":
+            report.sections.append(("Floorwalker", failures.report()))
+        if report.when == "call" and item.get_closest_marker("seeds") is not None:
+            from .testing.repeats import repeat_of
+
+            # A property also comes back from the processes of pytest-xdist.
+            report.user_properties.append((REPEAT, repeat_of(item, failures.runs)))
     return report
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Report tests whose runs are identical with all their seeds."""
+    repeats = {
+        report.nodeid: value
+        for found in terminalreporter.stats.values()
+        for report in found
+        if isinstance(report, pytest.TestReport)
+        for name, value in report.user_properties
+        if name == REPEAT
+    }
+    if repeats:
+        from .testing.repeats import identical_repeats
+
+        if lines := [*identical_repeats(repeats.values())]:
+            terminalreporter.section("Floorwalker")
+            for line in lines:
+                terminalreporter.line(line)
 
 
 @pytest.fixture

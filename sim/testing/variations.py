@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -32,11 +32,12 @@ Change = Callable[[Trial], Trial]
 class Variation:
     """Trial of a test by its markers: which it is, and changes, made one after another.
 
-    `trial` is None where no marker gives one.
+    `trial` is None where no marker gives one. `without_seed` is its name but for the seed.
     """
 
     trial: Trial | None
     changes: tuple[Change, ...]
+    without_seed: str = ""
 
     def of(self, trial: Trial) -> Trial:
         """Return the varied trial."""
@@ -47,23 +48,23 @@ class Variation:
 
 def vary(metafunc: pytest.Metafunc) -> None:
     """Run a test once for every combination of what its markers give."""
-    choices = []
+    choices: dict[str, list[tuple[str, Trial | Change]]] = {}
     own_code = not metafunc.config.getoption("--no-own-code")
     place = CodeFolder(metafunc.definition.path.parent, own_code)
     for marker, option in _OPTIONS.items():
         mark = metafunc.definition.get_closest_marker(marker)
         if mark is not None:
-            choices.append(_choices(marker, mark, option, place))
+            choices[marker] = _choices(marker, mark, option, place)
     if FIXTURE not in metafunc.fixturenames:
         pytest.fail(
             f"{metafunc.definition.nodeid} is to be run with several trials, but takes none;"
             " let it take trial or run_trial",
             pytrace=False,
         )
-    combinations = list(itertools.product(*choices))
+    combinations = list(itertools.product(*choices.values()))
     metafunc.parametrize(
         FIXTURE,
-        [_variation([made for _, made in combined]) for combined in combinations],
+        [_variation(dict(zip(choices, combined, strict=True))) for combined in combinations],
         indirect=True,
         ids=["-".join(name for name, _ in combined) for combined in combinations],
     )
@@ -89,15 +90,16 @@ class _Option:
     read: Callable[[Any, CodeFolder], Trial | Change]
 
 
-def _variation(made: Iterable[Trial | Change]) -> Variation:
-    """Return the variation of one combination."""
+def _variation(combined: Mapping[str, tuple[str, Trial | Change]]) -> Variation:
+    """Return the variation of one combination: for each marker a name, and what is made of it."""
     trial, changes = None, []
-    for one in made:
+    for _, one in combined.values():
         if isinstance(one, Trial):
             trial = one
         else:
             changes.append(one)
-    return Variation(trial, tuple(changes))
+    names = [name for marker, (name, _) in combined.items() if marker != "seeds"]
+    return Variation(trial, tuple(changes), "-".join(names))
 
 
 def _choices(

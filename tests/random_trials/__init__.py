@@ -7,6 +7,7 @@ and without the parts that made them.
 
 from .contact import contact_faults
 from .doors import door_faults
+from .expectations import slack_faults
 from .fcl_judge import judge_faults
 from .floors import random_floor
 from .movement import movement_faults
@@ -22,10 +23,11 @@ CHECKS = (
     door_faults,
     rule_faults,
     judge_faults,
+    slack_faults,
 )
 """Each yields, of a run, all that should not be."""
 
-CHECKS_OF_TRACKS = (separation_faults, judge_faults)
+CHECKS_OF_TRACKS = (separation_faults, judge_faults, slack_faults)
 """Those that hold where people walk as measured, and machines are of any kind."""
 
 

@@ -223,6 +223,62 @@ def test_plain(ariac_cell, trial):
     )
 
 
+REPEATS = """
+import pytest
+
+@pytest.mark.seeds(range(3))
+@pytest.mark.personalities("indifferent", "helpful")
+@pytest.mark.parametrize("step", [1])
+@pytest.mark.trials("near.trial.yaml")
+def test_identical(run_trial, step):
+    assert run_trial().summary["penalties"] == 0
+
+@pytest.mark.seeds(range(3))
+@pytest.mark.trials("drawn.trial.yaml")
+def test_drawn(run_trial):
+    assert run_trial().duration == 4.0
+
+@pytest.mark.seeds(5)
+def test_alone(run_trial, trial):
+    assert run_trial("near.trial.yaml").duration == 4.0
+"""
+
+
+@pytest.fixture
+def repeats(pytester):
+    """Tests with three seeds, of which only one draws something."""
+    near = PASSES.replace("duration: 20", "duration: 4").replace(", visits: [station4]", "")
+    write(
+        pytester,
+        near__trial__yaml=near,
+        drawn__trial__yaml=near.replace("{name: operator}", "{name: operator, at: anywhere}"),
+        test_repeats__py=REPEATS,
+    )
+
+
+IDENTICAL = [
+    f"test_repeats.py::test_identical[near-{named}]: the runs with 3 seeds are identical, because"
+    " nothing is drawn in them. They count as one."
+    for named in ("helpful-step0", "indifferent-step0")
+]
+
+
+def identical(result):
+    return sorted(line for line in result.outlines if "identical" in line)
+
+
+def test_identical_repeats_are_reported_and_count_as_one(repeats, run_pytest):
+    result = run_pytest("-q", "test_repeats.py")
+    result.assert_outcomes(passed=10)
+    assert identical(result) == IDENTICAL
+
+
+@pytest.mark.slow
+def test_identical_repeats_are_reported_on_several_processes(repeats, run_pytest_alone):
+    result = run_pytest_alone("-n", "2", "test_repeats.py")
+    assert identical(result) == IDENTICAL
+
+
 @pytest.mark.parametrize(
     ("marker", "said"),
     [

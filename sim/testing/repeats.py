@@ -1,0 +1,38 @@
+"""Repeats of a test with several seeds: identical ones are reported, and count as one."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from ..runs.run import Run
+from ..studies.running import figures_of
+from .variations import FIXTURE, Variation
+
+
+def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
+    """Return the name of a test without its seed, and a digest of the figures of its runs."""
+    varied = item.callspec
+    variation: Variation = varied.params[FIXTURE]
+    others = [f"{name}{index}" for name, index in varied.indices.items() if name != FIXTURE]
+    beside = "-".join(filter(None, [variation.without_seed, *others]))
+    test = item.nodeid.partition("[")[0] + (f"[{beside}]" if beside else "")
+    figures = [figures_of(run) for run in runs]
+    return test, hashlib.sha256(repr(figures).encode()).hexdigest()
+
+
+def identical_repeats(repeats: Iterable[Any]) -> Iterator[str]:
+    """Yield a sentence for each test whose runs are identical with all of several seeds.
+
+    `repeats` has what `repeat_of` returned for each seed.
+    """
+    digests: dict[str, list[str]] = {}
+    for test, digest in repeats:
+        digests.setdefault(test, []).append(digest)
+    for test, found in digests.items():
+        if len(found) > 1 and len({*found}) == 1:
+            yield (
+                f"{test}: the runs with {len(found)} seeds are identical, because nothing is drawn"
+                " in them. They count as one."
+            )
