@@ -13,13 +13,12 @@ from .variations import FIXTURE, Variation
 
 def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
     """Return the name of a test without its seed, and a digest of the figures of its runs."""
-    varied = item.callspec
-    variation: Variation = varied.params[FIXTURE]
-    others = [f"{name}{index}" for name, index in varied.indices.items() if name != FIXTURE]
-    beside = "-".join(filter(None, [variation.without_seed, *others]))
-    test = item.nodeid.partition("[")[0] + (f"[{beside}]" if beside else "")
+    variation: Variation = item.callspec.params[FIXTURE]
+    test, _, given = item.nodeid.removesuffix("]").partition("[")
+    others = given.replace(variation.name, variation.without_seed, 1).strip("-")
     figures = [figures_of(run) for run in runs]
-    return test, hashlib.sha256(repr(figures).encode()).hexdigest()
+    name = f"{test}[{others}]" if others else test
+    return name, hashlib.sha256(repr(figures).encode()).hexdigest()
 
 
 def identical_repeats(repeats: Iterable[Any]) -> Iterator[str]:

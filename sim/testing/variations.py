@@ -32,12 +32,14 @@ Change = Callable[[Trial], Trial]
 class Variation:
     """Trial of a test by its markers: which it is, and changes, made one after another.
 
-    `trial` is None where no marker gives one. `without_seed` is its name but for the seed.
+    `trial` is None where no marker gives one. `name` is that in the name of the test, and
+    `without_seed` the same but for the seed.
     """
 
     trial: Trial | None
     changes: tuple[Change, ...]
-    without_seed: str = ""
+    name: str
+    without_seed: str
 
     def of(self, trial: Trial) -> Trial:
         """Return the varied trial."""
@@ -66,7 +68,7 @@ def vary(metafunc: pytest.Metafunc) -> None:
         FIXTURE,
         [_variation(dict(zip(choices, combined, strict=True))) for combined in combinations],
         indirect=True,
-        ids=["-".join(name for name, _ in combined) for combined in combinations],
+        ids=lambda variation: variation.name,
     )
 
 
@@ -98,8 +100,9 @@ def _variation(combined: Mapping[str, tuple[str, Trial | Change]]) -> Variation:
             trial = one
         else:
             changes.append(one)
-    names = [name for marker, (name, _) in combined.items() if marker != "seeds"]
-    return Variation(trial, tuple(changes), "-".join(names))
+    name = "-".join(name for name, _ in combined.values())
+    others = "-".join(name for marker, (name, _) in combined.items() if marker != "seeds")
+    return Variation(trial, tuple(changes), name, others)
 
 
 def _choices(

@@ -259,12 +259,12 @@ def repeats(pytester):
 IDENTICAL = [
     f"test_repeats.py::test_identical[near-{named}]: the runs with 3 seeds are identical, because"
     " nothing is drawn in them. They count as one."
-    for named in ("helpful-step0", "indifferent-step0")
+    for named in ("helpful-1", "indifferent-1")
 ]
 
 
 def identical(result):
-    return sorted(line for line in result.outlines if "identical" in line)
+    return sorted(line for line in result.outlines if "seeds are identical" in line)
 
 
 def test_identical_repeats_are_reported_and_count_as_one(repeats, run_pytest):
