@@ -7,7 +7,7 @@ import sim
 SIGHT = 9.4
 """Metres. The short-sighted controller ignores people who are farther away."""
 
-PATIENCE = 40.0
+PATIENCE = 50.0
 """Seconds. The impatient controller waits no longer for people."""
 
 CREEP = 0.1
@@ -36,12 +36,11 @@ def short_sighted(gantry):
 def impatient(gantry):
     """Do one task after the other, as fast as is safe, and creep on after a long wait."""
     caution = sim.Caution(gantry)
-    moved_at, place = gantry.now, gantry.position
+    since = gantry.now
     while (task := (yield gantry.next_task())) is not None:
         pose = yield gantry.locate(task)
         if (yield from caution.go(pose, seconds=1.0)):
             yield gantry.handle(task)
-        if gantry.position != place:
-            moved_at, place = gantry.now, gantry.position
-        if gantry.now - moved_at > PATIENCE:
+            since = gantry.now
+        elif gantry.now - since > PATIENCE:
             yield gantry.move_to(*pose, speed_share=CREEP)

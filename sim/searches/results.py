@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -43,6 +44,14 @@ class Case:
     def replay(self) -> Path | None:
         """The replay page beside the trial file."""
         return None if self.path is None else self.path.with_name(f"{stem(self.path)}.html")
+
+    @property
+    def film(self) -> str:
+        """The command that films it in the folder of the trial file; empty without a file."""
+        if self.path is None:
+            return ""
+        trial, film = (shlex.quote(name) for name in (self.path.name, f"{stem(self.path)}.mp4"))
+        return f"floorwalker render {trial} --out {film}"
 
 
 @dataclass(frozen=True, kw_only=True)

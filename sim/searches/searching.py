@@ -426,17 +426,20 @@ def _saved(
     case = Case(evaluation, replace(found, trial=trial), path)
     with writing_to(place):
         place.mkdir(parents=True, exist_ok=True)
-        write_whole(path, f"{_origin(wanted, evaluation)}{trial.to_yaml(place)}")
+        write_whole(path, f"{_origin(wanted, case)}{trial.to_yaml(place)}")
         assert case.replay is not None
         write_whole(case.replay, render(replay_data(_run_of(trial))))
     return case
 
 
-def _origin(wanted: WorstCaseSearch, evaluation: Evaluation) -> str:
-    """Return comments that say where a minimised trial comes from."""
+def _origin(wanted: WorstCaseSearch, case: Case) -> str:
+    """Return comments that say where a minimised trial comes from, and how to see it."""
+    evaluation = case.evaluation
     what = evaluation.situation.error or f"{wanted.objective} {shown(evaluation)}"
     found = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
-    return f"# Minimised from {found}:\n# {what}\n"
+    assert case.replay is not None
+    seen = f"Replay: {case.replay.name}. Film: {case.film}"
+    return f"# Minimised from {found}:\n# {what}\n# {seen}\n"
 
 
 def _run_of(trial: Trial) -> Run:

@@ -46,12 +46,39 @@ seed: 4
 """
 
 
+SHORT = """
+name: cell
+floorplan: ariac2023
+duration: 3.0
+people: [{name: operator}]
+gantry:
+  controller: oblivious
+  jobs: [{pick: bin2, place: agv1, part: pump}, {pick: bin6, place: agv4, part: battery}]
+"""
+
+SHORT_STUDY = """
+name: worst
+trials: [cell.trial.yaml]
+random:
+  start_time: {uniform: [0.0, 2.0]}
+  people.operator.personality: {choice: [indifferent, antagonistic]}
+seed: 4
+"""
+
+SEARCHED = {"sampler": "tpe", "evaluations": 24, "batch": 4, "cases": 2}
+"""The search of the study that several tests look at."""
+
+
+def written(folder, trial, study):
+    """A folder with a trial and a study."""
+    (folder / "cell.trial.yaml").write_text(trial)
+    (folder / "worst.study.yaml").write_text(study)
+    return folder
+
+
 @pytest.fixture
 def cell(tmp_path):
-    """A folder with a trial and a study."""
-    (tmp_path / "cell.trial.yaml").write_text(CELL)
-    (tmp_path / "worst.study.yaml").write_text(STUDY)
-    return tmp_path
+    return written(tmp_path, CELL, STUDY)
 
 
 @pytest.fixture
@@ -59,8 +86,27 @@ def study(cell):
     return sim.Study.load(cell / "worst.study.yaml")
 
 
-def found(study, out, *, jobs=1, evaluations=24, **given):
-    given = {"minimise": "least_margin_moving", "sampler": "random", "cases": 0, **given}
+@pytest.fixture
+def short(tmp_path):
+    """A study of trials of three seconds."""
+    return sim.Study.load(written(tmp_path, SHORT, SHORT_STUDY) / "worst.study.yaml")
+
+
+@pytest.fixture(scope="module")
+def searched(tmp_path_factory):
+    """Results of the search on one process; its folder is `out` beside the study."""
+    folder = written(tmp_path_factory.mktemp("searched"), CELL, STUDY)
+    return found(sim.Study.load(folder / "worst.study.yaml"), folder / "out", **SEARCHED)
+
+
+def found(study, out, *, jobs=1, evaluations=8, **given):
+    given = {
+        "minimise": "least_margin_moving",
+        "sampler": "random",
+        "cases": 0,
+        "batch": 4,
+        **given,
+    }
     return sim.search(study, out, jobs=jobs, evaluations=evaluations, **given)
 
 
@@ -84,7 +130,7 @@ def test_every_random_point_is_within_its_dimensions_and_makes_a_trial(study):
     assert names[:3] == ["start_time", "people.operator.max_speed", "people.operator.personality"]
     assert names[3:6] == ["gantry_at[0]", "gantry_at[1]", "gantry_at[2]"]
     assert names[6:] == ["job_order[0]", "job_order[1]", "job_order[2]"]
-    for number in range(60):
+    for number in range(20):
         point = space.random_point(number)
         assert space.fault(point) == ""
         row = space.row(number, point)
@@ -119,41 +165,46 @@ def test_a_study_in_which_nothing_varies_is_rejected(study):
 # The search.
 
 
-def test_a_search_is_the_same_on_any_number_of_processes(study, cell):
-    one = found(study, cell / "one", sampler="tpe", cases=2)
-    other = found(study, cell / "other", sampler="tpe", cases=2, jobs=2)
-    assert (cell / "one/results.csv").read_bytes() == (cell / "other/results.csv").read_bytes()
-    saved = [sorted((cell / name / "cases").glob("*.trial.yaml")) for name in ("one", "other")]
-    assert [path.read_text() for path in saved[0]] == [path.read_text() for path in saved[1]]
-    assert [case.evaluation for case in one.cases] == [case.evaluation for case in other.cases]
-    assert saved[0]
+def assert_same(results, others):
+    """The table, the cases and the evaluations of two searches are the same."""
+    assert results.evaluations == others.evaluations
+    assert [case.evaluation for case in results.cases] == [case.evaluation for case in others.cases]
+    files = [f"cases/{case.path.name}" for case in results.cases]
+    assert files
+    for file in ("results.csv", *files):
+        assert (results.folder / file).read_bytes() == (others.folder / file).read_bytes()
 
 
-def test_a_search_is_resumed_as_if_it_had_not_been_stopped(study, cell):
-    whole = found(study, cell / "whole", sampler="tpe", evaluations=30)
+def test_a_search_that_was_stopped_and_resumed_on_two_processes_is_the_same(searched, study, cell):
     done = []
 
     def stop(now):
         done.append(now.done)
-        if now.done == 24:
+        if now.done == 12:
             raise KeyboardInterrupt
 
-    part = found(study, cell / "part", sampler="tpe", evaluations=30, progress=stop)
+    part = found(study, cell / "part", progress=stop, **SEARCHED)
     assert part.interrupted
-    assert len(part) == 24
-    rest = found(study, cell / "part", sampler="tpe", evaluations=30)
+    assert done == [4, 8, 12]
+    assert part.evaluations == searched.evaluations[:12]
+    rest = found(study, cell / "part", jobs=2, **SEARCHED)
     assert not rest.interrupted
-    assert rest.evaluations == whole.evaluations
-    assert (cell / "part/results.csv").read_bytes() == (cell / "whole/results.csv").read_bytes()
+    assert_same(rest, searched)
 
 
-def test_a_search_can_be_extended_but_not_changed(study, cell):
-    found(study, cell / "out", sampler="tpe", evaluations=20)
-    longer = found(study, cell / "out", sampler="tpe", evaluations=28)
-    whole = found(study, cell / "new", sampler="tpe", evaluations=28)
-    assert longer.evaluations == whole.evaluations
+@pytest.mark.slow
+@pytest.mark.parametrize(("backend", "jobs"), [("loky", 2), ("dask", 1), ("dask", 2)])
+def test_a_search_is_the_same_on_any_number_of_processes(searched, study, cell, backend, jobs):
+    assert_same(found(study, cell / "other", jobs=jobs, backend=backend, **SEARCHED), searched)
+
+
+def test_a_search_can_be_extended_but_not_changed(searched, study, cell):
+    keys = {**SEARCHED, "cases": 0}
+    found(study, cell / "out", **{**keys, "evaluations": 6})
+    longer = found(study, cell / "out", **{**keys, "evaluations": 10})
+    assert longer.evaluations == searched.evaluations[:10]
     with pytest.raises(OSError, match=r"another study .changed since: the search"):
-        found(study, cell / "out", sampler="tpe", batch=4)
+        found(study, cell / "out", **{**keys, "batch": 3})
 
 
 @pytest.mark.slow
@@ -171,25 +222,31 @@ def test_random_evaluations_are_those_of_the_first_batches_and_a_share_of_the_ot
     assert [k for k in range(32) if wanted.is_random(k)] == [*range(16), 16, 17, 24, 25]
 
 
-def test_the_table_has_what_was_tried_and_what_came_of_it(study, cell):
-    results = found(study, cell / "out", slack="jobs_done", minimise="", evaluations=9)
-    table = lines(cell / "out")
-    assert [int(line["row"]) for line in table] == [*range(9)]
-    for line, one in zip(table, results.evaluations, strict=True):
-        assert float(line["value"]) == one.value == int(line["jobs_done"]) - 3
+def test_the_table_has_what_was_tried_and_what_came_of_it(searched):
+    table = lines(searched.folder)
+    assert [int(line["row"]) for line in table] == [*range(24)]
+    for line, one in zip(table, searched.evaluations, strict=True):
+        assert line["sampled"] == ("random" if one.is_random else "sampler")
         assert line["result"] == "run"
+        assert float(line["value"]) == one.value == float(line["least_margin_moving.value"])
         assert float(line["start_time"]) == one.values["start_time"]
-        trial = results.space.row(one.number, one.point).trial
-        assert sim.run(trial).summary["jobs_done"] == int(line["jobs_done"])
+    for one in searched.evaluations[7::8]:
+        trial = searched.space.row(one.number, one.point).trial
+        assert sim.run(trial).summary["least_margin_moving"]["value"] == one.value
 
 
-def test_the_report_shows_cases_objective_and_coverage(study, cell):
-    results = found(study, cell / "out", cases=2)
-    page = (cell / "out/report.html").read_text()
-    assert results.worth in page
+def test_the_slack_of_an_expectation_is_an_objective(study, cell):
+    results = found(study, cell / "out", slack="jobs_done", minimise="", evaluations=4)
+    for line, one in zip(lines(cell / "out"), results.evaluations, strict=True):
+        assert float(line["value"]) == one.value == int(line["jobs_done"]) - 3
+
+
+def test_the_report_shows_cases_objective_and_coverage(searched):
+    page = (searched.folder / "report.html").read_text()
+    assert searched.worth in page
     assert "Coverage" in page
     assert page.count("<svg") == 2
-    for case in results.cases:
+    for case in searched.cases:
         assert f"cases/{case.path.name}" in page
         assert case.replay.exists()
 
@@ -197,10 +254,9 @@ def test_the_report_shows_cases_objective_and_coverage(study, cell):
 # Cases.
 
 
-def test_cases_are_distinct_minimised_and_fail_by_themselves(study, cell):
-    results = found(study, cell / "out", evaluations=40, cases=3)
-    assert results.cases
-    for case in results.cases:
+def test_cases_are_distinct_minimised_and_fail_by_themselves(searched):
+    assert len(searched.cases) == 2
+    for case in searched.cases:
         trial = sim.Trial.load(case.path)
         run = sim.run(trial)
         assert [one.met for one in run.verdicts] == [False]
@@ -211,17 +267,24 @@ def test_cases_are_distinct_minimised_and_fail_by_themselves(study, cell):
         assert trial.duration <= case.evaluation.situation.time + 2
         assert case.minimised.runs <= 100
         assert trial.people[0].start.time == round(trial.people[0].start.time, 2)
-    situations = [case.evaluation.situation for case in results.cases]
-    for k, one in enumerate(situations):
-        for other in situations[:k]:
-            alike = (one.person, one.machine) == (other.person, other.machine)
-            assert not alike or math.dist((one.x, one.y), (other.x, other.y)) > 2.0
+    one, other = (case.evaluation.situation for case in searched.cases)
+    alike = (one.person, one.machine) == (other.person, other.machine)
+    assert not alike or math.dist((one.x, one.y), (other.x, other.y)) > 2.0
 
 
-def test_a_minimised_case_fails_in_pytest(study, cell, pytester):
-    results = found(study, cell / "out", cases=1)
-    path = pytester.path / results.cases[0].path.name
-    text = results.cases[0].path.read_text()
+def test_a_case_says_where_it_is_from_and_how_to_see_it(searched):
+    case = searched.cases[0]
+    comments = [line for line in case.path.read_text().splitlines() if line.startswith("#")]
+    assert comments == [
+        f"# Minimised from evaluation {case.evaluation.number} of the search 'worst':",
+        f"# least_margin_moving {case.evaluation.value:.3f}",
+        "# Replay: worst-1.html. Film: floorwalker render worst-1.trial.yaml --out worst-1.mp4",
+    ]
+
+
+def test_a_minimised_case_fails_in_pytest(searched, pytester):
+    path = pytester.path / searched.cases[0].path.name
+    text = searched.cases[0].path.read_text()
     path.write_text("\n".join(line for line in text.splitlines() if "folder:" not in line))
     outcome = pytester.runpytest_inprocess("-p", "no:xdist", "-o", "addopts=")
     outcome.assert_outcomes(failed=1)
@@ -246,7 +309,8 @@ def test_an_expectation_over_time_is_an_objective(study, cell):
     trial = study.trials[0]
     timeline = [{"eventually": "job_done"}, {"never": "job_done", "after": 1}]
     changed = replace(study, trials=(replace(trial, expect={"timeline": timeline}),))
-    results = found(changed, cell / "out", minimise="", slack="timeline.1", cases=1)
+    wanted = {"minimise": "", "slack": "timeline.1", "evaluations": 4, "cases": 1}
+    results = found(changed, cell / "out", **wanted)
     assert results.broken
     assert sim.Trial.load(results.cases[0].path).expect == {"timeline": [timeline[1]]}
 
@@ -263,18 +327,18 @@ def test_the_bound_of_a_rate_of_none_is_that_of_the_rule_of_three(count):
 def test_the_bound_holds_as_often_as_it_says():
     rng = random.Random(0)
     count, rate, missed = 40, 0.1, 0
-    for _ in range(4000):
+    for _ in range(1000):
         missed += upper_bound(sum(rng.random() < rate for _ in range(count)), count) < rate
-    assert missed / 4000 <= 0.06
+    assert missed / 1000 <= 0.065
 
 
-def test_a_search_in_which_nothing_breaks_says_what_that_is_worth(study, cell):
-    results = found(study, cell / "out", below=-100.0, sampler="tpe", evaluations=40)
+def test_a_search_in_which_nothing_breaks_says_what_that_is_worth(short, tmp_path):
+    results = found(short, tmp_path / "out", below=-100.0, sampler="tpe", evaluations=20)
     assert not results.broken
-    assert results.rate == (0, 22, upper_bound(0, 22))
+    assert results.rate == (0, 11, upper_bound(0, 11))
     assert results.worth == (
-        "Of 22 random trials none broke: with 95 % confidence at most 13 % of the trials of this"
-        " study break. The other 18 were chosen by the sampler and carry no rate."
+        "Of 11 random trials none broke: with 95 % confidence at most 24 % of the trials of this"
+        " study break. The other 9 were chosen by the sampler and carry no rate."
     )
 
 
@@ -293,26 +357,25 @@ def test_points_that_make_no_trial_are_listed_and_the_search_continues(study, ce
     )
     (cell / "cell.trial.yaml").write_text(trial.to_yaml(cell))
     (cell / "blocked.study.yaml").write_text(text)
-    results = found(sim.Study.load(cell / "blocked.study.yaml"), cell / "out")
+    results = found(sim.Study.load(cell / "blocked.study.yaml"), cell / "out", evaluations=12)
     none = results.no_trial
-    assert 0 < len(none) < len(results) == 24
-    assert any(f"{len(none)} of 24 points make no trial" in notice for notice in results.notices)
+    assert 0 < len(none) < len(results) == 12
+    assert any(f"{len(none)} of 12 points make no trial" in notice for notice in results.notices)
     assert "Points that make no trial" in (cell / "out/report.html").read_text()
     assert {line["result"] for line in lines(cell / "out")} == {"run", "no trial"}
 
 
-def test_an_objective_that_never_changes_is_reported(study, cell):
-    results = found(study, cell / "out", minimise="agv_teleports")
-    assert results.notices == ("agv_teleports is 0 in all 24 runs: nothing guides the search",)
+def test_an_objective_that_never_changes_is_reported(short, tmp_path):
+    results = found(short, tmp_path / "out", minimise="agv_teleports")
+    assert results.notices == ("agv_teleports is 0 in all 8 runs: nothing guides the search",)
 
 
-def test_an_objective_that_no_run_has_ends_the_search_after_the_first_batch(study, cell):
-    (cell / "cell.trial.yaml").write_text(CELL.replace("oblivious", "parked"))
-    parked = sim.Study.load(cell / "worst.study.yaml")
-    parked = replace(parked, trials=tuple(replace(one, agvs={}) for one in parked.trials))
+def test_an_objective_that_no_run_has_ends_the_search_after_the_first_batch(tmp_path):
+    written(tmp_path, SHORT.replace("oblivious", "parked"), SHORT_STUDY)
+    parked = sim.Study.load(tmp_path / "worst.study.yaml")
     with pytest.raises(ValueError, match="no run of the first batch has a number for least_margin"):
-        found(parked, cell / "out")
-    assert len(lines(cell / "out")) == 8
+        found(parked, tmp_path / "out")
+    assert len(lines(tmp_path / "out")) == 4
 
 
 @pytest.mark.parametrize(
@@ -357,17 +420,17 @@ def low(self, count):
     return [{d.name: d.values[0] if d.values else d.low for d in self.dimensions}] * count
 
 
-def test_a_custom_sampler_is_asked_and_told(study, cell):
+def test_a_custom_sampler_is_asked_and_told(short, tmp_path):
     told = []
     custom = sampler(low, lambda points, values: told.append((len(points), values)))
-    results = found(study, cell / "out", sampler=custom)
-    assert [count for count, _ in told] == [8, 8, 8]
-    assert told[2][1][:2] == [one.value for one in results.evaluations[16:18]]
+    results = found(short, tmp_path / "out", sampler=custom, evaluations=12)
+    assert [count for count, _ in told] == [4, 4, 4]
+    assert told[2][1] == [one.value for one in results.evaluations[8:]]
     assert {one.values["start_time"] for one in results.evaluations if not one.is_random} == {0.0}
 
 
-def test_a_custom_sampler_is_named_in_a_file(study, cell):
-    (cell / "mine.py").write_text(
+def test_a_custom_sampler_is_named_in_a_file(short, tmp_path):
+    (tmp_path / "mine.py").write_text(
         "class Lowest:\n"
         "    def __init__(self, dimensions, seed):\n"
         "        self.dimensions = dimensions\n"
@@ -377,7 +440,7 @@ def test_a_custom_sampler_is_named_in_a_file(study, cell):
         "    def tell(self, points, values):\n"
         "        pass\n"
     )
-    results = found(study, cell / "out", sampler="mine:Lowest")
+    results = found(short, tmp_path / "out", sampler="mine:Lowest", evaluations=12)
     assert results.sampler == "mine:Lowest"
     assert {one.values["start_time"] for one in results.evaluations if not one.is_random} == {0.0}
 
@@ -386,15 +449,15 @@ def test_a_custom_sampler_is_named_in_a_file(study, cell):
     ("ask", "message"),
     [
         (lambda self, count: None, "Custom must return a list, not None"),
-        (lambda self, count: low(self, count - 1), "Custom must return 6 points, not 5"),
+        (lambda self, count: low(self, count - 1), "Custom must return 3 points, not 2"),
         (lambda self, count: [{"x": 1}] * count, "a point must have values for start_time"),
         (
             lambda self, count: [{**low(self, 1)[0], "start_time": 99.0}] * count,
-            "start_time must be a number from 0 to 20, not 99.0",
+            "start_time must be a number from 0 to 2, not 99.0",
         ),
         (
             lambda self, count: [{**low(self, 1)[0], "start_time": math.nan}] * count,
-            "start_time must be a number from 0 to 20, not nan",
+            "start_time must be a number from 0 to 2, not nan",
         ),
         (
             lambda self, count: [{**low(self, 1)[0], "people.operator.personality": 7}] * count,
@@ -403,24 +466,24 @@ def test_a_custom_sampler_is_named_in_a_file(study, cell):
         (lambda self, count: 1 / 0, "Custom failed: ZeroDivisionError: division by zero"),
     ],
 )
-def test_a_sampler_that_returns_nonsense_is_rejected(study, cell, ask, message):
+def test_a_sampler_that_returns_nonsense_is_rejected(short, tmp_path, ask, message):
     with pytest.raises(ValueError, match=message):
-        found(study, cell / "out", sampler=sampler(ask))
+        found(short, tmp_path / "out", sampler=sampler(ask), evaluations=12)
 
 
-def test_a_sampler_that_is_no_class_with_its_methods_is_rejected(study, cell):
+def test_a_sampler_that_is_no_class_with_its_methods_is_rejected(short, tmp_path):
     with pytest.raises(ValueError, match="has no method ask"):
-        found(study, cell / "out", sampler=lambda dimensions, seed: object())
+        found(short, tmp_path / "out", sampler=lambda dimensions, seed: object())
 
 
-def test_a_sampler_that_asks_otherwise_is_not_resumed(study, cell):
-    found(study, cell / "out", sampler=sampler(low), evaluations=20)
+def test_a_sampler_that_asks_otherwise_is_not_resumed(short, tmp_path):
+    found(short, tmp_path / "out", sampler=sampler(low), evaluations=10)
 
     def high(self, count):
         return [{d.name: d.values[0] if d.values else d.high for d in self.dimensions}] * count
 
-    with pytest.raises(ValueError, match=r"can't be resumed: .* asks for start_time 20"):
-        found(study, cell / "out", sampler=sampler(high), evaluations=24)
+    with pytest.raises(ValueError, match=r"can't be resumed: .* asks for start_time 2"):
+        found(short, tmp_path / "out", sampler=sampler(high), evaluations=12)
 
 
 def test_a_controller_that_raises_is_found_and_minimised(study, cell):
@@ -434,7 +497,7 @@ def test_a_controller_that_raises_is_found_and_minimised(study, cell):
     (cell / "cell.trial.yaml").write_text(CELL.replace("oblivious", "broken:broken"))
     results = found(sim.Study.load(cell / "worst.study.yaml"), cell / "out", cases=3)
     errors = [one for one in results.evaluations if one.result == "error"]
-    assert 0 < len(errors) < 24
+    assert 0 < len(errors) < 8
     assert "RuntimeError: east" in errors[0].situation.error
     case = results.cases[0]
     assert case.evaluation.result == "error"
@@ -451,15 +514,14 @@ def test_a_controller_that_raises_is_found_and_minimised(study, cell):
 def test_the_command_searches_and_exits_with_1_if_a_trial_breaks(cell, monkeypatch):
     monkeypatch.chdir(cell)
     (cell / "worst.study.yaml").write_text(
-        STUDY
-        + "search: {minimise: least_margin_moving, sampler: random, evaluations: 16, cases: 1}"
+        STUDY + "search: {minimise: least_margin_moving, sampler: random, evaluations: 8, cases: 1}"
     )
     outcome = CliRunner().invoke(app, ["search", "worst.study.yaml", "--jobs", "1"])
     assert outcome.exit_code == 1
-    assert "of 16 evaluations broke least_margin_moving" in outcome.output
+    assert "of 8 evaluations broke least_margin_moving" in outcome.output
     assert "searches/worst/cases/worst-1.trial.yaml: 1 person" in outcome.output
     assert "random trials" in outcome.output
-    met = ["--minimise", "jobs_done", "--evaluations", "8", "--out", "other", "--jobs", "1"]
+    met = ["--minimise", "jobs_done", "--evaluations", "2", "--out", "other", "--jobs", "1"]
     outcome = CliRunner().invoke(app, ["search", "worst.study.yaml", *met])
     assert outcome.exit_code == 0
     assert "nothing broke jobs_done" in outcome.output
@@ -480,8 +542,8 @@ def test_wrong_keys_of_a_search_are_rejected_with_their_place(cell, keys, messag
         sim.Study.load(cell / "worst.study.yaml")
 
 
-def test_run_search_runs_what_is_given(study, cell):
+def test_run_search_runs_what_is_given(short, tmp_path):
     wanted = WorstCaseSearch(
-        study=study, objective=Objective("penalties"), sampler="random", evaluations=8
+        study=short, objective=Objective("penalties"), sampler="random", evaluations=4
     )
-    assert len(run_search(wanted, cell / "out", jobs=1)) == 8
+    assert len(run_search(wanted, tmp_path / "out", jobs=1)) == 4
