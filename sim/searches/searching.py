@@ -355,9 +355,9 @@ def _same(written: Any, text: str) -> bool:
 
 
 def _require_a_number(wanted: WorstCaseSearch, batch: list[Evaluation]) -> None:
-    """Raise `UserError` after the first batch if no run has the objective."""
-    runs = [one for one in batch if one.result == "run"]
-    if runs and all(one.value is None for one in runs):
+    """Raise `UserError` after the first batch if no run has the objective, and none failed."""
+    tried = [one for one in batch if one.result != "no trial"]
+    if tried and all(one.result == "run" and one.value is None for one in tried):
         raise UserError(
             f"no run of the first batch has a number for {wanted.objective}:"
             " there is nothing to minimise"
@@ -370,7 +370,8 @@ def notices(wanted: WorstCaseSearch, tried: list[Evaluation]) -> Iterator[str]:
     values = {one.value for one in runs}
     if len(runs) > 1 and len(values) == 1:
         (value,) = values
-        yield f"{wanted.objective} is {value:g} in all {len(runs)} runs: nothing guides the search"
+        what = "no number" if value is None else f"{value:g}"
+        yield f"{wanted.objective} is {what} in all {len(runs)} runs: nothing guides the search"
     if none := [one for one in tried if one.result == "no trial"]:
         first = none[0]
         yield (

@@ -325,7 +325,8 @@ class Window:
             first = next(self.after.found(run), None)
             if first is None:
                 raise UserError(f"{self.after} never happened")
-            begin: Moment = (first[1]["t"], float(first[0]))
+            # The times of events are rounded: the last may be beyond the end.
+            begin: Moment = (min(first[1]["t"], run.duration), float(first[0]))
         else:
             begin = (self.after, -1.0)
             if self.after >= run.duration:

@@ -439,3 +439,12 @@ def test_without_moves_of_agvs_there_is_no_nearest_one():
         " agvs: {agv1: [{time: 5, to: assembly_front}]}}"
     )
     assert sim.run(sim.Trial.parse(later)).summary["nearest_agv"] is None
+
+
+def test_a_state_after_an_event_whose_time_is_rounded_beyond_the_end():
+    text = TRIAL.replace("duration: 60", "duration: 1.9999999996") + (
+        "expect: {timeline: [{never: {near: [operator, gantry], metres: 1}, after: trial_ended}]}"
+    )
+    run = sim.run(sim.Trial.parse(text))
+    assert run.events[-1]["t"] > run.duration
+    assert [one.met for one in run.verdicts] == [True]
