@@ -9,10 +9,12 @@ import typer
 
 from .arguments import NoOwnCode, complete_backend, complete_study
 from .run import INTERRUPTED
-from .study import WIDTH
+from .study import WIDTH, column_width
 from .terminal import plain_console, progress_bars, say, visible
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from ..searches import SearchResults, WorstCaseSearch
     from ..studies import Study
 
@@ -146,25 +148,10 @@ def _value(one: Any) -> str:
 
 def _report(results: SearchResults) -> None:
     """Print the worst evaluations as a table, the cases, and what the search is worth."""
-    from rich.table import Table
-
-    from ..searches.report import rounded, short, shown, size, varying, where
+    from ..searches.report import rounded, size, where
 
     console = plain_console(WIDTH)
-    ranked = sorted(results.evaluations, key=lambda one: (one.rank, one.number))
-    ranked = [one for one in ranked if one.result != "no trial"][:MOST_SHOWN]
-    names = varying(results)
-    title = f"{results.study.name}: the {len(ranked)} worst of {len(results):,} evaluations"
-    table = Table(title=title, title_justify="left")
-    for heading in ("Evaluation", "Value"):
-        table.add_column(heading, justify="right")
-    for name in names:
-        table.add_column(name, overflow="fold")
-    for one in ranked:
-        table.add_row(
-            str(one.number), shown(one), *(short(one.values.get(name, "")) for name in names)
-        )
-    console.print(table)
+    _print_worst(results, console)
     for notice in results.notices:
         console.print(notice, highlight=False, soft_wrap=True)
     broken = len(results.broken)
@@ -184,4 +171,34 @@ def _report(results: SearchResults) -> None:
                 soft_wrap=True,
             )
     console.print(results.worth, highlight=False, soft_wrap=True)
-    console.print(f"report: {results.folder / 'report.html'}", highlight=False, soft_wrap=True)
+    console.print(f"Report: {results.folder / 'report.html'}", highlight=False, soft_wrap=True)
+
+
+def _print_worst(results: SearchResults, console: Console) -> None:
+    """Print the worst evaluations with as many columns as fit, and which are left out."""
+    from rich.table import Table
+
+    from ..searches.report import short, shown, varying
+
+    ranked = sorted(results.evaluations, key=lambda one: (one.rank, one.number))
+    ranked = [one for one in ranked if one.result != "no trial"][:MOST_SHOWN]
+    title = f"{results.study.name}: the {len(ranked)} worst of {len(results):,} evaluations"
+    table = Table(title=title, title_justify="left")
+    columns = {"No.": [str(one.number) for one in ranked], "Value": [shown(one) for one in ranked]}
+    for heading in columns:
+        table.add_column(heading, justify="right", no_wrap=True)
+    room = console.width - 1 - sum(column_width((key, *columns[key])) for key in columns)
+    left_out = []
+    for name in varying(results):
+        cells = [short(one.values.get(name, "")) for one in ranked]
+        if (width := column_width((name, *cells))) > room:
+            left_out.append(name)
+            continue
+        room -= width
+        columns[name] = cells
+        table.add_column(name, no_wrap=True)
+    for row in zip(*columns.values(), strict=True):
+        table.add_row(*row)
+    console.print(table)
+    if left_out:
+        console.print(f"Only in the report: {', '.join(left_out)}", highlight=False)

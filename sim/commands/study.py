@@ -174,7 +174,7 @@ def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> 
         )
 
 
-def _width(texts: Iterable[str]) -> int:
+def column_width(texts: Iterable[str]) -> int:
     """Return the characters that a column of these texts takes, with the line beside it."""
     return max(map(len, texts), default=0) + BESIDE
 
@@ -198,13 +198,13 @@ def _report(results: StudyResults) -> None:
     console = plain_console(WIDTH)
     groups = compared.groups
     keys = zip(compared.factors, *(group.values for group in groups), strict=True)
-    room = console.width - 1 - sum(_width(key) for key in (*keys, ("Runs",)))
+    room = console.width - 1 - sum(column_width(key) for key in (*keys, ("Runs",)))
     shown: list[list[str]] = []
     left_out = []
     for measure in measures:
         spreads = compared.spreads[measure]
         means = [figure(spread.mean) if spread else "–" for spread in spreads]
-        width = _width((*measure.label.split(), *means))
+        width = column_width((*measure.label.split(), *means))
         if shown and width > room:
             left_out.append(measure.words)
             continue

@@ -18,6 +18,7 @@ from ..views.report_page import (
     VERMILION,
     draw_grid,
     figure,
+    minus,
     page_chart,
     write_report_page,
 )
@@ -170,7 +171,9 @@ def write_report(results: SearchResults, path: Path) -> None:
         {"figure": figure},
         results=results,
         name=results.study.name,
+        below=rounded(results.objective.below),
         cases=[_case(case, results) for case in results.cases],
+        film=next((case.film for case in results.cases if case.film), ""),
         chart=objective_chart(results),
         grid=coverage_chart(results, pairs),
         shares=[(pair.one.name, pair.other.name, f"{100 * pair.share:.0f} %") for pair in pairs],
@@ -229,8 +232,8 @@ def shown(one: Evaluation) -> str:
 def rounded(value: float) -> str:
     """Return a value of the objective with three decimals, or with its first digit if less."""
     if value == round(value):
-        return f"{value:g}"
-    return f"{value:.3f}" if abs(value) >= SMALL else f"{value:.1g}"
+        return minus(f"{value:g}")
+    return minus(f"{value:.3f}" if abs(value) >= SMALL else f"{value:.1g}")
 
 
 def varying(results: SearchResults) -> list[str]:
@@ -248,8 +251,8 @@ def short(value: Any) -> str:
     if isinstance(value, tuple):
         return " ".join(map(short, value))
     if not isinstance(value, float):
-        return str(value)
-    return f"{round(value, 2):g}" if abs(value) >= 1.0 else f"{value:.2g}"
+        return minus(str(value)) if isinstance(value, int) else str(value)
+    return minus(f"{round(value, 2):g}" if abs(value) >= 1.0 else f"{value:.2g}")
 
 
 def where(at: Situation) -> str:
@@ -258,7 +261,7 @@ def where(at: Situation) -> str:
         return at.error
     parts = [f"{at.person} and {at.machine}" if at.machine else at.person]
     if at.x is not None and at.y is not None:
-        parts.append(f"at ({at.x:.1f}, {at.y:.1f})")
+        parts.append(minus(f"at ({at.x:.1f}, {at.y:.1f})"))
     if at.time is not None:
         parts.append(f"t = {at.time:.1f} s")
     return ", ".join(filter(None, parts))

@@ -273,7 +273,7 @@ def test_a_case_says_where_it_is_from_and_how_to_see_it(searched):
     comments = [line for line in case.path.read_text().splitlines() if line.startswith("#")]
     assert comments == [
         f"# Minimised from evaluation {case.evaluation.number} of the search 'worst':",
-        f"# least_margin_moving {case.evaluation.value:.3f}",
+        f"# least_margin_moving −{-case.evaluation.value:.3f}",
         "# Replay: worst-1.html. Film: floorwalker render worst-1.trial.yaml --out worst-1.mp4",
     ]
 
@@ -513,6 +513,16 @@ def test_the_command_searches_and_exits_with_1_if_a_trial_breaks(short, tmp_path
     outcome = CliRunner().invoke(app, ["search", "worst.study.yaml", *met])
     assert outcome.exit_code == 0
     assert "nothing broke jobs_done" in outcome.output
+
+
+def test_columns_that_do_not_fit_are_left_to_the_report(short, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sim.commands.search.WIDTH", 40)
+    keys = ["--minimise", "penalties", "--sampler", "random", "--evaluations", "4", "--jobs", "1"]
+    lines = CliRunner().invoke(app, ["search", "worst.study.yaml", *keys]).output.splitlines()
+    (header,) = (line for line in lines if "Value" in line)
+    assert header.replace("┃", "|").split("|")[1:-1] == [" No. ", " Value ", " start_time "]
+    assert "Only in the report: people.operator.personality" in lines
 
 
 @pytest.mark.parametrize(
