@@ -201,4 +201,4 @@ def _print_worst(results: SearchResults, console: Console) -> None:
         table.add_row(*row)
     console.print(table)
     if left_out:
-        console.print(f"Only in the report: {', '.join(left_out)}", highlight=False)
+        console.print(f"Only in the report: {', '.join(left_out)}", highlight=False, soft_wrap=True)
