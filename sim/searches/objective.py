@@ -73,7 +73,8 @@ class Objective:
         fields = summary_fields(trial)
         found = self._field(trial)
         if found is None:
-            hint = suggestion(self.minimise, [*fields])
+            alike = [name for name in fields if name.count(".") == self.minimise.count(".")]
+            hint = suggestion(self.minimise, alike or fields)
             message = f"a run of {trial.name!r} has no figure {self.minimise!r}; {hint}"
             raise ObjectiveError(message)
         if found.figure.form == "visits":

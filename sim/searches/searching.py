@@ -105,7 +105,7 @@ class WorstCaseSearch:
         if any(faults) and out is None:  # below the study its code is found again
             return folder_for(self.study.name, str(self.study.folder / "searches"))
         for trial, fault in zip(self.study.trials, faults, strict=True):
-            if fault:
+            if fault and self.cases:
                 raise UserError(f"cases of {trial.name!r} can't be saved in {path}: {fault}")
         return path
 

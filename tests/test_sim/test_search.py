@@ -369,6 +369,7 @@ def test_an_objective_that_no_run_has_ends_the_search_after_the_first_batch(tmp_
     ("given", "message"),
     [
         ({"minimise": "leest_margin"}, "no figure 'leest_margin'; .*least_margin"),
+        ({"minimise": "leest"}, r"no figure 'leest'; there are: [a-z_, ]+\Z"),
         ({"minimise": "people.operator.visits"}, "people.operator.visits is a list of visits"),
         ({"minimise": "people.operator.personality"}, "no figure 'people.operator.personality'"),
         ({"minimise": "", "slack": "penalty"}, "expects nothing of 'penalty'; .*penalties"),
