@@ -6,9 +6,12 @@ import hashlib
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from ..record.figures import FIGURES
 from ..runs.run import Run
-from ..studies.running import figures_of
 from .variations import FIXTURE, Variation
+
+_LEFT_OUT = frozenset(path for path, figure in FIGURES.items() if not figure.column)
+"""Figures that depend on where and when a run was made."""
 
 
 def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
@@ -16,7 +19,8 @@ def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
     variation: Variation = item.callspec.params[FIXTURE]
     test, _, given = item.nodeid.removesuffix("]").partition("[")
     others = given.replace(variation.name, variation.without_seed, 1).strip("-")
-    figures = [figures_of(run) for run in runs]
+    summaries = [run.summary.items() for run in runs]
+    figures = [[item for item in items if item[0] not in _LEFT_OUT] for items in summaries]
     name = f"{test}[{others}]" if others else test
     return name, hashlib.sha256(repr(figures).encode()).hexdigest()
 
