@@ -312,6 +312,26 @@ class Machine(InProgress, ABC):
         if bool(before) != bool(self._stands_for):
             self.hold(stands)
 
+    @property
+    def loaded(self) -> bool:
+        """Whether the machine carries a load."""
+        return False
+
+    def limit_speed(self, speed: float | None) -> bool:
+        """Limit the top speed, or end the limit.
+
+        Parameters
+        ----------
+        speed : float or None
+            Top speed in m/s, or None to end the limit.
+
+        Returns
+        -------
+        bool
+            False if the machine cannot, which is the default. It stops instead.
+        """
+        return False
+
     def disable(self, seconds: float) -> None:
         """Disable the machine as a penalty. Only robots are disabled.
 

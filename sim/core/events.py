@@ -367,6 +367,62 @@ class ProtectiveStopEnded(EventKind):
     machine: _Machine
 
 
+class FieldOccupied(EventKind):
+    """A person enters the "protective" or the "warning" field of a machine, in a `set` of fields."""
+
+    machine: _Machine
+    person: _Person
+    field: str
+    set_: str
+
+
+class FieldFree(EventKind):
+    """The person is no longer in this field of the machine."""
+
+    machine: _Machine
+    person: _Person
+    field: str
+    set_: str
+
+
+class FieldStop(EventKind):
+    """A machine stops: a person was in its protective field, or a blackout blinds the fields."""
+
+    machine: _Machine
+    person: _Person | None = None
+
+
+class FieldStopEnded(EventKind):
+    """The protective fields have been free for the restart delay: the machine may move again."""
+
+    machine: _Machine
+
+
+class FieldSlowdown(EventKind):
+    """A machine slows down: a person is in its warning field."""
+
+    machine: _Machine
+    person: _Person
+
+
+class FieldSlowdownEnded(EventKind):
+    """The warning fields are free: the machine may drive at its top speed again."""
+
+    machine: _Machine
+
+
+class FieldsMuted(EventKind):
+    """The fields of a machine are muted from now on."""
+
+    machine: _Machine
+
+
+class FieldsUnmuted(EventKind):
+    """The fields of a machine are no longer muted."""
+
+    machine: _Machine
+
+
 class GantryDisabled(EventKind):
     """The gantry stops for `seconds`, as a penalty."""
 

@@ -365,6 +365,19 @@ class CommandedMachine(Machine):
         """
         self.drive.hold(stands)
 
+    def limit_speed(self, speed: float | None) -> bool:
+        """Limit the top speed. See `Machine.limit_speed`.
+
+        A motion that is followed and faster ends: the machine is stopped until the limit ends.
+
+        Parameters
+        ----------
+        speed : float or None
+            Top speed in m/s, or None to end the limit.
+        """
+        self.drive.limit_speed(speed)
+        return True
+
     def close(self) -> None:
         """Finish at the end of the trial."""
         self.drive.close()

@@ -14,11 +14,11 @@ from simpy.exceptions import Interrupt
 
 from floorplan import UserError
 from floorplan.files.problems import suggestion
-from navigation import Motion
+from navigation import Motion, Moving, first_time
 from navigation.kernels.braking import Stops
 from navigation.motion import State
 
-from ..core.body import Body
+from ..core.body import ROUNDING, Body
 from ..core.clock import Clock, Turn, then
 from ..core.entries import Pose
 
@@ -35,6 +35,9 @@ class Drive(ABC):
     stops: Stops
     """How the machine stops at any instant of a motion."""
 
+    top_speed: float
+    """Its top speed, m/s."""
+
     def __init__(
         self, clock: Clock, body: Body, *, disabled_or_enabled: Callable[[str], None]
     ) -> None:
@@ -47,7 +50,12 @@ class Drive(ABC):
         self._enabled: Event | None = None
         self._stands_since = 0.0
         self._held = False
+        self._limit = math.inf
+        self._too_fast = False
+        """Whether it stands because it can't follow a motion at the limit of its speed."""
         self._commands = 0
+        self._last: Move | None = None
+        """The move that began last."""
         self._moves: dict[Move, None] = {}
         self._replaced = clock.event()
         self._braking = clock.event()
@@ -111,21 +119,61 @@ class Drive(ABC):
         def set_out() -> None:
             self.body.follow(self.resumed(target, speed_share))
 
-        move = Move(self, number, set_out if resume else None)
+        move = self._last = Move(self, number, set_out if resume else None, set_out)
         if command is None:
             self._begin_soon(move)
         else:
             move.begin()
         return move
 
-    def follow(self, motion: Motion) -> Event:
-        """Go along `motion`, which begins here and now; see `GantryRobot.follow`."""
+    def follow(self, motion: Motion, again: Callable[[], Motion] | None = None) -> Event:
+        """Go along `motion`, which begins here and now; see `GantryRobot.follow`.
+
+        `again` returns the motion to go on with when the limit of the speed changes. Without that
+        the machine stands as long as the motion is too fast.
+        """
         if self.disabled:
             raise UserError(f"the {self.body.kind} is disabled")
-        move = Move(self, self.begin(), None)
-        self.body.follow(motion)
+
+        def adapt() -> None:
+            if again is not None:
+                self.body.follow(again())
+            elif self._is_too_fast(self.body.motion):
+                self._too_fast = True
+                self._stand()
+
+        move = self._last = Move(self, self.begin(), None, adapt)
+        if again is None and self._is_too_fast(motion):
+            self._too_fast = True
+            self._stand()
+        else:
+            self.body.follow(motion)
         self._begin_soon(move)
         return move
+
+    def limit_speed(self, speed: float | None) -> None:
+        """Keep to a top speed (m/s) from now on, or to none: the move under way is replanned.
+
+        A followed motion that is faster ends: the machine brakes, and stands until the limit ends.
+        """
+        self._limit = math.inf if speed is None else speed
+        if self._too_fast:
+            self._too_fast = False
+            self._go_on()
+        elif not self.disabled and self._last is not None:
+            self._last.adapt()
+
+    def _allowed(self, speed_share: float) -> float:
+        """Return a share of the top speeds, or the share that the limit of the speed leaves."""
+        return min(speed_share, self._limit / self.top_speed)
+
+    def _is_too_fast(self, motion: Motion) -> bool:
+        """Return whether a motion is faster than the limit of the speed, now or later."""
+        if self._limit == math.inf:
+            return False
+        too_fast = Moving(self._limit * (1 + ROUNDING) + ROUNDING)
+        now = self._clock.now
+        return first_time(too_fast, motion, motion, now, max(now, motion.end)) is not None
 
     def stop(self) -> Steps:
         """Brake, and wait for the end; the command under way is forgotten."""
@@ -160,7 +208,7 @@ class Drive(ABC):
     @property
     def _may_go_on(self) -> bool:
         """Whether nothing makes it stand any more."""
-        return not self._held
+        return not self._held and not self._too_fast
 
     def _stand(self) -> None:
         if self._enabled is None:
@@ -227,13 +275,21 @@ class Move(Event):
 
     Broken off where the gantry is made to stand, it sets out again by `set_out` afterwards; without
     that it is over. Nor does it go on once another command has taken the place of its `command`.
+    When the limit of the speed changes, `change` lets the machine go on with another motion.
     """
 
-    def __init__(self, drive: Drive, command: int, set_out: Callable[[], None] | None) -> None:
+    def __init__(
+        self,
+        drive: Drive,
+        command: int,
+        set_out: Callable[[], None] | None,
+        change: Callable[[], None],
+    ) -> None:
         super().__init__(drive.body.clock)
         self._drive = drive
         self._command = command
         self._set_out = set_out
+        self._change = change
         self._arrival: Event | None = None
 
     def begin(self) -> None:
@@ -245,6 +301,14 @@ class Move(Event):
             then(drive.enabled, self._go_on)
         else:
             self._arrival = drive.await_arrival(self)
+
+    def adapt(self) -> None:
+        """Go on with the motion that the limit of the speed allows, if this is still under way."""
+        drive = self._drive
+        if drive.is_under_way(self._command) and drive.body.motion.end > drive.body.clock.now:
+            self._change()
+            if self._arrival is not None and not drive.disabled:
+                self._arrival = drive.await_arrival(self)
 
     def arrived(self, arrival: Event) -> None:
         """Be over, if this is the arrival that it waits for."""

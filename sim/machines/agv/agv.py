@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 
@@ -183,6 +184,8 @@ class Agv(Machine):
         """The motion on which it has come to rest, and where on the lane that is (m)."""
         self._has_recorded = False
         self._held = False
+        self._driven = lane
+        """Its lane, with the top speed that it may have now."""
         self._arrival = Alarm(stage.clock, self._arrive, Turn.MOTION_ENDS)
         self._looking = Alarm(stage.clock, self._look, Turn.MOTION_ENDS)
         self._awaited: tuple[Body, float, float] | None = None
@@ -290,6 +293,17 @@ class Agv(Machine):
         elif self._target is not None:
             self.drive(self._target)
 
+    def limit_speed(self, speed: float | None) -> bool:
+        """Drive no faster than `speed` (m/s) from now on, or as fast as the lane lets it."""
+        fastest = self.lane.max_speed
+        allowed = fastest if speed is None else min(speed, fastest)
+        self._driven = self.lane if allowed == fastest else replace(self.lane, max_speed=allowed)
+        if self._under_way_to is not None and self._target is not None and not self._held:
+            hindered = self._try()
+            if hindered is not None:
+                self._wait(hindered)
+        return True
+
     def sight_changed(self) -> None:
         """Look again: it sees people no longer, or again."""
         self._look()
@@ -327,9 +341,9 @@ class Agv(Machine):
     def _run(self, state: AxisState, goal: str | float, now: float) -> Motion:
         """Return the run to `goal` from now on; one that can't stop there any more only stops."""
         if self._slow:
-            motion = run_slowly(self.lane, state, self.lane.lane_position(goal), now, self._slow)
+            motion = run_slowly(self._driven, state, self.lane.lane_position(goal), now, self._slow)
         else:
-            motion = agv_run(self.lane, state, goal, now)
+            motion = agv_run(self._driven, state, goal, now)
         if self._blocked is not None:
             stop = agv_stop(self.lane, state, now)
             reached = lane_state(self.lane, stop.state(stop.end)).position

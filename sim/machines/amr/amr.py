@@ -45,6 +45,7 @@ class Amr(CommandedMachine):
         missions: Sequence[Mission] = (),
         every: float | None = None,
         repeat: bool = False,
+        loaded: bool = False,
         controller: Callable[[Amr], Steps],
     ) -> None:
         super().__init__(
@@ -55,6 +56,7 @@ class Amr(CommandedMachine):
         self._missions = tuple(missions)
         self._every = every
         self._repeat = repeat
+        self._loaded = loaded
         self._controller = controller
         self._round: tuple[Task, ...] = ()
         self._round_began = -math.inf
@@ -125,8 +127,16 @@ class Amr(CommandedMachine):
         The twist is (v, ω), or (vx, vy, ω): m/s forwards and to the left, rad/s. `UserError` if it
         is not finite or too fast.
         """
-        motion = vehicle_twist(self.state, twist, self.now, seconds=seconds, limits=self.limits)
-        return self.follow(motion)
+        until, wanted = self.now + seconds, Twist.of(twist)
+        wanted.check(self.limits)
+
+        def motion(left: float) -> Motion:
+            slow = self.drive.slowed(wanted)
+            return vehicle_twist(self.state, slow, self.now, seconds=left, limits=self.limits)
+
+        move = self.drive.follow(motion(seconds), lambda: motion(max(0.0, until - self.now)))
+        self._interrupts.command_given()
+        return move
 
     # Its tasks.
 
@@ -143,6 +153,11 @@ class Amr(CommandedMachine):
         return self._command(self._handle(task, self.drive.begin()))
 
     # The simulation's side of it.
+
+    @property
+    def loaded(self) -> bool:
+        """Whether it carries the load of its model."""
+        return self._loaded
 
     def floor_changed(self) -> None:
         """Find another way if something stands in the present one now."""

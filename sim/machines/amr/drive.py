@@ -22,7 +22,7 @@ from navigation import (
     vehicle_stop,
 )
 from navigation.motion import State
-from navigation.vehicles import stops_of
+from navigation.vehicles import Twist, stops_of
 
 from ...core.body import Body
 from ...core.entries import Pose
@@ -54,6 +54,7 @@ class VehicleDrive(Drive):
         super().__init__(stage.clock, body, disabled_or_enabled=notify)
         self.limits = vehicle.limits
         self.stops = stops_of(vehicle.limits)
+        self.top_speed = vehicle.limits.top_speed
         self.planner = VehiclePlanner(
             floor_of(vehicle, name, stage.floorplan), vehicle.footprint, limits=vehicle.limits
         )
@@ -90,10 +91,10 @@ class VehicleDrive(Drive):
         if self._previewed_at != now or self._previewed_on is not motion:
             self._previewed_at, self._previewed_on = now, motion
             self._previews.clear()
-        key = (tuple(map(float, target)), speed_share)
+        key = (tuple(map(float, target)), self._allowed(speed_share))
         found = self._previews.get(key)
         if found is None:
-            limits = self.limits.slower(speed_share)
+            limits = self.limits.slower(key[1])
             route = self._route_to(key[0])
             try:
                 found = self._along(route, now, limits)
@@ -128,6 +129,12 @@ class VehicleDrive(Drive):
             return self.preview(target, speed_share)
         except PlanningError:
             return self.stopping(self.body.state, self._clock.now)
+
+    def slowed(self, twist: Twist) -> Twist:
+        """Return a twist with the speed that is allowed now, on the same arc."""
+        speed = math.hypot(twist.forwards, twist.sideways)
+        share = min(1.0, self._limit / speed) if speed > 0.0 else 1.0
+        return Twist(*(share * value for value in twist))
 
     def is_at(self, target: Sequence[float]) -> bool:
         """Return whether the vehicle stands at x, y, and in the rotation if one is given."""

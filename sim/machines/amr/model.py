@@ -99,6 +99,7 @@ class AmrModel(MachineModel):
             missions=self.missions,
             every=self.every,
             repeat=self.repeat,
+            loaded=self.load is not None,
             controller=program(self.controller, self.rate, stage.code_folder),
         )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -39,6 +40,7 @@ class GantryDrive(Drive):
         self._slower = {1.0: self._limits}
         """The limits at shares of the top speeds."""
         self.stops = gantry_stops(self._limits)
+        self.top_speed = math.hypot(gantry.x.max_speed, gantry.y.max_speed)
         self._record = record
         self._disabled_at: float | None = None
         self._previewed_at, self._previewed_on = clock.now, self.body.motion
@@ -56,6 +58,7 @@ class GantryDrive(Drive):
             self._previewed_at, self._previewed_on = now, motion
             self._previews.clear()
         target = float(target[0]), float(target[1]), float(target[2])
+        speed_share = self._allowed(speed_share)
         known = self._previews.get((target, speed_share))
         if known is not None:
             return known

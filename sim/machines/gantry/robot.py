@@ -285,6 +285,11 @@ class GantryRobot(CommandedMachine):
 
     # The simulation's side of it.
 
+    @property
+    def loaded(self) -> bool:
+        """Whether the gripper holds a part."""
+        return self.gripper.holds_part
+
     def disable(self, seconds: float) -> None:
         """Disable the gantry as a penalty.
 

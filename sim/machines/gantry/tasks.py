@@ -78,6 +78,11 @@ class Gripper:
         self._holds: Task | None = None
         self._slips = Alarm(clock, self._slip, Turn.MOTION_ENDS)
 
+    @property
+    def holds_part(self) -> bool:
+        """Whether it holds something."""
+        return self._holds is not None
+
     def will_lose(self, drops: Iterable[Drop]) -> None:
         """Lose parts by these drops as well."""
         self.drops += drops
