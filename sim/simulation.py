@@ -52,6 +52,7 @@ from .trials.trial import Trial
 
 if TYPE_CHECKING:
     from .orders.dispatcher import Dispatcher
+    from .safety.fields.guard import FieldGuard
 
 BY_COMMAND = "command"
 """The reason for which a machine is held by command."""
@@ -124,7 +125,7 @@ def _begin_blackout(stage: Stage, blackout: Blackout) -> None:
     stage.blind[name] += 1
     if stage.blind[name] == 1:
         stage.record(BlackoutBegan(machine=name))
-        stage.machines[name].sight_changed()
+        _sight_changed(stage, name)
     clock.call_at(clock.now + blackout.seconds, partial(_end_blackout, stage, name))
 
 
@@ -132,7 +133,13 @@ def _end_blackout(stage: Stage, name: str) -> None:
     stage.blind[name] -= 1
     if stage.blind[name] == 0:
         stage.record(BlackoutEnded(machine=name))
-        stage.machines[name].sight_changed()
+        _sight_changed(stage, name)
+
+
+def _sight_changed(stage: Stage, name: str) -> None:
+    stage.machines[name].sight_changed()
+    for notify in stage.on_blackout:
+        notify(name)
 
 
 MOST_AT_ONCE, MOST_AT_ONCE_EACH = 3000, 100
@@ -217,6 +224,7 @@ class Simulation(InProgress):
         self._company = Population(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self._collisions = Collisions(self._stage, self.machines.values())
+        self._guards = self._make_guards()
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
 
@@ -236,6 +244,8 @@ class Simulation(InProgress):
         stage.begin()
         for machine in self.machines.values():
             machine.begin()
+        for guard in self._guards.values():
+            guard.begin()
         if self.dispatcher is not None:
             self.dispatcher.begin()
         self._end_with_jobs()
@@ -368,6 +378,7 @@ class Simulation(InProgress):
                 motions=motions,
                 work=self.dispatcher.figures if self.dispatcher else {},
                 collisions=self._collisions.count,
+                guards=self._guards,
                 deadlocks=self._company.deadlocks,
                 people_too_near=distancing.count if distancing else 0,
                 people_too_near_time=distancing.time if distancing else 0.0,
@@ -430,6 +441,22 @@ class Simulation(InProgress):
 
         return Dispatcher(self._stage, workload, gantry, self._work_is_done, self.trial.seed)
 
+    def _make_guards(self) -> dict[str, FieldGuard]:
+        """Return the guard of each machine that has protective fields."""
+        if not self.trial.fields:
+            return {}
+        from .safety.fields.guard import FieldGuard  # most trials have no fields
+
+        people = [(person, person.walker.human.radius) for person in self._company.people]
+        guards = {
+            name: FieldGuard(self._stage, self.machines[name], fields, people)
+            for name, fields in self.trial.fields.items()
+        }
+        self._stage.on_blackout.append(
+            lambda name: guards[name].sight_changed() if name in guards else None
+        )
+        return guards
+
     def _end_with_jobs(self) -> None:
         """Let the run end when all orders are handed in, where the gantry's jobs hand them in."""
         orders = [job for job in self.trial.gantry.jobs if job.kind == "submit"]
@@ -462,6 +489,7 @@ class Simulation(InProgress):
             machines=tuple(machine.shape for machine in self.machines.values()),
             passing=tuple(timed.obstacle for timed in trial.obstacles),
             controller=trial.gantry.controller_name if trial.floorplan.gantry else "",
+            fields=trial.fields,
         )
 
 

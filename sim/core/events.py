@@ -386,9 +386,10 @@ class FieldFree(EventKind):
 
 
 class FieldStop(EventKind):
-    """A machine stops: a person was in its protective field, or a blackout blinds the fields."""
+    """The fields stop a machine by "intrusion", "blackout", or "no field set" for its speed."""
 
     machine: _Machine
+    cause: str
     person: _Person | None = None
 
 

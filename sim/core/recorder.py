@@ -5,8 +5,8 @@ Listeners are notified immediately, so that the record of an interrupted run is 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
 from floorplan import Floorplan, Obstacle
@@ -15,6 +15,7 @@ from navigation import Motion
 from .body import PERSON, Body, MachineShape
 from .entries import Pose
 from .events import EventKind, has_form
+from .fields import MachineFields
 from .rules import RuleSet
 
 
@@ -37,7 +38,8 @@ class Scene:
     """Constant facts of a run that are needed to draw or evaluate it.
 
     `starts` contains the initial pose of every body, people first. Obstacles in `passing` appear
-    and disappear by events. `controller` is the name of the gantry's controller, or empty.
+    and disappear by events. `controller` is the name of the gantry's controller, or empty. `fields`
+    has the protective fields by the name of the machine.
     """
 
     trial: str
@@ -49,6 +51,7 @@ class Scene:
     machines: tuple[MachineShape, ...] = ()
     passing: tuple[Obstacle, ...] = ()
     controller: str = ""
+    fields: Mapping[str, MachineFields] = field(default_factory=dict)
 
     def kind(self, body: str) -> str:
         """Return the kind of a body. Raises `KeyError` if there is none of that name."""

@@ -49,6 +49,7 @@ from .entries import (
     Workload,
     seed_of,
 )
+from .fields import MachineFields
 from .rules import PAPER, RuleSet
 from .schedule import Break, DoorTimes, Drawn, Shift, TimedObstacle, WorkList, WorkTask
 from .stage import MachineEntry
@@ -470,6 +471,7 @@ class Scenario:
     steering: str | None = None
     actions: str | None = None
     machines: dict[str, MachineEntry] = field(default_factory=dict)
+    fields: dict[str, MachineFields] = field(default_factory=dict)
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()
     floorplan_source: str = field(default="", compare=False)

@@ -205,6 +205,8 @@ class Stage(InProgress):
         Obstacles that exist now and may disappear, by name. `placed` are those added by commands.
     blind : Counter, optional
         Number of active blackouts of each machine, by name.
+    on_blackout : list of callable, optional
+        Callbacks with the name of the machine for each begin and end of its blackout.
     """
 
     floorplan: Floorplan
@@ -226,6 +228,8 @@ class Stage(InProgress):
     """Obstacles that were added by commands, by name. They are also in `active_closures`."""
     blind: Counter[str] = field(default_factory=Counter)
     """Number of active blackouts of each machine, by name."""
+    on_blackout: list[Callable[[str], None]] = field(default_factory=list)
+    """Callbacks with the name of a machine whose blackout begins or ends."""
 
     def __post_init__(self) -> None:
         """Add the initial closures to the collision world without restricted zones."""

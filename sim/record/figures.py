@@ -84,6 +84,7 @@ def _may_touch(trial: Scenario) -> bool:
 _of_orders = partial(SummaryFigure, only=_has_orders)
 _of_vehicles = partial(SummaryFigure, only=_has_vehicles)
 _of_machines = partial(SummaryFigure, only=_may_collide)
+_of_fields = partial(SummaryFigure, only=attrgetter("fields"))
 _of_bodies = partial(SummaryFigure, only=_may_touch)
 _of_faulty_parts = partial(
     SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_faulty_parts
@@ -348,6 +349,35 @@ FIGURES: dict[str, SummaryFigure] = {
             meaning="duration of protective stops, all machines",
             unit="s",
             events=(events.ProtectiveStop, {}),
+            measure="rare",
+        ),
+        _of_fields(
+            path="field_stops",
+            of=lambda run: run.of_all_fields("field_stops"),
+            label="field stops",
+            meaning="stops by protective fields, all machines",
+            words=words.plain,
+            events=(events.FieldStop, {}),
+            measure="rare",
+        ),
+        _of_fields(
+            path="field_stop_time",
+            of=lambda run: run.of_all_fields("field_stop_time"),
+            label="field stop time",
+            meaning="duration of these stops, all machines",
+            unit="s",
+            words=words.seconds,
+            events=(events.FieldStop, {}),
+            measure="rare",
+        ),
+        _of_fields(
+            path="field_slow_time",
+            of=lambda run: run.of_all_fields("field_slow_time"),
+            label="slow for warning fields",
+            meaning="time at warning speed without stops, all machines",
+            unit="s",
+            words=words.seconds,
+            events=(events.FieldSlowdown, {}),
             measure="rare",
         ),
         _of_bodies(

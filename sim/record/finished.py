@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -19,6 +19,7 @@ from ..core.body import Category, Machine
 from ..core.scenario import Scenario
 from ..people.person import Person
 from ..safety.approaches import Approach, approaches
+from ..safety.fields.guard import FieldGuard
 from ..safety.margins import (
     Encountered,
     Margin,
@@ -64,6 +65,7 @@ class Finished:
     referee: Referee
     motions: Mapping[str, Motion]
     work: Mapping[str, Any]
+    guards: Mapping[str, FieldGuard] = field(default_factory=dict)
     collisions: int = 0
     deadlocks: int = 0
     people_too_near: int = 0
@@ -283,6 +285,15 @@ class Finished:
                 message = f"expected a dict, found {found[name]!r}"
                 raise UserError(f"the figures of the machine {name!r}: {message}")
         return found
+
+    @cached_property
+    def of_fields(self) -> dict[str, dict[str, float]]:
+        """The figures of protective fields, by the name of the machine."""
+        return {name: guard.figures for name, guard in self.guards.items()}
+
+    def of_all_fields(self, figure: str) -> float:
+        """Return a figure of protective fields, all machines together."""
+        return sum(figures[figure] for figures in self.of_fields.values())
 
     def of_robots(self, figure: str) -> Any:
         """Return a figure of robots, all of them together."""

@@ -24,10 +24,11 @@ from floorplan.checks import polygon_fault
 from floorplan.files.fields import LARGEST
 from floorplan.files.problems import field_name
 from floorplan.model import LEFT_OUT_IF_EMPTY
-from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
+from navigation import ApproachLaw, FieldSet, FixedDistance, IntegralLaw, Scaled, SeparationLaw
 
 from ..core.body import MachineShape
 from ..core.entries import Pose
+from ..core.fields import MachineFields, keys_of_set
 from ..core.recorder import Figure, Scene
 from ..core.rules import Notice, RuleSet
 from ..machines.kinds import machines_on
@@ -68,6 +69,7 @@ OPTIONAL = (
     "between_people",
     "reactions",
     "outline",
+    "fields",
 )
 """Fields of floors, scenes and rule sets that are left out where they are empty."""
 
@@ -106,6 +108,7 @@ class _SceneFile(BaseModel):
     machines: tuple[MachineShape, ...] | None = None
     passing: tuple[Obstacle, ...] = ()
     controller: str = ""
+    fields: dict[str, MachineFields] = {}
 
 
 def write_scene(scene: Scene) -> str:
@@ -154,6 +157,7 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
         machines=machines_on(scene.floorplan) if scene.machines is None else scene.machines,
         passing=scene.passing,
         controller=scene.controller,
+        fields=scene.fields,
     )
 
 
@@ -167,6 +171,8 @@ def _plain(value: Any) -> Any:
             return {"form": kind.__name__, **_fields(value)}
         own = isinstance(value, OwnLaw)
         return {"form": value.name if own else f"{kind.__module__}:{kind.__qualname__}"}
+    if isinstance(value, FieldSet):
+        return keys_of_set(value)
     if is_dataclass(value):
         return _fields(value)
     if isinstance(value, dict):

@@ -24,9 +24,13 @@ def summarise(run: Finished) -> dict[str, Any]:
         person.name: {path.removeprefix(PEOPLE): of(run, person) for path, of in own.items()}
         for person in run.people
     }
-    if run.trial.machines:
+    if run.trial.machines or run.trial.fields:
         summary["machines"] = {
-            name: {"kind": machine.shape.kind, **run.of_machines[name]}
+            name: {
+                "kind": machine.shape.kind,
+                **run.of_machines[name],
+                **run.of_fields.get(name, {}),
+            }
             for name, machine in run.machines.items()
         }
     figures: dict[str, Any] = rounded(summary)

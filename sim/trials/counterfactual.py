@@ -40,6 +40,7 @@ def counterfactual_of(trial: Trial, started: Mapping[str, float | None]) -> Tria
         agvs={},
         yielding=frozenset(),
         machines={},
+        fields={},
         blackouts=(),
         commands=tuple(one for one in trial.commands if not (one.hold or one.release)),
     )

@@ -86,12 +86,12 @@ def summary_fields(trial: Scenario) -> dict[str, SummaryField]:
 
 
 def machine_field(key: str, trial: Scenario) -> SummaryField | None:
-    """Return the figure `machines.NAME.FIGURE`, if `trial` has a machine of that name to add.
+    """Return the figure `machines.NAME.FIGURE` of a machine that is added or has fields.
 
     Which figures a machine has is up to its kind.
     """
     path = tuple(key.split("."))
-    if len(path) != 3 or path[0] != "machines" or path[1] not in trial.machines:
+    if len(path) != 3 or path[0] != "machines" or path[1] not in {*trial.machines, *trial.fields}:
         return None
     return SummaryField(SummaryFigure(path=key), path, path[1])
 

@@ -22,6 +22,7 @@ from floorplan.files.fields import Flag, NotNegative, Number, Range, Strictly, w
 from floorplan.files.problems import Written, suggestion
 
 from ..core.entries import COMMANDS, UNSIGNED, Blackout, Command, SignOff
+from ..core.fields import MachineFields
 from ..core.rules import PAPER
 from ..core.scenario import (
     ASSUMED,
@@ -232,6 +233,7 @@ class TrialKeys(Strictly):
     gantry: GantryEntry = GantryEntry()
     agvs: dict[str, AgvKeys] = {}
     machines: dict[Name, dict[str, Any]] = {}
+    fields: dict[str, MachineFields] = {}
     ariac: str | None = None
     until_submitted: Flag | None = None
     begins: Annotated[Number, BeforeValidator(time_of_day)] = 0.0

@@ -58,6 +58,8 @@ class Trial(Scenario):
         Module beside the trial with internal actions for all people.
     machines : dict of str to MachineEntry, optional
         Machines that are not in the floorplan.
+    fields : dict of str to MachineFields, optional
+        Protective fields by the name of the machine.
     expect : dict, optional
         Expectations, as in a trial file.
     folder : Path, optional

@@ -16,10 +16,11 @@ import floorplan
 from floorplan import Obstacle, UserError
 from floorplan.files.documents import yaml_text
 from floorplan.plan import floor_keys, obstacle_keys
-from navigation import Motion
+from navigation import FieldSet, Motion
 from navigation.catalog import PlannerChoice
 
 from ..core.entries import Command, Start, Workload
+from ..core.fields import keys_of_set
 from ..core.scenario import USUAL_PLANNER, Job, PersonalityChange, PersonEntry, Scenario
 from ..core.schedule import Duration, TimedObstacle
 from ..core.stage import MachineEntry
@@ -124,6 +125,8 @@ def _value(value: Any, trial: Scenario) -> Any:
     match value:
         case Job() | Duration():
             return value.written()
+        case FieldSet():
+            return keys_of_set(value)
         case Motion():
             raise UserError(
                 f"the trial {trial.name!r} can't be written: a recorded motion came from no file"

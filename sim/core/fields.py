@@ -1,0 +1,173 @@
+"""Protective fields of a machine in a trial: field sets, response, restart and muting."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, Field, model_validator
+from shapely.geometry import Polygon
+
+from floorplan import UserError
+from floorplan.checks import polygon_fault
+from floorplan.files.fields import LARGEST, Flag, Judged, Keyed, NotNegative, Pair, Positive
+from floorplan.files.problems import Fault, Written
+from navigation import FieldSet, ProtectiveFields
+
+from .schedule import Interval
+
+LEAST_DELAY = 0.01
+"""Seconds. Minimum restart delay: a machine that restarts at once would stop at once again."""
+
+SLIGHT = 1e-6
+"""Metres. A warning field may be smaller than the protective field by no more than that."""
+
+
+def _polygon(corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    if fault := _corner_fault(corners):
+        raise UserError(fault)
+    return corners
+
+
+def _corner_fault(corners: tuple[tuple[float, float], ...]) -> str:
+    if len(corners) < 3:
+        return f"must have 3 corners or more, not {len(corners)}"
+    return polygon_fault(Polygon(corners))
+
+
+def _not_falling(pair: tuple[float, float]) -> tuple[float, float]:
+    if pair[0] > pair[1]:
+        raise UserError(f"must be [low, high] with low <= high, found {list(pair)}")
+    return pair
+
+
+_Corners = Annotated[tuple[Pair, ...], AfterValidator(_polygon)]
+
+_Range = Annotated[Pair, AfterValidator(_not_falling)]
+
+_ANY = (-math.inf, math.inf)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldSetKeys(Keyed):
+    """Keys of a field set in a file: see `navigation.FieldSet`."""
+
+    name: Annotated[str, Field(min_length=1)]
+    protective: _Corners
+    warning: _Corners = ()
+    linear: _Range = _ANY
+    theta: _Range = _ANY
+    direction: _Range | None = None
+    load: Flag | None = None
+
+    def value(self) -> FieldSet:
+        """Return the field set."""
+        return FieldSet(**vars(self))
+
+
+_Set = Annotated[FieldSet, Written(Annotated[FieldSetKeys, AfterValidator(FieldSetKeys.value)])]
+
+
+def keys_of_set(one: FieldSet) -> dict[str, Any]:
+    """Return the keys of a field set in a file. Those with their defaults are omitted."""
+    keys: dict[str, Any] = {"name": one.name}
+    for key in ("linear", "theta"):
+        low, high = getattr(one, key)
+        if (low, high) != _ANY:
+            keys[key] = [max(low, -LARGEST), min(high, LARGEST)]
+    if one.direction is not None:
+        keys["direction"] = [*one.direction]
+    if one.load is not None:
+        keys["load"] = one.load
+    keys["protective"] = [[*corner] for corner in one.protective]
+    if one.warning:
+        keys["warning"] = [[*corner] for corner in one.warning]
+    return keys
+
+
+@dataclass(frozen=True)
+class Muting(Keyed):
+    """Muting of the fields of a machine: they are ignored meanwhile.
+
+    Parameters
+    ----------
+    zones : tuple of str, optional
+        Names of zones of the floor in which the axis of the machine must be.
+    times : tuple of (float, float), optional
+        Time spans in seconds.
+    """
+
+    zones: tuple[str, ...] = ()
+    _: KW_ONLY
+    times: tuple[Interval, ...] = ()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_zones(cls, value: Any) -> Any:
+        return {"zones": value} if isinstance(value, list | tuple) else value
+
+
+def _long_enough(seconds: float) -> str:
+    return "" if seconds >= LEAST_DELAY else f"must be at least {LEAST_DELAY} s, not {seconds:g}"
+
+
+def _delay(seconds: float) -> float:
+    if fault := _long_enough(seconds):
+        raise UserError(fault)
+    return seconds
+
+
+@dataclass(frozen=True, kw_only=True)
+class MachineFields(Keyed):
+    """Protective fields of a machine, which stop and slow it below its controller.
+
+    Parameters
+    ----------
+    sets : tuple of navigation.FieldSet
+        Field sets in the order of their priority.
+    response_time : float, optional
+        Time in seconds from the intrusion to the begin of braking.
+    restart_delay : float, optional
+        Time in seconds for which the fields must be free before the machine continues.
+    warning_speed : float, optional
+        Top speed in m/s while the warning field is occupied.
+    muting : Muting, optional
+        Zones and time spans in which the fields are muted.
+    """
+
+    sets: Annotated[tuple[_Set, ...], Field(min_length=1)]
+    response_time: NotNegative = 0.2
+    restart_delay: Annotated[Positive, AfterValidator(_delay), Judged(_long_enough)] = 2.0
+    warning_speed: Positive = 0.3
+    muting: Muting = Muting()
+
+    @cached_property
+    def protective(self) -> ProtectiveFields:
+        """The field sets with the response time. `UserError` if they do not fit together."""
+        return ProtectiveFields(sets=self.sets, response_time=self.response_time)
+
+    @property
+    def reach(self) -> float:
+        """Largest distance in metres of a corner from the axis of the machine."""
+        return max(
+            math.hypot(*corner) for one in self.sets for corner in (*one.protective, *one.warning)
+        )
+
+    def faults(self) -> Iterator[Fault]:
+        """Yield what can't be about the sets: each message with its key."""
+        try:
+            self.protective  # noqa: B018 - refuses sets that don't fit together
+        except UserError as why:
+            yield str(why), ("sets",)
+        for k, one in enumerate(self.sets):
+            if one.warning:
+                inner, outer = Polygon(one.protective), Polygon(one.warning)
+                if not outer.buffer(SLIGHT).covers(inner):
+                    message = "does not contain the protective field; it must, to slow first"
+                    yield message, ("sets", k, "warning")
+        for k, (begin, end) in enumerate(self.muting.times):
+            if begin >= end:
+                yield f"ends before it begins: {begin:g} to {end:g} s", ("muting", "times", k)

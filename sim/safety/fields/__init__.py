@@ -1,0 +1,1 @@
+"""Protective fields: the safety function below every controller that stops and slows machines."""

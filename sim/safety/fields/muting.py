@@ -1,0 +1,68 @@
+"""Muting of the fields of a machine: when its axis is in a zone, and time spans."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from shapely.geometry import Polygon
+
+from floorplan import Zone
+from navigation import FieldSet, Motion, ProtectiveFields, intrusions, standing
+
+from ...core.body import Body
+from ...core.clock import Alarm, Turn
+from ...core.schedule import Interval, within
+from .watch import MOMENT
+
+POINT = 1e-9
+"""Metres. Radius of the axis of a machine."""
+
+
+class MutingWatch:
+    """Calls `changed` when the muting of fields begins and ends; `active` says whether it lasts."""
+
+    def __init__(
+        self,
+        body: Body,
+        zones: Iterable[Zone],
+        times: tuple[Interval, ...],
+        changed: Callable[[], None],
+    ) -> None:
+        self.active = False
+        self._body = body
+        self._clock = body.clock
+        # A zone about the axis is what a field about a person is: a polygon at rest.
+        self._areas = [_area(zone.area) for zone in zones]
+        self._times = times
+        self._changed = changed
+        self._alarm = Alarm(body.clock, self.reconsider, Turn.VIOLATION)
+
+    def reconsider(self) -> None:
+        """Compute whether it is active and when that changes; called for each new motion."""
+        now, motion = self._clock.now, self._body.motion
+        active = within(self._times, now)
+        changes = [t for span in self._times for t in span if t > now]
+        for area in self._areas:
+            end = max(now, motion.end) + 1.0
+            for begin, until in _inside(area, motion, now, end):
+                active = active or begin <= now + MOMENT < until
+                changes += [t for t in (begin, until) if now + MOMENT < t < end]
+        self._alarm.set(min(changes, default=None))
+        if active != self.active:
+            self.active = active
+            self._changed()
+
+
+def _area(polygon: Polygon) -> ProtectiveFields:
+    corners = tuple(polygon.exterior.coords[:-1])
+    return ProtectiveFields(sets=(FieldSet(name="zone", protective=corners),))
+
+
+def _inside(
+    area: ProtectiveFields, motion: Motion, begin: float, end: float
+) -> list[tuple[float, float]]:
+    """Return when a motion is within an area, seconds."""
+    return [
+        (one.begin, one.end)
+        for one in intrusions(area, standing((0.0, 0.0)), motion, POINT, begin, end)
+    ]

@@ -1,0 +1,95 @@
+"""Watch on one person in the fields of one machine: which of them are occupied, and until when."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from navigation import FixedDistance, TooClose, intrusions
+
+from ...core.clock import Alarm, Turn
+from ...core.fields import MachineFields
+from ..monitors import Pair
+
+MOMENT = 1e-8
+"""Seconds. A field that is occupied for less is not: instants are exact to less than that."""
+
+BEYOND = 1e-3
+"""Metres beyond the reach of all fields from which on only the distance is watched."""
+
+
+class FieldWatch:
+    """Calls `changed` when a person enters or leaves fields of a machine.
+
+    `occupied` has the set of fields by which each field became occupied. While the fields are
+    muted, none is.
+    """
+
+    # Most people are far from most machines. As long as they are beyond the reach of all fields,
+    # only the distance is watched: the polygons count once they come within it.
+
+    def __init__(
+        self,
+        pair: Pair,
+        fields: MachineFields,
+        radius: float,
+        changed: Callable[[FieldWatch, dict[str, str]], None],
+    ) -> None:
+        self.pair = pair
+        self.occupied: dict[str, str] = {}
+        self._fields = fields.protective
+        self._radius = radius
+        self._reach = fields.reach + radius
+        self._near = TooClose(FixedDistance(self._reach))
+        self._changed = changed
+        self._muted = False
+        self._alarm = Alarm(pair.clock, self.reconsider, Turn.VIOLATION)
+
+    @property
+    def person(self) -> str:
+        """Name of the person."""
+        return self.pair.person.name
+
+    def mute(self, muted: bool) -> None:
+        """Mute the fields, or end that."""
+        self._muted = muted
+        self.reconsider()
+
+    def reconsider(self) -> None:
+        """Compute what is occupied and when that changes; called whenever a motion changes."""
+        if self._muted:
+            self._become({}, None)
+        elif self.pair.distance() > self._reach + BEYOND:
+            self._become({}, self.pair.first_time(self._near))
+        else:
+            self._become(*self._in_reach())
+
+    def _in_reach(self) -> tuple[dict[str, str], float | None]:
+        """Return the occupied fields with their sets, and when one changes next (seconds)."""
+        pair, now = self.pair, self.pair.clock.now
+        person, machine = pair.motions
+        end = max(now, pair.horizon())
+        occupied: dict[str, str] = {}
+        until: dict[str, float] = {}
+        change = math.inf
+        for one in intrusions(
+            self._fields, machine, person, self._radius, now, end, pair.machine.loaded
+        ):
+            if one.end <= now + MOMENT:
+                continue
+            if one.begin <= until.get(one.field, now) + MOMENT:
+                # Where another set takes over, the person goes on occupying the field.
+                occupied.setdefault(one.field, one.set)
+                until[one.field] = max(one.end, until.get(one.field, now))
+            elif one.field not in occupied:
+                change = min(change, one.begin)
+        # One that lasts to the horizon lasts for good, unless somebody changes course.
+        change = min([change, *(t for t in until.values() if t < end)])
+        return occupied, None if change == math.inf else change
+
+    def _become(self, occupied: dict[str, str], change: float | None) -> None:
+        self._alarm.set(change)
+        before = self.occupied
+        if occupied.keys() != before.keys():
+            self.occupied = {field: before.get(field, name) for field, name in occupied.items()}
+            self._changed(self, before)
