@@ -11,21 +11,29 @@ import numpy as np
 from ..core.body import MachineShape
 from ..core.recorder import Event
 from ..machines.gantry.robot import GANTRY
+from ..machines.kinds import KINDS
 from ..safety.margins import moving_spans
 from .outcome import Outcome
 from .sampling import Span
+
+UNRECORDED = "not recorded"
+"""Cause of a standstill of a custom machine without another one."""
 
 CAUSES_OF_STOPS = {
     "penalty": "disabled as a penalty",
     "malfunction": "disabled by a malfunction of the trial",
     "hold": "held by a command",
     "protective stop": "stopped by the rules, for a person",
+    "protective field": "stopped by its protective field, for a person",
+    "warning field": "can't drive slowly enough for a person in its warning field",
+    "blackout": "stopped as its protective fields are blind",
+    "no field set": "stopped at a velocity without protective field",
     "people": "waits at its own decision, to keep the distance to a person",
-    "blocked": "waits before what closes its lane",
+    "blocked": "waits before what closes its lane or its route",
     "job wait": "waits as a job of the trial says",
     "job": "stands in a job: it handles a part, or its place is out of reach",
     "nothing to do": "has no job, or no move under way",
-    "not recorded": "a custom machine, which records no causes",
+    UNRECORDED: "a custom machine, which records no causes",
 }
 """Causes of standing still, the first that holds, and their meanings."""
 
@@ -112,8 +120,11 @@ class _State:
     disabled: tuple[str, str] | None = None
     held: bool = False
     stopped_for: str | None = None
+    by_fields: tuple[str, str] | None = None
+    slow_for: str | None = None
     yields_to: str | None = None
     blocked: tuple[str, float] | None = None
+    has_route: bool = True
     jobs: set[JobKey] = field(default_factory=set)
 
     def cause(self) -> tuple[str, str]:
@@ -124,10 +135,16 @@ class _State:
             return "hold", ""
         if self.stopped_for is not None:
             return "protective stop", self.stopped_for
+        if self.by_fields is not None:
+            return self.by_fields
         if self.yields_to is not None:
             return "people", self.yields_to
         if self.blocked is not None:
             return "blocked", self.blocked[0]
+        if not self.has_route:
+            return "blocked", ""
+        if self.slow_for is not None and self.otherwise == UNRECORDED:
+            return "warning field", self.slow_for
         if self.jobs:
             return ("job wait" if any(job[0] == "wait" for job in self.jobs) else "job"), ""
         return self.otherwise, ""
@@ -147,8 +164,20 @@ class _State:
                 self.stopped_for = event["person"]
             case "protective_stop_ended":
                 self.stopped_for = None
+            case "field_stop":
+                by_person = event["cause"] == "intrusion"
+                cause = "protective field" if by_person else event["cause"]
+                self.by_fields = cause, event.get("person", "")
+            case "field_stop_ended":
+                self.by_fields = None
             case "gantry_yielded" | "agv_yielded":
                 self.yields_to = event["person"]
+            case "field_slowdown":
+                self.slow_for = event["person"]
+            case "field_slowdown_ended":
+                self.slow_for = None
+            case "machine_blocked":
+                self.has_route = False
             case "agv_blocked":
                 self.blocked = event["by"], event["at"]
             case "agv_moved":
@@ -183,12 +212,12 @@ def _times(
     run: Outcome, machine: MachineShape, log: list[tuple[Event, str]], ordered: bool
 ) -> MachineTimes:
     since, end = run.presence[machine.name]
-    spans = moving_spans(run.motions[machine.name])
+    spans = moving_spans(run.motions[machine.name], turning=machine.kind == "amr")
     log = [(e, who) for e, who in log if _leads_to_a_stop(run, machine.name, e, spans)]
     moves = [(max(a, since), min(b, end)) for a, b in spans if b > since and a < end]
     kinds = {event["kind"] for event, _ in log}
     worked = ordered or not kinds.isdisjoint(("job_started", "gantry_yielded"))
-    otherwise = "nothing to do" if machine.kind in ("gantry", "agv") else "not recorded"
+    otherwise = "nothing to do" if machine.kind in KINDS else UNRECORDED
     done = [e for e, _ in log if e["kind"] == "job_done" and e["t"] >= since]
     stops = [*_joined(_stops(_State(otherwise), log, moves, since, end))]
     return MachineTimes(
@@ -199,7 +228,7 @@ def _times(
             ((stop.cause, stop.who), 1, stop.end - stop.begin) for stop in stops if stop.who
         ),
         jobs_done=len(done),
-        had_jobs=machine.category == "robot" and worked,
+        had_jobs=machine.kind != "agv" and worked,
     )
 
 
@@ -233,6 +262,7 @@ def _stops(
             state.take(*following)
             following = next(events)
         state.yields_to = None
+        state.has_route = True
         at = until
 
 
@@ -275,11 +305,23 @@ _OF_GANTRIES = (
 """Kinds of events that leave out the name of the floor's own gantry."""
 
 
+_OF_MACHINES = (
+    "protective_stop",
+    "protective_stop_ended",
+    "field_stop",
+    "field_stop_ended",
+    "field_slowdown",
+    "field_slowdown_ended",
+    "machine_blocked",
+)
+"""Kinds of events that always name their machine."""
+
+
 def _machine_of(event: Event) -> str:
     """Return the machine that an event is about, or an empty text."""
     if event["kind"] in _OF_GANTRIES:
         return str(event.get("machine", GANTRY))
-    if event["kind"] in ("protective_stop", "protective_stop_ended"):
+    if event["kind"] in _OF_MACHINES:
         return str(event["machine"])
     if event["kind"] == "commanded":
         return str(event.get("hold") or event.get("release") or "")

@@ -118,11 +118,17 @@ def _least(one: Encountered, spans: Sequence[Span]) -> Margin:
     return Margin(margin, time, one.person, one.machine)
 
 
-def moving_spans(motion: Motion, begin: float = -math.inf, end: float = math.inf) -> list[Span]:
-    """Return from when to when (seconds) a machine moves without a stop, within a span."""
+def moving_spans(
+    motion: Motion, begin: float = -math.inf, end: float = math.inf, *, turning: bool = False
+) -> list[Span]:
+    """Return from when to when (seconds) a machine moves without a stop, within a span.
+
+    With `turning`, it also moves while it turns on the spot.
+    """
     found: list[Span] = []
     for piece in motion.pieces_from(begin, end):
-        if not piece.moves or piece.end <= begin:
+        moves = piece.moves or (turning and not piece.stands)
+        if not moves or piece.end <= begin:
             continue
         since, until = max(piece.begin, begin), min(piece.end, end)
         if found and found[-1][1] == since:

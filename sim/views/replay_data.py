@@ -11,6 +11,7 @@ from navigation import Piece, SeparationLaw
 from navigation.separation import AnyLaw, required_at_speeds
 
 from ..core.body import MachineShape
+from ..core.fields import MachineFields
 from ..core.recorder import rounded
 from ..core.rules import RuleSet
 from ..machines.kinds import rails_under
@@ -118,7 +119,11 @@ def _bodies(run: Outcome) -> list[dict[str, Any]]:
         }
         for person in run.scene.people
     ]
-    return people + [_machine(machine, run.floorplan) for machine in run.scene.machines]
+    fields = run.scene.fields
+    return people + [
+        _machine(machine, run.floorplan) | _fields(fields.get(machine.name))
+        for machine in run.scene.machines
+    ]
 
 
 def _machine(machine: MachineShape, plan: Floorplan) -> dict[str, Any]:
@@ -133,6 +138,25 @@ def _machine(machine: MachineShape, plan: Floorplan) -> dict[str, Any]:
         "bottom": machine.bottom,
         "top": machine.top,
         **(_heights(rails) if rails is not None else {}),
+    }
+
+
+def _fields(fields: MachineFields | None) -> dict[str, Any]:
+    """Return the field sets of a machine; None is an open end of a range."""
+    if fields is None:
+        return {}
+    return {
+        "fields": [
+            {
+                "name": one.name,
+                "linear": [x if math.isfinite(x) else None for x in one.linear],
+                "theta": [x if math.isfinite(x) else None for x in one.theta],
+                "direction": one.direction,
+                "protective": one.protective,
+                "warning": one.warning,
+            }
+            for one in fields.sets
+        ]
     }
 
 
