@@ -138,7 +138,7 @@ class MachineFields(Keyed):
         Zones and time spans in which the fields are muted.
     """
 
-    sets: Annotated[tuple[_Set, ...], Field(min_length=1)]
+    sets: tuple[_Set, ...]
     response_time: NotNegative = 0.2
     restart_delay: Annotated[Positive, AfterValidator(_delay), Judged(_long_enough)] = 2.0
     warning_speed: Positive = 0.3

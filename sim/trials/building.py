@@ -28,6 +28,7 @@ from ..people.crowd.custom_steering import BASELINES
 from ..people.programs import load_program, modules_of
 from .checks import faults
 from .feasibility import people_fault
+from .field_checks import field_slips
 from .keys import TrialKeys, begins_in, commanded
 from .rules_file import build_rules
 from .writing import out_of_reach
@@ -90,6 +91,7 @@ def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
     faults = [*_laws(trial, document.data.get("rules")), *_places(trial, document.data)]
     entries = document.data.get("people") or ()
     faults += [*_sinks(trial, entries), *_speeds(entries), *_far_laws(trial), *_sampling(trial)]
+    faults += [(message, ("fields", *place)) for message, place in field_slips(trial)]
     return tuple(document.problem(message, *place) for message, place in faults)
 
 

@@ -46,6 +46,7 @@ from .feasibility import (
     obstacle_faults,
     person_faults,
 )
+from .field_checks import field_faults
 from .names import (
     agvs,
     checked_name,
@@ -56,7 +57,6 @@ from .names import (
     parts,
     people,
     stations,
-    zones,
 )
 
 LARGEST_SEED = 2**63 - 1
@@ -152,7 +152,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         yield from closed_place_faults(trial)
     yield from _floor_faults(trial)
     yield from _below(machine_faults(trial), "machines")
-    yield from _below(_field_faults(trial), "fields")
+    yield from _below(field_faults(trial), "fields")
     yield from _below(expectation_problems(trial), "expect")
     submits = trial.workload is not None or any(job.kind == "submit" for job in trial.gantry.jobs)
     if trial.until_submitted and not submits:
@@ -359,16 +359,6 @@ def _planner_faults(choice: PlannerChoice, trial: Scenario, *place: str) -> Iter
 
 
 # ---- machines
-
-
-def _field_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield what can't be about the protective fields."""
-    for name, fields in trial.fields.items():
-        yield from _name_faults(name, "machine", machines(trial), name)
-        yield from _below(range_faults(fields), name)
-        yield from _below(fields.faults(), name)
-        for k, zone in enumerate(fields.muting.zones):
-            yield from _name_faults(zone, "zone", zones(trial), name, "muting", "zones", k)
 
 
 def _floor_faults(trial: Scenario) -> Iterator[Fault]:
