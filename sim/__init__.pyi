@@ -11,6 +11,7 @@ from .core.entries import (
     Start,
 )
 from .core.events import EventKind
+from .core.fields import MachineFields, Muting
 from .core.recorder import Listener
 from .core.rules import (
     PAPER,
@@ -80,8 +81,10 @@ __all__ = [
     "LiveRun",
     "Machine",
     "MachineEntry",
+    "MachineFields",
     "MachineModel",
     "MachineShape",
+    "Muting",
     "NoticingEntry",
     "OutputError",
     "PersonEntry",
