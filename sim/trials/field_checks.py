@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from floorplan import UserError
 from floorplan.files.problems import Fault
 from floorplan.files.values import range_faults
-from navigation import FieldGap, ProtectiveFields
+from navigation import FieldGap, ProtectiveFields, short_fields
 
 from ..core.fields import MachineFields
 from ..core.scenario import Scenario
 from ..core.stage import MachineModel
 from ..machines.amr.model import AmrModel
+from ..machines.field_limits import field_limits
 from ..machines.gantry.model import GantryModel
 from ..machines.kinds import models_of
 from .names import checked_name, machines, zones
@@ -40,8 +41,8 @@ def field_slips(trial: Scenario) -> Iterator[Fault]:
     models = models_of(trial, own=False) if trial.fields else {}
     for name, fields in trial.fields.items():
         if name in models:
-            for message in _gaps(fields, models[name], trial, name):
-                yield message, (name, "sets")
+            yield from ((said, (name, "sets")) for said in _gaps(fields, models[name], trial, name))
+            yield from ((said, (name, *at)) for said, at in _short(fields, models[name], trial, name))
 
 
 def _gaps(
@@ -66,6 +67,19 @@ def _gaps(
             gaps += [gap for gap in on_the_spot if gap.loaded == loaded and gap not in gaps]
         for gap in gaps:
             yield f"no field set applies to {_words(gap)}{of_load}, so the machine stops there"
+
+
+def _short(
+    fields: MachineFields, model: MachineModel, trial: Scenario, name: str
+) -> Iterator[Fault]:
+    """Yield the field sets that do not reach as far as the machine gets before it stands."""
+    limits = field_limits(model, trial.floorplan)
+    if limits is None:
+        return
+    footprint = model.shape(name, trial.floorplan).footprint((0.0, 0.0), 0.0)
+    places = {one.name: k for k, one in enumerate(fields.sets)}
+    for short in short_fields(fields.protective, footprint, limits):
+        yield str(short), ("sets", places[short.set], "protective")
 
 
 def _loads(model: MachineModel) -> tuple[bool, ...]:

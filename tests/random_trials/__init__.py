@@ -1,6 +1,6 @@
 """Random trials, and what must hold of each run: `python -m tests.random_trials --trials 1000`.
 
-A trial follows from its number alone; there are three families of them (`--family`). What must hold
+A trial follows from its number alone; there are four families of them (`--family`). What must hold
 is worked out again from the motions and events of the finished run, with shapely, NumPy and FCL,
 and without the parts that made them.
 """
@@ -10,6 +10,7 @@ from .doors import door_faults
 from .expectations import slack_faults
 from .fcl_judge import judge_faults
 from .floors import random_floor
+from .guarded import field_faults, random_trial_with_fields
 from .movement import movement_faults
 from .rules import rule_faults
 from .separation import separation_faults
@@ -33,6 +34,8 @@ CHECKS_OF_TRACKS = (separation_faults, judge_faults, slack_faults)
 
 def faults(run):
     """All that is wrong with a run, in words."""
+    if run.trial.fields:
+        return [*field_faults(run)]
     tracked = any(entry.recorded is not None for entry in run.trial.people)
     checks = CHECKS_OF_TRACKS if tracked else CHECKS
     # The rules are worked out for the machines of the floor alone.
@@ -47,5 +50,6 @@ __all__ = [
     "random_floor",
     "random_trial",
     "random_trial_with_doors",
+    "random_trial_with_fields",
     "tracked_trial",
 ]

@@ -7,9 +7,20 @@ from functools import partial
 
 import sim
 
-from . import faults, random_trial, random_trial_with_doors, tracked_trial
+from . import (
+    faults,
+    random_trial,
+    random_trial_with_doors,
+    random_trial_with_fields,
+    tracked_trial,
+)
 
-FAMILIES = {"plain": random_trial, "doors": random_trial_with_doors, "tracks": tracked_trial}
+FAMILIES = {
+    "plain": random_trial,
+    "doors": random_trial_with_doors,
+    "tracks": tracked_trial,
+    "fields": random_trial_with_fields,
+}
 
 
 def main():

@@ -10,7 +10,7 @@ from functools import cache
 from random import Random
 
 
-from shapely.geometry import Polygon
+from shapely.geometry import Point, Polygon
 
 import floorplan
 import sim
@@ -114,7 +114,10 @@ def _vehicle(random, plan, kind, taken):
     for _ in range(30):
         at = (random.uniform(west, east), random.uniform(south, north))
         pose = (*at, random.uniform(-math.pi, math.pi))
-        if all(math.dist(at, other) > 2 * away for other in taken) and _fits(plan, keys, pose):
+        apart = all(math.dist(at, other) > 2 * away for other in taken)
+        lanes = (lane.footprint(lane.locations[lane.start]) for lane in plan.lanes)
+        apart = apart and all(lane.distance(Point(at)) > away for lane in lanes)
+        if apart and _fits(plan, keys, pose):
             keys["at"] = pose
             missions = [_mission(random, plan) for _ in range(6)]
             keys["missions"] = [one for one in missions if _fits(plan, keys, pose, one)][:3]

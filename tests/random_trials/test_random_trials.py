@@ -8,7 +8,13 @@ import navigation
 import sim
 from floorplan import Door
 
-from . import faults, random_trial, random_trial_with_doors, tracked_trial
+from . import (
+    faults,
+    random_trial,
+    random_trial_with_doors,
+    random_trial_with_fields,
+    tracked_trial,
+)
 
 
 @pytest.mark.parametrize("number", range(15))
@@ -24,6 +30,18 @@ def test_nothing_is_broken_where_people_walk_as_measured(number):
 @pytest.mark.parametrize("number", range(10))
 def test_nothing_is_broken_by_doors_and_vehicles(number):
     assert faults(sim.run(random_trial_with_doors(number))) == []
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_no_vehicle_with_fields_touches_anybody(number):
+    assert faults(sim.run(random_trial_with_fields(number))) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(100, 140, 5))
+def test_no_vehicle_with_fields_touches_anybody_in_many_more(first):
+    found = {n: faults(sim.run(random_trial_with_fields(n))) for n in range(first, first + 5)}
+    assert {number: wrong for number, wrong in found.items() if wrong} == {}
 
 
 @pytest.mark.slow
