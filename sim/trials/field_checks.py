@@ -42,12 +42,12 @@ def field_slips(trial: Scenario) -> Iterator[Fault]:
     for name, fields in trial.fields.items():
         if name in models:
             yield from ((said, (name, "sets")) for said in _gaps(fields, models[name], trial, name))
-            yield from ((said, (name, *at)) for said, at in _short(fields, models[name], trial, name))
+            yield from (
+                (said, (name, *at)) for said, at in _short(fields, models[name], trial, name)
+            )
 
 
-def _gaps(
-    fields: MachineFields, model: MachineModel, trial: Scenario, name: str
-) -> Iterator[str]:
+def _gaps(fields: MachineFields, model: MachineModel, trial: Scenario, name: str) -> Iterator[str]:
     """Yield the speeds to which no field set applies, in words."""
     top = model.shape(name, trial.floorplan).top_speed
     backwards = not isinstance(model, AmrModel)

@@ -9,7 +9,6 @@ from dataclasses import replace
 from functools import cache
 from random import Random
 
-
 from shapely.geometry import Point, Polygon
 
 import floorplan
@@ -185,9 +184,7 @@ def contacts(run):
             shape, machine = run.scene.machine(name), run.motions[name]
             shapes = Shapes(person=solid, machine=(shape.box,))
             spans = moving_spans(machine, 0.0, run.duration, turning=True)
-            for begin, end in violations(
-                person, machine, TOUCH, 0.0, run.duration, shapes=shapes
-            ):
+            for begin, end in violations(person, machine, TOUCH, 0.0, run.duration, shapes=shapes):
                 during = [span for span in spans if span[0] < end and begin < span[1]]
                 if not during:
                     yield "standing", entry.name, name, begin
@@ -213,5 +210,3 @@ def field_faults(run):
     for kind, person, machine, t in contacts(run):
         if kind != "standing":
             yield f"{machine} ({kind}) and {person} touch at t = {t:.6f} s"
-
-

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+
+from floorplan import UserError
 
 from ...core.body import Machine
 from ...core.clock import Alarm, Turn
@@ -12,9 +15,9 @@ from ...core.events import (
     FieldSlowdown,
     FieldSlowdownEnded,
     FieldsMuted,
-    FieldsUnmuted,
     FieldStop,
     FieldStopEnded,
+    FieldsUnmuted,
 )
 from ...core.fields import MachineFields
 from ...core.stage import Bystander, Stage
@@ -28,6 +31,9 @@ PROTECTIVE, WARNING = "protective", "warning"
 
 INTRUSION, BLIND, NO_SET = "intrusion", "blackout", "no field set"
 """Causes of a stop: a person, sensors that see nothing, and a velocity without field set."""
+
+LATER = 1e-6
+"""Seconds. A machine that moves for longer than its stop takes drives on."""
 
 STOPPED = "protective field"
 """The reason for which a machine is held while its protective field is occupied."""
@@ -72,6 +78,8 @@ class FieldGuard:
         self._counted_until = stage.clock.now
         self._stop_time = self._slow_time = 0.0
         self._stopped = self._slow = False
+        self._stands_at = math.inf
+        """When the machine stands that is stopped, seconds."""
         self._gap = Alarm(stage.clock, self._find_gaps, Turn.VIOLATION)
         machine.body.on_change.append(self._machine_changed)
         for watch in self._watches:
@@ -103,6 +111,18 @@ class FieldGuard:
         for watch in self._watches:
             watch.reconsider()
         self._stop.stands_from(self.machine.body.motion.end)
+        if self._stopped:
+            self._require_stop()
+
+    def _require_stop(self) -> None:
+        """Raise `UserError` if the machine moves on beyond its stop."""
+        now, motion = self._clock.now, self.machine.body.motion
+        moves = any(not piece.stands for piece in motion.pieces_from(now))
+        if moves and motion.end > self._stands_at + LATER:
+            raise UserError(
+                f"the machine {self.machine.name!r} drives on at t = {now:g} s although its"
+                " protective fields stop it, which no controller can switch off"
+            )
 
     def _find_gaps(self) -> None:
         """Find out when the machine moves so that no field set applies."""
@@ -134,9 +154,7 @@ class FieldGuard:
         names = {"machine": self.machine.name, "person": watch.person}
         for field in (PROTECTIVE, WARNING):
             if field in watch.occupied and field not in before:
-                self._stage.record(
-                    FieldOccupied(**names, field=field, set_=watch.occupied[field])
-                )
+                self._stage.record(FieldOccupied(**names, field=field, set_=watch.occupied[field]))
             elif field in before and field not in watch.occupied:
                 self._stage.record(FieldFree(**names, field=field, set_=before[field]))
         self._decide(watch.person)
@@ -162,7 +180,9 @@ class FieldGuard:
         self.stops += 1
         name = self.machine.name
         self._stage.record(FieldStop(machine=name, cause=cause, person=person or None))
+        self._stands_at = math.inf
         self.machine.stand_for(STOPPED, True)
+        self._stands_at = self.machine.body.motion.end
 
     def _end_stop(self) -> None:
         self._count_time()
