@@ -368,7 +368,7 @@ class ProtectiveStopEnded(EventKind):
 
 
 class FieldOccupied(EventKind):
-    """A person enters the "protective" or the "warning" field of a machine, in a `set` of fields."""
+    """A person enters the "protective" or the "warning" field of a machine, of this `set`."""
 
     machine: _Machine
     person: _Person

@@ -120,7 +120,7 @@ def _vehicle(random, plan, kind, taken):
             keys["at"] = pose
             missions = [_mission(random, plan) for _ in range(6)]
             keys["missions"] = [one for one in missions if _fits(plan, keys, pose, one)][:3]
-            if keys["missions"]:
+            if keys["missions"] and _fits(plan, keys, pose, *keys["missions"]):
                 return keys
     return None
 
