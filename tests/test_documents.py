@@ -153,6 +153,7 @@ REFERENCE = {
         "people-among-people.md",
         "rules.md",
         "floorplan-formats.md",
+        "protective-fields.md",
     ),
     RuleForm: ("rules.md",),
     StudyKeys: ("studies.md", "search.md"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import Annotated, Any
@@ -14,16 +13,13 @@ from shapely.geometry import Polygon
 from floorplan import UserError
 from floorplan.checks import polygon_fault
 from floorplan.files.fields import LARGEST, Flag, Judged, Keyed, NotNegative, Pair, Positive
-from floorplan.files.problems import Fault, Written
+from floorplan.files.problems import Written
 from navigation import FieldSet, ProtectiveFields
 
 from .schedule import Interval
 
 LEAST_DELAY = 0.01
 """Seconds. Minimum restart delay: a machine that restarts at once would stop at once again."""
-
-SLIGHT = 1e-6
-"""Metres. A warning field may be smaller than the protective field by no more than that."""
 
 
 def _polygon(corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
@@ -155,19 +151,3 @@ class MachineFields(Keyed):
         return max(
             math.hypot(*corner) for one in self.sets for corner in (*one.protective, *one.warning)
         )
-
-    def faults(self) -> Iterator[Fault]:
-        """Yield what can't be about the sets: each message with its key."""
-        try:
-            self.protective  # noqa: B018 - refuses sets that don't fit together
-        except UserError as why:
-            yield str(why), ("sets",)
-        for k, one in enumerate(self.sets):
-            if one.warning:
-                inner, outer = Polygon(one.protective), Polygon(one.warning)
-                if not outer.buffer(SLIGHT).covers(inner):
-                    message = "does not contain the protective field; it must, to slow first"
-                    yield message, ("sets", k, "warning")
-        for k, (begin, end) in enumerate(self.muting.times):
-            if begin >= end:
-                yield f"ends before it begins: {begin:g} to {end:g} s", ("muting", "times", k)

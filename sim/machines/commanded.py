@@ -374,6 +374,11 @@ class CommandedMachine(Machine):
         ----------
         speed : float or None
             Top speed in m/s, or None to end the limit.
+
+        Returns
+        -------
+        bool
+            True.
         """
         self.drive.limit_speed(speed)
         return True

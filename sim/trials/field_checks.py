@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from shapely.geometry import Polygon
+
 from floorplan import UserError
 from floorplan.files.problems import Fault
 from floorplan.files.values import range_faults
@@ -22,15 +24,34 @@ Range = tuple[float, float]
 
 AT_REST = (0.0, 0.0)
 
+SLIGHT = 1e-6
+"""Metres. A warning field may be smaller than the protective field by no more than that."""
+
 
 def field_faults(trial: Scenario) -> Iterator[Fault]:
     """Yield what can't be about the protective fields of a trial."""
     for name, fields in trial.fields.items():
         yield from _name_faults(name, "machine", machines(trial), name)
-        for message, place in (*range_faults(fields), *fields.faults()):
+        for message, place in (*range_faults(fields), *_set_faults(fields)):
             yield message, (name, *place)
         for k, zone in enumerate(fields.muting.zones):
             yield from _name_faults(zone, "zone", zones(trial), name, "muting", "zones", k)
+
+
+def _set_faults(fields: MachineFields) -> Iterator[Fault]:
+    """Yield what can't be about the field sets and the times of muting."""
+    try:
+        fields.protective  # noqa: B018 - refuses sets that don't fit together
+    except UserError as why:
+        yield str(why), ("sets",)
+    for k, one in enumerate(fields.sets):
+        inner, outer = Polygon(one.protective), Polygon(one.warning)
+        if one.warning and not outer.buffer(SLIGHT).covers(inner):
+            message = "does not contain the protective field; it must, to slow first"
+            yield message, ("sets", k, "warning")
+    for k, (begin, end) in enumerate(fields.muting.times):
+        if begin >= end:
+            yield f"ends before it begins: {begin:g} to {end:g} s", ("muting", "times", k)
 
 
 def field_slips(trial: Scenario) -> Iterator[Fault]:

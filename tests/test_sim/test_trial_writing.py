@@ -15,6 +15,7 @@ import floorplan
 import sim
 from floorplan.building import ObstacleSchema
 from floorplan.files.problems import form_keys, forms
+from sim.core.fields import Muting
 from sim.core.schedule import DoorTimes
 from sim.machines.gantry.controllers import CONTROLLERS
 from sim.trials.keys import PersonKeys, TrialKeys
@@ -184,6 +185,20 @@ agvs:
   agv2: {yield: true, moves: [{time: 3.0, to: 2.5}]}
 machines:
   north: {kind: gantry, at: [-9.0, 1.0, 0.0], x: [-14.0, -8.0], controller: oblivious}
+fields:
+  north:
+    sets:
+    - name: slow
+      linear: [0.0, 0.5]
+      theta: [-1.0, 1.0]
+      direction: [-3.2, 3.0]
+      load: false
+      protective: [[2.0, 1.0], [-2.0, 1.0], [-2.0, -1.0], [2.0, -1.0]]
+      warning: [[3.0, 1.0], [-3.0, 1.0], [-3.0, -1.0], [3.0, -1.0]]
+    response_time: 0.1
+    restart_delay: 1.0
+    warning_speed: 0.2
+    muting: {times: [[1.0, 2.0], [4.0]]}
 until_submitted: true
 sources: {max_speed: measured here}
 counterfactual: without machines
@@ -242,6 +257,7 @@ def test_every_key_is_read_and_written(tmp_path):
     known = {(form, key) for form, key in known if key not in ObstacleSchema.model_fields}
     elsewhere = {(TrialKeys, key) for key in ("folder", "ariac", "begins", "steering", "actions")}
     elsewhere |= {(TrialKeys, "doors"), (DoorTimes, "closed"), (DoorTimes, "open")}
+    elsewhere.add((Muting, "zones"))
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
     elsewhere |= {(form, "count") for form, key in known if key == "stream"}
     # Moves that come again are written one by one.
