@@ -14,8 +14,15 @@ from shapely.geometry import Point, Polygon
 import floorplan
 import sim
 from floorplan import UserError
-from navigation import Cylinder, FixedDistance, Shapes, violations
-from navigation.field_lengths import FieldSupplements, needed_fields, stopping_reach
+from navigation import (
+    Cylinder,
+    FieldSupplements,
+    FixedDistance,
+    Shapes,
+    needed_fields,
+    stopping_reach,
+    violations,
+)
 from navigation.machines import AxisLimits
 from sim.safety.margins import moving_spans
 
@@ -161,13 +168,7 @@ def _sets(size, drive, speed, acceleration, response):
         )
         sets += [one for one in made.sets if k == 0 or one.linear[0] >= steps[k - 1]]
         sets += [one for one in made.sets if k > 0 and one.linear[1] <= -steps[k - 1]]
-    return tuple(map(_with_whole_warning, sets))
-
-
-def _with_whole_warning(one):
-    """The set with a warning field that contains its protective field."""
-    hull = Polygon(one.warning).union(Polygon(one.protective)).convex_hull
-    return replace(one, warning=tuple(hull.exterior.coords[:-1]))
+    return tuple(sets)
 
 
 def contacts(run):
