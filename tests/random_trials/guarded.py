@@ -48,6 +48,9 @@ VEHICLES = (
 
 TOUCH = FixedDistance(1e-6)
 
+LATER = 1e-6
+"""Seconds. Instants of events are rounded to less."""
+
 MOVES = 1e-3
 """m/s. A person who is slower stands."""
 
@@ -207,7 +210,32 @@ def _stopped(run, machine, t):
 
 
 def field_faults(run):
-    """Return the contacts of people with vehicles that move."""
+    """Return the contacts of people with vehicles that move, and who drives in spite of fields."""
     for kind, person, machine, t in contacts(run):
         if kind != "standing":
             yield f"{machine} ({kind}) and {person} touch at t = {t:.6f} s"
+    for event in run.events:
+        if event["kind"] != "field_occupied":
+            continue
+        name, fields = event["machine"], run.trial.fields[event["machine"]]
+        t = event["t"] + fields.response_time + LATER
+        if event["field"] == "protective" and t < run.duration and not _stopped(run, name, t):
+            yield f"{name} is not stopped at t = {t:.6f} s for {event['person']}"
+    for machine, begin, end in _stops(run):
+        motion = run.motions[machine]
+        model = sim.KINDS["amr"].read(machine, run.trial.machines[machine].keys)
+        stands = begin + model.limits.longest_stop.time + LATER
+        rest = motion.cut(stands, end).pieces if stands < end else ()
+        if any(not piece.stands for piece in rest):
+            yield f"{machine} drives in its stop from t = {begin:.6f} s"
+
+
+def _stops(run):
+    """When fields stop a machine: its name, begin and end (seconds)."""
+    since = {}
+    for event in run.events:
+        if event["kind"] == "field_stop":
+            since[event["machine"]] = event["t"]
+        elif event["kind"] == "field_stop_ended":
+            yield event["machine"], since.pop(event["machine"]), event["t"] - LATER
+    yield from ((machine, begin, run.duration) for machine, begin in since.items())

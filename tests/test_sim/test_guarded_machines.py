@@ -11,6 +11,7 @@ from small_floors import GANTRY, LANE, on_floor
 import navigation
 import sim
 from sim.record.stops import machine_times
+from sim.views.replay_data import replay_data
 
 FLOOR = """\
 boundary: [[0, 0], [30, 0], [30, 12], [0, 12]]
@@ -435,3 +436,12 @@ def test_fields_that_are_too_short_are_a_notice():
     assert {notice.field for notice in short} == {"fields.fork.sets[0].protective"}
     longer = fields.replace("[1,", "[4,").replace("[-2,", "[-4,")
     assert not [notice for notice in trial(fields=longer).notices if "short" in notice.message]
+
+
+def test_the_replay_has_the_sets_of_a_machine():
+    fields = FIELDS.replace("- name: all\n", "- name: all\n      linear: [-1.0, 1.0]\n")
+    made = replay_data(sim.run(trial(fields=fields)))
+    (fork,) = (body for body in made["bodies"] if body["name"] == "fork")
+    (one,) = fork["fields"]
+    assert (one["name"], one["linear"], one["theta"]) == ("all", [-1.0, 1.0], [None, None])
+    assert [tuple(corner) for corner in one["warning"]][0] == (4.5, 0.8)
