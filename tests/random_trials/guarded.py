@@ -5,11 +5,10 @@ added on every side.
 """
 
 import math
-from dataclasses import replace
 from functools import cache
 from random import Random
 
-from shapely.geometry import Point, Polygon
+from shapely.geometry import Point
 
 import floorplan
 import sim

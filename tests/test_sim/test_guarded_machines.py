@@ -444,4 +444,4 @@ def test_the_replay_has_the_sets_of_a_machine():
     (fork,) = (body for body in made["bodies"] if body["name"] == "fork")
     (one,) = fork["fields"]
     assert (one["name"], one["linear"], one["theta"]) == ("all", [-1.0, 1.0], [None, None])
-    assert [tuple(corner) for corner in one["warning"]][0] == (4.5, 0.8)
+    assert tuple(one["warning"][0]) == (4.5, 0.8)
