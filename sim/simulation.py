@@ -36,6 +36,7 @@ from .core.stage import Closures, Stage, Triggers
 from .machines.agv.agv import Agv
 from .machines.gantry.robot import GantryRobot
 from .machines.kinds import made_by, models_of
+from .machines.traffic.traffic import Traffic
 from .people.person import Person, speed_of, with_figures
 from .people.population import Population
 from .people.tracks.recorded_walks import RecordedWalk, recorded_walks
@@ -217,6 +218,7 @@ class Simulation(InProgress):
         self._company = Population(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self._collisions = Collisions(self._stage, self.machines.values())
+        self._traffic = Traffic(self._stage, self.machines.values())
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
 
@@ -354,6 +356,7 @@ class Simulation(InProgress):
         self.referee.close()
         for machine in self.machines.values():
             machine.close()
+        self._traffic.close()
         self._stage.record(TrialEnded(interrupted=interrupted))
         motions = {body.name: body.track() for body in self.bodies}
         distancing = self._company.distancing
@@ -368,6 +371,8 @@ class Simulation(InProgress):
                 motions=motions,
                 work=self.dispatcher.figures if self.dispatcher else {},
                 collisions=self._collisions.count,
+                waiting_times=self._traffic.waiting_times,
+                traffic_deadlocks=self._traffic.deadlocks,
                 deadlocks=self._company.deadlocks,
                 people_too_near=distancing.count if distancing else 0,
                 people_too_near_time=distancing.time if distancing else 0.0,

@@ -218,7 +218,7 @@ class CommandedMachine(Machine):
         return self._command(self.drive.stop())
 
     def stopping(self, state: State, t: float) -> Motion:
-        """Return the fastest stop without moving.
+        """Return the fastest stop without moving the machine.
 
         Parameters
         ----------

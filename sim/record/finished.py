@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -65,6 +65,9 @@ class Finished:
     motions: Mapping[str, Motion]
     work: Mapping[str, Any]
     collisions: int = 0
+    waiting_times: Mapping[str, float] = field(default_factory=dict)
+    """How long each machine that may meet others has waited for them (s)."""
+    traffic_deadlocks: int = 0
     deadlocks: int = 0
     people_too_near: int = 0
     people_too_near_time: float = 0.0
@@ -282,6 +285,8 @@ class Finished:
             if not isinstance(found[name], dict):
                 message = f"expected a dict, found {found[name]!r}"
                 raise UserError(f"the figures of the machine {name!r}: {message}")
+            if name in self.waiting_times:
+                found[name] = {**found[name], "waiting_time": self.waiting_times[name]}
         return found
 
     def of_robots(self, figure: str) -> Any:

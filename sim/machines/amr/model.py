@@ -28,6 +28,9 @@ from .drive import floor_of
 from .missions import Mission
 from .shape import Chassis
 
+STAY = ("parked", "external")
+"""Controllers of vehicles that do not move without a command."""
+
 MOST_RATE = 100.0
 """Hz. Highest rate at which a function is called."""
 
@@ -53,6 +56,7 @@ class AmrModel(MachineModel):
     rate: Positive | None = None
     missions: tuple[Mission, ...] = ()
     every: Positive | None = None
+    priority: int = 0
     repeat: Flag = False
 
     category = "vehicle"
@@ -99,6 +103,8 @@ class AmrModel(MachineModel):
             missions=self.missions,
             every=self.every,
             repeat=self.repeat,
+            priority=self.priority,
+            makes_way=self.controller not in STAY,
             controller=program(self.controller, self.rate, stage.code_folder),
         )
 

@@ -1,0 +1,40 @@
+"""Who waits for whom, and circles of machines that wait for each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from .areas import Area
+
+T = TypeVar("T")
+
+
+@dataclass
+class Waiting(Generic[T]):
+    """The area for which a machine waits, who keeps it from it, and since when (s)."""
+
+    area: Area
+    blockers: list[T]
+    since: float
+    looks: int = 0
+    """Number of times that it has looked for another path."""
+
+
+def circle_of(one: T, waits_for: Mapping[T, Sequence[T]]) -> tuple[T, ...]:
+    """Return a shortest circle of machines that wait for each other with `one`, or none.
+
+    Each of them waits for the next one, and the last for the first.
+    """
+    paths: list[tuple[T, ...]] = [(one,)]
+    seen = {one}
+    for path in paths:
+        for other in waits_for.get(path[-1], ()):
+            if other is one:
+                return path
+            if other not in seen:
+                seen.add(other)
+                paths.append((*path, other))
+    return ()
+
