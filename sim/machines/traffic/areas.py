@@ -72,7 +72,7 @@ class Area:
 class Footprint:
     """Convex hull of a machine's footprint, `clear` metres larger, and the areas that it sweeps."""
 
-    def __init__(self, shape: MachineShape, *, clear: float = CLEAR) -> None:
+    def __init__(self, shape: MachineShape, clear: float) -> None:
         outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
         larger = shapely.buffer(outline, clear, join_style="mitre")
         corners = shapely.get_coordinates(larger)[:-1]

@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Sequence
 
+import numpy as np
+import shapely
 from shapely.geometry import Polygon
 
 from floorplan import Point
@@ -22,7 +24,7 @@ from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import MachineEvades, MachineProceeds, MachineWaiting, TrafficDeadlock
 from ...core.stage import Stage
-from .areas import Area, Footprint, is_straight, poses_on
+from .areas import CLEAR, Area, Footprint, is_straight, poses_on
 from .waiting import Waiting, circle_of
 
 PART = 1.0
@@ -36,6 +38,10 @@ BETWEEN_STOPS = 0.2
 
 RESTS = 1e-6
 """m/s and rad/s. Slower is at rest."""
+
+MARGINS = (0.05, CLEAR, 0.0)
+"""Metres. Distances that a machine keeps from the claims of others: usually, when it evades, and
+when it is nearer already."""
 
 THERE = 1e-3
 """Metres. Nearer than this is there."""
@@ -66,8 +72,10 @@ class Claimant:
         self.waiting_time = 0.0
         self._traffic = traffic
         self._clock = traffic.stage.clock
-        self._footprint = Footprint(machine.shape)
-        self._bare = Footprint(machine.shape, clear=0.0)
+        self._footprint = Footprint(machine.shape, CLEAR)
+        self._margins = [Footprint(machine.shape, clear) for clear in MARGINS]
+        self._margin = 0
+        """Which of the `MARGINS` it keeps on its present path."""
         self._course = machine.body.motion
         """The motion on which it set out last."""
         self._course_from = self._clock.now
@@ -75,6 +83,8 @@ class Claimant:
         """Machines that it lets pass at a passing place, with their goals."""
         self._aside: Point | None = None
         """The passing place to which it is under way."""
+        self._evaded_at = -math.inf
+        """When it looked for another path last. Once at each time is enough."""
         self._aside_for: Point | None = None
         """Its goal after that."""
         self._alarm = Alarm(self._clock, self._ring, Turn.MOTION_ENDS)
@@ -98,29 +108,33 @@ class Claimant:
         ahead = self._footprint.swept(self._course, begin, max(begin, self._course.end))
         return Area.of([self.claim, ahead])
 
-    def blockers(self, poses: Area, bare: Area | None = None) -> list[Claimant]:
-        """Return the machines that keep it from an area.
-
-        `bare` is the same area without a distance. It counts beside machines that are nearer.
-        """
+    def blockers(self, ahead: Sequence[Sequence[Pose]]) -> list[Claimant]:
+        """Return the machines that keep it from moving along poses."""
+        here = [ahead[0][0]]
         found = []
-        for peer in self.peers:
-            if poses.meets(peer.claim):
-                near = bare is not None and self.claim.meets(peer.claim)
-                if not near or (bare is not None and bare.meets(peer.claim)):
-                    found.append(peer)
-        if self._aside is None:
-            for other, goal in [*self._passing.items()]:
-                if other.machine.goal != goal:
-                    del self._passing[other]
-                elif other not in found and poses.meets(other.course):
-                    found.append(other)
+        for margin, footprint in enumerate(self._margins[self._margin :], self._margin):
+            area = Area.of([footprint.along(poses) for poses in ahead])
+            found = [peer for peer in self.peers if area.meets(peer.claim)]
+            if margin == self._margin:
+                found += [one for one in self._let_pass(area) if one not in found]
+            # Beside who is nearer already, a smaller distance must do.
+            if not any(footprint.along(here).meets(peer.claim) for peer in found):
+                break
         return found
+
+    def _let_pass(self, area: Area) -> list[Claimant]:
+        """Return the machines that it lets pass before it moves into an area."""
+        if self._aside is not None:
+            return []
+        changed = [one for one, goal in self._passing.items() if one.machine.goal != goal]
+        for one in changed:
+            del self._passing[one]
+        return [one for one in self._passing if area.meets(one.course)]
 
     def reconsider(self) -> None:
         """Go on if the area for which it waits is free."""
         assert self.waiting is not None
-        before, self.waiting.blockers = self.waiting.blockers, self.blockers(self.waiting.area)
+        before, self.waiting.blockers = self.waiting.blockers, self.blockers(self.waiting.ahead)
         if not self.waiting.blockers:
             self._go_on()
         elif before != self.waiting.blockers:
@@ -131,8 +145,14 @@ class Claimant:
         """Take another path, or let others pass at a passing place; return whether it can."""
         others = [one for one in others if one is not self]
         courses = [polygon for one in others for polygon in one.course.polygons]
-        evasion = self.machine.evade(self._taken(), courses) if self.rests else None
-        if evasion is None:
+        if not self.rests or self._evaded_at == self._clock.now:
+            return False
+        self._evaded_at = self._clock.now
+        for self._margin in (1, 2):
+            evasion = self.machine.evade(self.taken(MARGINS[self._margin - 1]), courses)
+            if evasion is not None:
+                break
+        else:
             return False
         self._traffic.stage.record(
             MachineEvades(machine=self.name, for_machine=others[0].name, to=evasion.aside)
@@ -147,9 +167,10 @@ class Claimant:
         if self.waiting is not None:
             self.waiting_time += self._clock.now - self.waiting.since
 
-    def _taken(self) -> list[Polygon]:
-        """Return what other machines claim."""
-        return [polygon for peer in self.peers for polygon in peer.claim.polygons]
+    def taken(self, margin: float) -> list[Polygon]:
+        """Return what other machines claim, so many metres larger."""
+        parts = [peer.claim.parts for peer in self.peers]
+        return [*shapely.buffer(np.concatenate(parts), margin, join_style="mitre")]
 
     def _go_on(self) -> None:
         assert self.waiting is not None
@@ -170,7 +191,7 @@ class Claimant:
             return
         goal = self.machine.goal
         if goal != self._aside_for:
-            self._aside, self._aside_for = None, goal
+            self._aside, self._aside_for, self._margin = None, goal, 0
             self._passing.clear()
         if goal is None or math.dist(motion.state(motion.end).at, goal) < THERE:
             self._course, self._course_from = motion, now
@@ -194,11 +215,10 @@ class Claimant:
             self._claim(self._footprint.at(here.position))
             self._alarm.set(None)
             return True
-        swept, end = self._next_part(motion, now)
-        area = swept(self._footprint)
-        if self.blockers(area) and self.blockers(area, swept(self._bare)):
+        ahead, end = self._next_part(motion, now)
+        if self.blockers(ahead):
             return False
-        self._claim(area)
+        self._claim(Area.of([self._footprint.along(poses) for poses in ahead]))
         self._alarm.set(end)
         return True
 
@@ -207,8 +227,8 @@ class Claimant:
         motion, now = self.machine.body.motion, self._clock.now
         if self.machine.is_held or motion.end <= now or self._extended():
             return
-        area = self._next_part(motion, now)[0](self._footprint)
-        self.waiting = Waiting(area, self.blockers(area), now)
+        ahead, _ = self._next_part(motion, now)
+        self.waiting = Waiting(ahead, self.blockers(ahead), now)
         self._course_from = now
         self._traffic.stage.record(
             MachineWaiting(machine=self.name, for_machine=self.waiting.blockers[0].name)
@@ -217,10 +237,8 @@ class Claimant:
         self._retry.set(self.machine.body.motion.end)
         self._traffic.changed(self)
 
-    def _next_part(
-        self, motion: Motion, now: float
-    ) -> tuple[Callable[[Footprint], Area], float]:
-        """Return what it sweeps on the next part of a motion with every stop, and its end (s)."""
+    def _next_part(self, motion: Motion, now: float) -> tuple[list[list[Pose]], float]:
+        """Return poses on the next part of a motion and on every stop, and the end of it (s)."""
         end = self._end_of_part(motion, now)
         courses = [poses_on(motion, now, end)]
         times = [end, (now + end) / 2]
@@ -229,8 +247,7 @@ class Claimant:
             count = math.ceil((end - now) / BETWEEN_STOPS)
             times = [now + (end - now) * k / count for k in range(1, count + 1)]
             stops = [self._stop(motion, t) for t in times]
-        courses += stops
-        return lambda footprint: Area.of([footprint.along(poses) for poses in courses]), end
+        return [*courses, *stops], end
 
     def _stop(self, motion: Motion, t: float) -> list[Pose]:
         """Return the poses of a stop; where that is unknown, the pose at its begin."""
@@ -262,11 +279,13 @@ class Claimant:
         self._retry.set(now + min(LONGEST, PATIENCE * 2 ** (waiting.looks - 1)))
         stand = [one for one in waiting.blockers if one.rests and one.waiting is None]
         course = self.course.polygons if stand else []
-        if any([one.machine.make_way(one._taken(), course) for one in stand]):
+        if any([one.machine.make_way(one.taken(MARGINS[1]), course) for one in stand]):
             return
-        if stand and self.rests:
+        if stand and self.rests and self._evaded_at < now:
+            self._evaded_at = now
             most = SHORT if waiting.looks == 1 else math.inf
-            if self.machine.detour(self._taken(), most):
+            if self.machine.detour(self.taken(MARGINS[0]), most):
+                self._margin = 1
                 self._traffic.stage.record(
                     MachineEvades(machine=self.name, for_machine=stand[0].name)
                 )
@@ -352,7 +371,7 @@ def _lane(machine: Machine) -> Area | None:
     if shape.direction is None or len(shape.course) != 2:
         return None
     heading = math.atan2(shape.direction[1], shape.direction[0])
-    return Footprint(shape).along([(x, y, heading) for x, y in shape.course])
+    return Footprint(shape, CLEAR).along([(x, y, heading) for x, y in shape.course])
 
 
 def _is_at_rest(motion: Motion, t: float) -> bool:

@@ -6,16 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from .areas import Area
+from ...core.entries import Pose
 
 T = TypeVar("T")
 
 
 @dataclass
 class Waiting(Generic[T]):
-    """The area for which a machine waits, who keeps it from it, and since when (s)."""
+    """The poses for which a machine waits, who keeps it from them, and since when (s)."""
 
-    area: Area
+    ahead: Sequence[Sequence[Pose]]
     blockers: list[T]
     since: float
     looks: int = 0
