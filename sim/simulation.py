@@ -218,7 +218,7 @@ class Simulation(InProgress):
         self._company = Population(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self._collisions = Collisions(self._stage, self.machines.values())
-        self._traffic = Traffic(self._stage, self.machines.values())
+        self._traffic = Traffic(self._stage, self.machines.values() if trial.traffic else ())
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
 

@@ -25,7 +25,7 @@ from ...core.entries import Pose
 from ...core.events import MachineEvades, MachineProceeds, MachineWaiting, TrafficDeadlock
 from ...core.stage import Stage
 from .areas import CLEAR, Area, Footprint, is_straight, poses_on
-from .waiting import Waiting, circle_of
+from .waiting import WaitForMachines, circle_of
 
 PART = 1.0
 """Seconds of motion that a machine claims at once, if it does not rest before."""
@@ -68,8 +68,11 @@ class Claimant:
         """Machines that it may meet."""
         self.claim: Area
         """The area that it covers until its next look."""
-        self.waiting: Waiting[Claimant] | None = None
+        self.waiting: WaitForMachines[Claimant] | None = None
         self.waiting_time = 0.0
+        state, now = machine.body.state, traffic.stage.clock.now
+        self.stops = machine.stopping(state, now) is not None
+        """Whether it is known how it stops."""
         self._traffic = traffic
         self._clock = traffic.stage.clock
         self._footprint = Footprint(machine.shape, CLEAR)
@@ -228,7 +231,7 @@ class Claimant:
         if self.machine.is_held or motion.end <= now or self._extended():
             return
         ahead, _ = self._next_part(motion, now)
-        self.waiting = Waiting(ahead, self.blockers(ahead), now)
+        self.waiting = WaitForMachines(ahead, self.blockers(ahead), now)
         self._course_from = now
         self._traffic.stage.record(
             MachineWaiting(machine=self.name, for_machine=self.waiting.blockers[0].name)
@@ -257,8 +260,7 @@ class Claimant:
 
     def _end_of_part(self, motion: Motion, now: float) -> float:
         """Return the end of the part: where it rests, or after a time."""
-        known = self.machine.stopping(motion.state(now), now) is not None
-        part = PART if known else UNKNOWN_PART
+        part = PART if self.stops else UNKNOWN_PART
         for piece in motion.pieces_from(now):
             if piece.end > now + 1.5 * part:
                 break
@@ -316,8 +318,11 @@ class Traffic:
 
     @property
     def waiting_times(self) -> dict[str, float]:
-        """How long each machine that may meet others has waited for them (s), by name."""
-        return {one.name: one.waiting_time for one in self._claimants}
+        """How long each machine that may meet others has waited for them (s), by name.
+
+        Machines whose stop is unknown have their own figures only.
+        """
+        return {one.name: one.waiting_time for one in self._claimants if one.stops}
 
     def close(self) -> None:
         """Finish at the end of the trial."""

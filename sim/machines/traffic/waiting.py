@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 @dataclass
-class Waiting(Generic[T]):
+class WaitForMachines(Generic[T]):
     """The poses for which a machine waits, who keeps it from them, and since when (s)."""
 
     ahead: Sequence[Sequence[Pose]]
