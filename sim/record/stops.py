@@ -21,6 +21,7 @@ CAUSES_OF_STOPS = {
     "hold": "held by a command",
     "protective stop": "stopped by the rules, for a person",
     "people": "waits at its own decision, to keep the distance to a person",
+    "traffic": "waits for another machine",
     "blocked": "waits before what closes its lane",
     "job wait": "waits as a job of the trial says",
     "job": "stands in a job: it handles a part, or its place is out of reach",
@@ -38,7 +39,7 @@ FASTER = 0.05
 class Standstill:
     """A time, from `begin` to `end` (s), in which a machine stood still for one `cause`.
 
-    `who` is the person for whom it began, or what was in the way, if any.
+    `who` is the person or machine for which it began, or what was in the way, if any.
     """
 
     begin: float
@@ -113,6 +114,7 @@ class _State:
     held: bool = False
     stopped_for: str | None = None
     yields_to: str | None = None
+    waits_for: str | None = None
     blocked: tuple[str, float] | None = None
     jobs: set[JobKey] = field(default_factory=set)
 
@@ -126,6 +128,8 @@ class _State:
             return "protective stop", self.stopped_for
         if self.yields_to is not None:
             return "people", self.yields_to
+        if self.waits_for is not None:
+            return "traffic", self.waits_for
         if self.blocked is not None:
             return "blocked", self.blocked[0]
         if self.jobs:
@@ -149,6 +153,10 @@ class _State:
                 self.stopped_for = None
             case "gantry_yielded" | "agv_yielded":
                 self.yields_to = event["person"]
+            case "machine_waiting":
+                self.waits_for = event["for_machine"]
+            case "machine_proceeds":
+                self.waits_for = None
             case "agv_blocked":
                 self.blocked = event["by"], event["at"]
             case "agv_moved":
