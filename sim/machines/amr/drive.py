@@ -188,7 +188,7 @@ class VehicleDrive(Drive):
         found = None if left is None else self._planned(left[0], left[-1], taken)
         if found is None or left is None or self.seconds(found) > self.seconds(left) + most:
             return False
-        self._take(found)
+        self._take(found, left[-1])
         return True
 
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
@@ -201,7 +201,7 @@ class VehicleDrive(Drive):
         found = self._by_passing_place(left[0], left[-1], taken, courses)
         if found is not None:
             there, onwards = found
-            self._take([*there, *onwards[1:]])
+            self._take([*there, *onwards[1:]], left[-1])
             return Evasion(aside=there[-1][:2])
         return Evasion() if self.detour(taken) else None
 
@@ -210,7 +210,7 @@ class VehicleDrive(Drive):
         found = self._by_passing_place(self.body.state.position, None, taken, courses)
         if found is None:
             return False
-        self._take(found[0])
+        self._take(found[0], found[0][-1])
         self.move(found[0][-1])
         return True
 
@@ -218,9 +218,10 @@ class VehicleDrive(Drive):
         """Return about how long a path takes."""
         return self.planner.seconds(poses)
 
-    def _take(self, route: list[Pose]) -> None:
+    def _take(self, route: list[Pose], target: Pose) -> None:
+        """Take a route, which ends at a target but for whole turns."""
         self.forget_route()
-        self._route, self._target = route, route[-1]
+        self._route, self._target = route, target
 
     def _by_passing_place(
         self,

@@ -25,7 +25,7 @@ from ...core.entries import Pose
 from ...core.events import MachineEvades, MachineProceeds, MachineWaiting, TrafficDeadlock
 from ...core.stage import Stage
 from .areas import CLEAR, Area, Footprint, is_straight, poses_on
-from .waiting import WaitForMachines, circle_of
+from .waiting import WaitForMachines, circle_of, leads_to
 
 PART = 1.0
 """Seconds of motion that a machine claims at once, if it does not rest before."""
@@ -343,9 +343,12 @@ class Traffic:
         circle = circle_of(among, waits_for)
         if not circle or not all(one.rests for one in circle):
             return
-        if any(one.evade(circle) for one in sorted(circle, key=lambda one: one.rank)):
-            return
-        if frozenset(circle) not in self._stuck:
+        behind = [one for one in waits_for if one not in circle and leads_to(one, circle, waits_for)]
+        for one in (*sorted(circle, key=_rank), *sorted(behind, key=_rank)):
+            if one.evade(circle):
+                return
+        assert among.waiting is not None
+        if among.waiting.looks > 1 and frozenset(circle) not in self._stuck:
             self._stuck.add(frozenset(circle))
             self.deadlocks += 1
             self.stage.record(TrafficDeadlock(machines=[one.name for one in circle]))
@@ -357,9 +360,13 @@ class Traffic:
     def _reconsider(self) -> None:
         changes, self._changes = self._changes, set()
         waiting = [one for one in self._claimants if one.waiting is not None]
-        for one in sorted(waiting, key=lambda one: one.rank, reverse=True):
+        for one in sorted(waiting, key=_rank, reverse=True):
             if one.waiting is not None and not changes.isdisjoint((one, *one.waiting.blockers)):
                 one.reconsider()
+
+
+def _rank(claimant: Claimant) -> tuple[int, int]:
+    return claimant.rank
 
 
 def _may_meet(one: Machine, other: Machine) -> bool:

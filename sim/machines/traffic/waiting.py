@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -38,3 +38,12 @@ def circle_of(one: T, waits_for: Mapping[T, Sequence[T]]) -> tuple[T, ...]:
                 paths.append((*path, other))
     return ()
 
+
+def leads_to(one: T, circle: Collection[T], waits_for: Mapping[T, Sequence[T]]) -> bool:
+    """Return whether one machine waits for one of a circle, directly or by others."""
+    found = [one]
+    for other in found:
+        if other in circle:
+            return True
+        found += [next_one for next_one in waits_for.get(other, ()) if next_one not in found]
+    return False
