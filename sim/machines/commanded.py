@@ -15,6 +15,7 @@ from navigation.motion import State
 from ..core.body import Machine, MachineShape
 from ..core.clock import Turn
 from ..core.entries import Pose
+from ..core.events import EventKind
 from ..core.recorder import Record
 from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
@@ -375,6 +376,11 @@ class CommandedMachine(Machine):
         people = self._stage.people if distance is not None else ()
         if any(math.dist(person.body.at, here) < (distance or 0.0) for person in people):
             self._came_near()
+
+    def _record_by_name(self, event: EventKind) -> None:
+        """Record an event with the name of the machine, if it has a field for it."""
+        fields = {**event.fields, "machine": self.name} if "machine" in event.forms else None
+        self._stage.record(event if fields is None else event.of(fields))
 
     def _idle_time(self, motion: Motion, now: float) -> float:
         """Return how long it neither moved, handled nor was made to stand (s).

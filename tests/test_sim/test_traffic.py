@@ -200,8 +200,7 @@ def random_trial(seed):
     machines = {}
     for k, (x, y) in enumerate(starts):
         missions = []
-        for _ in range(draw.randint(2, 4)):
-            place = draw.choice(places)
+        for place in draw.sample(places, draw.randint(2, 4)):
             missions.append(f"{{go: [{place[0]}, {place[1]}]}}, {{wait: {draw.randint(1, 20)}}}")
         turn = draw.choice((1.5708, -1.5708))
         size = draw.choice(("[1.2, 0.8]", "[0.7, 0.5]", "[1.6, 0.8]"))

@@ -16,7 +16,7 @@ from navigation.vehicles import Twist
 from ...core.body import Evasion
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
-from ...core.events import EventKind, JobDone, JobStarted, MachineBlocked
+from ...core.events import JobDone, JobStarted, MachineBlocked
 from ...core.stage import Stage
 from ..commanded import CommandedMachine, Sighting
 from ..commanding import Steps
@@ -70,11 +70,6 @@ class Amr(CommandedMachine):
         self._changed = stage.clock.event()
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
-
-    def _record_by_name(self, event: EventKind) -> None:
-        """Record an event with the name of the vehicle, if it has a field for it."""
-        fields = {**event.fields, "machine": self.name} if "machine" in event.forms else None
-        self._stage.record(event if fields is None else event.of(fields))
 
     def begin(self) -> None:
         """Let its controller begin."""

@@ -230,7 +230,7 @@ class VehicleDrive(Drive):
         taken: Sequence[Polygon],
         courses: Sequence[Polygon],
     ) -> tuple[list[Pose], list[Pose]] | None:
-        """Return the fastest path to a passing place, and from there to the goal if there is one."""
+        """Return the fastest path to a passing place, and the one from there to the goal."""
         self._put((*taken, *courses))
         places = [*itertools.islice(passing_places(self.planner, here), TRIED)]
         found = []

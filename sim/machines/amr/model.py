@@ -21,7 +21,7 @@ from ...core.body import MachineShape
 from ...core.custom_code import CodeFolder
 from ...core.entries import Pose
 from ...core.stage import MachineModel, Stage
-from ..gantry.controllers import ControllerError
+from ..controllers import ControllerError
 from .amr import Amr
 from .controllers import find_program, program
 from .drive import floor_of

@@ -15,7 +15,7 @@ from navigation import Motion
 from ...core.body import MachineShape
 from ...core.clock import MOMENT
 from ...core.entries import Pose
-from ...core.events import EventKind, JobDone, JobStarted, OrderSubmitted, PartDropped
+from ...core.events import JobDone, JobStarted, OrderSubmitted, PartDropped
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ..commanded import CommandedMachine
@@ -97,10 +97,6 @@ class GantryRobot(CommandedMachine):
         self._sites = Worksites(stage, gantry, drive)
         self._floor_changed = stage.clock.event()
         self._begin_round()
-
-    def _record_by_name(self, event: EventKind) -> None:
-        """Record an event of one of several gantries."""
-        self._stage.record(event.of({**event.fields, "machine": self.name}))
 
     def begin(self) -> None:
         """Start the controller."""

@@ -281,7 +281,7 @@ class Claimant:
         self._retry.set(now + min(LONGEST, PATIENCE * 2 ** (waiting.looks - 1)))
         stand = [one for one in waiting.blockers if one.rests and one.waiting is None]
         course = self.course.polygons if stand else []
-        if any([one.machine.make_way(one.taken(MARGINS[1]), course) for one in stand]):
+        if any(one.machine.make_way(one.taken(MARGINS[1]), course) for one in stand):
             return
         if stand and self.rests and self._evaded_at < now:
             self._evaded_at = now
@@ -343,7 +343,9 @@ class Traffic:
         circle = circle_of(among, waits_for)
         if not circle or not all(one.rests for one in circle):
             return
-        behind = [one for one in waits_for if one not in circle and leads_to(one, circle, waits_for)]
+        behind = [
+            one for one in waits_for if one not in circle and leads_to(one, circle, waits_for)
+        ]
         for one in (*sorted(circle, key=_rank), *sorted(behind, key=_rank)):
             if one.evade(circle):
                 return
