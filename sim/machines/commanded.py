@@ -218,6 +218,24 @@ class CommandedMachine(Machine):
         """
         return self._command(self.drive.stop())
 
+    def resume(self) -> Event:
+        """Start the last move again from here, for example after `stop`.
+
+        Returns
+        -------
+        Event
+            Event to yield. See `move_to`.
+
+        Raises
+        ------
+        ValueError
+            If the last command before `stop` was not a move.
+        """
+        if self.drive.last_move is None:
+            raise UserError("there is no move to resume")
+        target, speed_share = self.drive.last_move
+        return self.move_to(*target, speed_share=speed_share)
+
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop without moving the machine.
 

@@ -48,6 +48,8 @@ class Drive(ABC):
         self._stands_since = 0.0
         self._held = False
         self._commands = 0
+        self.last_move: tuple[Pose, float] | None = None
+        """Target and share of the top speeds of the last command, if that was a move."""
         self._moves: dict[Move, None] = {}
         self._replaced = clock.event()
         self._braking = clock.event()
@@ -105,6 +107,7 @@ class Drive(ABC):
         """
         motion = self.preview(target, speed_share)
         number = self.begin() if command is None else command
+        self.last_move = (target, speed_share) if command is None else None
         if not self.disabled:
             self.body.follow(motion)
 
@@ -122,6 +125,7 @@ class Drive(ABC):
         """Go along `motion`, which begins here and now; see `GantryRobot.follow`."""
         if self.disabled:
             raise UserError(f"the {self.body.kind} is disabled")
+        self.last_move = None
         move = Move(self, self.begin(), None)
         self.body.follow(motion)
         self._begin_soon(move)

@@ -32,6 +32,7 @@ from ...core.stage import Stage
 from ..commanding import Drive
 from .passing import passing_places
 from .shape import Chassis
+from .slow_zones import SlowZones
 
 LONGER = 15.0
 """Seconds that another route may take more. Otherwise a vehicle looks for a passing place."""
@@ -68,6 +69,7 @@ class VehicleDrive(Drive):
         )
         self._stage = stage
         self._shape = vehicle.shape(name)
+        self._slow = SlowZones.of(stage.floorplan.zones, self._shape)
         self._people: dict[str, Disc] = {}
         """The people whom routes avoid."""
         self._placed: set[str] = set()
@@ -119,9 +121,17 @@ class VehicleDrive(Drive):
         """Return the motion along a route, after a stop where that begins elsewhere."""
         state, (first, *left) = self.body.state, route
         if first == state.position:
-            return vehicle_path(state, left, now, limits=limits)
+            return self._path(state, left, now, limits)
         stop = self.stopping(state, now)
-        return join([stop, vehicle_path(first, left, stop.end, limits=limits)])
+        return join([stop, self._path(first, left, stop.end, limits)])
+
+    def _path(
+        self, current: State | Pose, poses: list[Pose], start: float, limits: VehicleLimits
+    ) -> Motion:
+        """Return the motion through poses, slow in zones that limit the speed."""
+        if self._slow.zones and poses:
+            return self._slow.path(current, poses, start, limits)
+        return vehicle_path(current, poses, start, limits=limits)
 
     def _from_rest(self, target: tuple[float, ...]) -> list[Pose]:
         """Return the poses to a target from where a stop ends."""
@@ -211,7 +221,7 @@ class VehicleDrive(Drive):
         if found is None:
             return False
         self._take(found[0], found[0][-1])
-        self.move(found[0][-1])
+        self.move(found[0][-1], command=self.begin())
         return True
 
     def seconds(self, poses: Sequence[Pose]) -> float:
