@@ -343,6 +343,11 @@ class Machine(InProgress, ABC):
         return TRAFFIC in self._stands_for
 
     @property
+    def only_waits(self) -> bool:
+        """Whether the machine waits for another machine, and nothing else holds it."""
+        return self._stands_for == {TRAFFIC}
+
+    @property
     def goal(self) -> Point | None:
         """Position (x, y) in metres to which the machine is under way, if it has one."""
         return None

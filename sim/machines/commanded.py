@@ -12,7 +12,7 @@ from floorplan import UserError
 from navigation import Motion
 from navigation.motion import State
 
-from ..core.body import Machine, MachineShape
+from ..core.body import TRAFFIC, Machine, MachineShape
 from ..core.clock import Turn
 from ..core.entries import Pose
 from ..core.events import EventKind
@@ -189,6 +189,8 @@ class CommandedMachine(Machine):
     def follow(self, motion: Motion) -> Event:
         """Start to follow a motion. It does not continue after the machine was disabled.
 
+        A machine that waits for another one may follow a motion that leads elsewhere.
+
         Parameters
         ----------
         motion : Motion
@@ -204,6 +206,7 @@ class CommandedMachine(Machine):
         ValueError
             If the machine is stopped.
         """
+        self._wait_no_longer()
         move = self.drive.follow(motion)
         self._interrupts.command_given()
         return move
@@ -399,6 +402,11 @@ class CommandedMachine(Machine):
         """Record an event with the name of the machine, if it has a field for it."""
         fields = {**event.fields, "machine": self.name} if "machine" in event.forms else None
         self._stage.record(event if fields is None else event.of(fields))
+
+    def _wait_no_longer(self) -> None:
+        """Let a new motion be compared with the claims of others."""
+        if self.only_waits:
+            self.stand_for(TRAFFIC, False)
 
     def _idle_time(self, motion: Motion, now: float) -> float:
         """Return how long it neither moved, handled nor was made to stand (s).

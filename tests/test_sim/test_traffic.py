@@ -161,6 +161,12 @@ def ahead(vehicle):
 
 def around(vehicle):
     return (0.6, 0.4)
+
+def back_when_it_waits(vehicle):
+    back.append(vehicle.now) if vehicle.waits else None
+    return (-0.5, 0.0) if back and vehicle.now < back[0] + 2.0 else (0.5, 0.0)
+
+back = []
 """
 
 
@@ -178,6 +184,26 @@ machines:
     found = sim.run(sim.Trial.parse(text, folder=tmp_path))
     assert found.summary["collisions"] == 0
     assert events(found, "machine_waiting")
+
+
+def test_a_function_can_leave_the_place_where_it_waits(tmp_path):
+    (tmp_path / "steering.py").write_text(STEERING)
+    text = f"""
+floorplan:
+{textwrap.indent(HALL, "  ")}
+duration: 20
+rules: observe
+machines:
+  a: {{kind: amr, at: [4, 6, 0.0], controller: "steering:back_when_it_waits", rate: 10}}
+  b: {{kind: amr, at: [8, 6, 3.1416], controller: parked}}
+"""
+    found = sim.run(sim.Trial.parse(text, folder=tmp_path))
+    assert found.summary["collisions"] == 0
+    waits, *_ = events(found, "machine_waiting")
+    proceeds, *_ = events(found, "machine_proceeds")
+    assert waits["t"] < proceeds["t"] < waits["t"] + 2.0
+    west = found.motions["a"].position(waits["t"] + 2.0)[0]
+    assert west < found.motions["a"].position(waits["t"])[0]
 
 
 def test_bad_keys_are_named():
@@ -199,9 +225,10 @@ def random_trial(seed):
     starts = draw.sample(places, draw.randint(2, 6))
     machines = {}
     for k, (x, y) in enumerate(starts):
-        missions = []
-        for place in draw.sample(places, draw.randint(2, 4)):
-            missions.append(f"{{go: [{place[0]}, {place[1]}]}}, {{wait: {draw.randint(1, 20)}}}")
+        missions = [
+            f"{{go: [{east}, {north}]}}, {{wait: {draw.randint(1, 20)}}}"
+            for east, north in draw.sample(places, draw.randint(2, 4))
+        ]
         turn = draw.choice((1.5708, -1.5708))
         size = draw.choice(("[1.2, 0.8]", "[0.7, 0.5]", "[1.6, 0.8]"))
         kind = draw.choice(("differential", "holonomic"))

@@ -125,7 +125,7 @@ def _steered(function: Callable[[Amr], Sequence[float] | None], rate: float, me:
     for k in itertools.count(1):
         twist = function(me)
         until = k / rate
-        if twist is not None and not me.disabled:
+        if twist is not None and (me.only_waits or not me.disabled):
             stands = me.body.motion.end <= me.now
             if not stands or any(Twist.of(twist)):
                 me.twist(twist, until - me.now)

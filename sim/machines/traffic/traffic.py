@@ -176,6 +176,11 @@ class Claimant:
         return [*shapely.buffer(np.concatenate(parts), margin, join_style="mitre")]
 
     def _go_on(self) -> None:
+        """Let the machine move again."""
+        self._end_wait()
+        self.machine.stand_for(TRAFFIC, False)
+
+    def _end_wait(self) -> None:
         assert self.waiting is not None
         waited = self._clock.now - self.waiting.since
         self.waiting_time += waited
@@ -183,7 +188,6 @@ class Claimant:
         self._retry.set(None)
         self._traffic.went_on(self)
         self._traffic.stage.record(MachineProceeds(machine=self.name, waited=waited))
-        self.machine.stand_for(TRAFFIC, False)
 
     def _changed(self) -> None:
         """Claim what its new motion sweeps."""
@@ -201,6 +205,8 @@ class Claimant:
         if not self._extended():
             # Not at once, because the machine is about to do more at this instant.
             self._clock.call_at(now, self._halt_unless_free, Turn.VIOLATION)
+        elif self.waiting is not None:  # its controller has chosen a motion that is free
+            self._end_wait()
 
     def _ring(self) -> None:
         if self.machine.is_held:
@@ -231,11 +237,12 @@ class Claimant:
         if self.machine.is_held or motion.end <= now or self._extended():
             return
         ahead, _ = self._next_part(motion, now)
-        self.waiting = WaitForMachines(ahead, self.blockers(ahead), now)
+        before, since = self.waiting, now if self.waiting is None else self.waiting.since
+        self.waiting = WaitForMachines(ahead, self.blockers(ahead), since)
         self._course_from = now
-        self._traffic.stage.record(
-            MachineWaiting(machine=self.name, for_machine=self.waiting.blockers[0].name)
-        )
+        first = self.waiting.blockers[0]
+        if before is None or before.blockers[:1] != [first]:
+            self._traffic.stage.record(MachineWaiting(machine=self.name, for_machine=first.name))
         self.machine.stand_for(TRAFFIC, True)
         self._retry.set(self.machine.body.motion.end)
         self._traffic.changed(self)
