@@ -189,13 +189,15 @@ class VehicleDrive(Drive):
         """The place (x, y) to which the route leads, if there is one."""
         return (self._target[0], self._target[1]) if self._route else None
 
-    def detour(self, taken: Sequence[Polygon], most: float = math.inf) -> bool:
+    def detour(
+        self, taken: Sequence[Polygon], most: float = math.inf, *, thorough: bool = True
+    ) -> bool:
         """Take another route to the goal, around areas; return whether there is one.
 
-        It takes at most so many seconds more.
+        It takes at most so many seconds more. A search that is not thorough is fast.
         """
         left = self._rest_of_route()
-        found = None if left is None else self._planned(left[0], left[-1], taken)
+        found = None if left is None else self._planned(left[0], left[-1], taken, thorough=thorough)
         if found is None or left is None or self.seconds(found) > self.seconds(left) + most:
             return False
         self._take(found, left[-1])
@@ -206,7 +208,7 @@ class VehicleDrive(Drive):
         left = self._rest_of_route()
         if left is None:
             return None
-        if self.detour(taken, LONGER):
+        if self.detour(taken, LONGER, thorough=False):
             return Evasion()
         found = self._by_passing_place(left[0], left[-1], taken, courses)
         if found is not None:
@@ -252,7 +254,12 @@ class VehicleDrive(Drive):
         return min(found, key=lambda two: sum(map(self.seconds, two)), default=None)
 
     def _planned(
-        self, here: Pose, goal: Pose, taken: Sequence[Polygon] | None = None
+        self,
+        here: Pose,
+        goal: Pose,
+        taken: Sequence[Polygon] | None = None,
+        *,
+        thorough: bool = False,
     ) -> list[Pose] | None:
         """Return a path around areas, or else around vehicles that stay; None if there is none."""
         if taken is None:
@@ -260,7 +267,7 @@ class VehicleDrive(Drive):
         else:
             self._put(taken)
         try:
-            path = self.planner.plan(here, goal)
+            path = self.planner.plan(here, goal, thorough=thorough)
         except PlanningError:
             return None
         finally:
