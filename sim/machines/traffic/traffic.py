@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
 
 import numpy as np
 import shapely
@@ -26,6 +27,8 @@ from ...core.events import MachineEvades, MachineProceeds, MachineWaiting, Traff
 from ...core.stage import Stage
 from .areas import CLEAR, Area, Footprint, is_straight, poses_on
 from .waiting import WaitForMachines, circle_of, leads_to
+
+T = TypeVar("T")
 
 PART = 1.0
 """Seconds of motion that a machine claims at once, if it does not rest before."""
@@ -151,11 +154,8 @@ class Claimant:
         if not self.rests or self._evaded_at == self._clock.now:
             return False
         self._evaded_at = self._clock.now
-        for self._margin in (1, 2):
-            evasion = self.machine.evade(self.taken(MARGINS[self._margin - 1]), courses)
-            if evasion is not None:
-                break
-        else:
+        evasion = self._with_margin(lambda taken: self.machine.evade(taken, courses))
+        if evasion is None:
             return False
         self._traffic.stage.record(
             MachineEvades(machine=self.name, for_machine=others[0].name, to=evasion.aside)
@@ -169,6 +169,14 @@ class Claimant:
         """Count the time that it waited until now: the trial is over."""
         if self.waiting is not None:
             self.waiting_time += self._clock.now - self.waiting.since
+
+    def _with_margin(self, path: Callable[[list[Polygon]], T | None]) -> T | None:
+        """Return what is found around the claims of others, with the largest margin possible."""
+        for margin, wider in enumerate(MARGINS[:-1], 1):
+            if (found := path(self.taken(wider))) is not None:
+                self._margin = margin
+                return found
+        return None
 
     def taken(self, margin: float) -> list[Polygon]:
         """Return what other machines claim, so many metres larger."""
@@ -293,8 +301,7 @@ class Claimant:
         if stand and self.rests and self._evaded_at < now:
             self._evaded_at = now
             most = SHORT if waiting.looks == 1 else math.inf
-            if self.machine.detour(self.taken(MARGINS[0]), most):
-                self._margin = 1
+            if self._with_margin(lambda taken: self.machine.detour(taken, most) or None):
                 self._traffic.stage.record(
                     MachineEvades(machine=self.name, for_machine=stand[0].name)
                 )
