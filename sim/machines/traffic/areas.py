@@ -61,6 +61,12 @@ class Area:
         """The polygons."""
         return [*self.parts]
 
+    def gap(self, other: Area) -> float:
+        """Return the distance between the bounds of both, metres."""
+        a, b = self.bounds, other.bounds
+        x, y = max(a[0] - b[2], b[0] - a[2], 0.0), max(a[1] - b[3], b[1] - a[3], 0.0)
+        return math.hypot(x, y)
+
     def meets(self, other: Area) -> bool:
         """Return whether both have a point in common."""
         a, b = self.bounds, other.bounds

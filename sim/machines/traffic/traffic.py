@@ -42,6 +42,9 @@ BETWEEN_STOPS = 0.2
 RESTS = 1e-6
 """m/s and rad/s. Slower is at rest."""
 
+NEARBY = 6.0
+"""Metres. Only claims that are nearer count when a machine looks for another path."""
+
 MARGINS = (0.05, CLEAR, 0.0)
 """Metres. Distances that a machine keeps from the claims of others: usually, when it evades, and
 when it is nearer already."""
@@ -179,8 +182,14 @@ class Claimant:
         return None
 
     def taken(self, margin: float) -> list[Polygon]:
-        """Return what other machines claim, so many metres larger."""
-        parts = [peer.claim.parts for peer in self.peers]
+        """Return what other machines nearby claim, so many metres larger.
+
+        Those farther away have moved on before this one gets there.
+        """
+        near = [peer for peer in self.peers if peer.claim.gap(self.claim) < NEARBY]
+        if not near:
+            return []
+        parts = [peer.claim.parts for peer in near]
         return [*shapely.buffer(np.concatenate(parts), margin, join_style="mitre")]
 
     def _go_on(self) -> None:
@@ -242,7 +251,7 @@ class Claimant:
     def _halt_unless_free(self) -> None:
         """Brake, and wait until the next part is free."""
         motion, now = self.machine.body.motion, self._clock.now
-        if self.machine.is_held or motion.end <= now or self._extended():
+        if self.machine.is_held or self._extended():
             return
         ahead, _ = self._next_part(motion, now)
         before, since = self.waiting, now if self.waiting is None else self.waiting.since
