@@ -297,6 +297,9 @@ class Machine(InProgress, ABC):
     priority: int = 0
     """Priority among machines. Those with a lower one evade first."""
 
+    evades: bool = False
+    """Whether the machine can take another path when another machine is in its way."""
+
     _stands_for: frozenset[str] = frozenset()
 
     @property

@@ -37,6 +37,7 @@ class Amr(CommandedMachine):
     """
 
     drive: VehicleDrive
+    evades = True
 
     def __init__(
         self,

@@ -47,7 +47,7 @@ NEARBY = 6.0
 
 MARGINS = (0.05, CLEAR, 0.0)
 """Metres. Distances that a machine keeps from the claims of others: usually, when it evades, and
-when it is nearer already."""
+when it is nearer already or cannot evade."""
 
 THERE = 1e-3
 """Metres. Nearer than this is there."""
@@ -83,7 +83,8 @@ class Claimant:
         self._clock = traffic.stage.clock
         self._footprint = Footprint(machine.shape, CLEAR)
         self._margins = [Footprint(machine.shape, clear) for clear in MARGINS]
-        self._margin = 0
+        self._usual = 0 if machine.evades else len(MARGINS) - 1
+        self._margin = self._usual
         """Which of the `MARGINS` it keeps on its present path."""
         self._course = machine.body.motion
         """The motion on which it set out last."""
@@ -215,7 +216,7 @@ class Claimant:
             return
         goal = self.machine.goal
         if goal != self._aside_for:
-            self._aside, self._aside_for, self._margin = None, goal, 0
+            self._aside, self._aside_for, self._margin = None, goal, self._usual
             self._passing.clear()
         if goal is None or math.dist(motion.state(motion.end).at, goal) < THERE:
             self._course, self._course_from = motion, now
