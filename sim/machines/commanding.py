@@ -48,6 +48,8 @@ class Drive(ABC):
         self._stands_since = 0.0
         self._held = False
         self._commands = 0
+        self.target: Pose | None = None
+        """Target of the last move."""
         self.last_move: tuple[Pose, float] | None = None
         """Target and share of the top speeds of the last command, if that was a move."""
         self._moves: dict[Move, None] = {}
@@ -108,6 +110,7 @@ class Drive(ABC):
         motion = self.preview(target, speed_share)
         number = self.begin() if command is None else command
         self.last_move = (target, speed_share) if command is None else None
+        self.target = target
         if not self.disabled:
             self.body.follow(motion)
 
@@ -125,7 +128,7 @@ class Drive(ABC):
         """Go along `motion`, which begins here and now; see `GantryRobot.follow`."""
         if self.disabled:
             raise UserError(f"the {self.body.kind} is disabled")
-        self.last_move = None
+        self.last_move = self.target = None
         move = Move(self, self.begin(), None)
         self.body.follow(motion)
         self._begin_soon(move)

@@ -79,7 +79,8 @@ def _may_collide(trial: Scenario) -> bool:
 def _may_wait(trial: Scenario) -> bool:
     """Return True if there are several machines of the trial that wait for each other."""
     moving = len(trial.machines) + sum(map(bool, trial.agvs.values()))
-    return trial.traffic and moving > 1
+    with_gantry = bool(trial.machines) and trial.floorplan.gantry is not None
+    return trial.traffic and moving + with_gantry > 1
 
 
 def _may_touch(trial: Scenario) -> bool:

@@ -155,6 +155,30 @@ machines:
     assert waits["machine"] == "other" and waits["for_machine"] == "gantry"
 
 
+ON_ONE_RAIL = """
+floorplan: ariac2023
+duration: 120
+rules: observe
+gantry: {{controller: oblivious, at: [-6.0, 4.8, 0.0], jobs: {jobs}}}
+machines:
+  other:
+    kind: gantry
+    x: [-14.0, -1.0]
+    at: [-12.0, 4.8, 0.0]
+    controller: oblivious
+    jobs: [{{move: [-2.0, 4.8, 0.0]}}]
+"""
+
+
+@pytest.mark.parametrize("jobs", ["[{move: [-12.0, 4.8, 0.0]}]", "[]"])
+def test_a_gantry_lets_another_pass(jobs):
+    """Both want the other's place, or one has nothing to do."""
+    found = sim.run(sim.Trial.parse(ON_ONE_RAIL.format(jobs=jobs)))
+    assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
+    done = [e.get("machine", "gantry") for e in events(found, "job_done")]
+    assert sorted(done) == (["gantry", "other"] if jobs != "[]" else ["other"])
+
+
 STEERING = """
 def ahead(vehicle):
     return (1.0, 0.0)

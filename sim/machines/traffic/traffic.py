@@ -118,6 +118,11 @@ class Claimant:
         ahead = self._footprint.swept(self._course, begin, max(begin, self._course.end))
         return Area.of([self.claim, ahead])
 
+    @property
+    def wide_course(self) -> list[Polygon]:
+        """The polygons of its course, with the distance that others keep from it."""
+        return [*shapely.buffer(self.course.parts, 2 * MARGINS[0], join_style="mitre")]
+
     def blockers(self, ahead: Sequence[Sequence[Pose]]) -> list[Claimant]:
         """Return the machines that keep it from moving along poses."""
         here = [ahead[0][0]]
@@ -154,7 +159,7 @@ class Claimant:
     def evade(self, others: Iterable[Claimant]) -> bool:
         """Take another path, or let others pass at a passing place; return whether it can."""
         others = [one for one in others if one is not self]
-        courses = [polygon for one in others for polygon in one.course.polygons]
+        courses = [polygon for one in others for polygon in one.wide_course]
         if not self.rests or self._evaded_at == self._clock.now:
             return False
         self._evaded_at = self._clock.now
@@ -305,7 +310,7 @@ class Claimant:
         waiting.looks += 1
         self._retry.set(now + min(LONGEST, PATIENCE * 2 ** (waiting.looks - 1)))
         stand = [one for one in waiting.blockers if one.rests and one.waiting is None]
-        course = self.course.polygons if stand else []
+        course = self.wide_course if stand else []
         if any(one.machine.make_way(one.taken(MARGINS[1]), course) for one in stand):
             return
         if stand and self.rests and self._evaded_at < now:
