@@ -181,9 +181,10 @@ class Claimant:
 
     def _with_margin(self, path: Callable[[list[Polygon]], T | None]) -> T | None:
         """Return what is found around the claims of others, with the largest margin possible."""
-        for margin, wider in enumerate(MARGINS[:-1], 1):
+        last = len(MARGINS) - 1
+        for margin, wider in enumerate(MARGINS, 1):
             if (found := path(self.taken(wider))) is not None:
-                self._margin = margin
+                self._margin = min(margin, last)
                 return found
         return None
 
