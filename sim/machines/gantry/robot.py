@@ -318,6 +318,11 @@ class GantryRobot(CommandedMachine):
         ----------
         taken, courses : sequence of Polygon
             Areas that other machines occupy now, and on their way.
+
+        Returns
+        -------
+        Evasion or None
+            None if there is no such place.
         """
         target = self.drive.target
         place = self._passing_place(taken, courses)
@@ -333,6 +338,11 @@ class GantryRobot(CommandedMachine):
         ----------
         taken, courses
             See `evade`.
+
+        Returns
+        -------
+        bool
+            Whether the gantry moves.
         """
         if self._entry.controller in STAY or self.disabled or self.tasks.unfinished:
             return False
