@@ -146,7 +146,9 @@ class VehiclePlanner:
             (x + float(low_x), y + float(low_y), x + float(high_x), y + float(high_y)),
         )
 
-    def plan(self, start: Sequence[float], goal: Sequence[float]) -> VehiclePath:
+    def plan(
+        self, start: Sequence[float], goal: Sequence[float], *, thorough: bool = True
+    ) -> VehiclePath:
         """Return a path from `start` to `goal` on which the vehicle touches nothing.
 
         Parameters
@@ -155,6 +157,8 @@ class VehiclePlanner:
             x, y (metres) and rotation (radians).
         goal : sequence of float
             x and y. With a rotation, the vehicle turns to it at the end.
+        thorough : bool, optional
+            Whether to search in SE(2) if the paths of discs lead nowhere.
 
         Returns
         -------
@@ -184,7 +188,7 @@ class VehiclePlanner:
         poses = self._guided(begin, to, end)
         if poses is None:
             self._require_passage(begin, to)
-            poses = self._sampled(begin, to, ends, end)
+            poses = self._sampled(begin, to, ends, end) if thorough else None
         if poses is None:
             message = (
                 f"no path was found for the footprint from {_shown(begin)} to {_shown((*to,))}"

@@ -31,11 +31,9 @@ from .core.schedule import Duration, WorkList, WorkTask
 from .core.stage import MachineEntry, MachineModel, Stage
 from .exports import export
 from .live.live_run import LiveRun
-from .machines.gantry.controllers import (
-    Caution,
-    Controller,
-    ControllerError,
-)
+from .machines.caution import Caution
+from .machines.controllers import ControllerError
+from .machines.gantry.controllers import Controller
 from .machines.gantry.robot import GantryRobot
 from .machines.kinds import KINDS
 from .record.output import OutputError

@@ -36,6 +36,7 @@ from .core.stage import Closures, Stage, Triggers
 from .machines.agv.agv import Agv
 from .machines.gantry.robot import GantryRobot
 from .machines.kinds import made_by, models_of
+from .machines.traffic.traffic import Traffic
 from .people.person import Person, speed_of, with_figures
 from .people.population import Population
 from .people.tracks.recorded_walks import RecordedWalk, recorded_walks
@@ -225,6 +226,7 @@ class Simulation(InProgress):
         self.people = self._stage.people = self._company.people
         self._collisions = Collisions(self._stage, self.machines.values())
         self._guards = self._make_guards()
+        self._traffic = Traffic(self._stage, self.machines.values() if trial.traffic else ())
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
 
@@ -364,6 +366,7 @@ class Simulation(InProgress):
         self.referee.close()
         for machine in self.machines.values():
             machine.close()
+        self._traffic.close()
         self._stage.record(TrialEnded(interrupted=interrupted))
         motions = {body.name: body.track() for body in self.bodies}
         distancing = self._company.distancing
@@ -379,6 +382,8 @@ class Simulation(InProgress):
                 work=self.dispatcher.figures if self.dispatcher else {},
                 collisions=self._collisions.count,
                 guards=self._guards,
+                waiting_times=self._traffic.waiting_times,
+                traffic_deadlocks=self._traffic.deadlocks,
                 deadlocks=self._company.deadlocks,
                 people_too_near=distancing.count if distancing else 0,
                 people_too_near_time=distancing.time if distancing else 0.0,

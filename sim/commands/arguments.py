@@ -51,7 +51,7 @@ def complete_rules(incomplete: str) -> list[str]:
 
 
 def complete_controller(incomplete: str) -> list[str]:
-    """Complete a built-in controller of the gantry."""
+    """Complete a built-in controller of gantries and vehicles."""
     return _offer(incomplete, CONTROLLERS)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, get_args
@@ -264,6 +264,23 @@ class MachineShape:
         return rectangle(at, direction, self.length, self.width)
 
 
+TRAFFIC = "traffic"
+"""The reason for which a machine waits for another machine."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evasion:
+    """Path on which a machine evades others.
+
+    Parameters
+    ----------
+    aside : (float, float) or None
+        Passing place (x, y) in metres at which it lets them pass, if there is one.
+    """
+
+    aside: Point | None = None
+
+
 class Machine(InProgress, ABC):
     """Base class of machines in a running trial. Each kind of machine is a subclass.
 
@@ -277,6 +294,12 @@ class Machine(InProgress, ABC):
 
     shape: MachineShape
     body: Body
+    priority: int = 0
+    """Priority among machines. Those with a lower one evade first."""
+
+    evades: bool = False
+    """Whether the machine can take another path when another machine is in its way."""
+
     _stands_for: frozenset[str] = frozenset()
 
     @property
@@ -329,6 +352,92 @@ class Machine(InProgress, ABC):
         -------
         bool
             False if the machine cannot, which is the default. It stops instead.
+        """
+        return False
+
+    @property
+    def is_held(self) -> bool:
+        """Whether there is a reason for a protective stop."""
+        return bool(self._stands_for)
+
+    @property
+    def waits(self) -> bool:
+        """Whether the machine waits for another machine."""
+        return TRAFFIC in self._stands_for
+
+    @property
+    def only_waits(self) -> bool:
+        """Whether the machine waits for another machine, and nothing else holds it."""
+        return self._stands_for == {TRAFFIC}
+
+    @property
+    def goal(self) -> Point | None:
+        """Position (x, y) in metres to which the machine is under way, if it has one."""
+        return None
+
+    @property
+    def may_leave(self) -> bool:
+        """Whether a vehicle that is stationary may leave, so that others can wait for that."""
+        return False
+
+    def stopping(self, state: State, t: float) -> Motion | None:
+        """Return the stop of the machine without moving it, or None if it is unknown.
+
+        Parameters
+        ----------
+        state : State
+            Initial pose and velocity.
+        t : float
+            Start time in seconds.
+        """
+        return None
+
+    def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
+        """Choose another path to the goal, or to a passing place first.
+
+        Parameters
+        ----------
+        taken : sequence of Polygon
+            Areas that other machines occupy now, in metres.
+        courses : sequence of Polygon
+            Areas that other machines cover on their way.
+
+        Returns
+        -------
+        Evasion or None
+            None if the machine cannot.
+        """
+        return None
+
+    def detour(self, taken: Sequence[Polygon], most: float) -> bool:
+        """Choose another path to the goal around other machines.
+
+        Parameters
+        ----------
+        taken : sequence of Polygon
+            Areas that other machines occupy now, in metres.
+        most : float
+            Maximum additional time in seconds.
+
+        Returns
+        -------
+        bool
+            Whether there is one.
+        """
+        return False
+
+    def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
+        """Move off the courses of other machines, if the machine has nothing to do.
+
+        Parameters
+        ----------
+        taken, courses
+            See `evade`.
+
+        Returns
+        -------
+        bool
+            Whether it moves.
         """
         return False
 

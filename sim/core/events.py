@@ -479,6 +479,34 @@ class MachineBlocked(EventKind):
     message: str
 
 
+class MachineWaiting(EventKind):
+    """A machine waits, because its path leads through the area claimed by another machine."""
+
+    machine: _Machine
+    for_machine: _Machine
+
+
+class MachineProceeds(EventKind):
+    """A machine that has waited for another one for `waited` seconds may move again."""
+
+    machine: _Machine
+    waited: float
+
+
+class MachineEvades(EventKind):
+    """A machine takes another path, or moves aside `to` a passing place, to let another pass."""
+
+    machine: _Machine
+    for_machine: _Machine
+    to: Point | None = None
+
+
+class TrafficDeadlock(EventKind):
+    """Machines wait for each other, and none of them can evade."""
+
+    machines: list[str]
+
+
 class Collision(EventKind):
     """The boxes of two machines begin to overlap, at relative `speed` (m/s)."""
 

@@ -488,6 +488,7 @@ class Scenario:
     counterfactual: Literal["without machines", "without people"] | None = None
     warm_up: float = 0.0
     sign_off: SignOff = UNSIGNED
+    traffic: bool = True
 
     @property
     def code_folder(self) -> CodeFolder:

@@ -12,9 +12,10 @@ from floorplan import UserError
 from navigation import Motion
 from navigation.motion import State
 
-from ..core.body import Machine, MachineShape
+from ..core.body import TRAFFIC, Machine, MachineShape
 from ..core.clock import Turn
 from ..core.entries import Pose
+from ..core.events import EventKind
 from ..core.recorder import Record
 from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
@@ -188,6 +189,8 @@ class CommandedMachine(Machine):
     def follow(self, motion: Motion) -> Event:
         """Start to follow a motion. It does not continue after the machine was disabled.
 
+        A machine that waits for another one may follow a motion that leads elsewhere.
+
         Parameters
         ----------
         motion : Motion
@@ -203,6 +206,7 @@ class CommandedMachine(Machine):
         ValueError
             If the machine is stopped.
         """
+        self._wait_no_longer()
         move = self.drive.follow(motion)
         self._interrupts.command_given()
         return move
@@ -217,8 +221,26 @@ class CommandedMachine(Machine):
         """
         return self._command(self.drive.stop())
 
+    def resume(self) -> Event:
+        """Start the last move again from here, for example after `stop`.
+
+        Returns
+        -------
+        Event
+            Event to yield. See `move_to`.
+
+        Raises
+        ------
+        ValueError
+            If the last command before `stop` was not a move.
+        """
+        if self.drive.last_move is None:
+            raise UserError("there is no move to resume")
+        target, speed_share = self.drive.last_move
+        return self.move_to(*target, speed_share=speed_share)
+
     def stopping(self, state: State, t: float) -> Motion:
-        """Return the fastest stop without moving.
+        """Return the fastest stop without moving the machine.
 
         Parameters
         ----------
@@ -393,6 +415,16 @@ class CommandedMachine(Machine):
         people = self._stage.people if distance is not None else ()
         if any(math.dist(person.body.at, here) < (distance or 0.0) for person in people):
             self._came_near()
+
+    def _record_by_name(self, event: EventKind) -> None:
+        """Record an event with the name of the machine, if it has a field for it."""
+        fields = {**event.fields, "machine": self.name} if "machine" in event.forms else None
+        self._stage.record(event if fields is None else event.of(fields))
+
+    def _wait_no_longer(self) -> None:
+        """Let a new motion be compared with the claims of others."""
+        if self.only_waits:
+            self.stand_for(TRAFFIC, False)
 
     def _idle_time(self, motion: Motion, now: float) -> float:
         """Return how long it neither moved, handled nor was made to stand (s).

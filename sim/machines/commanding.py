@@ -56,6 +56,10 @@ class Drive(ABC):
         self._commands = 0
         self._last: Move | None = None
         """The move that began last."""
+        self.target: Pose | None = None
+        """Target of the last move."""
+        self.last_move: tuple[Pose, float] | None = None
+        """Target and share of the top speeds of the last command, if that was a move."""
         self._moves: dict[Move, None] = {}
         self._replaced = clock.event()
         self._braking = clock.event()
@@ -113,6 +117,8 @@ class Drive(ABC):
         """
         motion = self.preview(target, speed_share)
         number = self.begin() if command is None else command
+        self.last_move = (target, speed_share) if command is None else None
+        self.target = target
         if not self.disabled:
             self.body.follow(motion)
 
@@ -142,6 +148,7 @@ class Drive(ABC):
                 self._too_fast = True
                 self._stand()
 
+        self.last_move = self.target = None
         move = self._last = Move(self, self.begin(), None, adapt)
         if again is None and self._is_too_fast(motion):
             self._too_fast = True

@@ -151,6 +151,11 @@ class Tasks:
         """The tasks that may be begun or gone on with now, the preferred one first."""
         return tuple(self._open())
 
+    @property
+    def unfinished(self) -> bool:
+        """Whether there is something to be done yet."""
+        return any(not task.finished for _, group in self._groups for task in group)
+
     def _open(self) -> Iterator[Task]:
         for _, group in self._groups:
             for task in _current(group):

@@ -76,6 +76,13 @@ def _may_collide(trial: Scenario) -> bool:
     return _has_vehicles(trial) or bool(trial.machines)
 
 
+def _may_wait(trial: Scenario) -> bool:
+    """Return True if there are several machines of the trial that wait for each other."""
+    moving = len(trial.machines) + sum(map(bool, trial.agvs.values()))
+    with_gantry = bool(trial.machines) and trial.floorplan.gantry is not None
+    return trial.traffic and moving + with_gantry > 1
+
+
 def _may_touch(trial: Scenario) -> bool:
     """Return True if there are people, and machines that may come to where they are."""
     return bool(trial.people) and (not _no_robot(trial) or _has_vehicles(trial))
@@ -85,6 +92,7 @@ _of_orders = partial(SummaryFigure, only=_has_orders)
 _of_vehicles = partial(SummaryFigure, only=_has_vehicles)
 _of_machines = partial(SummaryFigure, only=_may_collide)
 _of_fields = partial(SummaryFigure, only=attrgetter("fields"))
+_of_claims = partial(SummaryFigure, only=_may_wait)
 _of_bodies = partial(SummaryFigure, only=_may_touch)
 _of_faulty_parts = partial(
     SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_faulty_parts
@@ -396,6 +404,25 @@ FIGURES: dict[str, SummaryFigure] = {
             meaning="collisions of two machines",
             words=words.some,
             events=(events.Collision, {}),
+            measure="rare",
+            worst=-1,
+        ),
+        _of_claims(
+            path="waiting_time",
+            of=lambda run: sum(run.waiting_times.values()),
+            label="machines waited",
+            meaning="time that machines waited for each other, all machines",
+            unit="s",
+            events=(events.MachineWaiting, {}),
+            measure="rare",
+        ),
+        _of_claims(
+            path="traffic_deadlocks",
+            of=lambda run: run.traffic_deadlocks,
+            label="deadlocks of machines",
+            meaning="times that machines waited for each other and none could evade",
+            words=words.some,
+            events=(events.TrafficDeadlock, {}),
             measure="rare",
             worst=-1,
         ),

@@ -67,6 +67,9 @@ class Finished:
     work: Mapping[str, Any]
     guards: Mapping[str, FieldGuard] = field(default_factory=dict)
     collisions: int = 0
+    waiting_times: Mapping[str, float] = field(default_factory=dict)
+    """How long each machine that may meet others has waited for them (s)."""
+    traffic_deadlocks: int = 0
     deadlocks: int = 0
     people_too_near: int = 0
     people_too_near_time: float = 0.0
@@ -284,6 +287,8 @@ class Finished:
             if not isinstance(found[name], dict):
                 message = f"expected a dict, found {found[name]!r}"
                 raise UserError(f"the figures of the machine {name!r}: {message}")
+            if name in self.waiting_times:
+                found[name] = {**found[name], "waiting_time": self.waiting_times[name]}
         return found
 
     @cached_property

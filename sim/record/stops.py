@@ -29,6 +29,7 @@ CAUSES_OF_STOPS = {
     "blackout": "stopped as its protective fields are blind",
     "no field set": "stopped at a velocity without protective field",
     "people": "waits at its own decision, to keep the distance to a person",
+    "traffic": "waits for another machine",
     "blocked": "waits before what closes its lane or its route",
     "job wait": "waits as a job of the trial says",
     "job": "stands in a job: it handles a part, or its place is out of reach",
@@ -46,7 +47,7 @@ FASTER = 0.05
 class Standstill:
     """A time, from `begin` to `end` (s), in which a machine stood still for one `cause`.
 
-    `who` is the person for whom it began, or what was in the way, if any.
+    `who` is the person or machine for which it began, or what was in the way, if any.
     """
 
     begin: float
@@ -123,6 +124,7 @@ class _State:
     by_fields: tuple[str, str] | None = None
     slow_for: str | None = None
     yields_to: str | None = None
+    waits_for: str | None = None
     blocked: tuple[str, float] | None = None
     has_route: bool = True
     jobs: set[JobKey] = field(default_factory=set)
@@ -139,6 +141,8 @@ class _State:
             return self.by_fields
         if self.yields_to is not None:
             return "people", self.yields_to
+        if self.waits_for is not None:
+            return "traffic", self.waits_for
         if self.blocked is not None:
             return "blocked", self.blocked[0]
         if not self.has_route:
@@ -178,6 +182,10 @@ class _State:
                 self.slow_for = None
             case "machine_blocked":
                 self.has_route = False
+            case "machine_waiting":
+                self.waits_for = event["for_machine"]
+            case "machine_proceeds":
+                self.waits_for = None
             case "agv_blocked":
                 self.blocked = event["by"], event["at"]
             case "agv_moved":

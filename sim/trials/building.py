@@ -21,7 +21,8 @@ from ..core.scenario import PersonEntry, Scenario, TrialError, spot
 from ..core.schedule import DoorTimes, Interval
 from ..core.stage import MachineEntry
 from ..machines.agv.model import MOST_MOVES, number_of
-from ..machines.gantry.controllers import ControllerError, controller_source
+from ..machines.controllers import ControllerError
+from ..machines.gantry.controllers import controller_source
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
 from ..people.crowd.custom_steering import BASELINES

@@ -246,4 +246,5 @@ class TrialKeys(Strictly):
     counterfactual: Literal["without machines", "without people"] | None = None
     warm_up: Delay = 0.0
     sign_off: SignOff = UNSIGNED
+    traffic: Flag = True
     expect: dict[str, Any] = {}

@@ -86,6 +86,8 @@ class Trial(Scenario):
         External commands.
     sources : dict, optional
         Sources of assumed values, for reports.
+    traffic : bool, optional
+        Whether machines wait for each other. Otherwise they may collide.
     """
 
     def __repr__(self) -> str:

@@ -74,6 +74,7 @@ def _trial(trial: Scenario) -> Data:
         "until_submitted": trial.until_submitted or None,
         "obstacles": {one.obstacle.name: _value(one, trial) for one in trial.obstacles},
         "warm_up": trial.warm_up or None,
+        "traffic": None if trial.traffic else False,
         "expect": trial.expect,
     }
     known = {field.name for field in fields(Scenario)}

@@ -290,3 +290,38 @@ def test_footprint_load_and_recording(tmp_path):
         assert one == two
     again = sim.Trial.parse(trial.to_yaml(tmp_path), folder=tmp_path)
     assert sim.run(again).motions["wedge"].pieces == run.motions["wedge"].pieces
+
+
+SLOW = """
+floorplan:
+  name: hall
+  boundary: [[0, 0], [30, 0], [30, 8], [0, 8]]
+  zones: {{slow: {{polygon: [[12, 0], [18, 0], [18, 8], [12, 8]], max_speed: 0.4{whom}}}}}
+duration: 60
+rules: observe
+machines:
+  cart: {{kind: amr, at: [2, 4, 0.0], missions: [{{go: {to}}}]}}
+"""
+
+
+@pytest.mark.parametrize("to", ["[28, 4]", "[15, 4]", "[18.8, 4]"])
+def test_speed_limits_of_zones_apply_while_the_footprint_covers_them(to):
+    run = sim.run(sim.Trial.parse(SLOW.format(whom="", to=to)))
+    assert events(run, "job_done")
+    motion = run.motions["cart"]
+    times = np.arange(0.0, motion.end, 0.01)
+    x, speed = motion.position(times)[:, 0], np.hypot(*motion.velocity(times).T)
+    inside = (x > 12 - 0.6) & (x < 18 + 0.6)
+    assert speed[inside].max() <= 0.4 + 1e-6
+    assert speed[x < 11].max() == pytest.approx(1.5, abs=1e-3)
+    assert (np.diff(x) >= -1e-9).all()
+    pieces = [p for p in motion.pieces if p.moves]
+    for piece in pieces:
+        u = piece.end - piece.begin
+        pull = [2 * piece.x[2], 2 * piece.x[2] + 6 * u * piece.x[3]]
+        assert max(map(abs, pull)) <= 0.7 + 1e-6 and abs(6 * piece.x[3]) <= 3 + 1e-6
+
+
+def test_a_zone_about_others_does_not_slow_a_vehicle():
+    run = sim.run(sim.Trial.parse(SLOW.format(whom=", concerns: [ann]", to="[28, 4]")))
+    assert events(run, "job_done")[0]["t"] < 22

@@ -26,6 +26,7 @@ agvs:
 """
 MOVES = """
 duration: 60
+traffic: false
 people: [{name: ada, at: [1, 18]}]
 agvs:
   east: [{time: 1, to: end}, {time: 30, to: start}]
@@ -66,6 +67,7 @@ def test_gantries_collide_where_their_torsos_do_and_with_nothing_below():
     text = """
 floorplan: ariac2023
 duration: 60
+traffic: false
 people: [{name: ada, at: [-19, 0]}]
 gantry: {controller: parked, at: [-6.0, 4.8, 0.0]}
 agvs: {agv1: [{time: 1, to: assembly_back}]}

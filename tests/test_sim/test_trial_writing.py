@@ -203,6 +203,7 @@ until_submitted: true
 sources: {max_speed: measured here}
 counterfactual: without machines
 warm_up: 2.0
+traffic: false
 sign_off: {plant: hall 3, revision: b, author: me, date: 24 November}
 blackouts:
 - {machine: agv1, start: {event: arrived}, seconds: 4.0}

@@ -15,6 +15,7 @@ import shapely
 from floorplan import Gate, Lane, Point, Zone, rectangle
 from navigation import CollisionWorld, Motion, agv_run, agv_stop, join, walk
 from navigation.machines import AxisState, agv_stops, lane_state
+from navigation.motion import State
 from navigation.separation import required_at_speeds
 
 from ...core.body import Body, Machine, MachineShape
@@ -248,6 +249,25 @@ class Agv(Machine):
         if motion.end <= self._clock.now:
             self._rest = motion, position
         return position
+
+    @property
+    def goal(self) -> Point | None:
+        """The place (x, y) to which it is under way."""
+        return None if self._target is None else self.lane.position(self._lane_goal)
+
+    @property
+    def may_leave(self) -> bool:
+        """Whether it is under way, or moves again in the trial."""
+        return self._target is not None or any(m.time >= self._clock.now for m in self._moves)
+
+    @property
+    def _lane_goal(self) -> float:
+        """The lane position (m) to which it is under way, or how far it gets on its way there."""
+        return self.lane.lane_position(self._goal())
+
+    def stopping(self, state: State, t: float) -> Motion:
+        """Return the stop on its lane from `state` at `t` (seconds)."""
+        return agv_stop(self.lane, lane_state(self.lane, state), t)
 
     @property
     def stands(self) -> bool:

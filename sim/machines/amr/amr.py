@@ -6,14 +6,17 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from shapely.geometry import Polygon
 from simpy.events import Event, Process
 
+from floorplan import Point
 from navigation import Motion, PlanningError, vehicle_twist
 from navigation.vehicles import Twist
 
+from ...core.body import Evasion
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
-from ...core.events import EventKind, JobDone, JobStarted, MachineBlocked
+from ...core.events import JobDone, JobStarted, MachineBlocked
 from ...core.stage import Stage
 from ..commanded import CommandedMachine, Sighting
 from ..commanding import Steps
@@ -34,6 +37,7 @@ class Amr(CommandedMachine):
     """
 
     drive: VehicleDrive
+    evades = True
 
     def __init__(
         self,
@@ -46,6 +50,8 @@ class Amr(CommandedMachine):
         every: float | None = None,
         repeat: bool = False,
         loaded: bool = False,
+        priority: int = 0,
+        makes_way: bool = True,
         controller: Callable[[Amr], Steps],
     ) -> None:
         super().__init__(
@@ -53,6 +59,8 @@ class Amr(CommandedMachine):
         )
         self.record = self._record_by_name
         self.limits = vehicle.limits
+        self.priority = priority
+        self._makes_way = makes_way
         self._missions = tuple(missions)
         self._every = every
         self._repeat = repeat
@@ -65,11 +73,6 @@ class Amr(CommandedMachine):
         self._changed = stage.clock.event()
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
-
-    def _record_by_name(self, event: EventKind) -> None:
-        """Record an event with the name of the vehicle, if it has a field for it."""
-        fields = {**event.fields, "machine": self.name} if "machine" in event.forms else None
-        self._stage.record(event if fields is None else event.of(fields))
 
     def begin(self) -> None:
         """Let its controller begin."""
@@ -134,6 +137,7 @@ class Amr(CommandedMachine):
             slow = self.drive.slowed(wanted)
             return vehicle_twist(self.state, slow, self.now, seconds=left, limits=self.limits)
 
+        self.drive.forget_route()
         move = self.drive.follow(motion(seconds), lambda: motion(max(0.0, until - self.now)))
         self._interrupts.command_given()
         return move
@@ -169,6 +173,30 @@ class Amr(CommandedMachine):
             # It brakes, and sets out again from there.
             self.drive.hold(True)
             self.drive.hold(False)
+
+    @property
+    def may_leave(self) -> bool:
+        """Whether it can be expected to leave when it is in the way."""
+        return self._makes_way
+
+    @property
+    def goal(self) -> Point | None:
+        """The place (x, y) to which its route leads, if there is one."""
+        return self.drive.goal
+
+    def detour(self, taken: Sequence[Polygon], most: float) -> bool:
+        """Choose another path to the goal around other machines; see `Machine.detour`."""
+        return self.drive.detour(taken, most)
+
+    def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
+        """Choose another path to the goal, or to a passing place first; see `Machine.evade`."""
+        return self.drive.evade(taken, courses)
+
+    def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
+        """Move off the courses of other machines if it has no mission; see `Machine.make_way`."""
+        if not self._makes_way or self.is_held or any(not task.finished for task in self._round):
+            return False
+        return self.drive.make_way(taken, courses)
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
         """Return its figures; it is idle while it neither moves, waits nor is made to stand."""

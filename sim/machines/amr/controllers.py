@@ -6,7 +6,6 @@ import inspect
 import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -17,10 +16,10 @@ from ...core.custom_code import CodeFolder, CustomCode, Kind
 from ...core.entries import Pose
 from ..caution import Caution
 from ..commanding import Steps
-from ..gantry.controllers import (
-    CONTROLLER,
+from ..controllers import (
     ControllerError,
     external,
+    is_controller,
     oblivious,
     parked,
     supervised,
@@ -77,7 +76,13 @@ VEHICLE_CONTROLLERS: dict[str, Callable[[Any], Steps]] = {
 """The controllers of vehicles that come with Floorwalker."""
 
 
-VEHICLE_CONTROLLER = replace(CONTROLLER, noun="vehicle controller", builtin=VEHICLE_CONTROLLERS)
+VEHICLE_CONTROLLER = Kind(
+    noun="vehicle controller",
+    words="generator function, nor a class with a method __iter__, as a controller is",
+    accepts=is_controller,
+    error=ControllerError,
+    builtin=VEHICLE_CONTROLLERS,
+)
 """The kind of function or class that a vehicle names as its controller."""
 
 FUNCTION = Kind(
@@ -120,7 +125,7 @@ def _steered(function: Callable[[Amr], Sequence[float] | None], rate: float, me:
     for k in itertools.count(1):
         twist = function(me)
         until = k / rate
-        if twist is not None and not me.disabled:
+        if twist is not None and (me.only_waits or not me.disabled):
             stands = me.body.motion.end <= me.now
             if not stands or any(Twist.of(twist)):
                 me.twist(twist, until - me.now)

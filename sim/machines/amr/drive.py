@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 import shapely
+from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Point
 from navigation import (
@@ -15,6 +16,7 @@ from navigation import (
     Motion,
     PlanningError,
     VehicleLimits,
+    VehiclePath,
     VehiclePlanner,
     join,
     standing,
@@ -24,11 +26,19 @@ from navigation import (
 from navigation.motion import State
 from navigation.vehicles import Twist, stops_of
 
-from ...core.body import Body
+from ...core.body import Body, Evasion
 from ...core.entries import Pose
 from ...core.stage import Stage
 from ..commanding import Drive
+from .passing import passing_places
 from .shape import Chassis
+from .slow_zones import SlowZones
+
+LONGER = 15.0
+"""Seconds that another route may take more. Otherwise a vehicle looks for a passing place."""
+
+TRIED = 6
+"""Number of passing places to which a path is planned."""
 
 ON_ROUTE = 1e-4
 """Metres and radians. A vehicle this close to a leg of its route is on it."""
@@ -60,9 +70,12 @@ class VehicleDrive(Drive):
         )
         self._stage = stage
         self._shape = vehicle.shape(name)
+        self._slow = SlowZones.of(stage.floorplan.zones, self._shape)
         self._people: dict[str, Disc] = {}
         """The people whom routes avoid."""
         self._placed: set[str] = set()
+        self._areas: list[str] = []
+        """Names of the areas that the planner avoids at present."""
         self._route: list[Pose] = []
         self._target: tuple[float, ...] = ()
         """Where the route leads: x, y, and the rotation if one was wanted."""
@@ -109,9 +122,17 @@ class VehicleDrive(Drive):
         """Return the motion along a route, after a stop where that begins elsewhere."""
         state, (first, *left) = self.body.state, route
         if first == state.position:
-            return vehicle_path(state, left, now, limits=limits)
+            return self._path(state, left, now, limits)
         stop = self.stopping(state, now)
-        return join([stop, vehicle_path(first, left, stop.end, limits=limits)])
+        return join([stop, self._path(first, left, stop.end, limits)])
+
+    def _path(
+        self, current: State | Pose, poses: list[Pose], start: float, limits: VehicleLimits
+    ) -> Motion:
+        """Return the motion through poses, slow in zones that limit the speed."""
+        if self._slow.zones and poses:
+            return self._slow.path(current, poses, start, limits)
+        return vehicle_path(current, poses, start, limits=limits)
 
     def _from_rest(self, target: tuple[float, ...]) -> list[Pose]:
         """Return the poses to a target from where a stop ends."""
@@ -148,7 +169,7 @@ class VehicleDrive(Drive):
         left = self._rest_of_route()
         if left is None:
             return True
-        self._look_around()
+        self._look_around(leave=True)
         return self.planner.free_along(left)
 
     def avoid(self, people: Mapping[str, Point], aside: float) -> bool:
@@ -170,6 +191,106 @@ class VehicleDrive(Drive):
         self.forget_route()
         return True
 
+    @property
+    def goal(self) -> Point | None:
+        """The place (x, y) to which the route leads, if there is one."""
+        return (self._target[0], self._target[1]) if self._route else None
+
+    def detour(
+        self, taken: Sequence[Polygon], most: float = math.inf, *, thorough: bool = True
+    ) -> bool:
+        """Take another route to the goal, around areas; return whether there is one.
+
+        It takes at most so many seconds more. A search that is not thorough is fast.
+        """
+        left = self._rest_of_route()
+        found = None if left is None else self._planned(left[0], left[-1], taken, thorough=thorough)
+        if found is None or left is None or self.seconds(found) > self.seconds(left) + most:
+            return False
+        self._take(found, left[-1])
+        return True
+
+    def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
+        """Take another route, directly or by a passing place off the `courses` of others."""
+        left = self._rest_of_route()
+        if left is None:
+            return None
+        if self.detour(taken, LONGER, thorough=False):
+            return Evasion()
+        found = self._by_passing_place(left[0], left[-1], taken, courses)
+        if found is not None:
+            there, onwards = found
+            self._take([*there, *onwards[1:]], left[-1])
+            return Evasion(aside=there[-1][:2])
+        return Evasion() if self.detour(taken) else None
+
+    def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
+        """Go to a place off the `courses` of others; return whether there is one."""
+        found = self._by_passing_place(self.body.state.position, None, taken, courses)
+        if found is None:
+            return False
+        self._take(found[0], found[0][-1])
+        self.move(found[0][-1], command=self.begin())
+        return True
+
+    def seconds(self, poses: Sequence[Pose]) -> float:
+        """Return about how long a path takes."""
+        return self.planner.seconds(poses)
+
+    def _take(self, route: list[Pose], target: Pose) -> None:
+        """Take a route, which ends at a target but for whole turns."""
+        self.forget_route()
+        self._route, self._target = route, target
+
+    def _by_passing_place(
+        self,
+        here: Pose,
+        goal: Pose | None,
+        taken: Sequence[Polygon],
+        courses: Sequence[Polygon],
+    ) -> tuple[list[Pose], list[Pose]] | None:
+        """Return the fastest path to a passing place, and the one from there to the goal."""
+        self._put((*taken, *courses))
+        places = [*itertools.islice(passing_places(self.planner, here), TRIED)]
+        found = []
+        for place in places:
+            there = self._planned(here, place, taken)
+            onwards = [place] if goal is None or there is None else self._planned(there[-1], goal)
+            if there is not None and onwards is not None:
+                found.append((there, onwards))
+        return min(found, key=lambda two: sum(map(self.seconds, two)), default=None)
+
+    def _planned(
+        self,
+        here: Pose,
+        goal: Pose,
+        taken: Sequence[Polygon] | None = None,
+        *,
+        thorough: bool = False,
+    ) -> list[Pose] | None:
+        """Return a path around areas, or else around vehicles that stay; None if there is none."""
+        if taken is None:
+            self._look_around(leave=True)
+        else:
+            self._put(taken)
+        try:
+            path = self.planner.plan(here, goal, thorough=thorough)
+        except PlanningError:
+            return None
+        finally:
+            self._put(())
+        return [*map(_pose, path.poses.tolist())]
+
+    def _put(self, areas: Sequence[Polygon]) -> None:
+        """Put areas on the floor of the planner, instead of vehicles."""
+        for name in self._areas:
+            self.world.remove(name)
+        self._areas = [f"area {k}" for k in range(len(areas))]
+        if areas:
+            self._look_around(leave=True, vehicles=False)
+        for name, area in zip(self._areas, areas, strict=True):
+            self.world.place(name, area)
+
     def forget_route(self) -> None:
         """Plan anew for the next motion."""
         self._route, self._target = [], ()
@@ -190,16 +311,30 @@ class VehicleDrive(Drive):
         rest = stop.state(stop.end).position
         try:
             path = self.planner.plan(rest, target)
-        except PlanningError:
-            if not self._people:
-                raise
-            self._people = {}
-            self._look_around()
-            path = self.planner.plan(rest, target)
+        except PlanningError as why:
+            path = self._plan_with_less(rest, target, why)
         poses = [*map(_pose, path.poses.tolist())]
         self._route = [here, *poses] if _stops_straight(state, rest) else poses
         self._target = target
         return self._route
+
+    def _plan_with_less(
+        self, rest: Pose, target: tuple[float, ...], why: PlanningError
+    ) -> VehiclePath:
+        """Return a path where people, and then vehicles that may leave, are not in the way."""
+        if self._people:
+            self._people = {}
+            self._look_around()
+            try:
+                return self.planner.plan(rest, target)
+            except PlanningError as again:
+                why = again
+        if not self._look_around(leave=True):
+            raise why
+        try:
+            return self.planner.plan(rest, target)
+        except PlanningError:
+            raise why from None
 
     def _rest_of_route(self) -> list[Pose] | None:
         """Return the pose now and those of the route that are left; None off the route."""
@@ -214,10 +349,24 @@ class VehicleDrive(Drive):
                 return self._route
         return None
 
-    def _look_around(self) -> None:
-        """Put everything on the floor of the planner where it is now."""
-        stage, world = self._stage, self.world
-        for name in self._placed - stage.active_closures.keys() - self._people.keys():
+    def _look_around(self, *, leave: bool = False, vehicles: bool = True) -> bool:
+        """Put everything on the floor of the planner where it is now.
+
+        Of the other vehicles those count that stand, but for those that wait for each other. Those
+        that may leave do not count with `leave`. Return whether there are such.
+        """
+        stage, world, now = self._stage, self.world, self._clock.now
+        others = [machine for machine in stage.vehicles if machine.name != self.body.name]
+        lanes = {lane.name for lane in stage.floorplan.lanes}
+        stand = {
+            machine.name
+            for machine in others
+            if machine.body.motion.end <= now and not machine.waits
+        }
+        may_leave = {m.name for m in others if m.name in stand and m.may_leave} - lanes
+        there = stand - (may_leave if leave else set()) if vehicles else set()
+        left = {machine.name for machine in others} - there - lanes
+        for name in (self._placed | left) - stage.active_closures.keys() - self._people.keys():
             if name in {body.name for body in world.bodies}:
                 world.remove(name)
         for one in stage.active_closures.values():
@@ -225,9 +374,10 @@ class VehicleDrive(Drive):
         for name, disc in self._people.items():
             world.place(name, disc)
         self._placed = {*stage.active_closures, *self._people}
-        for machine in stage.vehicles:
-            if machine.name != self.body.name:
+        for machine in others:
+            if machine.name in there or machine.name in lanes:
                 machine.stand_in(world)
+        return bool(may_leave)
 
 
 def _stops_straight(state: State, rest: Pose) -> bool:

@@ -21,12 +21,15 @@ from ...core.body import MachineShape
 from ...core.custom_code import CodeFolder
 from ...core.entries import Pose
 from ...core.stage import MachineModel, Stage
-from ..gantry.controllers import ControllerError
+from ..controllers import ControllerError
 from .amr import Amr
 from .controllers import find_program, program
 from .drive import floor_of
 from .missions import Mission
 from .shape import Chassis
+
+STAY = ("parked", "external")
+"""Controllers of vehicles that do not move without a command."""
 
 MOST_RATE = 100.0
 """Hz. Highest rate at which a function is called."""
@@ -53,6 +56,7 @@ class AmrModel(MachineModel):
     rate: Positive | None = None
     missions: tuple[Mission, ...] = ()
     every: Positive | None = None
+    priority: int = 0
     repeat: Flag = False
 
     category = "vehicle"
@@ -100,6 +104,8 @@ class AmrModel(MachineModel):
             every=self.every,
             repeat=self.repeat,
             loaded=self.load is not None,
+            priority=self.priority,
+            makes_way=self.controller not in STAY,
             controller=program(self.controller, self.rate, stage.code_folder),
         )
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from floorplan import Gantry, UserError
-from navigation import Motion, gantry_move, gantry_stop, standing
+from navigation import Motion, gantry_move, gantry_stop, join, standing
 from navigation.machines import AxisLimits, gantry_limits, gantry_stops
 from navigation.motion import State
 
@@ -17,6 +17,9 @@ from ...core.entries import Pose
 from ...core.events import GantryDisabled, GantryEnabled, RobotMalfunction
 from ...core.recorder import Record
 from ..commanding import Drive
+
+THERE = 1e-6
+"""Metres. Nearer than this is there."""
 
 
 class GantryDrive(Drive):
@@ -46,6 +49,8 @@ class GantryDrive(Drive):
         self._previewed_at, self._previewed_on = clock.now, self.body.motion
         self._previews: dict[tuple[Pose, float], Motion] = {}
         """The motions from here and now, by target and share: a controller asks before it moves."""
+        self._passing: tuple[Pose, Pose] | None = None
+        """The passing place to which it moves first, and the target after it."""
         self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
 
     def preview(self, target: Pose, speed_share: float) -> Motion:
@@ -68,9 +73,27 @@ class GantryDrive(Drive):
         if limits is None:
             x, y, rotation = (_slower(axis, speed_share) for axis in self._limits)
             limits = self._slower[speed_share] = x, y, rotation
-        found = gantry_move(self.body.state, target, now, limits=limits)
+        found = self._by_passing_place(target, now, limits)
         self._previews[target, speed_share] = found
         return found
+
+    def let_pass_at(self, place: Pose, target: Pose) -> None:
+        """Stop at a passing place on the way to a target from now on."""
+        self._passing = place, target
+        self._previews.clear()
+
+    def _by_passing_place(
+        self, target: Pose, now: float, limits: tuple[AxisLimits, AxisLimits, AxisLimits]
+    ) -> Motion:
+        """Return the motion to a target, by the passing place if there is one on the way."""
+        state = self.body.state
+        if self._passing is not None and self._passing[1] == target:
+            place, _ = self._passing
+            if math.dist(state.at, place[:2]) > THERE:
+                there = gantry_move(state, place, now, limits=limits)
+                return join([there, gantry_move(place, target, there.end, limits=limits)])
+        self._passing = None
+        return gantry_move(state, target, now, limits=limits)
 
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop from `state` at `t` (seconds)."""

@@ -19,7 +19,8 @@ from ...core.body import MachineShape
 from ...core.entries import Pose
 from ...core.scenario import GantryEntry, Job
 from ...core.stage import MachineModel, Stage
-from .controllers import find_controller, supervised
+from ..controllers import supervised
+from .controllers import find_controller
 from .robot import GantryRobot, gantry_shape
 from .tasks import fixed_places
 

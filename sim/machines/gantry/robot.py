@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+import shapely
+from shapely.geometry import Polygon
 from simpy.events import Event, Process
 
-from floorplan import Gantry, UserError
+from floorplan import Gantry, Point, UserError
 from navigation import Motion
 
-from ...core.body import MachineShape
+from ...core.body import Evasion, MachineShape
 from ...core.clock import MOMENT
 from ...core.entries import Pose
-from ...core.events import EventKind, JobDone, JobStarted, OrderSubmitted, PartDropped
+from ...core.events import JobDone, JobStarted, OrderSubmitted, PartDropped
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ..commanded import CommandedMachine
@@ -26,6 +29,16 @@ from .tasks import Gripper, Handling, Worksites, tasks_of
 
 GANTRY = "gantry"
 """The name of the floor's own gantry, which events leave out."""
+
+
+STAY = ("parked", "external")
+"""Controllers of gantries that do not move without a command."""
+
+PASSING = 0.5
+"""Metres between places at which it might let others pass."""
+
+FARTHEST = 20
+"""Number of places along each axis, on each side."""
 
 
 class GantryRobot(CommandedMachine):
@@ -66,6 +79,7 @@ class GantryRobot(CommandedMachine):
     """
 
     drive: GantryDrive
+    evades = True
 
     def __init__(
         self,
@@ -97,10 +111,6 @@ class GantryRobot(CommandedMachine):
         self._sites = Worksites(stage, gantry, drive)
         self._floor_changed = stage.clock.event()
         self._begin_round()
-
-    def _record_by_name(self, event: EventKind) -> None:
-        """Record an event of one of several gantries."""
-        self._stage.record(event.of({**event.fields, "machine": self.name}))
 
     def begin(self) -> None:
         """Start the controller."""
@@ -299,6 +309,71 @@ class GantryRobot(CommandedMachine):
             Duration in seconds.
         """
         self.drive.disable(seconds)
+
+    @property
+    def goal(self) -> Point | None:
+        """The place (x, y) to which it moves, or has moved."""
+        target = self.drive.target
+        return None if target is None else target[:2]
+
+    def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
+        """Let others pass at a place off their courses. See `Machine.evade`.
+
+        Parameters
+        ----------
+        taken, courses : sequence of Polygon
+            Areas that other machines occupy now, and on their way.
+
+        Returns
+        -------
+        Evasion or None
+            None if there is no such place.
+        """
+        target = self.drive.target
+        place = self._passing_place(taken, courses)
+        if target is None or place is None:
+            return None
+        self.drive.let_pass_at(place, target)
+        return Evasion(aside=place[:2])
+
+    def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
+        """Move off the courses of other machines if it has no job. See `Machine.make_way`.
+
+        Parameters
+        ----------
+        taken, courses
+            See `evade`.
+
+        Returns
+        -------
+        bool
+            Whether the gantry moves.
+        """
+        if self._entry.controller in STAY or self.disabled or self.tasks.unfinished:
+            return False
+        place = self._passing_place(taken, courses)
+        if place is None:
+            return False
+        self.drive.move(place, command=self.drive.begin())
+        return True
+
+    def _passing_place(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Pose | None:
+        """Return the nearest pose off the courses of others, with a free line to it."""
+        x, y, rotation = self.position
+        here = self.shape.footprint((x, y), rotation)
+        blocked, busy = shapely.union_all([*taken]), shapely.union_all([*taken, *courses])
+        steps = [PASSING * k for k in range(-FARTHEST, FARTHEST + 1)]
+        offsets = sorted(itertools.product(steps, steps), key=lambda by: (math.hypot(*by), by))
+        for dx, dy in offsets:
+            pose = (x + dx, y + dy, rotation)
+            if self.gantry.faults(pose):
+                continue
+            there = self.shape.footprint(pose[:2], rotation)
+            if not there.intersects(busy):
+                line = shapely.union_all([here, there]).convex_hull
+                if not line.intersects(blocked):
+                    return pose
+        return None
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
         """Return values for the summary. A gantry that may move but does not is idle.

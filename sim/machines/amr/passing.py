@@ -1,0 +1,41 @@
+"""Passing places: poses near a vehicle in which it is out of the way of others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from navigation import VehiclePlanner
+
+from ...core.entries import Pose
+
+STEP = 0.5
+"""Metres between places that are tried."""
+
+REACH = 15.0
+"""Metres. Places farther away are not tried."""
+
+APART = 1.0
+"""Metres between passing places."""
+
+HEADINGS = (0.0, math.pi / 2, math.pi / 4, -math.pi / 4)
+"""Radians by which headings differ from that of the vehicle."""
+
+
+def passing_places(planner: VehiclePlanner, here: Pose) -> Iterator[Pose]:
+    """Yield poses in which the vehicle touches nothing, the nearest first."""
+    x, y, rotation = here
+    found: list[Pose] = []
+    for ring in range(1, math.ceil(REACH / STEP) + 1):
+        radius = ring * STEP
+        count = max(8, math.ceil(math.tau * radius / STEP))
+        for k in range(count):
+            angle = rotation + math.tau * k / count
+            at = x + radius * math.cos(angle), y + radius * math.sin(angle)
+            if any(math.dist(at, other[:2]) < APART for other in found):
+                continue
+            for turned in HEADINGS:
+                if planner.fits(pose := (*at, rotation + turned)):
+                    found.append(pose)
+                    yield pose
+                    break

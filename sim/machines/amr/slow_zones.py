@@ -1,0 +1,164 @@
+"""Drives of vehicles through zones with a speed limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import shapely
+from shapely.geometry import Polygon
+
+from floorplan import Point, Zone
+from navigation import Motion, Piece, VehicleLimits, vehicle_segment, vehicle_turn
+from navigation.machines import AxisLimits, AxisState, along_line, to_position
+from navigation.motion import State
+
+from ...core.body import MachineShape
+from ...core.entries import Pose
+
+SLIGHT = 1e-6
+"""Metres. Parts that are shorter than this do not count."""
+
+HALVINGS = 40
+"""Number of times that the interval of a speed is halved."""
+
+Part = tuple[float, float, float]
+"""Begin and end of a part of a drive (metres from its start), and its top speed (m/s)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlowZones:
+    """Zones in which a vehicle is slow while its footprint covers some of them."""
+
+    zones: tuple[Zone, ...]
+    shape: MachineShape
+
+    @classmethod
+    def of(cls, zones: Iterable[Zone], shape: MachineShape) -> SlowZones:
+        """Return those of the zones that limit the speed of a vehicle."""
+        mine = (one for one in zones if one.max_speed is not None and one.is_about(shape.name))
+        return cls(zones=tuple(mine), shape=shape)
+
+    def path(
+        self, current: State | Pose, poses: Sequence[Pose], start: float, limits: VehicleLimits
+    ) -> Motion:
+        """Return the motion through poses, as `vehicle_path`, at the speeds of the zones.
+
+        `ValueError` where the vehicle does not move along the path.
+        """
+        if not isinstance(current, State):
+            current = _at_rest(current)
+        state, t = current, start
+        pieces: list[Piece] = []
+        for x, y, rotation in poses:
+            if math.dist(state.position[:2], (x, y)) > SLIGHT:
+                drive = self._drive(state, (x, y), t, limits)
+            else:
+                drive = vehicle_turn(state, rotation, t, limits=limits)
+            pieces += drive.pieces
+            t, turned = drive.end, drive.state(drive.end).position[2]
+            state = _at_rest((x, y, turned))
+        return Motion(tuple(pieces))
+
+    def _drive(self, state: State, to: Point, start: float, limits: VehicleLimits) -> Motion:
+        usual = vehicle_segment(state, to, start, limits=limits)
+        (x, y, rotation), (vx, vy, _), (ax, ay, _) = state
+        length = math.dist((x, y), to)
+        c, s = (to[0] - x) / length, (to[1] - y) / length
+        angle = math.atan2(s, c) - rotation
+        axis = limits.along(math.cos(angle), math.sin(angle))
+        parts = self._parts(state.position, to, axis.max_speed)
+        if all(speed == axis.max_speed for _, _, speed in parts):
+            return usual
+        now = AxisState(0.0, vx * c + vy * s, ax * c + ay * s)
+        speeds = _speeds_between(parts, now.velocity, axis)
+        pieces: list[Piece] = []
+        t = start
+        for (_, end, most), speed in zip(parts, speeds, strict=True):
+            within = replace(axis, max_speed=most)
+            there = AxisState(end, speed)
+            (phases,) = to_position([now], [there], [within])
+            pieces += along_line((x, y), (c, s), rotation, phases, t)
+            t, now = pieces[-1].end, there
+        motion = Motion(tuple(pieces))
+        if any(_goes_back(motion.state(p.end), (c, s)) for p in pieces):
+            slowest = min(speed for _, _, speed in parts)
+            slow = limits.slower(min(1.0, slowest / axis.max_speed))
+            return vehicle_segment(state, to, start, limits=slow)
+        return motion
+
+    def _parts(self, begin: Pose, to: Point, most: float) -> list[Part]:
+        """Return the parts of a drive with their top speeds, in order."""
+        (x, y, rotation), length = begin, math.dist(begin[:2], to)
+        c, s = (to[0] - x) / length, (to[1] - y) / length
+        here = self.shape.footprint((x, y), rotation)
+        swept = shapely.union(here, self.shape.footprint(to, rotation)).convex_hull
+        along = [(px - x) * c + (py - y) * s for px, py in here.exterior.coords]
+        slow: list[Part] = []
+        for zone in self.zones:
+            low, high = _extent(shapely.intersection(zone.area, swept), (x, y), (c, s))
+            if low < high and zone.max_speed is not None and zone.max_speed < most:
+                slow.append((low - max(along), high - min(along), zone.max_speed))
+        cuts = sorted({0.0, length, *(q for a, b, _ in slow for q in (a, b) if 0 < q < length)})
+        parts: list[Part] = []
+        for a, b in pairwise(cuts):
+            middle = (a + b) / 2
+            top = min([most, *(speed for low, high, speed in slow if low < middle < high)])
+            if parts and (parts[-1][2] == top or b - a < SLIGHT):
+                parts[-1] = (parts[-1][0], b, min(top, parts[-1][2]))
+            else:
+                parts.append((a, b, top))
+        return parts
+
+
+def _at_rest(pose: Pose) -> State:
+    return State(pose, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+def _extent(area: shapely.Geometry, at: Point, direction: Point) -> tuple[float, float]:
+    """Return the first and last metre of an area in a direction; (0, 0) if it is empty."""
+    if area.is_empty or not isinstance(area.convex_hull, Polygon):
+        return 0.0, 0.0
+    corners = shapely.get_coordinates(area) - at
+    along = corners @ direction
+    return float(along.min()), float(along.max())
+
+
+def _goes_back(state: State, direction: Point) -> bool:
+    return state.velocity[0] * direction[0] + state.velocity[1] * direction[1] < -SLIGHT
+
+
+def _speeds_between(parts: Sequence[Part], begin: float, axis: AxisLimits) -> list[float]:
+    """Return the speed at the end of each part: 0 at the last one."""
+    tops = [min(one[2], other[2]) for one, other in pairwise(parts)]
+    speeds = [begin, *tops, 0.0]
+    for k in range(len(parts) - 1, 0, -1):
+        length = parts[k][1] - parts[k][0]
+        speeds[k] = _reachable(speeds[k], speeds[k + 1], length, axis)
+    for k in range(1, len(parts)):
+        length = parts[k - 1][1] - parts[k - 1][0]
+        speeds[k] = _reachable(speeds[k], speeds[k - 1], length, axis)
+    return speeds[1:]
+
+
+def _reachable(speed: float, other: float, length: float, axis: AxisLimits) -> float:
+    """Return the highest speed up to one that can change from, or to, another within a length."""
+    if speed <= other or _distance(speed, other, axis) <= length:
+        return speed
+    low, high = other, speed
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        if _distance(middle, other, axis) <= length:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _distance(speed: float, other: float, axis: AxisLimits) -> float:
+    """Return a distance in which a speed can change to another without acceleration at its ends."""
+    change = abs(speed - other)
+    seconds = change / axis.max_acceleration + axis.max_acceleration / axis.max_jerk
+    return (speed + other) / 2 * max(seconds, 2 * math.sqrt(change / axis.max_jerk))

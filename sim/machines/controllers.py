@@ -1,0 +1,125 @@
+"""Controllers that machines share: built-in ones, and reports of the errors of all.
+
+A controller is a callable of one argument, the machine, that returns a generator of things to wait
+for.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Generator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from simpy.events import Event
+from simpy.exceptions import Interrupt
+
+from floorplan import UserError
+
+from ..core.custom_code import in_words, line_in
+from .commanded import CommandedMachine
+from .commanding import Steps
+
+
+class ControllerError(UserError):
+    """Error of a controller that cannot be found or that failed."""
+
+
+def parked(machine: CommandedMachine) -> Steps:
+    """Do nothing."""
+    return
+    yield
+
+
+def oblivious(machine: CommandedMachine) -> Steps:
+    """Do tasks in order on straight paths, and ignore people."""
+    while (task := (yield machine.next_task())) is not None:
+        yield machine.do(task)
+
+
+def external(machine: CommandedMachine) -> Steps:
+    """Do nothing, because external code commands the machine."""
+    return
+    yield
+
+
+def is_controller(found: object) -> bool:
+    """Return whether an object is a generator function, or a class with a method `__iter__`."""
+    if inspect.isclass(found):
+        return hasattr(found, "__iter__")
+    return inspect.isfunction(found) and inspect.isgeneratorfunction(inspect.unwrap(found))
+
+
+MOST_AT_ONCE = 1000
+"""Number of times a controller may yield at one instant; more count as endless."""
+
+
+def supervised(name: str, controller: Callable[[Any], Steps], machine: CommandedMachine) -> Steps:
+    """Return the steps of `controller`, which a trial names `name`.
+
+    `ControllerError` names the fault: it raised something, yielded something that can't be
+    waited for, or is not a generator at all.
+    """
+    steps: Any = None
+    try:
+        steps = controller(machine)
+        if not isinstance(steps, Generator):
+            steps = _iterated(steps)
+        yield from _checked(steps, machine)
+    except Exception as why:
+        raise ControllerError(
+            f"the {machine.shape.kind} controller {name!r} failed at t = {machine.now:g} s"
+            f"{_place(why, controller, steps)}: {_fault(why)}"
+        ) from why
+
+
+def _fault(why: Exception) -> str:
+    """Return the error's text with its type; of an interrupt, the remedy."""
+    if isinstance(why, Interrupt):
+        return f"it was interrupted by {why.cause!r} where no `except simpy.Interrupt` catches it"
+    return in_words(why)
+
+
+def _iterated(steps: Any) -> Steps:
+    if not hasattr(steps, "__iter__"):
+        raise TypeError(f"what it returned, {steps!r}, is not a generator")
+    yield from steps
+
+
+def _checked(steps: Steps, machine: CommandedMachine) -> Steps:
+    """Yield the same steps, if each is something that can be waited for."""
+    go_on: Callable[[], Event] = partial(next, steps)
+    now, yields = machine.now, 0
+    while True:
+        now, yields = machine.now, yields + 1 if machine.now == now else 0
+        if yields > MOST_AT_ONCE:
+            raise RuntimeError("it never lets time pass")
+        try:
+            event = go_on()
+        except StopIteration:
+            return
+        if not isinstance(event, Event):
+            raise TypeError(
+                f"it yielded {event!r}, not something that the {machine.shape.kind}'s methods"
+                " return"
+            )
+        try:
+            answer = yield event
+            go_on = partial(steps.send, answer)
+        except Exception as why:
+            go_on = partial(steps.throw, why)
+
+
+def _place(why: Exception, controller: Callable[[Any], Steps], steps: Any) -> str:
+    """Return file and line of the controller at which it failed, in brackets, where known."""
+    try:
+        source = inspect.getsourcefile(controller)
+    except TypeError:
+        return ""
+    if place := line_in(why, {source}):
+        return place
+    frame = getattr(steps, "gi_frame", None)  # what it yielded is judged outside of it
+    if source is None or frame is None or frame.f_code.co_filename != source:
+        return ""
+    return f" ({Path(source).name}, line {frame.f_lineno})"

@@ -1,0 +1,1 @@
+"""Traffic of machines: claims of area, waiting, and ways out of deadlocks."""

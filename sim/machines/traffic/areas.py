@@ -1,0 +1,176 @@
+"""Areas that a machine sweeps: unions of convex polygons that contain all that it covers.
+
+A polygon contains the footprint in every pose between two samples. On a straight line it is the
+hull of both ends. Where the machine turns, samples are at most `TURN` apart, and the footprint is
+larger by the factor 1 / cos(`TURN` / 2), so that the chords between its corners contain their arcs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry import Polygon
+
+from navigation import Motion, Piece
+from navigation.motion import value
+
+from ...core.body import MachineShape
+from ...core.entries import Pose
+
+CLEAR = 0.01
+"""Metres. Machines keep this distance from all that they claim."""
+
+TURN = 0.1
+"""Radians. Longest step between samples of a turn."""
+
+STEP = 0.1
+"""Seconds. Longest step between samples of a curve."""
+
+_GROUP = 0.25
+"""Radians, and metres. Samples of a curve within that share a polygon."""
+
+_STRAIGHT = 1e-6
+"""Metres. What leaves a line by less is straight."""
+
+
+@dataclass(frozen=True, eq=False)
+class Area:
+    """Union of convex polygons."""
+
+    parts: NDArray[np.object_]
+
+    @classmethod
+    def of(cls, areas: Iterable[Area]) -> Area:
+        """Return the union of areas."""
+        return cls(np.concatenate([area.parts for area in areas]))
+
+    @cached_property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Minimum x and y, maximum x and y, metres."""
+        x, y, most_x, most_y = shapely.total_bounds(self.parts).tolist()
+        return x, y, most_x, most_y
+
+    @property
+    def polygons(self) -> list[Polygon]:
+        """The polygons."""
+        return [*self.parts]
+
+    def gap(self, other: Area) -> float:
+        """Return the distance between the bounds of both, metres."""
+        a, b = self.bounds, other.bounds
+        x, y = max(a[0] - b[2], b[0] - a[2], 0.0), max(a[1] - b[3], b[1] - a[3], 0.0)
+        return math.hypot(x, y)
+
+    def meets(self, other: Area) -> bool:
+        """Return whether both have a point in common."""
+        a, b = self.bounds, other.bounds
+        if a[0] > b[2] or b[0] > a[2] or a[1] > b[3] or b[1] > a[3]:
+            return False
+        return bool(shapely.intersects(self.parts[:, None], other.parts).any())
+
+
+class Footprint:
+    """Convex hull of a machine's footprint, `clear` metres larger, and the areas that it sweeps."""
+
+    def __init__(self, shape: MachineShape, clear: float) -> None:
+        outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
+        larger = shapely.buffer(outline, clear, join_style="mitre")
+        corners = shapely.get_coordinates(larger)[:-1]
+        self._corners = corners / math.cos(TURN / 2)
+
+    def at(self, pose: Pose) -> Area:
+        """Return the area that it covers in a pose."""
+        return Area(np.array([self._hull([pose])]))
+
+    def swept(self, motion: Motion, begin: float, end: float) -> Area:
+        """Return the area that it sweeps on a motion from `begin` to `end` (seconds)."""
+        return self.along(poses_on(motion, begin, end))
+
+    def along(self, poses: Sequence[Pose]) -> Area:
+        """Return the area that it sweeps along poses, as those of `poses_on`."""
+        hulls, first = [], 0
+        if len(poses) == 1:
+            return self.at(poses[0])
+        while True:
+            last = first + 1
+            while last + 1 < len(poses) and _share_a_hull(poses, first, last + 1):
+                last += 1
+            hulls.append(self._hull(poses[first : last + 1]))
+            if last >= len(poses) - 1:
+                return Area(np.array(hulls))
+            first = last
+
+    def _hull(self, poses: Sequence[Pose]) -> Polygon:
+        at = np.array(poses)
+        c, s = np.cos(at[:, 2:]), np.sin(at[:, 2:])
+        x = at[:, :1] + c * self._corners[:, 0] - s * self._corners[:, 1]
+        y = at[:, 1:2] + s * self._corners[:, 0] + c * self._corners[:, 1]
+        return shapely.convex_hull(shapely.multipoints(np.column_stack([x.ravel(), y.ravel()])))
+
+
+def poses_on(motion: Motion, begin: float, end: float) -> list[Pose]:
+    """Return poses on a motion: its ends, those of its pieces, and so many of curves and turns."""
+    found = [motion.state(begin).position]
+    for piece in motion.pieces_from(begin):
+        a, b = max(piece.begin, begin), min(piece.end, end)
+        if a >= b:
+            continue
+        count = 1 if _is_line(piece) else _steps(piece, b - a)
+        for k in range(1, count + 1):
+            u = a + (b - a) * k / count - piece.begin
+            found.append((value(piece.x, u), value(piece.y, u), value(piece.rotation, u)))
+    return found
+
+
+def is_straight(poses: Sequence[Pose]) -> bool:
+    """Return whether poses are those of a turn on the spot, or of a drive on a line."""
+    return len(poses) < 3 or _share_a_line(poses, 0, len(poses) - 1) or _same_place(poses)
+
+
+def _is_line(piece: Piece) -> bool:
+    """Return whether a piece is a part of a line that it does not go back on."""
+    if any(piece.rotation[1:]):
+        return False
+    (_, vx, ax, jx), (_, vy, ay, jy) = piece.x, piece.y
+    u = piece.end - piece.begin
+    across = (vx * ay - vy * ax) * u**3, (vx * jy - vy * jx) * u**4, (ax * jy - ay * jx) * u**5
+    if max(map(abs, across)) > _STRAIGHT**2:
+        return False
+    wx, wy = (v + u * (2 * a + u * 3 * j) for v, a, j in ((vx, ax, jx), (vy, ay, jy)))
+    return vx * wx + vy * wy >= -_STRAIGHT
+
+
+def _steps(piece: Piece, seconds: float) -> int:
+    _, v, a, j = piece.rotation
+    u = piece.end - piece.begin
+    turned = abs(v) * u + abs(a) * u**2 + abs(j) * u**3
+    steps = math.ceil(turned * seconds / max(u, 1e-9) / TURN)
+    return max(1, steps, math.ceil(seconds / STEP) if piece.moves else 1)
+
+
+def _share_a_hull(poses: Sequence[Pose], first: int, last: int) -> bool:
+    (ax, ay, turned), (bx, by, turning) = poses[first], poses[last]
+    near = abs(bx - ax) + abs(by - ay) < _GROUP and abs(turning - turned) < _GROUP
+    return near or _share_a_line(poses, first, last)
+
+
+def _share_a_line(poses: Sequence[Pose], first: int, last: int) -> bool:
+    """Return whether poses have one rotation and lie on a line."""
+    (ax, ay, rotation), (bx, by, _) = poses[first], poses[last]
+    length = math.dist((ax, ay), (bx, by))
+    return all(
+        pose[2] == rotation
+        and abs((bx - ax) * (pose[1] - ay) - (by - ay) * (pose[0] - ax)) <= _STRAIGHT * length
+        for pose in poses[first : last + 1]
+    )
+
+
+def _same_place(poses: Sequence[Pose]) -> bool:
+    x, y, _ = poses[0]
+    return all(abs(pose[0] - x) + abs(pose[1] - y) < _STRAIGHT for pose in poses)

@@ -1,0 +1,287 @@
+"""Machines among each other: they wait, evade and let pass, and never run into each other."""
+
+import random
+import textwrap
+
+import pytest
+from run_events import events
+
+import sim
+from floorplan import InputError
+
+CORRIDOR = """
+name: corridor
+boundary: [[0, 0], [20, 0], [20, 1.6], [11, 1.6], [11, 4], [9, 4], [9, 1.6], [0, 1.6]]
+stations: {west: [1.5, 0.8], east: [18.5, 0.8], niche: [10, 3]}
+"""
+
+HALL = """
+name: hall
+boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+stations: {north: [10, 10.5], south: [10, 1.5], west: [2, 6], east: [18, 6]}
+"""
+
+
+def run(machines, *, floor=HALL, duration=120, more=""):
+    """The run of machines on a floor, each with its keys as YAML."""
+    listed = "".join(f"  {name}: {{{keys}}}\n" for name, keys in machines.items())
+    shown = textwrap.indent(floor, "  ")
+    text = f"floorplan:\n{shown}\nduration: {duration}\nrules: observe\n{more}machines:\n{listed}"
+    return sim.run(sim.Trial.parse(text))
+
+
+def amr(at, *missions, more=""):
+    """The keys of a vehicle with missions to these places."""
+    listed = ", ".join(f"{{go: {place}}}" for place in missions)
+    return f"kind: amr, at: {at}, missions: [{listed}]{more}"
+
+
+def require_arrivals(found, **counts):
+    """Check that no machines collide, none is stuck, and each does so many missions."""
+    assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
+    done = {name: found.summary["machines"][name]["jobs_done"] for name in counts}
+    assert done == counts, [e for e in found.events if e["kind"].startswith(("machine", "traffic"))]
+
+
+def test_two_head_on_in_a_corridor_use_the_passing_place():
+    machines = {"a": amr("[1.5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
+    found = run(machines, floor=CORRIDOR)
+    require_arrivals(found, a=1, b=1)
+    (evaded,) = [e for e in events(found, "machine_evades") if "to" in e]
+    assert evaded["machine"] == "b" and evaded["to"][1] > 1.6
+
+
+def test_the_one_of_lower_priority_evades():
+    machines = {
+        "a": amr("[1.5, 0.8, 0.0]", "east"),
+        "b": amr("[18.5, 0.8, 3.1416]", "west", more=", priority: 1"),
+    }
+    found = run(machines, floor=CORRIDOR)
+    require_arrivals(found, a=1, b=1)
+    assert {e["machine"] for e in events(found, "machine_evades")} == {"a"}
+
+
+def test_a_corridor_without_a_passing_place_is_a_deadlock_of_both():
+    plain = CORRIDOR.replace("[11, 1.6], [11, 4], [9, 4], [9, 1.6], ", "").replace(
+        ", niche: [10, 3]", ""
+    )
+    machines = {"a": amr("[1.5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
+    found = run(machines, floor=plain, duration=100)
+    assert found.summary["collisions"] == 0 and found.summary["traffic_deadlocks"] == 1
+    (deadlock,) = events(found, "traffic_deadlock")
+    assert sorted(deadlock["machines"]) == ["a", "b"]
+    waited = {name: found.summary["machines"][name]["waiting_time"] for name in "ab"}
+    assert min(waited.values()) > 60 and found.summary["waiting_time"] == sum(waited.values())
+
+
+def test_who_crosses_waits_and_goes_on():
+    machines = {
+        "a": amr("[2.0, 6.0, 0.0]", "[18, 6]"),
+        "b": amr("[10.0, 1.5, 1.5708]", "[10, 10.5]"),
+    }
+    found = run(machines)
+    require_arrivals(found, a=1, b=1)
+    (waits,) = events(found, "machine_waiting")
+    (proceeds,) = events(found, "machine_proceeds")
+    assert waits["machine"] == proceeds["machine"] and proceeds["waited"] > 0
+
+
+def test_four_share_a_station():
+    places = ["[2, 2, 0.0]", "[18, 2, 3.0]", "[2, 10, 0.0]", "[18, 10, 3.0]"]
+    home = ["[2, 2]", "[18, 2]", "[2, 10]", "[18, 10]"]
+    machines = {
+        f"v{k}": f"kind: amr, at: {at}, missions: [{{go: [10, 6]}}, {{wait: 10}}, {{go: {back}}}]"
+        for k, (at, back) in enumerate(zip(places, home, strict=True))
+    }
+    found = run(machines, duration=240)
+    require_arrivals(found, v0=3, v1=3, v2=3, v3=3)
+
+
+def test_two_swap_their_places():
+    machines = {"a": amr("[2.0, 6.0, 0.0]", "east"), "b": amr("[18.0, 6.0, 0.0]", "west")}
+    require_arrivals(run(machines), a=1, b=1)
+
+
+def test_a_vehicle_without_missions_makes_way():
+    machines = {"a": amr("[1.5, 0.8, 0.0]", "east"), "idle": "kind: amr, at: [8.0, 0.8, 0.0]"}
+    found = run(machines, floor=CORRIDOR)
+    require_arrivals(found, a=1)
+    parked = {**machines, "idle": machines["idle"] + ", controller: parked"}
+    found = run(parked, floor=CORRIDOR)
+    require_arrivals(found, a=0)
+    (blocked,) = events(found, "machine_blocked")
+    assert blocked["machine"] == "a"
+
+
+TUG = "kind: agv, origin: [10, 1.5], heading: 1.5707963, limits: [0, 9], moves: {moves}"
+
+
+def test_a_vehicle_waits_for_an_agv_whose_lane_crosses():
+    tug = TUG.format(moves="[{time: 2, to: 9}, {time: 40, to: 0}]")
+    machines = {"a": amr("[2, 6, 0.0]", "[18, 6]"), "tug": tug}
+    found = run(machines)
+    require_arrivals(found, a=1)
+    assert len(events(found, "agv_moved")) >= 2
+
+
+def test_agvs_whose_lanes_cross_wait_for_each_other():
+    tug = TUG.format(moves="[{time: 1, to: 9}]")
+    other = tug.replace("[10, 1.5], heading: 1.5707963", "[5.5, 6], heading: 0.0")
+    found = run({"tug": tug, "other": other}, duration=60)
+    assert found.summary["collisions"] == 0
+    (waits,) = events(found, "machine_waiting")
+    assert {waits["machine"], waits["for_machine"]} == {"tug", "other"}
+    ends = [found.motions[name].position(60.0).tolist() for name in ("tug", "other")]
+    assert ends == [pytest.approx([10.0, 10.5]), pytest.approx([14.5, 6.0])]
+
+
+def test_gantries_on_one_rail_wait_for_each_other():
+    text = """
+floorplan: ariac2023
+duration: 60
+people: [{name: ada, at: [-19, 0]}]
+gantry: {controller: parked, at: [-6.0, 4.8, 0.0]}
+machines:
+  other:
+    kind: gantry
+    x: [-14.0, -1.0]
+    at: [-12.0, 4.8, 0.4]
+    controller: oblivious
+    jobs: [{move: [-2.0, 4.0, 0.4]}]
+"""
+    found = sim.run(sim.Trial.parse(text))
+    assert found.summary["collisions"] == 0
+    (waits,) = events(found, "machine_waiting")
+    assert waits["machine"] == "other" and waits["for_machine"] == "gantry"
+
+
+ON_ONE_RAIL = """
+floorplan: ariac2023
+duration: 120
+rules: observe
+gantry: {{controller: oblivious, at: [-6.0, 4.8, 0.0], jobs: {jobs}}}
+machines:
+  other:
+    kind: gantry
+    x: [-14.0, -1.0]
+    at: [-12.0, 4.8, 0.0]
+    controller: oblivious
+    jobs: [{{move: [-2.0, 4.8, 0.0]}}]
+"""
+
+
+@pytest.mark.parametrize("jobs", ["[{move: [-12.0, 4.8, 0.0]}]", "[]"])
+def test_a_gantry_lets_another_pass(jobs):
+    """Both want the other's place, or one has nothing to do."""
+    found = sim.run(sim.Trial.parse(ON_ONE_RAIL.format(jobs=jobs)))
+    assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
+    done = [e.get("machine", "gantry") for e in events(found, "job_done")]
+    assert sorted(done) == (["gantry", "other"] if jobs != "[]" else ["other"])
+
+
+STEERING = """
+def ahead(vehicle):
+    return (1.0, 0.0)
+
+def around(vehicle):
+    return (0.6, 0.4)
+
+def back_when_it_waits(vehicle):
+    back.append(vehicle.now) if vehicle.waits else None
+    return (-0.5, 0.0) if back and vehicle.now < back[0] + 2.0 else (0.5, 0.0)
+
+back = []
+"""
+
+
+def test_functions_of_twists_cannot_drive_into_others(tmp_path):
+    (tmp_path / "steering.py").write_text(STEERING)
+    text = f"""
+floorplan:
+{textwrap.indent(HALL, "  ")}
+duration: 40
+rules: observe
+machines:
+  a: {{kind: amr, at: [2, 6, 0.0], controller: "steering:ahead", rate: 10}}
+  b: {{kind: amr, at: [11, 6, 3.1416], controller: "steering:around", rate: 10}}
+"""
+    found = sim.run(sim.Trial.parse(text, folder=tmp_path))
+    assert found.summary["collisions"] == 0
+    assert events(found, "machine_waiting")
+
+
+def test_a_function_can_leave_the_place_where_it_waits(tmp_path):
+    (tmp_path / "steering.py").write_text(STEERING)
+    text = f"""
+floorplan:
+{textwrap.indent(HALL, "  ")}
+duration: 20
+rules: observe
+machines:
+  a: {{kind: amr, at: [4, 6, 0.0], controller: "steering:back_when_it_waits", rate: 10}}
+  b: {{kind: amr, at: [8, 6, 3.1416], controller: parked}}
+"""
+    found = sim.run(sim.Trial.parse(text, folder=tmp_path))
+    assert found.summary["collisions"] == 0
+    waits, *_ = events(found, "machine_waiting")
+    proceeds, *_ = events(found, "machine_proceeds")
+    assert waits["t"] < proceeds["t"] < waits["t"] + 2.0
+    west = found.motions["a"].position(waits["t"] + 2.0)[0]
+    assert west < found.motions["a"].position(waits["t"])[0]
+
+
+def test_bad_keys_are_named():
+    def problem(keys):
+        with pytest.raises(InputError) as why:
+            run({"a": keys, "b": amr("[5, 6, 0.0]")})
+        return [(one.field, one.message) for one in why.value.problems]
+
+    assert [field for field, _ in problem(amr("[2, 6, 0.0]", more=", priority: high"))] == [
+        "machines.a.priority"
+    ]
+    assert problem(amr("[5.2, 6, 0.0]")) == [("machines.b", "starts where a stands")]
+
+
+def random_trial(seed):
+    """A trial of two to six vehicles in the warehouse with random missions."""
+    draw = random.Random(seed)
+    places = [[3, 6], [3, 16.5], [8.5, 10], [12.5, 13], [16.5, 6], [20.5, 9], [24.5, 13], [28, 10]]
+    starts = draw.sample(places, draw.randint(2, 6))
+    machines = {}
+    for k, (x, y) in enumerate(starts):
+        missions = [
+            f"{{go: [{east}, {north}]}}, {{wait: {draw.randint(1, 20)}}}"
+            for east, north in draw.sample(places, draw.randint(2, 4))
+        ]
+        turn = draw.choice((1.5708, -1.5708))
+        size = draw.choice(("[1.2, 0.8]", "[0.7, 0.5]", "[1.6, 0.8]"))
+        kind = draw.choice(("differential", "holonomic"))
+        machines[f"v{k}"] = (
+            f"kind: amr, at: [{x}, {y}, {turn}], size: {size}, drive: {kind}, repeat: true,"
+            f" missions: [{', '.join(missions)}]"
+        )
+    listed = "".join(f"  {name}: {{{keys}}}\n" for name, keys in machines.items())
+    moves = "[{time: 5, to: east, every: 120}, {time: 65, to: west, every: 120}]"
+    agvs = f"agvs: {{tug1: {moves}}}\n" if draw.random() < 0.3 else ""
+    text = f"floorplan: warehouse\nduration: 600\nrules: observe\n{agvs}machines:\n{listed}"
+    return sim.Trial.parse(text)
+
+
+def check_random(seed):
+    found = sim.run(random_trial(seed))
+    assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
+    for name, figures in found.summary["machines"].items():
+        if name.startswith("v"):
+            late = [e["t"] for e in events(found, "job_done", machine=name) if e["t"] > 300]
+            assert late, (seed, name, figures)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_vehicles_neither_collide_nor_get_stuck(seed):
+    check_random(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3, 100))
+def test_many_random_vehicles_neither_collide_nor_get_stuck(seed):
+    check_random(seed)
