@@ -32,11 +32,13 @@ def whole_walk(me: Traveller, now: float) -> Motion:
     state = me.body.motion.state(now)
     route = me.route if me.routed == now else me.reroute(state.at)
     course, tops = _limited(me, [state.at, *route])
-    if (tops != me.top_speed or state.speed <= me.top_speed) and (
-        len(course) < 2 or can_go_on(state, course[1], me.human.max_acceleration, me.body.leg)
+    speed = state.speed
+    if speed == 0.0 or (
+        (speed <= me.top_speed or tops != me.top_speed)
+        and (len(course) < 2 or can_go_on(state, course[1], me.human.max_acceleration, me.body.leg))
     ):
         with suppress(ValueError):  # too short to come to rest on
-            return _walk_all(me, course, tops, now, state.speed)
+            return _walk_all(me, course, tops, now, speed)
     braking = stop_walking(me.body.motion, now, max_acceleration=me.human.max_acceleration)
     at = braking.state(braking.end).at
     course, tops = _limited(me, [at, *me.reroute(at)])
