@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from avoidance_rules import PATROL
@@ -39,13 +39,16 @@ class Found:
     cpu: float = 0.0
 
 
-def measured(steering: str, scenes: Iterable[sim.Trial], *, has_end: bool) -> Found:
+def measured(
+    steering: str, scenes: Sequence[sim.Trial], free: Sequence[Mapping[str, float]]
+) -> Found:
     """Run scenes with a steering, and return what came of them.
 
-    `has_end` is whether each person goes to two places only.
+    `free` has the times of the paths at top speed (s) in each scene, of people who go to two places
+    only.
     """
     found = Found()
-    for scene in scenes:
+    for scene, times in zip(scenes, free, strict=True):
         begin = time.process_time()
         run = sim.run(replace(scene, steering=None if steering == BUILT_IN else steering))
         found.cpu += time.process_time() - begin
@@ -56,16 +59,16 @@ def measured(steering: str, scenes: Iterable[sim.Trial], *, has_end: bool) -> Fo
             if event["kind"] == "arrived":
                 arrivals[event["person"]].append(event["t"])
         found.legs += sum(map(len, arrivals.values()))
-        if has_end:
-            for name, free in free_times(scene):
-                is_late = len(arrivals[name]) < 2
-                found.late += is_late
-                found.lost += (run.duration if is_late else arrivals[name][1]) - free
+        for name, seconds in times.items():
+            is_late = len(arrivals[name]) < 2
+            found.late += is_late
+            found.lost += (run.duration if is_late else arrivals[name][1]) - seconds
     return found
 
 
-def free_times(scene: sim.Trial) -> Iterator[tuple[str, float]]:
-    """Yield each person of a random crowd, and the time of both planned paths at top speed (s)."""
+def free_times(scene: sim.Trial) -> dict[str, float]:
+    """Return the time of both planned paths of each person of a crowd, at top speed (s)."""
+    times = {}
     human = scene.floorplan.human
     planner = navigation.PathPlanner(navigation.CollisionWorld(scene.floorplan), human.radius)
     for person in scene.people:
@@ -73,7 +76,8 @@ def free_times(scene: sim.Trial) -> Iterator[tuple[str, float]]:
         assert person.at is not None
         goals: list[Point] = [event["at"] for event in alone.events if event["kind"] == "goal"]
         legs = itertools.pairwise([person.at, *goals])
-        yield person.name, sum(planner.plan(*leg).length for leg in legs) / human.max_speed
+        times[person.name] = sum(planner.plan(*leg).length for leg in legs) / human.max_speed
+    return times
 
 
 def main() -> None:
@@ -87,9 +91,13 @@ def main() -> None:
     patrols = [replace(sim.Trial.parse(PATROL), seed=seed) for seed in range(asked.patrols)]
     print("| scenes | steering | legs | late | time lost | overlaps | deepest | CPU |")
     print("|---|---|---|---|---|---|---|---|")
-    for kind, scenes in (("random crowds", crowds), ("patrol of 50", patrols)):
+    crowds_free, patrols_free = [*map(free_times, crowds)], [{} for _ in patrols]
+    for kind, scenes, free in (
+        ("random crowds", crowds, crowds_free),
+        ("patrol of 50", patrols, patrols_free),
+    ):
         for steering in asked.only if scenes else ():
-            found = measured(steering, scenes, has_end=scenes is crowds)
+            found = measured(steering, scenes, free)
             late = (str(found.late), f"{found.lost:,.0f} s") if scenes is crowds else ("–", "–")
             print(
                 f"| {kind} | {steering} | {found.legs} | {' | '.join(late)} "

@@ -1,6 +1,6 @@
 from libc.math cimport sqrt
 from navigation.kernels.cubics cimport *
-from navigation.kernels.discs cimport DiscMotions, Swath, distance
+from navigation.kernels.discs cimport DiscMotions, Swath, covers, distance
 from navigation.kernels.walks cimport bend_speed, draw_walk
 
 cdef double _BEFORE, _RAMP, _HAIR, _CLEAR, _STANDS, _NO_LENGTH
@@ -52,4 +52,3 @@ cdef class Candidates:
     cdef Swath _take(self, Py_ssize_t pieces)
 
 cdef bint _runs_into(Numbers path, Py_ssize_t count, Numbers stood) noexcept
-cdef bint _ends_at(Numbers path, Py_ssize_t count, Numbers ends) noexcept

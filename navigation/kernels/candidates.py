@@ -20,7 +20,7 @@ from .numbers import Place, flat
 
 if not cython.compiled:
     from .cubics import *
-    from .discs import distance
+    from .discs import covers, distance
     from .walks import bend_speed, draw_walk
 
 _BEFORE: float = 0.35  # metres before and after the place at which an aside is beside its course
@@ -314,7 +314,8 @@ class Candidates:
         self._look_at(near, others, own)
         # No table is drawn up for what can't be free, whenever they walk there: through somebody
         # who stands, or to where somebody will stand in the end.
-        if _runs_into(self.path, count, self.stood) or _ends_at(self.path, count, self.ends):
+        last: Position = positions_of(self.path)[count - 1]
+        if _runs_into(self.path, count, self.stood) or covers(self.ends, last.x, last.y):
             return 0
         pieces: cython.Py_ssize_t = self._draw(count)
         if pieces == 0:
@@ -448,17 +449,4 @@ def _runs_into(path: Numbers, count: cython.Py_ssize_t, stood: Numbers) -> bool:
                 py -= dy
             if px * px + py * py < least * least:
                 return True
-    return False
-
-
-def _ends_at(path: Numbers, count: cython.Py_ssize_t, ends: Numbers) -> bool:
-    """Return whether the polyline of the first so many places ends in any circle."""
-    last: Position = positions_of(path)[count - 1]
-    i: cython.Py_ssize_t
-    for i in range(circle_count(ends)):
-        circle: Circle = circles_of(ends)[i]
-        dx: float = circle.x - last.x
-        dy: float = circle.y - last.y
-        if dx * dx + dy * dy < circle.radius * circle.radius:
-            return True
     return False

@@ -43,6 +43,7 @@ cdef class DiscWindow:
 cpdef list[Py_ssize_t] within_bounds(
     Numbers boxes, Numbers box, double margin, Py_ssize_t but=*
 )
+cdef bint covers(Numbers circles, double x, double y) noexcept
 cdef double distance_travelled(Numbers table, double since, double t) noexcept
 cdef double distance(Numbers one, Numbers other, double t) noexcept
 cpdef double first_conflict(

@@ -371,6 +371,16 @@ def within_bounds(
     return found
 
 
+def covers(circles: Numbers, x: float, y: float) -> bool:
+    """Return whether a place is in one of `circles`."""
+    k: cython.Py_ssize_t
+    for k in range(circle_count(circles)):
+        circle: Circle = circles_of(circles)[k]
+        if norm(circle.x - x, circle.y - y) < circle.radius:
+            return True
+    return False
+
+
 def distance_travelled(table: Numbers, since: float, t: float) -> float:
     """Return the metres that a walk along straight legs covers from `since` to `t` (seconds)."""
     total: float = 0.0

@@ -5,7 +5,7 @@ cdef Py_ssize_t _LATELY, _LOOKED_AT
 
 cdef class Grid:
     cdef double width, low_x, low_y
-    cdef Py_ssize_t columns, rows, first, last
+    cdef Py_ssize_t columns, rows
     cdef list[Numbers] cells
     cdef Numbers lately
     cpdef bint touched(self, double ax, double ay, double bx, double by, double radius)
@@ -15,7 +15,7 @@ cdef class Grid:
     cdef Py_ssize_t _low_row(self, Edge e, double margin) noexcept
     cdef Py_ssize_t _high_row(self, Edge e, double margin) noexcept
     cdef int _remember(self, Edge edge) except -1
-    cdef int _span(self, Py_ssize_t row, Edge e, double margin) noexcept
+    cdef CellWindow _span(self, Py_ssize_t row, Edge e, double margin) noexcept
 
 cdef class Room:
     cdef Grid floor

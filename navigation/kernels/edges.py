@@ -36,7 +36,6 @@ class Grid:
         self.low_y = box.low_y
         self.columns = 1 + int((box.high_x - self.low_x) / width)
         self.rows = 1 + int((box.high_y - self.low_y) / width)
-        self.first = self.last = 0
         self.cells: list[Numbers] = [room(0) for _ in range(self.columns * self.rows)]
         self.lately = room(0)
         margin: float = 1e-6 * width
@@ -46,8 +45,8 @@ class Grid:
         for k in range(edge_count(edges)):
             e: Edge = edges_of(edges)[k]
             for row in range(self._low_row(e, margin), self._high_row(e, margin) + 1):
-                self._span(row, e, margin)
-                for column in range(self.first, self.last + 1):
+                span: CellWindow = self._span(row, e, margin)
+                for column in range(span.column, span.column + span.columns):
                     self.cells[row * self.columns + column].extend((e.ax, e.ay, e.bx, e.by))
 
     def touched(self, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
@@ -62,8 +61,8 @@ class Grid:
         column: cython.Py_ssize_t
         k: cython.Py_ssize_t
         for row in range(self._low_row(edge, margin), self._high_row(edge, margin) + 1):
-            self._span(row, edge, margin)
-            for column in range(self.first, self.last + 1):
+            span: CellWindow = self._span(row, edge, margin)
+            for column in range(span.column, span.column + span.columns):
                 # An edge stands in all the cells that it comes into: to look at one twice does no
                 # harm.
                 edges: Numbers = self.cells[row * self.columns + column]
@@ -119,8 +118,8 @@ class Grid:
         """Return the highest row of cells that an edge with a margin comes into."""
         return self._row(max(e.ay, e.by) + margin)
 
-    def _span(self, row: cython.Py_ssize_t, e: Edge, margin: float) -> cython.int:
-        """Find the `first` and the `last` column of a row that a sweep may come into.
+    def _span(self, row: cython.Py_ssize_t, e: Edge, margin: float) -> CellWindow:
+        """Return the cells of a row that a sweep may come into.
 
         An edge in the row that is near the segment is near a point of it whose y is no farther
         than `margin` from the row, and in the columns within `margin` of that point.
@@ -136,9 +135,13 @@ class Grid:
         if low > high:
             low, high = high, low
         most: float = self.columns - 1.0
-        self.first = int(min(max((low - margin - self.low_x) / self.width, 0.0), most))
-        self.last = int(min(max((high + margin - self.low_x) / self.width, 0.0), most))
-        return 0
+        first: cython.Py_ssize_t = int(
+            min(max((low - margin - self.low_x) / self.width, 0.0), most)
+        )
+        last: cython.Py_ssize_t = int(
+            min(max((high + margin - self.low_x) / self.width, 0.0), most)
+        )
+        return CellWindow(first, row, last - first + 1, 1)
 
 
 class Room:

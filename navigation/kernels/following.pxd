@@ -1,4 +1,4 @@
-from libc.math cimport cos, sin, sqrt
+from libc.math cimport sqrt
 from navigation.kernels.committed cimport CommittedMotions
 from navigation.kernels.cubics cimport *
 

@@ -17,7 +17,7 @@ else:
 from .numbers import numbers
 
 if not cython.compiled:
-    from math import cos, sin, sqrt
+    from math import sqrt
 
     from .committed import CommittedMotions
     from .cubics import *
@@ -219,12 +219,3 @@ class CarFollowing:
         # only half in the way needs less of the gap.
         ahead: float = self.given.closes_in
         return (room + walks_on * ahead) / (self.who.time_gap * (1.0 - away / touch) + ahead)
-
-    def slowest(
-        self, near: list[cython.Py_ssize_t], t: float, place: tuple[float, float], heading: float
-    ) -> tuple[int, list[int]]:
-        """Return what `followed` does from a place in the direction `heading` (radians)."""
-        x, y = place
-        slow: list[cython.Py_ssize_t] = []
-        here: CoursePlace = CoursePlace(x, y, cos(heading), sin(heading), 0)
-        return self.followed(near, t, here, slow), slow

@@ -22,6 +22,7 @@ if not cython.compiled:
     from math import floor
 
     from .cubics import *
+    from .discs import covers
     from .edges import touches
 
 
@@ -96,7 +97,6 @@ class WaysRound:
         self.most = most
         self.chunk = chunk
         self.chunks: dict[tuple[int, int], bytes] = {}
-        self.low_column = self.low_row = self.columns = self.rows = 0
 
     def forget(self) -> None:
         """Ask again for each chunk: the floor has changed."""
@@ -116,43 +116,51 @@ class WaysRound:
         # Most who look in vain have somebody at their goal.
         if covers(discs, (column + 0.5) * self.width, (row + 0.5) * self.width):
             return []
-        self._span(ax, ay, bx, by)
-        if self.columns * self.rows > self.most:
+        window: CellWindow = self._span(ax, ay, bx, by)
+        if window.columns * window.rows > self.most:
             return []
-        blocked: bytearray = self._blocked()
-        corner = self.low_column * self.width, self.low_row * self.width
-        block_discs(blocked, self.columns, corner, self.width, _wider(discs))
-        end: cython.Py_ssize_t = (row - self.low_row) * self.columns + column - self.low_column
+        blocked: bytearray = self._blocked(window)
+        corner = window.column * self.width, window.row * self.width
+        block_discs(blocked, window.columns, corner, self.width, _wider(discs))
+        end: cython.Py_ssize_t = (row - window.row) * window.columns + column - window.column
         if blocked[end]:
             return []
-        column = int(floor(ax / self.width)) - self.low_column
-        row = int(floor(ay / self.width)) - self.low_row
-        begin: cython.Py_ssize_t = row * self.columns + column
-        cells: list[cython.Py_ssize_t] = grid_path(blocked, self.columns, begin, end)
+        column = int(floor(ax / self.width)) - window.column
+        row = int(floor(ay / self.width)) - window.row
+        begin: cython.Py_ssize_t = row * window.columns + column
+        cells: list[cython.Py_ssize_t] = grid_path(blocked, window.columns, begin, end)
         if len(cells) == 0:
             return []
-        return self._straightened(cells, a, b, discs, legs)
+        # The middles of the cells between the two ends.
+        places: Numbers = position_room(max(len(cells), 2))
+        k: cython.Py_ssize_t
+        for k in range(1, len(cells) - 1):
+            positions_of(places)[k] = Position(
+                (cells[k] % window.columns + window.column + 0.5) * self.width,
+                (cells[k] // window.columns + window.row + 0.5) * self.width,
+            )
+        positions_of(places)[0] = Position(ax, ay)
+        positions_of(places)[position_count(places) - 1] = Position(bx, by)
+        return _straightened(places, discs, legs)
 
-    def _span(self, ax: float, ay: float, bx: float, by: float) -> cython.int:
-        """Set the window of cells in which a path from a to b is looked for."""
-        self.low_column = int(floor((min(ax, bx) - self.around) / self.width))
-        self.low_row = int(floor((min(ay, by) - self.around) / self.width))
-        high: cython.Py_ssize_t = int(floor((max(ax, bx) + self.around) / self.width))
-        self.columns = high - self.low_column + 1
-        high = int(floor((max(ay, by) + self.around) / self.width))
-        self.rows = high - self.low_row + 1
-        return 0
+    def _span(self, ax: float, ay: float, bx: float, by: float) -> CellWindow:
+        """Return the window of cells in which a path from a to b is looked for."""
+        column: cython.Py_ssize_t = int(floor((min(ax, bx) - self.around) / self.width))
+        row: cython.Py_ssize_t = int(floor((min(ay, by) - self.around) / self.width))
+        right: cython.Py_ssize_t = int(floor((max(ax, bx) + self.around) / self.width))
+        top: cython.Py_ssize_t = int(floor((max(ay, by) + self.around) / self.width))
+        return CellWindow(column, row, right - column + 1, top - row + 1)
 
-    def _blocked(self) -> bytearray:
+    def _blocked(self, window: CellWindow) -> bytearray:
         """Return for each cell of the window whether it is blocked.
 
         Those around its edge are, so that the search need not ask whether a cell has neighbours.
         """
-        found: bytearray = bytearray(b"\1") * (self.rows * self.columns)
-        left: cython.Py_ssize_t = self.low_column + 1
-        right: cython.Py_ssize_t = self.low_column + self.columns - 1
-        bottom: cython.Py_ssize_t = self.low_row + 1
-        top: cython.Py_ssize_t = self.low_row + self.rows - 1
+        found: bytearray = bytearray(b"\1") * (window.rows * window.columns)
+        left: cython.Py_ssize_t = window.column + 1
+        right: cython.Py_ssize_t = window.column + window.columns - 1
+        bottom: cython.Py_ssize_t = window.row + 1
+        top: cython.Py_ssize_t = window.row + window.rows - 1
         while left < right:
             i: cython.Py_ssize_t = _chunk_of(left)
             beyond: cython.Py_ssize_t = min(right, (i + 1) * _CHUNK)
@@ -163,8 +171,8 @@ class WaysRound:
                 chunk: bytes = self._chunk(i, j)
                 above: cython.Py_ssize_t = min(top, (j + 1) * _CHUNK)
                 while row < above:
-                    o: cython.Py_ssize_t = (row - self.low_row) * self.columns
-                    o += left - self.low_column
+                    o: cython.Py_ssize_t = (row - window.row) * window.columns
+                    o += left - window.column
                     c: cython.Py_ssize_t = (row - j * _CHUNK) * _CHUNK + left - i * _CHUNK
                     found[o : o + width] = chunk[c : c + width]
                     row += 1
@@ -176,46 +184,39 @@ class WaysRound:
             self.chunks[i, j] = self.chunk(i, j)
         return self.chunks[i, j]
 
-    def _straightened(
-        self, cells: list[cython.Py_ssize_t], a: Place, b: Place, discs: Numbers, legs: Legs
-    ) -> list[Place]:
-        """Return the path along cells without those that a straight line can leave out."""
-        x: float = a[0]
-        y: float = a[1]
-        bx: float = b[0]
-        by: float = b[1]
-        ends: Numbers = middles(discs)
-        least: float = 0.0
-        i: cython.Py_ssize_t
-        for i in range(circle_count(discs)):
-            least = max(least, circles_of(discs)[i].radius)
-        kept: list[Place] = [(x, y)]
-        k: cython.Py_ssize_t = 0
-        last: cython.Py_ssize_t = max(len(cells) - 1, 1)
-        while k < last:
-            # Cells zigzag: as many are left out as can be, by halving leaps from the farthest.
-            before: cython.Py_ssize_t = k
-            tried: cython.Py_ssize_t = -1
-            for i in range(len(_LEAPS)):
-                end: cython.Py_ssize_t = min(k + _LEAPS[i], last)
-                if end == tried:
-                    continue
-                tried = end
-                px: float = bx
-                py: float = by
-                if end < last:
-                    cell: cython.Py_ssize_t = cells[end]
-                    px = (cell % self.columns + self.low_column + 0.5) * self.width
-                    py = (cell // self.columns + self.low_row + 0.5) * self.width
-                if not touches(ends, x, y, px, py, least) and legs.free(x, y, px, py):
-                    kept.append((px, py))
-                    x = px
-                    y = py
-                    k = end
-                    break
-            if k == before:
-                return []
-        return kept
+
+def _straightened(places: Numbers, discs: Numbers, legs: Legs) -> list[Place]:
+    """Return a path along places without those that a straight line can leave out; or []."""
+    place: Positions = positions_of(places)
+    ends: Numbers = middles(discs)
+    least: float = 0.0
+    i: cython.Py_ssize_t
+    for i in range(circle_count(discs)):
+        least = max(least, circles_of(discs)[i].radius)
+    here: Position = place[0]
+    kept: list[Place] = [(here.x, here.y)]
+    k: cython.Py_ssize_t = 0
+    last: cython.Py_ssize_t = position_count(places) - 1
+    while k < last:
+        # Cells zigzag: as many are left out as can be, by halving leaps from the farthest.
+        before: cython.Py_ssize_t = k
+        tried: cython.Py_ssize_t = -1
+        for i in range(len(_LEAPS)):
+            end: cython.Py_ssize_t = min(k + _LEAPS[i], last)
+            if end == tried:
+                continue
+            tried = end
+            to: Position = place[end]
+            if not touches(ends, here.x, here.y, to.x, to.y, least) and legs.free(
+                here.x, here.y, to.x, to.y
+            ):
+                kept.append((to.x, to.y))
+                here = to
+                k = end
+                break
+        if k == before:
+            return []
+    return kept
 
 
 def _wider(discs: Numbers) -> Numbers:
@@ -264,16 +265,6 @@ def block_discs(
                 if dx * dx + dy * dy < reach * reach:
                     blocked[j * columns + i] = 1
     return 0
-
-
-def covers(discs: Numbers, x: float, y: float) -> bool:
-    """Return whether a place is in one of `discs`."""
-    k: cython.Py_ssize_t
-    for k in range(circle_count(discs)):
-        disc: Circle = circles_of(discs)[k]
-        if norm(disc.x - x, disc.y - y) < disc.radius:
-            return True
-    return False
 
 
 def middles(discs: Numbers) -> Numbers:

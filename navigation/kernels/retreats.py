@@ -22,7 +22,7 @@ from .numbers import Place, flat
 
 if not cython.compiled:
     from .cubics import *
-    from .discs import distance
+    from .discs import covers, distance
     from .edges import touches
     from .walks import draw_walk
 
@@ -67,9 +67,6 @@ class Retreats:
         self.k = -1
         self.last = -1
         self.stood = none
-        self.taken = self.sketch
-        self.hit = -1
-        self.tried = 0
 
     def look(self, path: list[Place], places: Numbers) -> None:
         """Look from now on for walks along `path`, and on to one of the `places`.
@@ -87,28 +84,32 @@ class Retreats:
     def next(
         self,
         most: cython.Py_ssize_t,
-        fit: Callable[[float, float], bool] | None,
+        fit: Callable[[float, float, Swath], Swath | None] | None,
         refusing: bytearray,
-    ) -> int:
-        """Come to the next walk that may be taken: return the number of its place; -1 for none.
+    ) -> tuple[Swath | None, int, int, int]:
+        """Come to the next walk that may be taken, None if there is none.
 
-        It is `taken` then, and who is met first of those who don't move is `hit`, -1 for nobody.
-        `fit`, if there is one, says of a place whether one may walk there from the end of the path.
-        A walk that meets first who is `refusing` is not taken; it is one of those `tried`, as is
-        the one that is returned. At most so many are tried.
+        Return it, the number of its place, who is met first of those who don't move (-1 for
+        nobody), and how many were tried, `most` at most. `fit`, if there is one, returns of a place
+        and the walk to it the one that is taken instead, or None if one may not walk there. A walk
+        that meets first who is `refusing` is tried, and not taken.
         """
         end: Position = positions_of(self.corners)[position_count(self.corners) - 2]
-        self.tried = 0
-        while self.tried < most and self._come(end):
-            to: Position = positions_of(self.places)[self.k]
-            if fit is not None and not fit(end.x + to.x, end.y + to.y):
-                continue
-            self.tried += 1
-            self.hit = self.movers.first_other(self.me, self.taken)
-            if self.hit < 0 or not refusing[self.hit]:
-                found: int = self.k
-                return found
-        return -1
+        tried: cython.Py_ssize_t = 0
+        while tried < most:
+            walk: Swath | None = self._come(end)
+            if walk is None:
+                break
+            if fit is not None:
+                to: Position = positions_of(self.places)[self.k]
+                walk = fit(end.x + to.x, end.y + to.y, walk)
+                if walk is None:
+                    continue
+            tried += 1
+            hit: cython.Py_ssize_t = self.movers.first_other(self.me, walk)
+            if hit < 0 or not refusing[hit]:
+                return walk, self.k, hit, tried
+        return None, -1, -1, tried
 
     def _note_ends(self) -> cython.int:
         """Note the circles in which those who are moving come to stand."""
@@ -129,8 +130,8 @@ class Retreats:
             circles_of(self.stood)[i] = Circle(end.x.p, end.y.p, least - _HAIR)
         return 0
 
-    def _come(self, end: Position) -> bool:
-        """Come to the next place whose walk meets no wall and nobody moving; False for none."""
+    def _come(self, end: Position) -> Swath | None:
+        """Come to the next place whose walk meets no wall and nobody moving; None for none."""
         corner: Positions = positions_of(self.corners)
         count: cython.Py_ssize_t = position_count(self.corners)
         while self.k + 1 < position_count(self.places):
@@ -142,7 +143,7 @@ class Retreats:
             # is met, at the latest then.
             if (
                 touches(self.course, x, y, x, y, self.width)
-                or self._is_taken(x, y)
+                or covers(self.stood, x, y)
                 or self.legs.meets_wall(end.x, end.y, x, y)
             ):
                 continue
@@ -155,20 +156,8 @@ class Retreats:
             # Whoever was in the way of the last one is likely to be in the way of this one.
             if pieces > 0 and not self._meets_any():
                 box: Numbers = row_of_box(boxes_of(self.sketch.box)[0])
-                self.taken = Swath(first_pieces(table, pieces), box)
-                return True
-        return False
-
-    def _is_taken(self, x: float, y: float) -> bool:
-        """Return whether somebody who is moving comes to stand at a place, or too near to it."""
-        i: cython.Py_ssize_t
-        for i in range(circle_count(self.stood)):
-            circle: Circle = circles_of(self.stood)[i]
-            dx: float = circle.x - x
-            dy: float = circle.y - y
-            if circle.radius > 0.0 and dx * dx + dy * dy < circle.radius * circle.radius:
-                return True
-        return False
+                return Swath(first_pieces(table, pieces), box)
+        return None
 
     def _meets_any(self) -> bool:
         """Return whether the walk meets anybody who is moving: `last`, then, who is asked first."""

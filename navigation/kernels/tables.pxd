@@ -110,6 +110,9 @@ cdef struct BoundingBox:
 cdef struct GateLine:
     double ax, ay, bx, by, nx, ny
 
+cdef struct CellWindow:
+    Py_ssize_t column, row, columns, rows
+
 ctypedef Position* Positions
 ctypedef Circle* Circles
 ctypedef Edge* Edges

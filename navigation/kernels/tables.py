@@ -255,6 +255,15 @@ class GateLine(NamedTuple):
     ny: float
 
 
+class CellWindow(NamedTuple):
+    """Rectangle of cells: its first column and row, and the number of both."""
+
+    column: int
+    row: int
+    columns: int
+    rows: int
+
+
 Positions: TypeAlias = "Rows[Position]"
 Circles: TypeAlias = "Rows[Circle]"
 Edges: TypeAlias = "Rows[Edge]"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Collection
-from contextlib import suppress
 
 from floorplan import Human, Point
 from navigation import (
@@ -19,7 +18,6 @@ from navigation import (
     walk,
 )
 from navigation.moving_obstacles import Passage
-from navigation.walking import can_go_on
 
 from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
@@ -29,10 +27,7 @@ from .crowd.crowd import Crowd
 from .crowd.parameters import Manners
 from .crowd.speed_zones import SpeedZones
 from .crowd.traveller import Traveller
-from .crowd.vehicles import TOUCH, among_vehicles, any_moves, any_touches
-
-REPORT_DELAY = 0.1
-"""Seconds until somebody who is sent to where they are already says that they are there."""
+from .crowd.vehicles import TOUCH, among_vehicles, any_moves
 
 LEEWAY = 0.05
 """Metres. Further from vehicles people keep who must adapt their course to others as well."""
@@ -44,10 +39,9 @@ SLOWER = 10.0
 class Walker:
     """One person's legs. `arrived(goal)` is called whenever a goal is reached.
 
-    They follow the planned path as the `crowd` allows: other people, and vehicles that drive. A
-    person alone whom no vehicle will meet walks all of it at once. `blocked` is called when others
-    have kept them from going on for too long, `late(goal)` when a vehicle has passed that they let
-    pass before they set out, and they stand elsewhere by then.
+    They follow the planned path as the `crowd` allows: other people, and vehicles that drive.
+    `blocked` is called when others have kept them from going on for too long, `late(goal)` when a
+    vehicle has passed that they let pass before they set out, and they stand elsewhere by then.
     """
 
     def __init__(
@@ -116,47 +110,28 @@ class Walker:
 
     def go(self, goal: Point) -> None:
         """Walk to `goal` from now on; `PlanningError`, and no change, if there is no path."""
-        if not self._walks_alone(goal):
-            self._set_out_among_others(goal)
-            self._step_out_of_closures()
-
-    def _walks_alone(self, goal: Point) -> bool:
-        """Walk all of the path to `goal` if nobody can be met on it; return whether it is so."""
-        crowd = self._crowd
-        if crowd.is_shared:
-            return False
-        motion, now = self._motion_to(goal), self._clock.now
-        if not crowd.is_free(self.traveller, motion):
-            return False
-        if any_touches(self._stage, self.human, motion):
-            return False
-        self.goal = goal
-        self._setting_out.set(None)
-        arrives = max(motion.end, now + REPORT_DELAY)
-        top = self.human.max_speed * self.speed_share
-        crowd.walk_alone(self.traveller, goal, motion, top, arrives)
-        return True
-
-    def _set_out_among_others(self, goal: Point) -> None:
-        """Walk to `goal` as others allow, waiting for a vehicle where that is quickest."""
-        crowd = self._crowd
         points = self._path(self.body.at, goal)
         self.goal = goal
         self._setting_out.set(None)
-        top, acceleration = self.human.max_speed * self.speed_share, self.human.max_acceleration
+        top = self.human.max_speed * self.speed_share
         passage = self._passage_from_rest(goal, points, top)
         if passage is None:
-            crowd.set_out(self.traveller, goal, points[1:], top)
-            return
+            self._crowd.set_out(self.traveller, goal, points[1:], top)
+        else:
+            self._follow_passage(passage, top)
+        self._step_out_of_closures()
+
+    def _follow_passage(self, passage: Passage, top: float) -> None:
+        """Walk past a vehicle, and wait for it where that is quickest."""
         points, self._onward = [*map(tuple, passage.path.points.tolist())], []
         now, delay = self._clock.now, 0.0
         if passage.waits:
             ((place, delay),) = passage.waits
             points, self._onward = _parted(points, place)
         if len(points) > 1:
-            motion = walk(points, now, max_speed=top, max_acceleration=acceleration)
+            motion = walk(points, now, max_speed=top, max_acceleration=self.human.max_acceleration)
             self._goes_on_at = motion.end + delay
-            crowd.set_out(self.traveller, points[-1], points[1:], top)
+            self._crowd.set_out(self.traveller, points[-1], points[1:], top)
         else:
             self._goes_on_at = now + delay
             self._wait_here()
@@ -169,8 +144,10 @@ class Walker:
     def _passage_from_rest(self, goal: Point, points: list[Point], top: float) -> Passage | None:
         """Return how somebody who stands gets past vehicles, or None if they need not mind any."""
         now, acceleration = self._clock.now, self.human.max_acceleration
+        if self.body.motion.end > now:
+            return None
         length = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
-        if self.body.motion.end > now or not any_moves(self._stage, now + length / top + SLOWER):
+        if not any_moves(self._stage, now + length / top + SLOWER):
             return None
         if self.traveller.zones.along(points, top)[1] != top:  # slower than vehicles are foreseen
             return None
@@ -291,64 +268,6 @@ class Walker:
     def _bound_for(self) -> Point:
         assert self.goal is not None
         return self.goal
-
-    def _motion_to(self, goal: Point) -> Motion:
-        now, state = self._clock.now, self.body.state
-        points = self._path(state.at, goal)
-        top, acceleration = self.human.max_speed * self.speed_share, self.human.max_acceleration
-        if self.traveller.zones and (motion := self._through_zones(points, top)) is not None:
-            return motion
-        # Too fast for this errand, or for the first turn: then they come to rest first.
-        goes_on = state.speed <= top and (
-            len(points) < 2 or can_go_on(state, points[1], acceleration, self.body.leg)
-        )
-        if goes_on:
-            with suppress(ValueError):  # too short to come to rest on
-                return walk(
-                    points,
-                    now,
-                    max_speed=top,
-                    max_acceleration=acceleration,
-                    initial_speed=state.speed,
-                )
-        braking = self.braking()
-        points = self._path(braking.state(braking.end).at, goal)
-        onwards = walk(points, braking.end, max_speed=top, max_acceleration=acceleration)
-        return join([braking, onwards])
-
-    def _through_zones(self, points: list[Point], top: float) -> Motion | None:
-        """Return the walk along `points` where limits hold; None where there are none ahead.
-
-        Somebody who has to turn, or to slow down, more than they can come to rest first.
-        """
-        course, tops = self.traveller.zones.along(points, top)
-        if tops == top:
-            return None
-        now, state, acceleration = self._clock.now, self.body.state, self.human.max_acceleration
-
-        def walked(
-            course: list[Point], tops: float | list[float], t: float, speed: float
-        ) -> Motion | None:
-            with suppress(ValueError):  # too short to come to rest on
-                return walk(
-                    course,
-                    t,
-                    initial_speed=speed,
-                    top_speed=tops,
-                    max_speed=self.human.max_speed,
-                    max_acceleration=acceleration,
-                )
-            return None
-
-        if len(course) > 1 and can_go_on(state, course[1], acceleration, self.body.leg):
-            motion = walked(course, tops, now, state.speed)
-            if motion is not None:
-                return motion
-        braking = self.braking()
-        rested = braking.state(braking.end).at
-        points = self._path(rested, points[-1])
-        onwards = walked(*self.traveller.zones.along(points, top), braking.end, 0.0)
-        return braking if onwards is None else join([braking, onwards])
 
     def _path(self, start: Point, goal: Point) -> list[Point]:
         try:

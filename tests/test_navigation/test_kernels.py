@@ -6,7 +6,6 @@ import math
 import random
 import subprocess
 import sys
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,16 +13,14 @@ import shapely
 from hypothesis import assume, given, strategies as st
 
 import navigation
-from navigation import polynomials as quadrature, walk
+from navigation import polynomials as quadrature
 from navigation.freespace import Walls
 from navigation.kernels import COMPILED
 from navigation.kernels.committed import CommittedMotions
 from navigation.kernels.edges import Legs
-from navigation.kernels.following import CarFollowing, ChoiceParameters, Passer
 from navigation.kernels.grid import CHUNK, WaysRound, block_discs, grid_path
 from navigation.kernels.numbers import numbers
 from navigation.walking import swath
-from sim.people.crowd.parameters import PARAMETERS
 
 AS_PYTHON = """
 import importlib.machinery, importlib.util, pathlib, sys
@@ -138,52 +135,6 @@ def test_quadratures_are_gauss_and_legendres(n):
     nodes, weights = np.polynomial.legendre.leggauss(n)
     assert getattr(quadrature, f"NODES_{n}") == pytest.approx(nodes, rel=1e-15, abs=1e-16)
     assert getattr(quadrature, f"WEIGHTS_{n}") == pytest.approx(weights, rel=1e-14)
-
-
-coordinates = st.floats(-3.0, 3.0)
-places = st.tuples(coordinates, coordinates)
-motions = st.lists(places, min_size=2, max_size=3).filter(
-    lambda course: all(math.dist(a, b) > 0.1 for a, b in pairwise(course))
-)
-
-
-@given(
-    st.lists(st.tuples(motions, st.floats(0.2, 0.5)), max_size=6),
-    st.floats(0.0, 2.0),
-    places,
-    st.floats(0.0, 2 * math.pi),
-)
-def test_who_keeps_somebody_slowest_is_followed_unless_somebody_comes(others, t, at, heading):
-    c, s = math.cos(heading), math.sin(heading)
-    walks = [walk(course, 0.5) for course, _ in others]
-    speeds, slow, oncoming = {}, [], False
-    for k, (motion, (_, radius)) in enumerate(zip(walks, others, strict=True)):
-        state, then = motion.state(t), motion.state(t + 0.5)
-        dx, dy = state.at[0] - at[0], state.at[1] - at[1]
-        along, beside, touch = dx * c + dy * s, abs(dy * c - dx * s), 0.3 + radius
-        if along <= 0.0 or beside >= max(1.5, touch):
-            continue
-        if state.speed <= 0.05:
-            slow.append(k)
-            continue
-        same = (state.velocity[0] * c + state.velocity[1] * s) / state.speed
-        oncoming |= same < -0.7 and beside < 1.5
-        if same > 0.7 and beside < touch:
-            onward = (then.at[0] - state.at[0]) * c + (then.at[1] - state.at[1]) * s
-            room = along - math.sqrt(touch**2 - beside**2) + onward / 0.5
-            speeds[k] = room / (1.0 - beside / touch + 1.0)
-    motions = CommittedMotions(GAP)
-    for motion, (_, radius) in zip(walks, others, strict=True):
-        motions.add(swath(motion, 0.0), radius)
-    who = Passer(-1, 1.2, 0.3, 0.1, 1.0, 5.0, 1.0)
-    following = CarFollowing(motions, who, ChoiceParameters(PARAMETERS))
-    k, found = following.slowest([*range(len(walks))], t, at, heading)
-    slowest = min(speeds.values(), default=math.inf)
-    if oncoming or slowest >= 1.2:
-        assert k == -1
-    else:
-        assert speeds[k] == pytest.approx(slowest)
-    assert found == ([] if oncoming else slow)
 
 
 HALL = shapely.box(-40.0, -40.0, 40.0, 40.0)

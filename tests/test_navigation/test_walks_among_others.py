@@ -108,8 +108,8 @@ def test_the_steps_taken_are_those_of_a_plain_look() -> None:
         walks = Retreats(movers, me, course, 0.6, LEGS, TOP, FASTEST, ACCELERATION)
         walks.look(path, numbers(c for place in places for c in place))
         found = []
-        while (k := walks.next(1000, None, refusing)) >= 0:
-            found.append((k, walks.hit, walks.taken.table))
+        while (step := walks.next(1000, None, refusing))[0] is not None:
+            found.append((step[1], step[2], step[0].table))
         assert found == [*plainly(path, places, legs, moving, floor, refusing)], seed
         taken += len(found)
     assert taken > 200

@@ -365,3 +365,32 @@ def test_what_makes_no_sense_of_somebody_recorded_is_refused(tmp_path):
     (tmp_path / "t.csv").write_text("x,y\n1,1\n")
     with pytest.raises(sim.TrialError, match="no column name"):
         trial(tmp_path, "people: [{name: e, recorded: t.csv}]\n")
+
+
+AISLE = """\
+floorplan:
+  boundary: [[0, 0], [8, 0], [8, -2], [14, -2], [14, 3], [8, 3], [8, 0.7], [0, 0.7]]
+  stations: {west: [0.4, 0.35], east: [12, 0.35]}
+duration: 75
+people:
+  - {name: eve, recorded: tracks.csv}
+  - {name: ada, at: [1.2, 0.35], beliefs: ["bound_for(east)"]}
+  - {name: bob, at: [0.4, 0.35], beliefs: ["bound_for(east)"]}
+"""
+
+
+def test_people_behind_somebody_who_will_walk_on_are_no_deadlock(tmp_path):
+    """Eve stands in an aisle for one for a minute. The two behind her do not move meanwhile."""
+    tracks(
+        tmp_path,
+        *(f"{t},eve,3,0.35" for t in range(61)),
+        *(f"{t},eve,{t - 57},0.35" for t in range(61, 68)),
+        *(f"{t},eve,10,{t - 66.65}" for t in range(68, 70)),
+    )
+    run = sim.run(sim.Trial.parse(AISLE, folder=tmp_path))
+    blocked = {e["person"] for e in run.events if e["kind"] == "blocked" and e["t"] < 20.0}
+    assert blocked == {"ada", "bob"}
+    assert run.summary["deadlocks"] == 0
+    assert np.ptp(sampled(run, "ada", [20.0, 55.0]), axis=0).max() == 0.0
+    arrived = {e["person"] for e in run.events if e["kind"] == "arrived"}
+    assert arrived == {"ada", "bob"}

@@ -24,7 +24,7 @@ from .commitments import Commitments, Hit
 from .escalate import Ladder, Stuck, is_no_nearer
 from .ground import Ground
 from .interrupt import Interruptions, conflict
-from .observe import Outlook
+from .observe import Outlook, whole_walk
 from .parameters import PARAMETERS
 from .propose import Foresighted, Steering, both_aside
 from .room import Place, places_at, room_near
@@ -125,25 +125,8 @@ class Crowd:
     def set_out(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:
         """Start to `goal` along `route` (the waypoints after the current position)."""
         self._set_goal(me, goal, route, top_speed)
+        me.routed = self._clock.now
         self.decide(me)
-
-    def walk_alone(
-        self,
-        me: Traveller,
-        goal: Point,
-        motion: Motion,
-        top_speed: float,
-        arrives: float,
-    ) -> None:
-        """Follow a free `motion` all the way to `goal`, and arrive there at `arrives` (s).
-
-        The person decides again if a vehicle comes in the way.
-        """
-        self._set_goal(me, goal, [goal], top_speed)
-        me.continues(self._clock.now)
-        me.deciding.set(None)
-        me.arriving.set(arrives)
-        me.body.follow(motion)
 
     def rest(self, me: Traveller) -> None:
         """Clear the goal of a person. The motion continues."""
@@ -171,7 +154,7 @@ class Crowd:
 
     def has_room(self, me: Traveller, place: Point) -> bool:
         """Return whether a person can stand at `place` without a conflict."""
-        return not self.is_shared or self.is_free(me, standing(place, start=self._clock.now))
+        return self.is_free(me, standing(place, start=self._clock.now))
 
     def room(
         self,
@@ -239,6 +222,10 @@ class Crowd:
         if me.goal is None:
             return
         try:
+            if self.is_empty:
+                me.continues(now)
+                self._commit(me, whole_walk(me, now), None, wished=True)
+                return
             see = self._observe(me)
         except PlanningError:
             self._again(me, now + PARAMETERS.again)
@@ -345,12 +332,16 @@ class Crowd:
         self,
         me: Traveller,
         motion: Motion,
-        ahead: Swath,
+        ahead: Swath | None,
         see: Outlook | None = None,
         *,
         wished: bool = False,
     ) -> None:
-        """Commit a person to a motion that was found free, and set the next decision."""
+        """Commit a person to a motion that was found free, and set the next decision.
+
+        `ahead` is its swath, None for the walk to the goal on an empty floor, and `see` the
+        observation if they decided.
+        """
         now = self._clock.now
         if see is not None:
             self._commitments.set_goal(me, me.goal, see.course[1:])
@@ -358,8 +349,10 @@ class Crowd:
         me.decided = now
         self._ladder.note_motion(now)
         me.follow(motion, ahead)
-        arrival = _arrival(me, motion, ahead.place, wished)
-        me.arriving.set(None if arrival is None else max(arrival, now))
+        place = me.goal if ahead is None else ahead.place
+        arrival = _arrival(me, motion, place, wished)
+        soonest = now if motion.end > now else now + PARAMETERS.reports
+        me.arriving.set(None if arrival is None else max(arrival, soonest))
         if me.goal is None or (wished and arrival is not None):
             me.deciding.set(None)
         else:
@@ -414,17 +407,18 @@ class Crowd:
         return self._grounds[world, radius]
 
 
-def _arrival(me: Traveller, motion: Motion, place: Point, wished: bool) -> float | None:
+def _arrival(me: Traveller, motion: Motion, place: Point | None, wished: bool) -> float | None:
     """Return the time of arrival of a person who follows a motion to `place`, or None.
 
     `wished` is whether it is the preferred motion. A person who leaves the floor is removed before
     braking, so that the next ones are not kept inside, or on stopping near the exit.
     """
-    if me.goal is None:
+    if me.goal is None or place is None:
         return None
     away, leaves = math.dist(place, me.goal), me.goal == me.leaves_at
     if away >= 1e-6:
         return motion.end if leaves and not wished and away < AT_THE_DOOR else None
+    if not leaves:
+        return motion.end
     brakes = motion.last_begin
-    walks_out = leaves and math.dist(motion.state(brakes).at, me.goal) < AT_THE_DOOR
-    return brakes if walks_out else motion.end
+    return brakes if math.dist(motion.state(brakes).at, me.goal) < AT_THE_DOOR else motion.end

@@ -151,7 +151,11 @@ class Ladder:
             me.blocked()
 
     def report_deadlock(self, stuck: Stuck, under_way: Callable[[], Iterable[Traveller]]) -> None:
-        """Record a deadlock if all people with a goal are blocked and no person has moved."""
+        """Record a deadlock if no person with a goal can continue.
+
+        That is, at least two have a goal, people at rest block all of them, and no person has a new
+        motion for some time. Vehicles and people who still move will make room.
+        """
         if (
             not stuck.me.said
             or self._is_deadlocked
@@ -159,10 +163,16 @@ class Ladder:
         ):
             return
         people = [*under_way()]
-        if len(people) > 1 and all(one.said for one in people):
+        if len(people) > 1 and all(_waits_for_rest(one, stuck.now) for one in people):
             self._is_deadlocked = True
             self.deadlocks += 1
             self._stage.record(Deadlock(people=[one.name for one in people]))
+
+
+def _waits_for_rest(one: Traveller, now: float) -> bool:
+    """Return whether a person has perceived `blocked`, and the one in the way has come to rest."""
+    other = one.waits_for
+    return one.said and other is not None and other.body.motion.end <= now
 
 
 def is_beside_goal(me: Traveller, hit: Hit, table: Commitments, now: float) -> bool:

@@ -187,9 +187,9 @@ class Request:
         # found no place is not asked again for this course, as the search would be alike.
         moving = self._moving
         count = len(moving.indices)
-        for retreat, walk in self._retreats(k, course, depth):
-            moving.move(k, walk.taken)
-            if self._clear(count, retreat, depth + 1, walk.hit):
+        for retreat, walk, hit in self._retreats(k, course, depth):
+            moving.move(k, walk)
+            if self._clear(count, retreat, depth + 1, hit):
                 return True
             moving.keep(count)
         self._refusing[k] = self._left > 0
@@ -197,10 +197,10 @@ class Request:
 
     def _retreats(
         self, k: int, course: Sequence[Point], depth: int
-    ) -> Iterator[tuple[list[Point], Retreats]]:
+    ) -> Iterator[tuple[list[Point], Swath, int]]:
         """Yield courses off `course`: to the nearest places around, then to places ahead of it.
 
-        With what comes of them, and who is met first there; none meets anybody who moves. As many
+        With the walk along them, and who is met first; none meets anybody who moves. As many
         as the limits allow, of which those are left out that meet first who refuses.
         """
         who = self._commitments.people[k]
@@ -221,16 +221,13 @@ class Request:
         )
         path: list[Point] = []
 
-        def fits(x: float, y: float) -> bool:
+        def fitting(x: float, y: float, walk: Swath) -> Swath | None:
             if not ground.free_and_back(path[-1], (x, y)):
-                return False
+                return None
             if not who.zones:
-                return True
+                return walk
             slower = who.draft([*path, (x, y)], self._now)
-            if slower is None or moving.meet(k, slower):
-                return False
-            walks.taken = slower
-            return True
+            return None if slower is None or moving.meet(k, slower) else slower
 
         wide = PARAMETERS.wide
         for path, places in _lookout(who.swath.place, course, width, ground):
@@ -238,16 +235,16 @@ class Request:
             fit = (
                 None
                 if not who.zones and ground.has_only_walls(path[-1], PARAMETERS.rings[-1])
-                else fits
+                else fitting
             )
             while True:
-                found = walks.next(min(wide, self._left), fit, refusing)
-                wide -= walks.tried
-                self._left -= walks.tried
-                if found < 0:
+                walk, found, hit, tried = walks.next(min(wide, self._left), fit, refusing)
+                wide -= tried
+                self._left -= tried
+                if walk is None:
                     break
                 x, y = path[-1]
-                yield [*path, (x + places[2 * found], y + places[2 * found + 1])], walks
+                yield [*path, (x + places[2 * found], y + places[2 * found + 1])], walk, hit
             if wide <= 0 or self._left <= 0:
                 return
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import MutableSequence, Sequence
+from contextlib import suppress
 
 from floorplan import Point
-from navigation import Motion, stop_walking
+from navigation import Motion, join, stop_walking, walk
 from navigation.kernels.candidates import Candidates, Course, Departure
 from navigation.kernels.discs import Swath
 from navigation.kernels.following import ChoiceParameters, Passer
@@ -21,6 +22,47 @@ from .parameters import PARAMETERS
 from .traveller import Traveller
 
 GIVEN = ChoiceParameters(PARAMETERS)
+
+
+def whole_walk(me: Traveller, now: float) -> Motion:
+    """Return the walk of a person all the way to the goal, on an empty floor.
+
+    A person who is too fast for it comes to rest first, and plans the route from there.
+    """
+    state = me.body.motion.state(now)
+    route = me.route if me.routed == now else me.reroute(state.at)
+    course, tops = _limited(me, [state.at, *route])
+    speed = state.speed
+    if speed == 0.0 or (
+        (speed <= me.top_speed or tops != me.top_speed)
+        and (len(course) < 2 or can_go_on(state, course[1], me.human.max_acceleration, me.body.leg))
+    ):
+        with suppress(ValueError):  # too short to come to rest on
+            return _walk_all(me, course, tops, now, speed)
+    braking = stop_walking(me.body.motion, now, max_acceleration=me.human.max_acceleration)
+    at = braking.state(braking.end).at
+    course, tops = _limited(me, [at, *me.reroute(at)])
+    return join([braking, _walk_all(me, course, tops, braking.end, 0.0)])
+
+
+def _limited(me: Traveller, course: list[Point]) -> tuple[list[Point], float | list[float]]:
+    """Return a course with the top speed of each leg, or only one where no limit is lower."""
+    return me.zones.along(course, me.top_speed) if me.zones else (course, me.top_speed)
+
+
+def _walk_all(
+    me: Traveller, course: list[Point], tops: float | list[float], t: float, speed: float
+) -> Motion:
+    """Return the walk along all of a course; `ValueError` if it is too short to stop on."""
+    is_limited = tops != me.top_speed
+    return walk(
+        course,
+        t,
+        initial_speed=speed,
+        top_speed=tops if is_limited else None,
+        max_speed=me.human.max_speed if is_limited else me.top_speed,
+        max_acceleration=me.human.max_acceleration,
+    )
 
 
 class Outlook:

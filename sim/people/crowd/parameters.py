@@ -37,6 +37,8 @@ class AvoidanceParameters:
     """Minimum time for which a person keeps a motion other than the preferred one."""
     again: float = _of(2.0, "s", "chosen, not varied")
     """Maximum time until that person looks for a better motion."""
+    reports: float = _of(0.1, "s", "chosen, not varied")
+    """Time until a person alone who stands at the goal already has arrived."""
     worth: float = _of(0.6, "m", "two people head-on in an aisle of 1.5 m")
     """Loss of one person above which two people look for a shift of both."""
 

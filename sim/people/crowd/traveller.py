@@ -40,6 +40,8 @@ class Traveller:
     goal: Point | None = None
     route: list[Point] = field(default_factory=list)
     """Waypoints from the current position to the goal."""
+    routed: float = -math.inf
+    """Time at which the route began at the position of the person, s."""
     goes_round: bool = False
     """Whether the route is a detour around stationary people."""
     leaves_at: Point | None = None
@@ -101,8 +103,8 @@ class Traveller:
             self._of, self._swath = motion, swath(motion, self.body.clock.now)
         return self._swath
 
-    def follow(self, motion: Motion, ahead: Swath) -> None:
-        """Follow `motion`, with the swath `ahead`, from now on."""
+    def follow(self, motion: Motion, ahead: Swath | None) -> None:
+        """Follow `motion`, with the swath `ahead` if it is known, from now on."""
         self._of, self._swath = motion, ahead
         self.body.follow(motion)
 
