@@ -244,6 +244,12 @@ class MachineShape:
             return self.box
         return Prism(footprint=self.outline, bottom=self.bottom, top=self.top)
 
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Smallest and largest x and y of the footprint, in metres from the axis."""
+        xs, ys = zip(*(self.outline or self.box.corners), strict=True)
+        return min(xs), min(ys), max(xs), max(ys)
+
     @cached_property
     def silhouette(self) -> tuple[Solid, ...]:
         """Solids of the footprint and the arm, both from the floor up, whatever their heights."""
