@@ -131,8 +131,9 @@ def cover(shape: MachineShape) -> tuple[list[Point], float]:
     """
     west, south, east, north = shape.bounds
     length, width = east - west, north - south
-    # Parts half as long as wide: discs then stick out to the sides by 12 % of half the width.
-    count = max(1, math.ceil(2 * max(length, width) / min(length, width)))
+    # Discs stick out to the sides by 12 % of half the width, of one that turns by 5 %.
+    parts = 2 if shape.direction else 3
+    count = max(1, math.ceil(parts * max(length, width) / min(length, width)))
     shares = [(k + 0.5) / count for k in range(count)]
     if length >= width:
         part, places = (
