@@ -86,7 +86,7 @@ class Interruptions:
             self._avoiding.set(self._clock.now)
 
     def _avoid_vehicles(self) -> None:
-        """Let people in the way of a vehicle decide again, or brake."""
+        """Let people in the way of a vehicle decide again, brake, or step off its course."""
         now, coming = self._clock.now, [*self._coming]
         self._coming.clear()
 
@@ -95,7 +95,10 @@ class Interruptions:
             return not near.free(me.swath)
 
         for me in self._people:
-            if me.recorded or me.body.motion.end <= now or not is_in_the_way(me):
+            if me.recorded or not is_in_the_way(me):
+                continue
+            if me.body.motion.end <= now:
+                self._step_off(me, coming)
                 continue
             self._decide(me)
             if is_in_the_way(me):
