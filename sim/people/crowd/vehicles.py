@@ -131,23 +131,16 @@ def cover(shape: MachineShape) -> tuple[list[Point], float]:
     """
     west, south, east, north = shape.bounds
     length, width = east - west, north - south
+    crosswise = shape.direction is None and width > length
+    long, short = (width, length) if crosswise else (length, width)
     # Discs stick out to the sides by 12 % of half the width, of one that turns by 5 %.
-    parts = 2 if shape.direction else 3
-    count = max(1, math.ceil(parts * max(length, width) / min(length, width)))
-    shares = [(k + 0.5) / count for k in range(count)]
-    if length >= width:
-        part, places = (
-            length / count,
-            [(west + share * length, (south + north) / 2) for share in shares],
-        )
-    else:
-        part, places = (
-            width / count,
-            [((west + east) / 2, south + share * width) for share in shares],
-        )
+    count = max(1, math.ceil((2 if shape.direction else 3) * long / short))
+    part = long / count
+    along = [(k + 0.5) * part + (south if crosswise else west) for k in range(count)]
+    middle = ((west + east) if crosswise else (south + north)) / 2
     c, s = shape.direction or (1.0, 0.0)
-    turned = [(x * c - y * s, x * s + y * c) for x, y in places]
-    return turned, math.hypot(part, min(length, width)) / 2
+    places = [(middle, q) if crosswise else (q, middle) for q in along]
+    return [(x * c - y * s, x * s + y * c) for x, y in places], math.hypot(part, short) / 2
 
 
 def among_vehicles(
