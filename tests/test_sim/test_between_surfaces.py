@@ -165,7 +165,7 @@ def test_the_duration_of_approaches_is_that_of_dense_sampling(seed):
                 np.column_stack([motion.position(one), motion.rotation(one)])
                 for one in (t, t + 1e-5)
             )
-            nearer = shapes.distances(places, now) - shapes.distances(places, later) > 1e-9
+            nearer = shapes.distances(places, now) - shapes.distances(places, later) > 1e-10
             # What goes on from the begin of a violation caused it.
             after = np.cumsum(~nearer) > 0
             seconds += step * float((nearer & after).sum())
