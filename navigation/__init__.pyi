@@ -2,7 +2,7 @@
 
 from .bodies import Disc
 from .catalog import Path, PlannerError, PlanningError, planners
-from .encounter import Box, Cylinder, Enclosure, Encounter, Shapes
+from .encounter import Box, Cylinder, Enclosure, Encounter, Prism, Shapes
 from .field_design import needed_fields
 from .field_intrusions import FieldEntry, Intrusion, first_intrusion, intrusions
 from .field_lengths import FieldSupplements, ShortField, short_fields, stopping_reach
@@ -78,6 +78,7 @@ __all__ = [
     "Piece",
     "PlannerError",
     "PlanningError",
+    "Prism",
     "ProtectiveFields",
     "Scaled",
     "SeparationLaw",

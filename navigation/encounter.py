@@ -14,16 +14,21 @@ import math
 from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
+import numpy as np
+import shapely
+from numpy.typing import NDArray
 from typing_extensions import Self
 
-from floorplan import Gantry, Lane
+from floorplan import Gantry, Lane, Point
 
-from .kernels.encounter import EncounterBounds, Gauge
+from .kernels.encounter import EncounterBounds, Gauge, PolygonGauge
 from .kernels.numbers import room
 from .kernels.odometer import PathLength, length
 from .motion import Motion, Piece, shift
+
+Floats = NDArray[np.float64]
 
 PERSON_RADIUS = 0.30
 """Metres. A person's radius where nothing else is said."""
@@ -32,9 +37,11 @@ PERSON_HEIGHT = 1.75
 """Metres. A person's height where nothing else is said."""
 
 
-def _require_solid(solid: Cylinder | Box) -> None:
+def _require_solid(solid: Solid) -> None:
     for field in fields(solid):
         length = getattr(solid, field.name)
+        if field.name == "footprint":
+            continue
         if not (math.isfinite(length) and (length > 0 or (field.name == "bottom" and length == 0))):
             raise ValueError(f"{field.name} of a {type(solid).__name__} can't be {length} m")
     if solid.top <= solid.bottom:
@@ -134,6 +141,51 @@ class Box:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Prism:
+    """Upright prism beside or around the axis of a body that turns with it.
+
+    Parameters
+    ----------
+    footprint : tuple of (float, float)
+        Points in metres from the axis, along the heading and to its left. The footprint is their
+        convex hull.
+    bottom, top : float
+        Heights above the floor in metres. The bottom is 0 by default.
+
+    Raises
+    ------
+    ValueError
+        If the footprint has no area, or if `top` is not above `bottom`.
+    """
+
+    footprint: tuple[Point, ...]
+    bottom: float = 0.0
+    top: float
+
+    def __post_init__(self) -> None:
+        _require_solid(self)
+        points = np.array(self.footprint, dtype=float).reshape(-1, 2)
+        hull = shapely.MultiPoint(points).convex_hull if np.isfinite(points).all() else None
+        if not isinstance(hull, shapely.Polygon):
+            raise ValueError(f"footprint of a Prism must have an area, not {self.footprint}")
+
+    @cached_property
+    def corners(self) -> tuple[Point, ...]:
+        """Corners of the footprint, counterclockwise."""
+        hull = shapely.orient_polygons(shapely.MultiPoint(self.footprint).convex_hull)
+        return tuple((x, y) for x, y in shapely.get_coordinates(hull)[:-1].tolist())
+
+    @property
+    def rounding(self) -> float:
+        """Radius around `corners` in metres."""
+        return 0.0
+
+
+Solid: TypeAlias = Cylinder | Box | Prism
+"""Part of a machine."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Shapes:
     """Solids of a person and a machine.
 
@@ -141,7 +193,7 @@ class Shapes:
     ----------
     person : Cylinder, optional
         Cylinder around the person's position. By default its radius is 0.3 m and its height 1.75 m.
-    machine : tuple of Cylinder or Box
+    machine : tuple of Cylinder, Box or Prism
         Solids of the machine, which move together.
 
     Raises
@@ -151,7 +203,7 @@ class Shapes:
     """
 
     person: Cylinder = Cylinder(radius=PERSON_RADIUS, top=PERSON_HEIGHT)
-    machine: tuple[Cylinder | Box, ...]
+    machine: tuple[Solid, ...]
 
     def __post_init__(self) -> None:
         if not isinstance(self.person, Cylinder):
@@ -159,20 +211,63 @@ class Shapes:
         if not self.machine:
             raise ValueError("a machine needs at least one solid")
         for part in self.machine:
-            if not isinstance(part, Cylinder | Box):
-                raise ValueError(f"a machine is made of Cylinder and Box, not {part!r}")
+            if not isinstance(part, Solid):
+                raise ValueError(f"a machine is made of Cylinder, Box and Prism, not {part!r}")
 
-    @property
+    def __getstate__(self) -> dict[str, object]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
     def gauges(self) -> tuple[Gauge, ...]:
         """Kernels that measure between the person and each solid of the machine."""
-        return tuple(_gauge(self.person, part) for part in self.machine)
+        return tuple(self._gauge(part) for part in self.machine)
 
+    @property
+    def reach(self) -> float:
+        """Distance in metres from the machine's axis to the farthest point of its solids."""
+        return max(
+            math.hypot(x, y) + part.rounding for part in self.machine for x, y in part.corners
+        )
 
-def _gauge(person: Cylinder, part: Cylinder | Box) -> Gauge:
-    height = max(part.bottom - person.top, person.bottom - part.top, 0.0)
-    if isinstance(part, Cylinder):
-        return Gauge(person.radius, height, 0.0, 0.0, part.radius)
-    return Gauge(person.radius, height, part.length / 2, part.width / 2, 0.0)
+    def distances(self, places: Floats, poses: Floats) -> Floats:
+        """Return the distances between surfaces at many times.
+
+        Parameters
+        ----------
+        places : ndarray, shape (N, 2)
+            Positions of the person in metres.
+        poses : ndarray, shape (N, 3)
+            Poses of the machine: x, y in metres and rotation in radians.
+
+        Returns
+        -------
+        ndarray, shape (N,)
+            Distances in metres, 0 if surfaces overlap.
+        """
+        away = places - poses[:, :2]
+        c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+        seen = shapely.points(
+            np.column_stack([c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]])
+        )
+        found = np.full(len(places), np.inf)
+        for part in self.machine:
+            hull = shapely.MultiPoint(part.corners).convex_hull
+            level = shapely.distance(seen, hull) - part.rounding - self.person.radius
+            found = np.minimum(found, np.hypot(np.maximum(level, 0.0), self._above(part)))
+        return found
+
+    def _above(self, part: Solid) -> float:
+        """Return the gap in metres between the heights of the person and a part."""
+        return max(part.bottom - self.person.top, self.person.bottom - part.top, 0.0)
+
+    def _gauge(self, part: Solid) -> Gauge:
+        radius, height = self.person.radius, self._above(part)
+        match part:
+            case Cylinder():
+                return Gauge(radius, height, 0.0, 0.0, part.radius)
+            case Box():
+                return Gauge(radius, height, part.length / 2, part.width / 2, 0.0)
+        return PolygonGauge(radius, height, [c for corner in part.corners for c in corner])
 
 
 _ELLIPSE = 7.0

@@ -119,9 +119,14 @@ class Moving(_KernelCondition):
     ----------
     speed : float, optional
         Minimum speed in m/s.
+    reach : float, optional
+        Distance in metres from the axis to a point that turns with the machine. The machine also
+        moves while this point is faster than `speed` by turning. By default turning on the spot
+        does not count.
     """
 
     speed: float = STANDING_SPEED
+    reach: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -216,7 +221,7 @@ def _overlapping(given: Overlapping) -> IntervalTest:
 
 _JUDGES: dict[type, Callable[[Any], IntervalTest]] = {
     TooClose: lambda given: TooCloseTest(kernel_of(given.law), ROUNDING),
-    Moving: lambda given: MovingTest(given.speed),
+    Moving: lambda given: MovingTest(given.speed, given.reach),
     Approaching: lambda given: ApproachingTest(),
     Apart: lambda given: ApartTest(given.metres),
     Overlapping: _overlapping,
@@ -326,12 +331,18 @@ def first_time(
 
 
 def first_interval(
-    condition: Condition, person: Motion, machine: Motion, begin: float, end: float
+    condition: Condition,
+    person: Motion,
+    machine: Motion,
+    begin: float,
+    end: float,
+    *,
+    shapes: Shapes | None = None,
 ) -> tuple[float, float] | None:
     """Return the first interval that `when` yields, or None."""
-    judge = kept_judge_of(condition)
+    judge = kept_judge_of(condition) if shapes is None else None
     if judge is None or not _makes_sense(person, machine, begin, end):
-        return next(when(condition, person, machine, begin, end), None)
+        return next(when(condition, person, machine, begin, end, shapes=shapes), None)
     one, other = person.table, machine.table
     return first_interval_of(judge, one, other, float(begin), float(end), RESOLUTION)
 
@@ -507,7 +518,11 @@ def minimum_margin(
 
 
 class StoppingHorizon(kernel.Lookout):
-    """Stopping test for a machine with a `law`, which keeps `margin` metres in addition."""
+    """Stopping test for a machine with a `law`, which keeps `margin` metres in addition.
 
-    def __init__(self, law: AnyLaw, margin: float) -> None:
-        super().__init__(kernel_of(law), margin, ROUNDING, RESOLUTION)
+    Distances are between centres on the floor, or between the surfaces of `shapes`.
+    """
+
+    def __init__(self, law: AnyLaw, margin: float, shapes: Shapes | None) -> None:
+        gauges = [] if shapes is None else [*shapes.gauges]
+        super().__init__(kernel_of(law), margin, ROUNDING, RESOLUTION, gauges)

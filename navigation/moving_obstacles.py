@@ -23,7 +23,7 @@ from floorplan import Point, rectangle
 
 from .bodies import CollisionBody, Disc
 from .catalog import Path, PlanningError
-from .encounter import PERSON_HEIGHT, Box, Cylinder, Shapes
+from .encounter import PERSON_HEIGHT, Box, Cylinder, Shapes, Solid
 from .monitor import RESOLUTION, TooClose, first_time, minimum_separation, when
 from .motion import Motion, join, standing
 from .planner import PathPlanner
@@ -73,13 +73,13 @@ class Mover:
         Name of the body in the collision world, if it has one there.
     motion : Motion
         Motion of its axis.
-    solid : Box or Cylinder
-        Solid around the axis.
+    solid : Box, Cylinder or Prism
+        Solid that turns with the body.
     """
 
     name: str
     motion: Motion
-    solid: Box | Cylinder
+    solid: Solid
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,8 +294,10 @@ def _footprint(mover: Mover, t: float) -> Polygon:
     x, y, rotation = mover.motion.state(min(max(t, mover.motion.start), mover.motion.end)).position
     if isinstance(mover.solid, Cylinder):
         return CollisionBody.of(mover.name, Disc((x, y), mover.solid.radius)).footprint
-    along = (math.cos(rotation), math.sin(rotation))
-    return rectangle((x, y), along, mover.solid.length, mover.solid.width)
+    c, s = math.cos(rotation), math.sin(rotation)
+    if isinstance(mover.solid, Box):
+        return rectangle((x, y), (c, s), mover.solid.length, mover.solid.width)
+    return Polygon([(x + c * p - s * q, y + s * p + c * q) for p, q in mover.solid.corners])
 
 
 def _passages(

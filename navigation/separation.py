@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 from numbers import Real
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
-from .encounter import Enclosure, Encounter, enclosure_of
+from .encounter import Enclosure, Encounter, Shapes, enclosure_of
 from .kernels.laws import LawEvaluator, LinearLaw, PathIntegralLaw, PythonLaw, ScaledLaw
 from .machines import Machine, longest_stop
 from .motion import Motion, Piece
@@ -355,20 +355,26 @@ _KERNELS: dict[type, Callable[[Any], LawEvaluator]] = {
 }
 
 
-def required_at(law: AnyLaw, person: Motion, machine: Motion, t: float) -> float:
+def required_at(
+    law: AnyLaw, person: Motion, machine: Motion, t: float, shapes: Shapes | None = None
+) -> float:
     """Return the distance in metres that `law` requires of two motions at `t` (seconds).
 
-    At a change of speed it is the requirement after it.
+    At a change of speed it is the requirement after it. The encounter that a law is asked about
+    measures between centres, or between the surfaces of `shapes`.
     """
-    return required_along(law, person, machine)(t)
+    return required_along(law, person, machine, shapes)(t)
 
 
-def required_along(law: AnyLaw, person: Motion, machine: Motion) -> Callable[[float], float]:
+def required_along(
+    law: AnyLaw, person: Motion, machine: Motion, shapes: Shapes | None = None
+) -> Callable[[float], float]:
     """Return `required_at` as a function of t (seconds), for many times."""
     if is_of_speeds(law):
         distance = law.distance
         return lambda t: float(distance(person.state(t).speed, machine.state(t).speed))
-    encounter, asked = Encounter(person, machine), kernel_of(law)
+    gauges = () if shapes is None else shapes.gauges
+    encounter, asked = Encounter(person, machine, gauges), kernel_of(law)
 
     def required(t: float) -> float:
         encounter.come_to(t)

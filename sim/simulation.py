@@ -209,6 +209,7 @@ class Simulation(InProgress):
             triggers=triggers,
             world=CollisionWorld(trial.floorplan),
             fastest=_fastest(people, walks),
+            widest=_widest(trial),
             closures=closures,
         )
         self.world = self._stage.world
@@ -540,6 +541,11 @@ def _fastest(trial: Trial, walks: Mapping[str, RecordedWalk]) -> float:
     usual = trial.floorplan.human.max_speed
     speeds = [speed_of(entry, usual) for entry in trial.people]
     return max([usual, *speeds, *(walk.top_speed for walk in walks.values())])
+
+
+def _widest(trial: Trial) -> float:
+    """Return the largest radius (m) of people, those of the trial and anybody else."""
+    return max(trial.floorplan.human.radius, *(entry.radius or 0.0 for entry in trial.people), 0.0)
 
 
 def _in_words(event: Event) -> str:

@@ -45,6 +45,7 @@ OF_THE_LIBRARY = {
     "floorplan": {"files", "loading", "building", "checks", "model", "plan", "formats"},
     "navigation": {
         "benchmark",
+        "carried",
         "catalog",
         "encounter",
         "fields",

@@ -210,6 +210,7 @@ SAMPLES = {
             TORSO,
         ),
         *(navigation.Cylinder.of_arm(GANTRY), navigation.Shapes(machine=(TORSO,))),
+        navigation.Prism(footprint=((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)), top=1.0),
         *(navigation.Enclosure(value=1.0), navigation.Disc((0.0, 0.0), 0.3)),
         *(navigation.VehicleLimits(), FIELDS, FIELDS.sets[0], navigation.FieldSupplements()),
     ],

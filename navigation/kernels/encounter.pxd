@@ -8,9 +8,15 @@ cdef double _NEAR
 
 cdef class Gauge:
     cdef double radius, height, along, across, rounding, reach
+    cdef Numbers corners
     cdef NearestPoint nearest(self, double x, double y) noexcept
     cdef double over(self, double away) noexcept
     cdef Range distances(self, RelativeMotion c, double slope, double curve) noexcept
+
+cdef class PolygonGauge(Gauge):
+    pass
+
+cdef double nearest_surface(list[Gauge] gauges, double x, double y) noexcept
 
 cdef class Follower:
     cdef Numbers table
@@ -21,6 +27,7 @@ cdef class Follower:
     cdef int go_on(self) except -1
     cdef int enter(self, double t) noexcept
     cdef Range speeds(self, double begin, double end) noexcept
+    cdef Range turning(self, double begin, double end) noexcept
     cdef TaylorModel speed_over(self, double begin, double end) noexcept
 
 cdef class EncounterBounds:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 else:
     from . import uncompiled as cython
 
+from .numbers import numbers
+
 if not cython.compiled:
     from math import copysign, cos, sin, sqrt
 
@@ -45,6 +47,7 @@ class Gauge:
         self.across = across
         self.rounding = rounding
         self.reach = norm(along, across)
+        self.corners = numbers([along, across, -along, across, along, -across, -along, -across])
 
     def nearest(self, x: float, y: float) -> NearestPoint:
         """Return the point of the footprint nearest to (x, y).
@@ -116,11 +119,12 @@ class Gauge:
         towards: float = nx * c.vx + ny * c.vy - slope
         low = INFINITY
         middle: float = INFINITY
-        corner: cython.Py_ssize_t
-        # A rectangle reaches farthest along a normal at one of its corners, whichever way it turns.
-        for corner in range(4):
-            cx: float = self.along if corner % 2 == 0 else -self.along
-            cy: float = self.across if corner < 2 else -self.across
+        corner: Positions = positions_of(self.corners)
+        k: cython.Py_ssize_t
+        # A footprint reaches farthest along a normal at one of its corners, whichever way it turns.
+        for k in range(position_count(self.corners)):
+            cx: float = corner[k].x
+            cy: float = corner[k].y
             apart: float = nx * (c.x - cx) + ny * (c.y - cy)
             low = min(low, apart - abs(towards + c.spin * (nx * cy - ny * cx)) * half)
             middle = min(middle, apart)
@@ -137,6 +141,47 @@ class Gauge:
             low = max(low, turning)
         low += self.height * self.height / nearest.distance - level * (self.radius + self.rounding)
         return Range(low if slope or curve else max(low, self.height), high)
+
+
+class PolygonGauge(Gauge):
+    """The same for a part whose footprint is a convex polygon: x, y of its `corners`, in metres.
+
+    They are counterclockwise, from the machine's axis along its heading and across it.
+    """
+
+    def __init__(self, radius: float, height: float, corners: list[float]) -> None:
+        super().__init__(radius, height, 0.0, 0.0, 0.0)
+        self.corners = numbers(corners)
+        corner: Positions = positions_of(self.corners)
+        k: cython.Py_ssize_t
+        for k in range(position_count(self.corners)):
+            self.reach = max(self.reach, norm(corner[k].x, corner[k].y))
+
+    def nearest(self, x: float, y: float) -> NearestPoint:
+        found: NearestPoint = NearestPoint(x, y, INFINITY, 0.0)
+        corner: Positions = positions_of(self.corners)
+        count: cython.Py_ssize_t = position_count(self.corners)
+        k: cython.Py_ssize_t
+        for k in range(count):
+            a: Position = corner[k]
+            b: Position = corner[k + 1 if k + 1 < count else 0]
+            along_x: float = b.x - a.x
+            along_y: float = b.y - a.y
+            dx: float = x - a.x
+            dy: float = y - a.y
+            # The polygon is on the left of its sides.
+            if along_x * dy - along_y * dx >= 0.0:
+                continue
+            share: float = (dx * along_x + dy * along_y) / (along_x * along_x + along_y * along_y)
+            share = min(max(share, 0.0), 1.0)
+            px: float = a.x + share * along_x
+            py: float = a.y + share * along_y
+            away: float = norm(x - px, y - py)
+            if away < found.away:
+                found = NearestPoint(px, py, away, 0.0)
+        if found.away == INFINITY:
+            return NearestPoint(x, y, 0.0, self.over(0.0))
+        return NearestPoint(found.x, found.y, found.away, self.over(found.away))
 
 
 class Follower:
@@ -213,11 +258,29 @@ class Follower:
         slack += half * half * 3 * norm(x.j, y.j)
         return Range(0.0 if slack > speed else speed - slack, speed + slack)
 
+    def turning(self, begin: float, end: float) -> Range:
+        """Bound the rate of turning (rad/s) from `begin` to `end`, an interval within the piece."""
+        half: float = (end - begin) / 2
+        turn: Cubic = shift(self.rotation, begin - self.entered + half)
+        rate: float = abs(turn.v)
+        # The coefficients are half the acceleration and a sixth of the jerk.
+        slack: float = half * (2 * abs(turn.a) + half * 3 * abs(turn.j))
+        return Range(max(rate - slack, 0.0), rate + slack)
+
     def speed_over(self, begin: float, end: float) -> TaylorModel:
         """Return the speed from `begin` to `end`, an interval within the piece."""
         if self.row < 0 or self.row >= self.rows:
             return TaylorModel(0.0, 0.0, 0.0, 0.0)
         return speed_along(poses(self.table)[self.row], begin, end)
+
+
+def nearest_surface(gauges: list[Gauge], x: float, y: float) -> float:
+    """Return the distance between surfaces of a person at (x, y), seen by the machine (metres)."""
+    least: float = INFINITY
+    gauge: Gauge
+    for gauge in gauges:
+        least = min(least, gauge.nearest(x, y).distance)
+    return least
 
 
 class EncounterBounds:
@@ -393,15 +456,14 @@ class EncounterBounds:
         )
         low: float = INFINITY
         high: float = INFINITY
+        if half == 0.0:
+            low = nearest_surface(self.gauges, person.x, person.y)
+            return Range(low, low)
         gauge: Gauge
         for gauge in self.gauges:
-            if half == 0.0:
-                low = min(low, gauge.nearest(person.x, person.y).distance)
-                high = low
-            else:
-                apart: Range = gauge.distances(person, slope, curve)
-                low = min(low, apart.low)
-                high = min(high, apart.high)
+            apart: Range = gauge.distances(person, slope, curve)
+            low = min(low, apart.low)
+            high = min(high, apart.high)
         return Range(low, high)
 
     def approach(self, begin: float, end: float) -> Range:

@@ -1,6 +1,7 @@
+from libc.math cimport cos, sin
 from navigation.kernels.braking cimport Stops
 from navigation.kernels.cubics cimport *
-from navigation.kernels.encounter cimport EncounterBounds
+from navigation.kernels.encounter cimport EncounterBounds, Gauge, nearest_surface
 from navigation.kernels.laws cimport LawEvaluator
 from navigation.kernels.odometer cimport PathLength, radius_of
 from navigation.kernels.pieces cimport instant, rest
@@ -12,11 +13,12 @@ cdef class Towards(LawEvaluator):
 
 cdef class MotionSpan:
     cdef Numbers table
-    cdef double begin, end, fastest, x, y, last_x, last_y, last_speed
+    cdef double begin, end, fastest, x, y, last_x, last_y, last_turn, last_speed
 
 cdef class Lookout:
     cdef LawEvaluator law
-    cdef double margin, rounding, resolution
+    cdef double margin, rounding, resolution, around
+    cdef list[Gauge] gauges
     cpdef tuple safe_until(
         self, Numbers motion, Stops stops, list[double] people, double now, double least
     )

@@ -19,9 +19,11 @@ else:
 from .numbers import numbers
 
 if not cython.compiled:
+    from math import cos, sin
+
     from .braking import Stops
     from .cubics import *
-    from .encounter import EncounterBounds
+    from .encounter import EncounterBounds, Gauge, nearest_surface
     from .laws import LawEvaluator
     from .odometer import PathLength, radius_of
     from .pieces import instant, rest
@@ -76,6 +78,7 @@ class MotionSpan:
         last: PosePiece = instant(table, end)
         self.last_x = last.x.p
         self.last_y = last.y.p
+        self.last_turn = last.rotation.p
         self.last_speed = norm(last.x.v, last.y.v)
 
 
@@ -83,11 +86,23 @@ class Lookout:
     """The test for a machine to which `law` applies; `margin` metres are kept in addition.
 
     Laws that look ahead are sure of `rounding` metres; instants are found to `resolution` seconds.
+    Distances are those of places, or between the surfaces of `gauges`.
     """
 
     def __init__(
-        self, law: LawEvaluator, margin: float, rounding: float, resolution: float
+        self,
+        law: LawEvaluator,
+        margin: float,
+        rounding: float,
+        resolution: float,
+        gauges: list[Gauge],
     ) -> None:
+        self.gauges = gauges
+        # No surface is farther from its body's place than this, both together.
+        self.around = 0.0
+        gauge: Gauge
+        for gauge in gauges:
+            self.around = max(self.around, gauge.reach + gauge.rounding + gauge.radius)
         self.law = law
         self.margin = margin
         self.rounding = rounding
@@ -165,7 +180,7 @@ class Lookout:
         # A motion of no length rests where it is.
         still: Numbers = rest(0.0, 0.0, person.x, person.y, 0.0)
         law: Towards = Towards(self.law, person.top_speed, since, person.fixed, self.margin)
-        encounter: EncounterBounds = EncounterBounds(still, on.table, [], 0.0)
+        encounter: EncounterBounds = EncounterBounds(still, on.table, self.gauges, 0.0)
         judge: TooCloseTest = TooCloseTest(law, self.rounding)
         watch: ChangeSearch = ChangeSearch(judge, encounter, on.begin, on.end, self.resolution)
         return watch.change() is not None
@@ -174,14 +189,20 @@ class Lookout:
         """Return whether the two may come too close on a part, whatever they do on the way."""
         walked: float = person.top_speed * (on.end - since)
         reach: float = on.fastest * (on.end - on.begin) + walked
-        reach += self.required(person, on.fastest)
+        reach += self.required(person, on.fastest) + self.around
         return norm(person.x - on.x, person.y - on.y) < reach
 
     def spare(self, person: SeenPerson, on: MotionSpan, since: float) -> float:
         """Return the metres left at the end of a part beyond the required distance there."""
         required: float = self.required(person, on.last_speed)
         required += person.top_speed * (on.end - since)
-        return norm(person.x - on.last_x, person.y - on.last_y) - required
+        dx: float = person.x - on.last_x
+        dy: float = person.y - on.last_y
+        if self.gauges:
+            c: float = cos(on.last_turn)
+            s: float = sin(on.last_turn)
+            return nearest_surface(self.gauges, c * dx + s * dy, c * dy - s * dx) - required
+        return norm(dx, dy) - required
 
 
 def nearest_on(

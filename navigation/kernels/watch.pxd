@@ -20,7 +20,7 @@ cdef Closest margin_over(
 ) except *
 
 cdef class MovingTest(IntervalTest):
-    cdef double limit
+    cdef double limit, reach
 
 cdef class ApproachingTest(IntervalTest):
     pass

@@ -104,16 +104,23 @@ def margin_over(
 
 
 class MovingTest(IntervalTest):
-    """The machine moves faster than `limit` m/s."""
+    """The machine moves faster than `limit` m/s: its axis, or what turns `reach` metres from it."""
 
-    def __init__(self, limit: float) -> None:
+    def __init__(self, limit: float, reach: float) -> None:
         self.limit = limit
+        self.reach = reach
 
     def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
         speed: Range = encounter.machine.speeds(begin, end)
-        if speed.high <= self.limit:
+        low: float = speed.low
+        high: float = speed.high
+        if self.reach > 0.0:
+            turning: Range = encounter.machine.turning(begin, end)
+            low = max(low, turning.low * self.reach)
+            high = max(high, turning.high * self.reach)
+        if high <= self.limit:
             return 0
-        return 1 if speed.low > self.limit else UNDECIDED
+        return 1 if low > self.limit else UNDECIDED
 
 
 class ApproachingTest(IntervalTest):

@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, get_args
 
@@ -14,7 +14,8 @@ from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import Point, rectangle
-from navigation import Box, CollisionWorld, Motion, Moving, first_time
+from navigation import Box, CollisionWorld, Cylinder, Motion, Moving, Prism, first_time
+from navigation.encounter import Solid
 from navigation.motion import State, Track
 from navigation.walking import leg_to
 
@@ -168,6 +169,9 @@ vehicle drives on the floor, where it can block paths, and is monitored while it
 """
 
 
+FLAT = 1.0
+"""Height in metres of solids that are compared on the floor alone."""
+
 ROUNDING = 1e-6
 """Tolerance of top speeds, as a share and in m/s."""
 
@@ -191,9 +195,10 @@ class MachineShape:
     top_speed : float
         Top speed in m/s.
     reach : float, optional
-        Radius in metres of a circle that contains the folded arm.
+        Radius in metres of a circle around the axis that contains the folded arm with what it
+        carries.
     mount : float, optional
-        Distance in metres from the axis forward to the centre of that circle.
+        Distance in metres from the axis forward to the shoulder of the arm.
     course : tuple of (float, float), optional
         Vertices in metres of the line on which it moves, if any.
     direction : (float, float), optional
@@ -231,6 +236,25 @@ class MachineShape:
     def box(self) -> Box:
         """Box around the axis."""
         return Box(length=self.length, width=self.width, bottom=self.bottom, top=self.top)
+
+    @cached_property
+    def chassis(self) -> Box | Prism:
+        """Solid of the footprint."""
+        if not self.outline:
+            return self.box
+        return Prism(footprint=self.outline, bottom=self.bottom, top=self.top)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Smallest and largest x and y of the footprint, in metres from the axis."""
+        xs, ys = zip(*(self.outline or self.box.corners), strict=True)
+        return min(xs), min(ys), max(xs), max(ys)
+
+    @cached_property
+    def silhouette(self) -> tuple[Solid, ...]:
+        """Solids of the footprint and the arm, both from the floor up, whatever their heights."""
+        arm = (Cylinder(radius=self.reach, top=FLAT),) if self.reach > 0 else ()
+        return (replace(self.chassis, bottom=0.0, top=FLAT), *arm)
 
     def too_fast(self, motion: Motion, now: float) -> float | None:
         """Return the first time at which a motion exceeds the top speed, or None.

@@ -10,7 +10,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
 from floorplan import Floorplan, Obstacle
-from navigation import Motion
+from navigation import Motion, Shapes
 
 from .body import PERSON, Body, MachineShape
 from .entries import Pose
@@ -60,6 +60,14 @@ class Scene:
         if any(person.name == body for person in self.people):
             return PERSON
         return self.machine(body).kind
+
+    def shapes(self, person: str, machine: str) -> Shapes | None:
+        """Return the solids between which the rules measure; None between centres.
+
+        Raises `KeyError` if there is no such person or machine.
+        """
+        radii = {one.name: one.radius for one in self.people}
+        return self.rules.shapes_of(self.machine(machine), radii[person])
 
     def machine(self, name: str) -> MachineShape:
         """Return a machine. Raises `KeyError` if there is none of that name."""

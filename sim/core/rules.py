@@ -12,13 +12,26 @@ from pydantic import AfterValidator
 from floorplan import Point, UserError
 from floorplan.files.fields import LARGEST, Judged, Keyed, NotNegative, Number, Positive
 from floorplan.files.problems import suggestion
-from navigation import Condition, FixedDistance, Moving, Scaled, SeparationLaw, TooClose
+from navigation import (
+    Condition,
+    Cylinder,
+    FixedDistance,
+    Moving,
+    Scaled,
+    SeparationLaw,
+    Shapes,
+    TooClose,
+)
+from navigation.encounter import PERSON_RADIUS
 from navigation.separation import AnyLaw
 
-from .body import MachineShape
+from .body import FLAT, MachineShape
 
 MachineMeasure = Literal["none", "stop", "disable"]
 """Consequence of a violation for the machine."""
+
+Between = Literal["centres", "surfaces"]
+"""Where distances between people and machines begin and end."""
 
 PersonMeasure = Literal["none", "teleport"]
 """Consequence of a violation for the person."""
@@ -80,6 +93,10 @@ class RuleSet(Keyed):
         Laws for robots and for vehicles.
     agv_offset : float, optional
         Distances to an AGV are measured to the point this far (m) from its centre along its lane.
+    between : {"centres", "surfaces"}, optional
+        Whether distances are measured between centres, or between the surfaces of machines and
+        people on the floor. Then a vehicle that turns on the spot moves, and `agv_offset` is
+        ignored.
     notice : Notice
         Condition under which people notice the gantry.
     machine : {"none", "stop", "disable"}, optional
@@ -111,6 +128,7 @@ class RuleSet(Keyed):
     gantry_law: AnyLaw
     agv_law: AnyLaw
     agv_offset: Offset = 0.0
+    between: Between = "centres"
     notice: Notice
     machine: MachineMeasure = "disable"
     person: PersonMeasure = "teleport"
@@ -153,7 +171,7 @@ class RuleSet(Keyed):
     def condition_of(self, machine: MachineShape) -> Condition:
         """Return the condition under which a person and a machine violate the rules.
 
-        Stationary vehicles cause no violation.
+        Stationary vehicles cause no violation. Between surfaces, vehicles that turn do.
 
         Parameters
         ----------
@@ -161,7 +179,25 @@ class RuleSet(Keyed):
             The machine.
         """
         too_close = TooClose(self.law_of(machine))
-        return Moving() & too_close if machine.category == "vehicle" else too_close
+        if machine.category != "vehicle":
+            return too_close
+        shapes = self.shapes_of(machine, PERSON_RADIUS)
+        return Moving(reach=0.0 if shapes is None else shapes.reach) & too_close
+
+    def shapes_of(self, machine: MachineShape, radius: float) -> Shapes | None:
+        """Return the solids between which distances are measured, or None between centres.
+
+        Parameters
+        ----------
+        machine : MachineShape
+            The machine.
+        radius : float
+            Radius of the person in metres.
+        """
+        if self.between == "centres":
+            return None
+        person = Cylinder(radius=radius, top=FLAT)
+        return Shapes(person=person, machine=machine.silhouette)
 
     def measured_at(self, machine: MachineShape) -> Point:
         """Return the point (x, y), in metres from the axis, to which distances are measured.
@@ -171,7 +207,7 @@ class RuleSet(Keyed):
         machine : MachineShape
             The machine.
         """
-        if machine.category == "robot" or machine.direction is None:
+        if self.between == "surfaces" or machine.category == "robot" or machine.direction is None:
             return (0.0, 0.0)
         along_x, along_y = machine.direction
         return (self.agv_offset * along_x, self.agv_offset * along_y)

@@ -134,6 +134,11 @@ class Bystander(Protocol):
         ...
 
     @property
+    def radius(self) -> float:
+        """Radius of their body in metres."""
+        ...
+
+    @property
     def is_recorded(self) -> bool:
         """True of somebody who walks as they were measured: nobody can put them elsewhere."""
         ...
@@ -190,8 +195,8 @@ class Stage(InProgress):
         Conditions that wait for events.
     world : CollisionWorld
         Collision world without restricted zones and gates.
-    fastest : float
-        Highest speed of people in m/s.
+    fastest, widest : float
+        Highest speed of people in m/s, and their largest radius in metres.
     people : sequence of Bystander, optional
         People. All are complete before the first one acts.
     machines : dict, optional
@@ -218,6 +223,7 @@ class Stage(InProgress):
     triggers: Triggers
     world: CollisionWorld
     fastest: float
+    widest: float
     people: Sequence[Bystander] = ()
     machines: dict[str, Machine] = field(default_factory=dict)
     on_rest: list[Callable[[Machine], None]] = field(default_factory=list)

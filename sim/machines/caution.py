@@ -46,7 +46,7 @@ class Caution:
     def __init__(self, gantry: CommandedMachine) -> None:
         self._gantry = gantry
         self._human_speed = gantry.human_speed
-        self._foresight = StoppingCheck(gantry.law, gantry.shape.top_speed)
+        self._foresight = StoppingCheck(gantry.law, gantry.shape.top_speed, gantry.shapes)
         self._move: Event = gantry.stop()
         self._under_way: tuple[Motion, Pose, float] | None = None
         self._stuck: tuple[Motion, Pose, Sequence[Sighting]] | None = None
@@ -156,7 +156,7 @@ class Caution:
         return until - gantry.now if who is not None else max(until - gantry.now, LEAST)
 
     def room_to_move(self, speed: float) -> float:
-        """Return the distance in metres from people at which motion is possible.
+        """Return the distance in metres between centres at which motion is possible.
 
         Parameters
         ----------
@@ -168,10 +168,11 @@ class Caution:
         # nearer.
         stop = self._gantry.stopping(moving, 0.0)
         metres = math.dist(stop.state(0.0).at, stop.state(stop.end).at)
-        return self.required(speed) + metres + self._human_speed * (stop.end + LEAST)
+        required = self.required_between_centres(speed)
+        return required + metres + self._human_speed * (stop.end + LEAST)
 
     def required(self, robot_speed: float) -> float:
-        """Return the required distance in metres from people.
+        """Return the required distance in metres from people, as the rules measure.
 
         Laws of motions are evaluated at the top speed of the gantry, which it may reach.
 
@@ -181,6 +182,16 @@ class Caution:
             Speed of the gantry in m/s.
         """
         return self._foresight.required(self._human_speed, robot_speed)
+
+    def required_between_centres(self, robot_speed: float) -> float:
+        """Return a distance in metres between centres at which `required` is kept in any pose.
+
+        Parameters
+        ----------
+        robot_speed : float
+            Speed of the gantry in m/s.
+        """
+        return self.required(robot_speed) + self._foresight.around
 
     def record_waiting(self, name: str | None, people: Sequence[Sighting]) -> None:
         """Record that the gantry waits for a person, once until it moves again.
@@ -200,7 +211,7 @@ class Caution:
         self._gantry.record(
             GantryYielded(
                 person=nearest.name,
-                distance=math.dist(nearest.at, here),
+                distance=self._foresight.distance(nearest.at, self._gantry.position),
                 required=self.required(self._gantry.state.speed),
             )
         )
@@ -233,6 +244,7 @@ class Caution:
                     if seconds > 0.0:
                         return candidate, seconds if candidate == 1.0 else min(seconds, AGAIN)
                 self._stuck = now_at
-        nearest = min((math.dist(p.at, gantry.position[:2]) for p in people), default=math.inf)
+        distances = (self._foresight.distance(p.at, gantry.position) for p in people)
+        nearest = min(distances, default=math.inf)
         lacking = self.required(0.0) - nearest
         return 0.0, max(LEAST, lacking / self._human_speed)

@@ -58,6 +58,7 @@ class CommandedMachine(Machine):
         self.jobs_done = 0
         self.shape = shape
         self.law = stage.rules.law_of(shape)
+        self.shapes = stage.rules.shapes_of(shape, stage.widest)
         self.drive = drive
         self.body = drive.body
         self._stage = stage

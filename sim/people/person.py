@@ -294,6 +294,11 @@ class Person:
         return self._eyes is None or self._eyes.see(machine)
 
     @property
+    def radius(self) -> float:
+        """Radius of their body in metres."""
+        return self.walker.human.radius
+
+    @property
     def is_recorded(self) -> bool:
         """True of somebody who walks as they were measured."""
         return self._playback is not None

@@ -129,7 +129,7 @@ def _separation(prefix: str) -> Iterator[SummaryFigure]:
         f"{prefix}minimum_separation",
         partial(SummaryFigure, null=_no_robot),
         label="least separation",
-        meaning="minimum distance of a person to the gantry's centre",
+        meaning="minimum distance of a person to the gantry, as the rules measure",
         measure="" if prefix else "chief",
         worst=1,
     )
@@ -548,6 +548,14 @@ FIGURES: dict[str, SummaryFigure] = {
             label="stopping underestimated for",
             meaning="machines that may stop later than their law assumes",
             words=words.short_laws,
+            column=False,
+        ),
+        SummaryFigure(
+            path="distances_between",
+            form="text",
+            of=lambda run: run.trial.rules.between,
+            meaning="surfaces, if the rules measure distances to machines between them",
+            only=lambda trial: trial.rules.between == "surfaces",
             column=False,
         ),
         SummaryFigure(

@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import Any
 
 from floorplan import UserError
-from navigation import Box, Cylinder, FixedDistance, Motion, Shapes, minimum_separation, violations
-from navigation.encounter import Odometer
+from navigation import Cylinder, FixedDistance, Motion, Shapes, minimum_separation, violations
+from navigation.encounter import Odometer, Solid
 from navigation.kernels.pieces import walked_and_stood
 from navigation.measures import Nearest, nearest_pair
 
@@ -42,10 +42,10 @@ TOUCH = FixedDistance(1e-6)
 """Surfaces that are no farther from each other than a micrometre touch."""
 
 
-def touches(one: Motion, other: Motion, body: Cylinder, box: Box, spans: Iterable[Span]) -> int:
-    """Return how often the box of a machine touches a person in spans (seconds)."""
-    shapes = Shapes(person=body, machine=(box,))
-    reach = body.radius + math.hypot(box.length, box.width) / 2
+def touches(one: Motion, other: Motion, body: Cylinder, solid: Solid, spans: Iterable[Span]) -> int:
+    """Return how often the solid of a machine touches a person in spans (seconds)."""
+    shapes = Shapes(person=body, machine=(solid,))
+    reach = body.radius + shapes.reach
     return sum(
         len(violations(one, other, TOUCH, begin, end, shapes=shapes))
         for begin, end in spans
@@ -94,15 +94,15 @@ class Finished:
 
     @cached_property
     def nearest(self) -> dict[str, dict[str, float]]:
-        """The least distance (m) of each person who started to the centre of a gantry or robot.
+        """The least distance (m) of each person who started to a gantry, as the rules measure.
 
         With its `time` (s), and the distance `required` then (m).
         """
         found: dict[str, dict[str, float]] = {}
         for watch, one, other, spans in self._together("robot"):
-            person = watch.pair.person.name
+            person, shapes = watch.pair.person.name, watch.pair.shapes
             for begin, end in spans:
-                time, distance = minimum_separation(one, other, begin, end)
+                time, distance = minimum_separation(one, other, begin, end, shapes=shapes)
                 if person not in found or distance < found[person]["distance"]:
                     # A violation ends in a jump: what counts is the plan until then.
                     required = watch.required_before(time, one, other)
@@ -124,8 +124,9 @@ class Finished:
         for watch, one, other, spans in self._together("vehicle"):
             person, machine = watch.pair.person.name, watch.pair.machine
             measured = other.translated(*self.trial.rules.measured_at(machine.shape))
+            shapes = watch.pair.shapes
             for begin, end in spans:
-                time, distance = minimum_separation(one, measured, begin, end)
+                time, distance = minimum_separation(one, measured, begin, end, shapes=shapes)
                 if person not in found or distance < found[person]["distance"]:
                     required = watch.required_before(time, one, other)
                     figures = {"distance": distance, "time": time, "required": required}
@@ -161,6 +162,7 @@ class Finished:
                     watch.law if watch.plans is None else RecordedRequirement(watch.requirement),
                     one,
                     other.translated(*self.trial.rules.measured_at(watch.pair.machine.shape)),
+                    watch.pair.shapes,
                     spans,
                     self._moving(watch.pair.machine, spans),
                 ),
@@ -175,26 +177,35 @@ class Finished:
         if machine.shape.category == "vehicle":
             return [*spans]
         motion = self.motions[machine.name]
-        return [part for span in spans for part in moving_spans(motion, *span)]
+        turning = self._turning_counts
+        return [part for span in spans for part in moving_spans(motion, *span, turning=turning)]
 
     @property
     def contacts(self) -> int:
-        """Number of times that the box of a machine that counts as moving touched a person."""
+        """Number of times that a robot, or a vehicle that drives or turns, touched a person."""
         humans = {person.name: person.walker.human for person in self.people}
         count = 0
-        for watch, one, other, spans in (*self._together("robot"), *self._together("vehicle")):
-            human = humans[watch.pair.person.name]
-            body = Cylinder(radius=human.radius, top=human.height)
-            count += touches(one, other, body, watch.pair.machine.shape.box, spans)
+        for category in CATEGORIES:
+            for watch, one, other, spans in self._together(category, turning=True):
+                human = humans[watch.pair.person.name]
+                body = Cylinder(radius=human.radius, top=human.height)
+                count += touches(one, other, body, watch.pair.machine.shape.chassis, spans)
         return count
 
+    @property
+    def _turning_counts(self) -> bool:
+        """Whether a vehicle moves while it turns on the spot."""
+        return self.trial.rules.between == "surfaces"
+
     def _together(
-        self, category: Category
+        self, category: Category, turning: bool = False
     ) -> Iterator[tuple[SeparationMonitor, Motion, Motion, list[tuple[float, float]]]]:
         """Yield each watch on a person beside such a machine, their motions, and spans (seconds).
 
-        These are those in which the person was on the floor and, if it is a vehicle, it drove.
+        These are those in which the person was on the floor and, if it is a vehicle, it drove. It
+        also does while it turns on the spot, if `turning` or the rules say so.
         """
+        turning = turning or self._turning_counts
         started = {p.name: p.started_at for p in self.people}
         left = {p.name: self.duration if p.left_at is None else p.left_at for p in self.people}
         for watch in self.referee.watches:
@@ -204,18 +215,10 @@ class Finished:
                 continue
             spans = [(begin, end)]
             if category == "vehicle":
-                cut = [(max(a, begin), min(b, end)) for a, b in self._drives[machine.name]]
+                drives = moving_spans(self.motions[machine.name], turning=turning)
+                cut = [(max(a, begin), min(b, end)) for a, b in drives]
                 spans = [(a, b) for a, b in cut if a < b]
             yield watch, self.motions[person], self.motions[machine.name], spans
-
-    @cached_property
-    def _drives(self) -> dict[str, list[tuple[float, float]]]:
-        """From when to when each vehicle drives, without a stop (s)."""
-        return {
-            name: moving_spans(self.motions[name])
-            for name, machine in self.machines.items()
-            if machine.shape.category == "vehicle"
-        }
 
     @cached_property
     def among_people(self) -> Nearest | None:

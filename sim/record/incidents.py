@@ -350,4 +350,5 @@ def _least_margin(
         return float(times[least]), float(margins[least])
     measured = run.motions[machine].translated(*run.scene.rules.measured_at(shape))
     last = float(np.nextafter(end, begin))
-    return minimum_margin(run.motions[person], measured, law, begin, last)
+    shapes = run.scene.shapes(person, machine)
+    return minimum_margin(run.motions[person], measured, law, begin, last, shapes=shapes)

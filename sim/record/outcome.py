@@ -53,7 +53,8 @@ class Outcome:
     def distance(self, person: str, other: str, t: ArrayLike) -> NDArray[np.float64]:
         """Return the distance between two bodies as the rules measure it.
 
-        Distances are measured between centres, except for AGVs under rules with an `agv_offset`.
+        Distances are measured between centres, except for AGVs under rules with an `agv_offset`,
+        and for machines under rules between surfaces.
 
         Parameters
         ----------
@@ -74,8 +75,16 @@ class Outcome:
         KeyError
             If there is no body of that name.
         """
+        is_machine = self.scene.kind(other) != PERSON
+        shapes = self.scene.shapes(person, other) if is_machine else None
+        if shapes is not None:
+            times = np.ravel(np.asarray(t, dtype=np.float64))
+            motion = self.motions[other]
+            poses = np.column_stack([motion.position(times), motion.rotation(times)])
+            found = shapes.distances(self.motions[person].position(times), poses)
+            return np.asarray(found.reshape(np.shape(t)))
         apart = self.motions[other].position(t) - self.motions[person].position(t)
-        if self.scene.kind(other) != PERSON:
+        if is_machine:
             apart = apart + self.scene.rules.measured_at(self.scene.machine(other))
         return np.asarray(np.linalg.norm(apart, axis=-1))
 

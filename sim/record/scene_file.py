@@ -187,6 +187,8 @@ def _fields(value: Any) -> dict[str, Any]:
     left_out = {"notices"} if isinstance(value, Floorplan) else set()
     if isinstance(value, Floorplan | Scene | RuleSet | MachineShape):
         left_out |= {name for name in OPTIONAL if not getattr(value, name, True)}
+    if isinstance(value, RuleSet) and value.between == "centres":
+        left_out.add("between")
     names = (field.name for field in fields(value) if field.name not in left_out)
     return {name: _plain(getattr(value, name)) for name in names}
 

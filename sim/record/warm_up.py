@@ -74,7 +74,7 @@ def zones_of(run: Outcome) -> dict[str, dict[str, float]]:
 
 
 def contacts_of(run: Outcome) -> int:
-    """Return how often the box of a robot, or of a moving vehicle, touched a person."""
+    """Return how often a robot, or a vehicle that drives or turns, touched a person."""
     starts, count = started(run), 0
     for person in run.scene.people:
         if person.name not in starts:
@@ -84,8 +84,10 @@ def contacts_of(run: Outcome) -> int:
         body = Cylinder(radius=person.radius, top=person.height)
         for machine in run.scene.machines:
             motion = run.motions[machine.name]
-            spans = [(begin, end)] if machine.category == "robot" else moving_spans(motion)
+            spans = [(begin, end)]
+            if machine.category == "vehicle":
+                spans = moving_spans(motion, turning=True)
             cut = ((max(a, begin), min(b, end)) for a, b in spans)
             walk = run.motions[person.name]
-            count += touches(walk, motion, body, machine.box, ((a, b) for a, b in cut if a < b))
+            count += touches(walk, motion, body, machine.chassis, ((a, b) for a, b in cut if a < b))
     return count

@@ -105,7 +105,8 @@ def nearest(value: Any, beside: Mapping[str, Any]) -> str:
     if value is None:
         return ""
     distance, required = told_apart(value["distance"], value["required"])
-    return f"{distance} m between centres at {value['time']:.1f} s ({required} m required)"
+    between = beside.get("distances_between", "centres")
+    return f"{distance} m between {between} at {value['time']:.1f} s ({required} m required)"
 
 
 def margin(value: Any, beside: Mapping[str, Any]) -> str:
@@ -141,6 +142,8 @@ def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:
         return ""
     distance, required = told_apart(value["distance"], value["required"])
     between = f"{value['person']} and {value['agv']}"
+    if beside.get("distances_between") == "surfaces":
+        between = f"between surfaces, {between}"
     return f"{distance} m ({between}) at {value['time']:.1f} s ({required} m required)"
 
 

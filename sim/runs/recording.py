@@ -509,10 +509,12 @@ def _worked_out(
                 continue
             measured = motions[machine.name].translated(*rules.measured_at(machine))
             pair, tracks = (person.name, machine.name), (motions[person.name], measured)
-            found[pair] = tuple(when(rules.condition_of(machine), *tracks, 0.0, end))
+            shapes = rules.shapes_of(machine, person.radius)
+            condition = rules.condition_of(machine)
+            found[pair] = tuple(when(condition, *tracks, 0.0, end, shapes=shapes))
             if not is_of_speeds_alone(law):
                 one, other = (Plans(0.0, track) for track in tracks)
-                requirements[pair] = requirement_curve(law, one, other, end)
+                requirements[pair] = requirement_curve(law, one, other, end, shapes)
     return found, requirements
 
 

@@ -7,13 +7,15 @@ machine does later: it moves towards the person while the violation lasts.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from navigation import Motion, minimum_margin
+from navigation import Motion, Shapes, minimum_margin
 
 from .margins import Encountered, Span, moving_spans
 
@@ -25,6 +27,15 @@ ROUNDING = 1e-6
 
 PARTS = 32
 """Parts of an approach by which it is judged whether it counts."""
+
+MOMENT = 1e-6
+"""Seconds in which the distance between surfaces is differentiated."""
+
+SLOWEST = 1e-5
+"""m/s. A surface that comes nearer more slowly does not approach: that is rounding."""
+
+HALVINGS = 30
+"""Number of times that the ends of an approach between surfaces are bisected."""
 
 Floats = NDArray[np.float64]
 
@@ -45,14 +56,16 @@ class Approach(NamedTuple):
 
 def approaches(beside: Encountered, violations: Sequence[Span]) -> Iterator[Approach]:
     """Yield the approaches of a machine to a person during these violations."""
+    motions, shapes = (beside.walk, beside.measured), beside.shapes
     for begin, end in violations:
-        if not moving_spans(beside.measured, begin, end):
+        if not moving_spans(beside.measured, begin, end, turning=shapes is not None):
             continue
-        for since, until in _towards(beside.walk, beside.measured, begin, end):
+        towards = _towards if shapes is None else partial(_surface_towards, shapes)
+        for since, until in towards(*motions, begin, end):
             # What goes on from the begin of the violation caused it.
             if since > begin + ROUNDING:
                 last = float(np.nextafter(until, since))
-                time, margin = minimum_margin(beside.walk, beside.measured, beside.law, since, last)
+                time, margin = minimum_margin(*motions, beside.law, since, last, shapes=shapes)
                 yield Approach(margin, time, beside.person, beside.machine, since, until)
 
 
@@ -71,6 +84,57 @@ def _towards(walk: Motion, machine: Motion, begin: float, end: float) -> Iterato
     for since, until in _joined(found):
         if _gained(walk, machine, since, until) > LEAST:
             yield since, until
+
+
+def _surface_towards(
+    shapes: Shapes, walk: Motion, machine: Motion, begin: float, end: float
+) -> Iterator[Span]:
+    """Yield the intervals in which the machine's own motion brings its surface nearer.
+
+    The rate is no polynomial. It is sampled so densely that no point of the machine covers `LEAST`
+    between two instants, so that every approach that counts has one; its ends are then bisected.
+    """
+
+    def approach(t: Floats) -> Floats:
+        return _surface_rate(shapes, walk, machine, t)
+
+    found: list[Span] = []
+    for since, until in itertools.pairwise(_cuts(walk, machine, begin, end)):
+        pace = _fastest(machine, shapes.reach, since, until)
+        if pace == 0.0:
+            continue
+        t = np.linspace(since, until, math.ceil((until - since) * pace / LEAST) + 2)
+        inner = t[1:-1] if len(t) > 2 else t[:-1]
+        nearer = approach(inner) > SLOWEST
+        change = np.flatnonzero(nearer[1:] != nearer[:-1])
+        low, high = inner[change].copy(), inner[change + 1].copy()
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            same = (approach(middle) > SLOWEST) == nearer[change]
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        ends = [since, *((low + high) / 2).tolist(), until]
+        found += [
+            span for k, span in enumerate(itertools.pairwise(ends)) if bool(nearer[0]) ^ bool(k % 2)
+        ]
+    for since, until in _joined(found):
+        t = since + (until - since) * (np.arange(PARTS) + 0.5) / PARTS
+        if float(approach(t).mean() * (until - since)) > LEAST:
+            yield since, until
+
+
+def _surface_rate(shapes: Shapes, walk: Motion, machine: Motion, t: Floats) -> Floats:
+    """Return how fast (m/s) the machine's own motion brings its surface nearer at `t` (s)."""
+    places, poses = walk.position(t), machine.cubics(t)[..., :2]
+    now = shapes.distances(places, poses[..., 0])
+    return (now - shapes.distances(places, poses[..., 0] + MOMENT * poses[..., 1])) / MOMENT
+
+
+def _fastest(machine: Motion, reach: float, begin: float, end: float) -> float:
+    """Return a bound on the speed (m/s) of all points within `reach` of the axis on one piece."""
+    _, v, a, j = np.abs(machine.cubics(np.array([begin]))[0]).T
+    u = end - begin
+    x, y, turn = v + 2 * a * u + 3 * j * u * u
+    return float(math.hypot(x, y) + reach * turn)
 
 
 def _cuts(walk: Motion, machine: Motion, begin: float, end: float) -> list[float]:

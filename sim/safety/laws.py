@@ -17,6 +17,7 @@ from navigation import (
     FixedDistance,
     Scaled,
     SeparationLaw,
+    Shapes,
     TooClose,
     minimum_margin,
     standing,
@@ -175,16 +176,19 @@ def is_of_speeds_alone(law: AnyLaw) -> bool:
     return type(law) in (SeparationLaw, ApproachLaw, FixedDistance)
 
 
-def requirement_curve(law: AnyLaw, person: Plans, machine: Plans, end: float) -> Curve:
+def requirement_curve(
+    law: AnyLaw, person: Plans, machine: Plans, end: float, shapes: Shapes | None
+) -> Curve:
     """Return the distance that `law` required until `end` (seconds), at each instant of the plans.
 
-    `person` and `machine` are the motions that the two set out on, whatever came of them.
+    `person` and `machine` are the motions that the two set out on, whatever came of them. `shapes`
+    are the solids between which distances are measured, if that is not between centres.
     """
     changes = sorted({t for t in (*person.changes, *machine.changes) if t < end} | {end})
     points: list[tuple[float, float]] = []
     for begin, until in itertools.pairwise(changes):
         motions = (person.at(begin), machine.at(begin))
-        required = required_along(law, *motions)
+        required = required_along(law, *motions, shapes)
         cuts = {begin, until}
         cuts |= {p.begin for motion in motions for p in motion.pieces if begin < p.begin < until}
         for a, b in itertools.pairwise(sorted(cuts)):

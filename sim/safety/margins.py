@@ -7,7 +7,7 @@ from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from navigation import Enclosure, Encounter, Motion, minimum_margin
+from navigation import Enclosure, Encounter, Motion, Shapes, minimum_margin
 from navigation.separation import AnyLaw
 
 from .laws import Curve
@@ -78,8 +78,9 @@ def _between(one: tuple[float, float], other: tuple[float, float], t: float) -> 
 class Encountered(NamedTuple):
     """A person beside a machine during a run.
 
-    `measured` is the motion of the point of the machine from which distances are measured. `spans`
-    are those in which a violation counts, `moving` those of them in which the machine moves.
+    `measured` is the motion of the point of the machine from which distances are measured, unless
+    they are measured between the surfaces of `shapes`. `spans` are those in which a violation
+    counts, `moving` those of them in which the machine moves.
     """
 
     person: str
@@ -87,6 +88,7 @@ class Encountered(NamedTuple):
     law: AnyLaw
     walk: Motion
     measured: Motion
+    shapes: Shapes | None
     spans: Sequence[Span]
     moving: Sequence[Span]
 
@@ -113,7 +115,8 @@ def least_margins(beside: Iterable[Encountered]) -> tuple[Margin | None, Margin 
 
 
 def _least(one: Encountered, spans: Sequence[Span]) -> Margin:
-    found = (minimum_margin(one.walk, one.measured, one.law, begin, end) for begin, end in spans)
+    motions, shapes = (one.walk, one.measured), one.shapes
+    found = (minimum_margin(*motions, one.law, *span, shapes=shapes) for span in spans)
     margin, time = min((margin, time) for time, margin in found)
     return Margin(margin, time, one.person, one.machine)
 

@@ -8,7 +8,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, Protocol
 
-from navigation import Apart, Approaching, Condition, Motion, TooClose, first_time
+from navigation import (
+    Apart,
+    Approaching,
+    Condition,
+    Motion,
+    Shapes,
+    TooClose,
+    first_time,
+    minimum_separation,
+)
 from navigation.monitor import RESOLUTION, first_interval
 from navigation.separation import AnyLaw, required_at, required_at_speeds
 
@@ -37,7 +46,8 @@ MOVES = 1e-6
 class Pair:
     """A person beside a machine of a stage, from now until the trial ends.
 
-    Distances are measured to the point `offset` (x, y in metres) from the machine's centre.
+    Distances are measured to the point `offset` (x, y in metres) from the machine's centre, or
+    between the surfaces of `shapes`.
     """
 
     def __init__(
@@ -46,11 +56,13 @@ class Pair:
         person: Bystander,
         machine: Machine,
         offset: tuple[float, float] = (0.0, 0.0),
+        shapes: Shapes | None = None,
     ) -> None:
         self.clock = stage.clock
         self.person = person
         self.machine = machine
         self.end = stage.end
+        self.shapes = shapes
         self._one, self._other = person.body, machine.body
         self._offset = offset
         self._translated = machine.body.motion
@@ -72,21 +84,26 @@ class Pair:
         begin, last = self.clock.now, self.horizon()
         if since > begin:
             begin = since
-        return first_time(condition, *self.motions, begin, last if last > begin else begin)
+        end = last if last > begin else begin
+        return first_time(condition, *self.motions, begin, end, shapes=self.shapes)
 
     def next_interval(self, condition: Condition) -> tuple[float, float] | None:
         """Return the first interval from now on in which `condition` holds, if any."""
-        return first_interval(condition, *self.motions, self.clock.now, self.horizon())
+        now, shapes = self.clock.now, self.shapes
+        return first_interval(condition, *self.motions, now, self.horizon(), shapes=shapes)
 
     def distance(self) -> float:
         """Return the distance between the two now (metres)."""
         now = self.clock.now
         person, machine = self.motions
+        if self.shapes is not None:
+            return minimum_separation(person, machine, now, now, shapes=self.shapes)[1]
         return math.dist(person.state(now).at, machine.state(now).at)
 
     def required(self, law: AnyLaw) -> float:
         """Return the distance that `law` requires now (metres)."""
-        return required_at(law, self.person.body.motion, self.machine.body.motion, self.clock.now)
+        motions = self.person.body.motion, self.machine.body.motion
+        return required_at(law, *motions, self.clock.now, self.shapes)
 
     def remember_plans(self) -> tuple[Plans, Plans]:
         """Return the plans of the two, kept from now on."""
@@ -94,7 +111,11 @@ class Pair:
 
     def cause(self) -> Cause:
         """Return the cause of a violation at this instant."""
-        return self.machine.shape.kind if self.machine.body.state.speed > MOVES else PERSON
+        state = self.machine.body.state
+        speed = state.speed
+        if self.shapes is not None:
+            speed = max(speed, abs(state.velocity[2]) * self.shapes.reach)
+        return self.machine.shape.kind if speed > MOVES else PERSON
 
     def horizon(self) -> float:
         """Return an instant from which on nothing changes any more, or the trial's end (seconds).
@@ -211,7 +232,8 @@ class SeparationMonitor:
                 self.law, person.state_before(t).speed, machine.state_before(t).speed
             )
         of_person, of_machine = self.plans
-        return required_at(self.law, of_person.before(t), of_machine.before(t), t)
+        plans = of_person.before(t), of_machine.before(t)
+        return required_at(self.law, *plans, t, self.pair.shapes)
 
     @cached_property
     def requirement(self) -> Curve:
@@ -221,7 +243,7 @@ class SeparationMonitor:
         """
         if self.plans is None:
             return ()
-        return requirement_curve(self.law, *self.plans, self.pair.clock.now)
+        return requirement_curve(self.law, *self.plans, self.pair.clock.now, self.pair.shapes)
 
     @property
     def known(self) -> list[tuple[float, float]]:

@@ -59,7 +59,8 @@ class Referee:
     def watch(self, person: Bystander, machine: Machine) -> None:
         """From now on, watch a person beside a machine."""
         offset = self.rules.measured_at(machine.shape)
-        pair = Pair(self._stage, person, machine, offset)
+        shapes = self.rules.shapes_of(machine.shape, person.radius)
+        pair = Pair(self._stage, person, machine, offset, shapes)
         law = self.rules.law_of(machine.shape)
         watch = SeparationMonitor(pair, law, self._condition_of(machine), self._violated)
         self.watches.append(watch)

@@ -8,15 +8,21 @@ separation monitoring, ISO/TS 15066:2016, clause 5.5.4). It is solved for, not s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from navigation import Motion
+import numpy as np
+
+from floorplan import Point
+from navigation import Motion, Shapes
 from navigation.kernels.braking import Stops
 from navigation.monitor import StoppingHorizon
 from navigation.separation import AnyLaw, is_of_speeds, required_at_speeds
+
+from ..core.entries import Pose
 
 # A machine that commands only motions that are safe until its next look is safe for good, by
 # induction: if nothing is safe at that look, the stop that was tested with the motion is what it
@@ -45,10 +51,25 @@ class Pedestrian(NamedTuple):
 
 @dataclass(frozen=True)
 class StoppingCheck:
-    """The test for one machine, to which `law` applies and which is no faster than `top_speed`."""
+    """The test for one machine, to which `law` applies and which is no faster than `top_speed`.
+
+    Distances are measured between centres, or between the surfaces of `shapes`.
+    """
 
     law: AnyLaw
     top_speed: float
+    shapes: Shapes | None = None
+
+    def distance(self, person: Point, pose: Pose) -> float:
+        """Return the distance (metres) between somebody at a place and the machine at a pose."""
+        if self.shapes is None:
+            return math.dist(person, pose[:2])
+        return float(self.shapes.distances(np.array([person]), np.array([pose]))[0])
+
+    @property
+    def around(self) -> float:
+        """Metres by which centres are farther apart than surfaces at most."""
+        return 0.0 if self.shapes is None else self.shapes.reach + self.shapes.person.radius
 
     def required(self, human_speed: float, robot_speed: float) -> float:
         """Return the distance (metres) to keep from somebody at these speeds (m/s)."""
@@ -81,7 +102,7 @@ class StoppingCheck:
 
     @cached_property
     def _lookout(self) -> StoppingHorizon:
-        return StoppingHorizon(self.law, MARGIN)
+        return StoppingHorizon(self.law, MARGIN, self.shapes)
 
     @cached_property
     def _fixed(self) -> dict[float, float]:

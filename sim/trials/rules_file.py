@@ -276,6 +276,11 @@ def build_rules(
         reactions={**base.reactions, **keys.reactions},
         **_plain(keys),
     )
+    if rules.between == "surfaces":
+        if getattr(keys, "agv_offset", None):
+            message = "distances between surfaces are not measured to a point; leave it out"
+            problems.append(document.problem(message, *place, "agv_offset"))
+        rules = replace(rules, agv_offset=0.0)
     return rules, problems
 
 
@@ -307,6 +312,8 @@ def written_rules(rules: RuleSet) -> str | dict[str, Any]:
     """
     if RULE_SETS.get(rules.name) == rules:
         return rules.name
+    if rules.between == "surfaces":
+        rules = replace(rules, agv_offset=0.0)
     own, base = _all_keys(rules), _all_keys(PAPER)
     if own["gantry_law"] != base["gantry_law"]:
         del base["notice"]  # its law is the gantry's unless it is written
@@ -335,5 +342,6 @@ def _all_keys(rules: RuleSet) -> dict[str, Any]:
             for key in _ALIKE
             for value in (getattr(rules, key),)
             if value is not None or key != "between_people"
+            if value != "centres" or key != "between"
         },
     }

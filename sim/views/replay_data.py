@@ -189,6 +189,9 @@ def _watches(run: Outcome) -> list[dict[str, Any]]:
             watch |= _notice(rules, law)
         if (at := rules.measured_at(shape)) != (0.0, 0.0):
             watch["measured_at"] = at
+        if (shapes := run.scene.shapes(person, machine)) is not None:
+            radius, corners = shapes.person.radius, shape.silhouette[0].corners
+            watch["surfaces"] = {"radius": radius, "corners": corners, "reach": shape.reach}
         watches.append(watch)
     return watches
 

@@ -14,7 +14,16 @@ from stretches import assert_bounds, assert_negative_within, encounters, part_of
 
 import floorplan
 import navigation
-from navigation import Box, Cylinder, FixedDistance, IntegralLaw, SeparationLaw, Shapes
+from navigation import (
+    Box,
+    Cylinder,
+    FixedDistance,
+    IntegralLaw,
+    Moving,
+    Prism,
+    SeparationLaw,
+    Shapes,
+)
 
 END = 20.0
 PLAN = floorplan.load("ariac2023")
@@ -24,12 +33,16 @@ CHILD = Shapes(person=Cylinder(radius=0.25, top=1.0), machine=(Box.of_torso(PLAN
 LONG = Shapes(
     machine=(Box(length=2.4, width=0.4, bottom=1.3, top=2.0), Cylinder(radius=0.6, top=3.0))
 )
+WEDGE = Shapes(
+    machine=(Prism(footprint=((-0.4, -0.5), (1.9, -0.2), (1.6, 0.6), (0.4, 0.1)), top=1.0),)
+)
+BESIDE = Shapes(machine=(Prism(footprint=((0.5, 0.3), (1.5, 0.3), (1.5, 0.9), (0.5, 0.9)), top=1),))
 
 point = st.tuples(st.floats(-6, 0), st.floats(-3, 3))
 walks = st.builds(navigation.walk, st.lists(point, min_size=2, max_size=5), st.floats(0, 3))
 poses = st.tuples(st.floats(-6, 0), st.floats(-3, 3), st.floats(-3, 3))
 gantry_motions = st.builds(navigation.gantry_move, poses, poses, st.floats(0, 3))
-all_shapes = st.sampled_from([TORSO, ARM, CHILD, LONG])
+all_shapes = st.sampled_from([TORSO, ARM, CHILD, LONG, WEDGE, BESIDE])
 laws = st.one_of(
     st.builds(FixedDistance, st.floats(0, 3)),
     st.builds(
@@ -44,9 +57,12 @@ def by_shapely(person, machine, shapes, ts):
     axes = shapely.points(places)
     least = np.full(len(ts), np.inf)
     for part in shapes.machine:
-        if isinstance(part, Box):
+        if isinstance(part, Prism):
+            corners = shapely.get_coordinates(shapely.MultiPoint(part.footprint).convex_hull)[:-1]
+        elif isinstance(part, Box):
             x, y = part.length / 2, part.width / 2
             corners = np.array([(x, y), (-x, y), (-x, -y), (x, -y)])
+        if not isinstance(part, Cylinder):
             c, s = np.cos(turns), np.sin(turns)
             turn = np.stack([np.stack([c, s], -1), np.stack([-s, c], -1)], -2)
             footprints = shapely.polygons(corners @ turn + centres[:, None])
@@ -70,6 +86,36 @@ def test_the_distance_is_that_of_rotated_footprints(at, pose, shapes):
     machine = navigation.standing(pose[:2], heading=pose[2])
     expected = by_shapely(person, machine, shapes, np.array([0.0]))[0]
     assert distance_at(person, machine, shapes, 0.0) == pytest.approx(expected, abs=1e-12)
+
+
+@given(walks, gantry_motions, all_shapes)
+def test_distances_at_many_times_are_those_of_the_monitor(person, machine, shapes):
+    ts = np.linspace(0.0, END, 50)
+    poses = np.column_stack([machine.position(ts), machine.rotation(ts)])
+    found = shapes.distances(person.position(ts), poses)
+    assert found == pytest.approx(by_shapely(person, machine, shapes, ts), abs=1e-9)
+
+
+def test_a_body_that_turns_on_the_spot_moves_beyond_its_axis():
+    still, turn = navigation.standing((5.0, 0.0)), navigation.gantry_move((0, 0, 0), (0, 0, 1.5))
+    assert navigation.first_time(Moving(0.1), still, turn, 0.0, 10.0) is None
+    ((begin, end),) = navigation.when(Moving(0.1, reach=2.0), still, turn, 0.0, 10.0)
+    for t in (begin, end):
+        assert abs(turn.state(t).velocity[2]) * 2.0 == pytest.approx(0.1, abs=1e-6)
+    assert 0.0 < begin < end < turn.end
+
+
+@pytest.mark.parametrize(
+    ("footprint", "fault"),
+    [
+        (((0.0, 0.0), (1.0, 0.0), (2.0, 0.0)), "must have an area"),
+        (((0.0, 0.0), (1.0, math.nan), (2.0, 0.0)), "must have an area"),
+        ((), "must have an area"),
+    ],
+)
+def test_a_prism_has_an_area(footprint, fault):
+    with pytest.raises(ValueError, match=fault):
+        Prism(footprint=footprint, top=1.0)
 
 
 @given(point, poses)
@@ -346,7 +392,7 @@ def test_shapes_are_values():
         (lambda: Box(length=1.0, width=1.0, bottom=2.0, top=1.0), "must be above bottom"),
         (lambda: Box(length=1.0, width=1.0, bottom=-1.0, top=1.0), "bottom of a Box can't be"),
         (lambda: Shapes(machine=()), "needs at least one solid"),
-        (lambda: Shapes(machine=(3.0,)), "made of Cylinder and Box, not 3.0"),
+        (lambda: Shapes(machine=(3.0,)), "made of Cylinder, Box and Prism, not 3.0"),
         (lambda: Shapes(person=TORSO.machine[0], machine=TORSO.machine), "a person is a Cylinder"),
     ],
 )

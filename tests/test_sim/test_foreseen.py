@@ -246,11 +246,38 @@ def test_discs_cover_a_vehicle_closely(length, width, count, direction):
     assert width / 2 < max(across) <= 1.12 * width / 2
 
 
-def test_one_disc_covers_a_vehicle_that_turns():
+@pytest.mark.parametrize(
+    "outline",
+    [
+        ((-1.2, -0.4), (1.2, -0.4), (1.2, 0.4), (-1.2, 0.4)),
+        ((-0.3, -0.4), (1.2, -0.4), (1.2, 0.4), (-0.3, 0.4)),
+        ((-0.3, -1.0), (0.4, -1.0), (0.4, 0.6), (-0.3, 0.6)),
+    ],
+)
+def test_discs_of_a_vehicle_that_turns_cover_it_where_it_is(outline):
     shape = sim.MachineShape(
-        name="cart", kind="cart", category="vehicle", length=0.8, width=0.6, top=1.0, top_speed=1.0
+        name="cart",
+        kind="cart",
+        category="vehicle",
+        length=2.4,
+        width=2.0,
+        top=1.0,
+        top_speed=1.0,
+        outline=outline,
     )
-    assert cover(shape) == ([(0.0, 0.0)], pytest.approx(0.5))
+    middles, radius = cover(shape)
+    area = shapely.Polygon(outline)
+    discs = shapely.union_all([shapely.Point(at).buffer(radius, 64) for at in middles])
+    assert area.difference(discs.buffer(1e-3)).is_empty
+    west, south, east, north = area.bounds
+    low_x, low_y, high_x, high_y = discs.bounds
+    sides = (low_y, south, high_y, north)
+    if north - south > east - west:
+        sides = (low_x, west, high_x, east)
+    low, right, high, left = sides
+    half = (left - right) / 2
+    assert right - low == pytest.approx(high - left, abs=1e-3)
+    assert 0.0 < high - left <= 0.06 * half
 
 
 def test_a_kind_says_what_its_machines_are_before_there_is_one():

@@ -79,7 +79,7 @@ class Readout {
     put("state", lately
       ? `violation at ${seconds(lately.t)}, ${comparison(lately.distance ?? now.distance, lately.required)}`
       : STATES[state].text);
-    for (const name of ["required", "margin"]) put(`${name}-word`, watch.words[name]);
+    for (const name of ["distance", "required", "margin"]) put(`${name}-word`, watch.words[name]);
     if (this.root.dataset.state === state) return;
     this.root.dataset.state = state;
     this.places.glyph.replaceChildren(glyphElement(STATES[state]));

@@ -58,7 +58,7 @@ function drawDistances({ context, camera, palette, hatch }, watch, t) {
   const color = palette[violated ? "danger" : watch.person.color];
   const disc = (radius, opacity, style) => {
     context.beginPath();
-    context.arc(px, py, radius * camera.scale, 0, 2 * Math.PI);
+    context.arc(px, py, (radius + watch.added) * camera.scale, 0, 2 * Math.PI);
     alpha(context, opacity, () => {
       context.fillStyle = style;
       context.fill();

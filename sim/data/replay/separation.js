@@ -27,7 +27,29 @@ function pairOf(watch, chosen) {
   return watch ? watch.name : "no such pair";
 }
 
+/** The distance (m) of a point from a polygon of corners, 0 inside: they are convex and counterclockwise. */
+function toPolygon(corners, x, y) {
+  let nearest = Infinity;
+  corners.forEach(([ax, ay], i) => {
+    const [bx, by] = corners[(i + 1) % corners.length];
+    const [dx, dy] = [bx - ax, by - ay];
+    if (dx * (y - ay) >= dy * (x - ax)) return;
+    const share = Math.min(Math.max(((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy), 0), 1);
+    nearest = Math.min(nearest, Math.hypot(x - ax - share * dx, y - ay - share * dy));
+  });
+  return nearest === Infinity ? 0 : nearest;
+}
+
+/** The distance (m) between the surfaces of a person and a machine, with its arm's circle, on the floor. */
+function betweenSurfaces({ radius, corners, reach }, person, machine) {
+  const [dx, dy] = [person.x - machine.x, person.y - machine.y];
+  const [c, s] = [Math.cos(machine.rotation), Math.sin(machine.rotation)];
+  const arm = reach > 0 ? Math.hypot(dx, dy) - reach : Infinity;
+  return Math.max(Math.min(toPolygon(corners, c * dx + s * dy, c * dy - s * dx), arm) - radius, 0);
+}
+
 const WORDS_OF_MACHINES = { distance: "distance", required: "required", margin: "margin" };
+const WORDS_OF_SURFACES = { distance: "between surfaces", required: "required", margin: "margin" };
 const WORDS_OF_PEOPLE = { distance: "distance", required: "touch at", margin: "gap" };
 
 /** One person and one other body, and the law between them. */
@@ -42,11 +64,13 @@ class Watch {
     this.noticeFactor = data.notice ?? null;
     this.noticeCap = data.notice_cap ?? Infinity;
     this.measuredAt = data.measured_at ?? [0, 0];
+    this.surfaces = data.surfaces ?? null;
+    this.added = this.surfaces?.radius ?? 0;       // to distances, of a disc round the person
     this.violations = [...data.violations].sort((a, b) => a[0] - b[0]);
     this.violationBegins = this.violations.map(violation => violation[0]);
     this.name = `${spoken(data.person)} – ${spoken(data.other)}`;
     this.isOfPeople = this.other.category === "person";
-    this.words = this.isOfPeople ? WORDS_OF_PEOPLE : WORDS_OF_MACHINES;
+    this.words = this.isOfPeople ? WORDS_OF_PEOPLE : this.surfaces ? WORDS_OF_SURFACES : WORDS_OF_MACHINES;
   }
 
   /** Distances in metres as the rules measure them, speeds in m/s; `notice` is null where there is no
@@ -61,9 +85,7 @@ class Watch {
   }
 
   #between(person, other, t, before = false) {
-    const [dx, dy] = this.measuredAt;
-    const distance = isAway(person, this) || isAway(other, this)
-      ? NaN : Math.hypot(person.x - other.x - dx, person.y - other.y - dy);
+    const distance = isAway(person, this) || isAway(other, this) ? NaN : this.#distance(person, other);
     const required = requiredDistance(this.law, person.speed, other.speed, t, before);
     const notice = this.noticeFactor === null
       ? null : this.noticeFactor * Math.min(
@@ -72,6 +94,12 @@ class Watch {
       distance, required, margin: distance - required, notice,
       personSpeed: person.speed, otherSpeed: other.speed, violated: this.violatedAt(t),
     };
+  }
+
+  #distance(person, other) {
+    if (this.surfaces) return betweenSurfaces(this.surfaces, person, other);
+    const [dx, dy] = this.measuredAt;
+    return Math.hypot(person.x - other.x - dx, person.y - other.y - dy);
   }
 
   /** True if at t the two are too close, by the rules. */

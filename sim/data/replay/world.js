@@ -114,11 +114,12 @@ class World {
     const { x, y } = watch.person.motion.at(t);
     const { required, notice, violated, margin } = watch.at(t);
     const color = colors[violated || margin < 0 ? "danger" : watch.person.color];
-    const round = (radius, height) => sized(frameAt(x, y, MARKED), 2 * radius, 2 * radius, height);
-    if (notice !== null) this.#addRing(x, y, notice, 0.03, color, 0.6);
-    moving.add("disc", violated ? "striped" : "glow", round(required, 1), color, violated ? 0.22 : 0.13);
-    moving.add("tube", violated ? "striped" : "glow", round(required, VOLUME), color, violated ? 0.42 : 0.34);
-    this.#addRing(x, y, required, violated ? 0.08 : 0.045, color, 0.95);
+    const radius = required + watch.added;
+    const round = height => sized(frameAt(x, y, MARKED), 2 * radius, 2 * radius, height);
+    if (notice !== null) this.#addRing(x, y, notice + watch.added, 0.03, color, 0.6);
+    moving.add("disc", violated ? "striped" : "glow", round(1), color, violated ? 0.22 : 0.13);
+    moving.add("tube", violated ? "striped" : "glow", round(VOLUME), color, violated ? 0.42 : 0.34);
+    this.#addRing(x, y, radius, violated ? 0.08 : 0.045, color, 0.95);
   }
 
   #addRing(x, y, radius, width, color, opacity) {

@@ -173,10 +173,13 @@ class Agv(Machine):
         self._clock = stage.clock
         self._record = stage.record
         self._law = stage.rules.law_of(self.shape)
-        self._offset = abs(stage.rules.agv_offset)
+        shapes = stage.rules.shapes_of(self.shape, stage.widest)
+        check = StoppingCheck(self._law, lane.max_speed, shapes)
+        # The centre is farther off than the point, or the surface, to which distances are measured.
+        self._beyond = math.hypot(*stage.rules.measured_at(self.shape)) + check.around
         self._moves = moves
         self._is_on_floor = any(lane is known for known in stage.floorplan.lanes)
-        self._foresight = StoppingCheck(self._law, lane.max_speed) if yields else None
+        self._foresight = check if yields else None
         self._stops = agv_stops(lane)
         self._people: list[tuple[Body, float]] = []
         self._target: str | float | None = None
@@ -288,10 +291,10 @@ class Agv(Machine):
         """
         fastest = self.lane.max_speed
         if self._foresight is None:
-            return required_at_speeds(self._law, 0.0, fastest) + self._offset
+            return required_at_speeds(self._law, 0.0, fastest) + self._beyond
         # While it drives for `RESUME` and then brakes, somebody may walk towards it.
         stopping = fastest / self.lane.max_acceleration
-        kept = required_at_speeds(self._law, top_speed, fastest) + self._offset
+        kept = required_at_speeds(self._law, top_speed, fastest) + self._beyond
         return kept + top_speed * (RESUME + stopping)
 
     def drive(self, to: str | float) -> None:
@@ -445,9 +448,9 @@ class Agv(Machine):
         """Return the people it looks out for, from the point at which distances are measured."""
         if self._stage.blind[self.name]:
             return []
-        (c, s), offset = self.lane.direction, self._stage.rules.agv_offset
+        dx, dy = self._stage.rules.measured_at(self.shape)
         return [
-            Pedestrian(body.name, (x - offset * c, y - offset * s), top_speed)
+            Pedestrian(body.name, (x - dx, y - dy), top_speed)
             for body, top_speed in self._people
             for x, y in (body.at,)
         ]
@@ -464,7 +467,7 @@ class Agv(Machine):
                 AgvYielded(
                     agv=self.lane.name,
                     person=hindered.name,
-                    distance=math.dist(state.at, hindered.at),
+                    distance=foresight.distance(hindered.at, state.position),
                     required=foresight.required(hindered.top_speed, state.speed),
                 )
             )

@@ -71,7 +71,7 @@ class CourseChoice:
         self._caution = caution
         self.is_hindered = False
         """Whether people were near every path when none was chosen."""
-        self._zone = caution.required(0.0) + ROOM
+        self._zone = caution.required_between_centres(0.0) + ROOM
         self._rooms = [caution.room_to_move(pace) + ROOM for pace in PACES]
         self._free_at = gantry.now
         self._standing = gantry.body.motion

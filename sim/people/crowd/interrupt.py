@@ -15,7 +15,7 @@ from navigation.walking import first_conflict, motion_along, swath
 from ...core.clock import Alarm, Turn
 from ...core.events import GaveWay
 from ...core.stage import Stage
-from .commitments import GAP, Commitments
+from .commitments import GAP, Commitments, Others
 from .ground import Ground
 from .make_room import Request
 from .parameters import PARAMETERS
@@ -86,7 +86,7 @@ class Interruptions:
             self._avoiding.set(self._clock.now)
 
     def _avoid_vehicles(self) -> None:
-        """Let people in the way of a vehicle decide again, or brake."""
+        """Let people in the way of a vehicle decide again, brake, or step off its course."""
         now, coming = self._clock.now, [*self._coming]
         self._coming.clear()
 
@@ -95,7 +95,10 @@ class Interruptions:
             return not near.free(me.swath)
 
         for me in self._people:
-            if me.recorded or me.body.motion.end <= now or not is_in_the_way(me):
+            if me.recorded or not is_in_the_way(me):
+                continue
+            if me.body.motion.end <= now:
+                self._step_off(me, coming)
                 continue
             self._decide(me)
             if is_in_the_way(me):
@@ -110,11 +113,29 @@ class Interruptions:
         now = self._clock.now
         stop = self._stop(me, now)
         ahead = swath(stop, now)
-        if self._commitments.others(me, ahead.box, now).without(coming).free(ahead):
+        if not self._commitments.others(me, ahead.box, now).without(coming).free(ahead):
+            stop = self._latest_met(me)
+            ahead = swath(stop, now)
+        if stop is not me.body.motion:
             self._commit(me, stop, ahead)
             me.deciding.set(stop.end + PARAMETERS.early)
             steps = partial(self._step_off, me, coming)
             self._clock.call_at(max(stop.end, now), steps, Turn.MOTION_ENDS)
+
+    def _latest_met(self, me: Traveller) -> Motion:
+        """Return the motion or stop of a person between vehicles which these meet latest."""
+        now, motion = self._clock.now, me.body.motion
+        others = self._commitments.others(me, me.swath.box, now)
+        people = others.without([one for one in others if one.is_vehicle])
+        best, latest = motion, _met_at(others, me.swath)
+        t = now
+        while t < motion.end:
+            stop = self._stop(me, t)
+            ahead = swath(stop, now)
+            if _met_at(others, ahead) > latest and people.free(ahead):
+                best, latest = stop, _met_at(others, ahead)
+            t += PARAMETERS.early
+        return best
 
     def _step_off(self, me: Traveller, coming: Sequence[Traveller]) -> None:
         """Let a stationary person step off the course of a vehicle, if possible."""
@@ -191,6 +212,12 @@ class Interruptions:
                 return stop
             t += PARAMETERS.early
         return motion
+
+
+def _met_at(others: Others, ahead: Swath) -> float:
+    """Return when the first of some others is met (s), or infinity."""
+    hit = others.first_hit(ahead)
+    return math.inf if hit is None else hit.t
 
 
 def _course_of(who: Traveller, now: float) -> list[Point]:

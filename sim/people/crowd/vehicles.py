@@ -9,13 +9,11 @@ from functools import cached_property, lru_cache
 
 from floorplan import Human, Point
 from navigation import (
-    Box,
     Cylinder,
     FixedDistance,
     Motion,
     Mover,
     PathPlanner,
-    Piece,
     PlanningError,
     Shapes,
     TooClose,
@@ -23,6 +21,8 @@ from navigation import (
     plan_among,
     standing,
 )
+from navigation.carried import carried
+from navigation.encounter import Solid
 from navigation.moving_obstacles import Passage
 
 from ...core.body import Body, Machine, MachineShape
@@ -97,6 +97,12 @@ class Vehicle:
             for _ in self._places
         ]
 
+    def _part(self, motion: Motion, place: Point) -> Motion:
+        """Return the motion of a disc of the vehicle."""
+        if self._machine.shape.direction is None:
+            return carried(motion, *place)
+        return motion.translated(*place)
+
     def _look(self) -> None:
         """Take note of what the vehicle does from now on, as far as that is known."""
         now = self._clock.now
@@ -106,7 +112,7 @@ class Vehicle:
         announced = self._machine.sets_out(now + KNOWN) - KNOWN
         if motion.end > now:
             for disc, place in zip(self.discs, self._places, strict=True):
-                disc.body.motion = _shifted(motion, place)
+                disc.body.motion = self._part(motion, place)
                 self._commitments.put(disc)
             self._changed(self.discs)
             self.is_there = True
@@ -119,27 +125,22 @@ class Vehicle:
 
 
 def cover(shape: MachineShape) -> tuple[list[Point], float]:
-    """Return the middles of discs that cover a vehicle, from its axis, and their radius (metres).
+    """Return the middles of discs that cover a vehicle, and their radius (metres).
 
-    One that turns is covered by a single disc.
+    They are relative to its axis: over the floor if it never turns, otherwise along its heading.
     """
-    if shape.direction is None:
-        return [(0.0, 0.0)], math.hypot(shape.length, shape.width) / 2
-    # Parts half as long as wide: discs then stick out to the sides by 12 % of half the width.
-    count = max(1, math.ceil(2 * shape.length / shape.width))
-    part, (c, s) = shape.length / count, shape.direction
-    along = [(k + 0.5) * part - shape.length / 2 for k in range(count)]
-    return [(q * c, q * s) for q in along], math.hypot(part, shape.width) / 2
-
-
-def _shifted(motion: Motion, by: Point) -> Motion:
-    """Return a motion so far to the side of another, metres."""
-
-    def piece(one: Piece) -> Piece:
-        x, y = (one.x[0] + by[0], *one.x[1:]), (one.y[0] + by[1], *one.y[1:])
-        return one._replace(x=x, y=y)
-
-    return Motion(tuple(map(piece, motion.pieces)), motion.jumps)
+    west, south, east, north = shape.bounds
+    length, width = east - west, north - south
+    crosswise = shape.direction is None and width > length
+    long, short = (width, length) if crosswise else (length, width)
+    # Discs stick out to the sides by 12 % of half the width, of one that turns by 5 %.
+    count = max(1, math.ceil((2 if shape.direction else 3) * long / short))
+    part = long / count
+    along = [(k + 0.5) * part + (south if crosswise else west) for k in range(count)]
+    middle = ((west + east) if crosswise else (south + north)) / 2
+    c, s = shape.direction or (1.0, 0.0)
+    places = [(middle, q) if crosswise else (q, middle) for q in along]
+    return [(x * c - y * s, x * s + y * c) for x, y in places], math.hypot(part, short) / 2
 
 
 def among_vehicles(
@@ -199,7 +200,7 @@ def _moving(stage: Stage, now: float, until: float) -> list[Mover]:
 
 
 def _mover(machine: Machine, motion: Motion) -> Mover:
-    return Mover(machine.name, motion, machine.shape.box)
+    return Mover(machine.name, motion, machine.shape.chassis)
 
 
 def _touches(mover: Mover, motion: Motion, human: Human, now: float) -> bool:
@@ -208,6 +209,6 @@ def _touches(mover: Mover, motion: Motion, human: Human, now: float) -> bool:
 
 
 @lru_cache
-def _shapes(human: Human, vehicle: Box | Cylinder) -> Shapes:
+def _shapes(human: Human, vehicle: Solid) -> Shapes:
     """Return the solids of a person and of a vehicle; most people are alike."""
     return Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(vehicle,))

@@ -213,7 +213,8 @@ def moment(run: Outcome, t: float, person: str, machine: str, *, width: Width = 
     here, there = (run.motions[name].state(t).at for name in (person, machine))
     axes.plot(*zip(here, there, strict=True), color=VERMILION, linewidth=0.8, linestyle=(0, (3, 3)))
     required = float(run.required(person, machine, [t])[0])
-    circle = Spot(here).buffer(required, 64)
+    shapes = run.scene.shapes(person, machine)
+    circle = Spot(here).buffer(required + (0.0 if shapes is None else shapes.person.radius), 64)
     look: dict[str, Any] = {"edgecolor": VERMILION, "linewidth": 0.8, "zorder": 2}
     fill_area(axes, circle, facecolor=(VERMILION, 0.12), label="required distance", **look)
     for index, one in enumerate(run.scene.people):

@@ -204,7 +204,8 @@ def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
             t, required, color=BLACK, linestyle="--", linewidth=0.9, label="required distance"
         )
     axes.set_ylim(0.0, min(highest, 1.08 * float(np.nanmax(distance))))
-    axes.set_ylabel("distance (m)")
+    surfaces = run.scene.rules.between == "surfaces"
+    axes.set_ylabel("between surfaces (m)" if surfaces else "distance (m)")
     axes.set_title(f"{pair[0]} and {pair[1]}", loc="left")
     _mark_violations(axes, run, pair, span)
     _mark_disabled(axes, run, pair[1])
@@ -242,8 +243,17 @@ def _required(run: Outcome, pair: Pair, t: Array) -> Array:
     known = ~np.isnan(t)
     required[known] = run.required(*pair, t[known])
     if run.scene.machine(pair[1]).category == "vehicle":
-        required[known & ~(speeds(run.motions[pair[1]], t) > STANDING_SPEED)] = np.nan
+        motion, shapes = run.motions[pair[1]], run.scene.shapes(*pair)
+        pace = speeds(motion, t)
+        if shapes is not None:
+            pace[known] = np.maximum(pace[known], shapes.reach * _turning(motion, t[known]))
+        required[known & ~(pace > STANDING_SPEED)] = np.nan
     return required
+
+
+def _turning(motion: Motion, t: Array) -> Array:
+    """Return how fast a body turns at `t` (N,), rad/s."""
+    return np.asarray(np.abs(motion.cubics(t)[:, 2, 1]))
 
 
 def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
