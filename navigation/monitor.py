@@ -523,6 +523,6 @@ class StoppingHorizon(kernel.Lookout):
     Distances are between centres on the floor, or between the surfaces of `shapes`.
     """
 
-    def __init__(self, law: AnyLaw, margin: float, shapes: Shapes | None) -> None:
+    def __init__(self, law: AnyLaw, margin: float, shapes: Shapes | None = None) -> None:
         gauges = [] if shapes is None else [*shapes.gauges]
         super().__init__(kernel_of(law), margin, ROUNDING, RESOLUTION, gauges)

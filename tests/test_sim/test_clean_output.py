@@ -23,6 +23,7 @@ CALLS = {
     "check": "check short.trial.yaml short.study.yaml short.asl hall.yaml",
     "convert": "convert hall.yaml other.yaml",
     "export": "export run --out run.mcap",
+    "fields": "fields short.trial.yaml",
     "list": "list",
     "metrics": "metrics run",
     "plan": "plan hall.yaml 1 1 9 5 --planner RRTConnect --plot way.png",

@@ -9,7 +9,7 @@ people:
   - {name: eve, noticing: {field_of_view: 120}}
   - {name: max, at: [-14, -9]}
 gantry: {controller: oblivious, jobs: [{move: [-9, 2, 0]}]}
-machines: {north: {kind: gantry, at: [-9.0, 1.0, 0.0], x: [-14.0, -8.0]}}
+machines: {north: {kind: gantry, at: [-13.0, -4.0, 0.0], x: [-14.0, -8.0]}}
 """
 
 

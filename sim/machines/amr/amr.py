@@ -138,6 +138,7 @@ class Amr(CommandedMachine):
             return vehicle_twist(self.state, slow, self.now, seconds=left, limits=self.limits)
 
         self.drive.forget_route()
+        self._wait_no_longer()
         move = self.drive.follow(motion(seconds), lambda: motion(max(0.0, until - self.now)))
         self._interrupts.command_given()
         return move
