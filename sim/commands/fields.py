@@ -60,9 +60,6 @@ def fields(
     warning_time: Annotated[
         float, typer.Option(min=0, help="Time by which the warning field is longer, s.")
     ] = 1.0,
-    backwards: Annotated[
-        bool, typer.Option("--backwards", help="Write sets for driving backwards too.")
-    ] = False,
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Compute the protective fields that the machines of a trial need.
@@ -72,7 +69,6 @@ def fields(
     from floorplan import UserError
     from navigation import FieldSupplements
 
-    from ..machines.agv.model import AgvModel
     from ..machines.field_limits import field_limits
     from ..machines.kinds import models_of
     from ..trials.names import checked_name
@@ -101,8 +97,7 @@ def fields(
             say(f"{name} is left out: the limits of a custom kind are not known", err=True)
             continue
         section = _Section(name, model, read.floorplan, limits, response_time, supplements)
-        # An AGV drives both ways on its lane.
-        lines += section.lines(steps, warning_time, backwards or isinstance(model, AgvModel))
+        lines += section.lines(steps, warning_time)
     if not lines:
         raise UserError(f"{trial} has no machine whose fields can be computed")
     say("\n".join(["fields:", *lines]))
@@ -127,9 +122,7 @@ class _Section:
         self.response_time = response_time
         self.supplements = supplements
 
-    def lines(
-        self, steps: Sequence[float] | None, warning_time: float, backwards: bool
-    ) -> Iterator[str]:
+    def lines(self, steps: Sequence[float] | None, warning_time: float) -> Iterator[str]:
         """Yield the lines of the machine in the section `fields`."""
         from floorplan import UserError
         from navigation import needed_fields
@@ -143,7 +136,6 @@ class _Section:
             response_time=self.response_time,
             supplements=self.supplements,
             warning_time=warning_time,
-            backwards=backwards,
         )
         if speeds[-1] > top:
             raise UserError(f"{self.name}: {speeds[-1]:g} m/s is above its top speed, {top:g} m/s")

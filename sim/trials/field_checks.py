@@ -71,9 +71,8 @@ def field_slips(trial: Scenario) -> Iterator[Fault]:
 def _gaps(fields: MachineFields, model: MachineModel, trial: Scenario, name: str) -> Iterator[str]:
     """Yield the speeds to which no field set applies, in words."""
     top = model.shape(name, trial.floorplan).top_speed
-    backwards = not isinstance(model, AmrModel)
     has_directions = fields.sets[0].direction is not None
-    linear = (-top if backwards and not has_directions else 0.0, top)
+    linear = (0.0 if has_directions else -top, top)
     for loaded in _loads(model):
         sets = [one for one in fields.sets if one.fits_load(loaded)]
         of_load = " with load" if loaded else ""

@@ -44,7 +44,7 @@ def test_fields_of_every_machine_are_long_enough(floorwalker, trial, source):
 
 
 def test_one_machine_with_its_speeds(floorwalker, trial):
-    done = floorwalker("fields", trial, "--machine", "fork", "--speeds", "0.3,0.9", "--backwards")
+    done = floorwalker("fields", trial, "--machine", "fork", "--speeds", "0.3,0.9")
     (section,) = yaml.safe_load(done.stdout)["fields"].values()
     assert [each["linear"] for each in section["sets"]][::2] == [
         [-0.3, 0.3],

@@ -81,13 +81,19 @@ LEAVES = "commands: [{time: 30, send: eve, to: [15, 9]}]\n"
 ONLY_PROTECTIVE = FIELDS[: FIELDS.index("      warning")]
 
 
+def from_field(run, t):
+    """Return the distance of the person from the protective field on their left and ahead."""
+    eve, fork = (run.motions[name].position(t) for name in ("eve", "fork"))
+    ahead, beside = eve - fork - [FRONT, 0.8]
+    return math.hypot(max(0.0, ahead), max(0.0, beside))
+
+
 def test_a_machine_stops_after_the_response_time_and_restarts_after_the_delay():
     run = sim.run(trial(standing(15), fields=ONLY_PROTECTIVE, keys=LEAVES))
     motion = run.motions["fork"]
     (occupied,) = events(run, "field_occupied")
     assert (occupied["person"], occupied["field"], occupied["set"]) == ("eve", "protective", "all")
-    reached = motion.position(occupied["t"])[0] + FRONT
-    assert reached == pytest.approx(15 - RADIUS, abs=1e-6)
+    assert from_field(run, occupied["t"]) == pytest.approx(RADIUS, abs=1e-6)
     (stop,) = events(run, "field_stop")
     assert stop["t"] == pytest.approx(occupied["t"] + 0.2, abs=1e-9)
     assert (stop["cause"], stop["person"]) == ("intrusion", "eve")
@@ -96,9 +102,7 @@ def test_a_machine_stops_after_the_response_time_and_restarts_after_the_delay():
     stands = motion.position(braking.end + 1e-6)
     assert np.allclose(motion.position(np.linspace(braking.end + 1e-6, 30.0, 9)), stands)
     (free,), (ended,) = events(run, "field_free"), events(run, "field_stop_ended")
-    eve = run.motions["eve"].state(free["t"]).at
-    side = [eve[0] - stands[0] - FRONT, eve[1] - 3.0 - 0.8]
-    assert math.hypot(*(max(0.0, x) for x in side)) == pytest.approx(RADIUS, abs=1e-6)
+    assert from_field(run, free["t"]) == pytest.approx(RADIUS, abs=1e-6)
     assert ended["t"] == pytest.approx(free["t"] + 2.0, abs=1e-9)
     assert motion.state(ended["t"] + 1.0).speed > 0.0
     assert len(events(run, "job_done")) == 1 and run.summary["contacts"] == 0
