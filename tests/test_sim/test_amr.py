@@ -105,6 +105,20 @@ def test_what_appears_on_the_route_is_gone_around():
     assert run.motions["fork"].position(done["t"]) == pytest.approx([8.5, 2.0], abs=1e-6)
 
 
+@pytest.mark.parametrize("rotation", [0.1, 2.0, math.pi, -3.0])
+def test_a_vehicle_that_was_held_after_a_turn_goes_on_from_where_it_is(rotation):
+    text = (
+        "floorplan: {boundary: [[0, 0], [24, 0], [24, 6], [0, 6]], stations: {a: [1, 1]}}\n"
+        "duration: 40\nmachines:\n"
+        f"  fork: {{kind: amr, at: [3, 3, {rotation}], missions: [{{go: [20, 3, 0]}}]}}\n"
+        "commands: [{time: 9.0, hold: fork}, {time: 12.0, release: fork}]\n"
+    )
+    motion = sim.run(sim.Trial.parse(text)).motions["fork"]
+    x = motion.position(np.linspace(0.0, 40.0, 4001))[:, 0]
+    assert x[900] > 5.0
+    assert (np.diff(x) > -1e-9).all() and x[-1] == pytest.approx(20.0)
+
+
 def test_a_blocked_vehicle_says_so_and_goes_on_when_it_can():
     text = LONG.format(more="missions: [{go: [8.5, 2.0]}]", duration=60, people="[]") + (
         "obstacles:\n"

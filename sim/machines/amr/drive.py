@@ -343,8 +343,9 @@ class VehicleDrive(Drive):
             return self._route
         for k, (one, other) in enumerate(itertools.pairwise(self._route)):
             if _is_between(here, one, other) and not _moves_back(self.body.state, one, other):
-                # Who has all but turned to the heading of a drive turns to it first.
-                turned = one[:2] == other[:2] or here[2] == one[2]
+                # Who has all but turned to the heading of a drive turns to it where that begins.
+                drives = one[:2] != other[:2]
+                turned = not drives or here[2] == one[2] or math.dist(here[:2], one[:2]) > ON_ROUTE
                 self._route = [here, *self._route[k + 1 if turned else k :]]
                 return self._route
         return None
