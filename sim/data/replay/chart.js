@@ -351,7 +351,7 @@ class Band {
 
 /** The highest distance of a plot; larger ones are cut off. */
 function highestOf({ largest, isOfPeople }) {
-  return Math.min(largest.distance * 1.05, isOfPeople ? SOCIAL : largest.required * 3);
+  return Math.min(largest.distance * 1.05, isOfPeople ? SOCIAL : Math.max(SOCIAL, largest.required * 3));
 }
 
 function drawViolationBands({ context, palette, from, to, toX, surface }, watch, top, height) {

@@ -49,7 +49,7 @@ function betweenSurfaces({ radius, corners, reach }, person, machine) {
 }
 
 const WORDS_OF_MACHINES = { distance: "distance", required: "required", margin: "margin" };
-const WORDS_OF_SURFACES = { distance: "between surfaces", required: "required", margin: "margin" };
+const WORDS_OF_SURFACES = { distance: "clearance", required: "required", margin: "margin" };
 const WORDS_OF_PEOPLE = { distance: "distance", required: "touch at", margin: "gap" };
 
 /** One person and one other body, and the law between them. */
