@@ -421,7 +421,7 @@ def _ellipse(z: complex) -> float:
     return abs(z + cmath.sqrt(z - 1) * cmath.sqrt(z + 1))
 
 
-_ROUNDING = 1e-12
+SURFACE_ROUNDING = 1e-12
 """Metres by which distances between surfaces may be off, so that ties may be none."""
 
 
@@ -451,7 +451,9 @@ class Encounter(EncounterBounds):
     """
 
     def __init__(self, person: Motion, machine: Motion, gauges: Sequence[Gauge] = ()) -> None:
-        super().__init__(person.table, machine.table, [*gauges], _ROUNDING if gauges else 0.0)
+        super().__init__(
+            person.table, machine.table, [*gauges], SURFACE_ROUNDING if gauges else 0.0
+        )
         self._motions = person, machine
 
     @property

@@ -18,7 +18,7 @@ from typing import Any, Protocol
 
 from floorplan.files.values import require
 
-from .encounter import Box, Encounter, Shapes
+from .encounter import SURFACE_ROUNDING, Box, Encounter, Shapes
 from .kernels import lookout as kernel
 from .kernels.watch import (
     ApartTest,
@@ -323,10 +323,12 @@ def first_time(
     TypeError, ValueError
         See `when`.
     """
-    judge = kept_judge_of(condition) if shapes is None else None
+    judge = kept_judge_of(condition)
     if judge is not None and _makes_sense(person, machine, begin, end):
         one, other = person.table, machine.table
-        return first_change_of(judge, one, other, float(begin), float(end), RESOLUTION)
+        gauges, rounding = ([], 0.0) if shapes is None else ([*shapes.gauges], SURFACE_ROUNDING)
+        span = float(begin), float(end)
+        return first_change_of(judge, one, other, gauges, rounding, *span, RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
 
 

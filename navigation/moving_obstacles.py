@@ -29,7 +29,7 @@ from .motion import Motion, join, standing
 from .planner import PathPlanner
 from .roadmap_planner import SLACK
 from .separation import FixedDistance
-from .walking import MAX_ACCELERATION, MAX_SPEED, walk
+from .walking import MAX_ACCELERATION, MAX_SPEED, walk, walk_at
 
 GAP = 0.1
 """Metres. Nearer than this to the surface of a body that moves, a person counts as touched."""
@@ -316,14 +316,14 @@ def _passages(
     points: list[Point] = [(x, y) for x, y in path.points.tolist()]
     speed, acceleration = limits
     straight = walk(points, at, max_speed=speed, max_acceleration=acceleration)
-    touched = [watch.touched(straight, at, straight.end) for watch in watches]
-    first = min((t for t in touched if t is not None), default=None)
     # No wait makes a path quicker: one that is too slow without is given up at once.
     if straight.end >= latest:
         return
-    if first is None:
+    touched = _first_touch(watches, straight, at, straight.end)
+    if touched is None:
         yield Passage(path, straight)
         return
+    first, _ = touched
     for before, after in _splits(points, straight.state(first).at):
         if len(before) == 1:
             before_it = standing(before[0], heading=heading, start=at)
@@ -382,24 +382,38 @@ def _delayed(
     """
     speed, acceleration = limits
     waits_from = max(before.end, at)
+    last = min(waits_from + patience, latest)
+    # From here on a body touches them on the way there, or while they wait.
+    reached = _first_touch(watches, before, at, max(last, waits_from))
+    blocked = math.inf if reached is None else reached[0]
+    onwards_at = walk_at(points, max_speed=speed, max_acceleration=acceleration)
     delay = 0.0
     least = _LEAST
     while delay <= patience:
-        onwards = walk(points, waits_from + delay, max_speed=speed, max_acceleration=acceleration)
-        if onwards.end >= latest:
+        sets_out = waits_from + delay
+        onwards = onwards_at(sets_out)
+        if blocked < sets_out or onwards.end >= latest:
             return None
-        motion = join([before, onwards])
-        touched = [
-            (t, k)
-            for k, watch in enumerate(watches)
-            if (t := watch.touched(motion, at, motion.end)) is not None
-        ]
-        if not touched:
-            return motion, delay
-        t, k = min(touched)
-        if t < waits_from + delay:
-            return None  # on the way there or while waiting: waiting longer does not help
-        delay += max(watches[k].leaves(motion.state(t).at, t) - t, least)
+        touched = _first_touch(watches, onwards, sets_out, onwards.end)
+        if touched is None:
+            return join([before, onwards]), delay
+        t, watch = touched
+        delay += max(watch.leaves(onwards.state(t).at, t) - t, least)
         # Geometric growth ends a search in which each step gains next to nothing.
         least *= _GROWTH
     return None
+
+
+def _first_touch(
+    watches: Sequence[_Watch], motion: Motion, begin: float, end: float
+) -> tuple[float, _Watch] | None:
+    """Return when somebody on a motion is touched first, and by which body; None if never."""
+    found = [
+        (t, k)
+        for k, watch in enumerate(watches)
+        if (t := watch.touched(motion, begin, end)) is not None
+    ]
+    if not found:
+        return None
+    t, k = min(found)
+    return t, watches[k]

@@ -10,7 +10,7 @@ The chosen one becomes a motion.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -160,6 +160,24 @@ def walk(
         if initial_speed > 0:
             raise ValueError("a path of no length is too short to come to rest on")
         return standing(corners[0], start=start)
+    return _started(corners, max_speed, max_acceleration, initial_speed)(float(start))
+
+
+def walk_at(
+    points: ArrayLike, *, max_speed: float, max_acceleration: float
+) -> Callable[[float], Motion]:
+    """Return the walk along a path as a function of its start (seconds): see `walk`."""
+    _check_limits(max_speed, max_acceleration)
+    corners = _corners(points)
+    if len(corners) == 1:
+        return lambda start: standing(corners[0], start=start)
+    return _started(corners, max_speed, max_acceleration, 0.0)
+
+
+def _started(
+    corners: list[Corner], max_speed: float, max_acceleration: float, initial_speed: float
+) -> Callable[[float], Motion]:
+    """Return the walk around corners as a function of its start."""
     lengths = walks.lengths_of(corners)
     speeds = walks.corner_speeds(corners, lengths, max_speed, max_acceleration, initial_speed)
     if not speeds:
@@ -167,8 +185,12 @@ def walk(
             f"the path is too short to slow down from {initial_speed:g} m/s"
             f" at {max_acceleration:g} m/s²"
         )
-    table = along_legs(corners, lengths, speeds, max_speed, max_acceleration, float(start))
-    return Motion(TablePieces(table))
+
+    def started(start: float) -> Motion:
+        table = along_legs(corners, lengths, speeds, max_speed, max_acceleration, start)
+        return Motion(TablePieces(table))
+
+    return started
 
 
 @lru_cache

@@ -333,12 +333,17 @@ def first_change(
     judge: IntervalTest,
     person: Numbers,
     machine: Numbers,
+    gauges: list[Gauge],
+    rounding: float,
     begin: float,
     end: float,
     resolution: float,
 ) -> float | None:
-    """Return the first instant at which a condition on places and speeds holds, or None."""
-    encounter: EncounterBounds = EncounterBounds(person, machine, _NO_GAUGES, 0.0)
+    """Return the first instant at which a condition on places and speeds holds, or None.
+
+    Distances are those of places, or between the surfaces of `gauges`.
+    """
+    encounter: EncounterBounds = EncounterBounds(person, machine, gauges, rounding)
     encounter.start(begin)
     t: float = next_change(judge, encounter, end, resolution, False)
     return None if t == INFINITY else t
