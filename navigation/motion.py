@@ -372,7 +372,10 @@ class TablePieces(Sequence[Piece]):
 
     def __getitem__(self, index: int | slice) -> Piece | Sequence[Piece]:
         if isinstance(index, slice):
-            return tuple(self[k] for k in range(len(self))[index])
+            first, last, step = index.indices(len(self))
+            if step != 1:
+                return tuple(self[k] for k in range(first, last, step))
+            return tuple(pieces_of(self._numbers[first * POSE_WIDTH : last * POSE_WIDTH]))
         k = range(0, len(self._numbers), POSE_WIDTH)[index]
         return next(pieces_of(self._numbers[k : k + POSE_WIDTH]))
 

@@ -208,6 +208,7 @@ class Finished:
         turning = turning or self._turning_counts
         started = {p.name: p.started_at for p in self.people}
         left = {p.name: self.duration if p.left_at is None else p.left_at for p in self.people}
+        drives: dict[str, list[tuple[float, float]]] = {}
         for watch in self.referee.watches:
             person, machine = watch.pair.person.name, watch.pair.machine
             begin, end = started[person], left[person]
@@ -215,8 +216,10 @@ class Finished:
                 continue
             spans = [(begin, end)]
             if category == "vehicle":
-                drives = moving_spans(self.motions[machine.name], turning=turning)
-                cut = [(max(a, begin), min(b, end)) for a, b in drives]
+                if machine.name not in drives:
+                    motion = self.motions[machine.name]
+                    drives[machine.name] = moving_spans(motion, turning=turning)
+                cut = [(max(a, begin), min(b, end)) for a, b in drives[machine.name]]
                 spans = [(a, b) for a, b in cut if a < b]
             yield watch, self.motions[person], self.motions[machine.name], spans
 

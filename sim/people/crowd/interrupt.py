@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Protocol
 
+import numpy as np
+
 from floorplan import Point
 from navigation import Motion, join, stop_walking
 from navigation.kernels.discs import Swath
@@ -224,7 +226,8 @@ def _course_of(who: Traveller, now: float) -> list[Point]:
     """Return positions along the committed motion from `now` (s) on."""
     motion = who.body.motion
     steps = math.ceil((motion.end - now) / PARAMETERS.foresees)
-    return [motion.state(now + k * PARAMETERS.foresees).at for k in range(steps + 1)]
+    places = motion.position(now + np.arange(steps + 1) * PARAMETERS.foresees)
+    return [*map(tuple, places.tolist())]
 
 
 def conflict(me: Traveller, mine: Swath, other: Traveller, theirs: Swath, now: float) -> bool:
