@@ -389,16 +389,20 @@ def _delayed(
     onwards_at = walk_at(points, max_speed=speed, max_acceleration=acceleration)
     delay = 0.0
     least = _LEAST
+    order = [*watches]  # the one that touched last is asked first
     while delay <= patience:
         sets_out = waits_from + delay
         onwards = onwards_at(sets_out)
         if blocked < sets_out or onwards.end >= latest:
             return None
-        touched = _first_touch(watches, onwards, sets_out, onwards.end)
+        # Any touch will do: no shorter delay is safe, whoever else touches them.
+        touches = (watch.touched(onwards, sets_out, onwards.end) for watch in order)
+        touched = next(((k, t) for k, t in enumerate(touches) if t is not None), None)
         if touched is None:
             return join([before, onwards]), delay
-        t, watch = touched
-        delay += max(watch.leaves(onwards.state(t).at, t) - t, least)
+        k, t = touched
+        order.insert(0, order.pop(k))
+        delay += max(order[0].leaves(onwards.state(t).at, t) - t, least)
         # Geometric growth ends a search in which each step gains next to nothing.
         least *= _GROWTH
     return None
