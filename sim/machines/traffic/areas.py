@@ -8,8 +8,7 @@ larger by the factor 1 / cos(`TURN` / 2), so that the chords between its corners
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -39,20 +38,35 @@ _STRAIGHT = 1e-6
 """Metres. What leaves a line by less is straight."""
 
 
-@dataclass(frozen=True, eq=False)
-class Area:
-    """Union of convex polygons."""
+Bounds = tuple[float, float, float, float]
+"""Minimum x and y, maximum x and y, metres."""
 
-    parts: NDArray[np.object_]
+
+class Area:
+    """Union of convex polygons, which `draw` returns when they are looked at.
+
+    Most areas are far from each other, so that the rectangle `around` them is all that is needed.
+    """
+
+    def __init__(self, around: Bounds, draw: Callable[[], NDArray[np.object_]]) -> None:
+        self._around = around
+        self._draw = draw
 
     @classmethod
-    def of(cls, areas: Iterable[Area]) -> Area:
+    def of(cls, areas: Sequence[Area]) -> Area:
         """Return the union of areas."""
-        return cls(np.concatenate([area.parts for area in areas]))
+        x, y, most_x, most_y = zip(*(area._around for area in areas), strict=True)
+        around = min(x), min(y), max(most_x), max(most_y)
+        return cls(around, lambda: np.concatenate([area.parts for area in areas]))
 
     @cached_property
-    def bounds(self) -> tuple[float, float, float, float]:
-        """Minimum x and y, maximum x and y, metres."""
+    def parts(self) -> NDArray[np.object_]:
+        """The polygons as an array."""
+        return self._draw()
+
+    @cached_property
+    def bounds(self) -> Bounds:
+        """Bounds of the polygons."""
         x, y, most_x, most_y = shapely.total_bounds(self.parts).tolist()
         return x, y, most_x, most_y
 
@@ -69,10 +83,13 @@ class Area:
 
     def meets(self, other: Area) -> bool:
         """Return whether both have a point in common."""
-        a, b = self.bounds, other.bounds
-        if a[0] > b[2] or b[0] > a[2] or a[1] > b[3] or b[1] > a[3]:
+        if _apart(self._around, other._around) or _apart(self.bounds, other.bounds):
             return False
         return bool(shapely.intersects(self.parts[:, None], other.parts).any())
+
+
+def _apart(a: Bounds, b: Bounds) -> bool:
+    return a[0] > b[2] or b[0] > a[2] or a[1] > b[3] or b[1] > a[3]
 
 
 class Footprint:
@@ -83,10 +100,11 @@ class Footprint:
         larger = shapely.buffer(outline, clear, join_style="mitre")
         corners = shapely.get_coordinates(larger)[:-1]
         self._corners = corners / math.cos(TURN / 2)
+        self._reach = float(np.hypot(*self._corners.T).max()) + _STRAIGHT
 
     def at(self, pose: Pose) -> Area:
         """Return the area that it covers in a pose."""
-        return Area(np.array([self._hull([pose])]))
+        return self.along([pose])
 
     def swept(self, motion: Motion, begin: float, end: float) -> Area:
         """Return the area that it sweeps on a motion from `begin` to `end` (seconds)."""
@@ -94,16 +112,22 @@ class Footprint:
 
     def along(self, poses: Sequence[Pose]) -> Area:
         """Return the area that it sweeps along poses, as those of `poses_on`."""
-        hulls, first = [], 0
+        x, y, _ = zip(*poses, strict=True)
+        reach = self._reach
+        around = min(x) - reach, min(y) - reach, max(x) + reach, max(y) + reach
+        return Area(around, lambda: np.array(self._hulls(poses)))
+
+    def _hulls(self, poses: Sequence[Pose]) -> list[Polygon]:
         if len(poses) == 1:
-            return self.at(poses[0])
+            return [self._hull(poses)]
+        hulls, first = [], 0
         while True:
             last = first + 1
             while last + 1 < len(poses) and _share_a_hull(poses, first, last + 1):
                 last += 1
             hulls.append(self._hull(poses[first : last + 1]))
             if last >= len(poses) - 1:
-                return Area(np.array(hulls))
+                return hulls
             first = last
 
     def _hull(self, poses: Sequence[Pose]) -> Polygon:
