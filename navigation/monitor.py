@@ -20,6 +20,7 @@ from floorplan.files.values import require
 
 from .encounter import SURFACE_ROUNDING, Box, Encounter, Shapes
 from .kernels import lookout as kernel
+from .kernels.encounter import Gauge
 from .kernels.watch import (
     ApartTest,
     ApproachingTest,
@@ -326,9 +327,8 @@ def first_time(
     judge = kept_judge_of(condition)
     if judge is not None and _makes_sense(person, machine, begin, end):
         one, other = person.table, machine.table
-        gauges, rounding = ([], 0.0) if shapes is None else ([*shapes.gauges], SURFACE_ROUNDING)
         span = float(begin), float(end)
-        return first_change_of(judge, one, other, gauges, rounding, *span, RESOLUTION)
+        return first_change_of(judge, one, other, *_surfaces(shapes), *span, RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
 
 
@@ -342,11 +342,16 @@ def first_interval(
     shapes: Shapes | None = None,
 ) -> tuple[float, float] | None:
     """Return the first interval that `when` yields, or None."""
-    judge = kept_judge_of(condition) if shapes is None else None
+    judge = kept_judge_of(condition)
     if judge is None or not _makes_sense(person, machine, begin, end):
         return next(when(condition, person, machine, begin, end, shapes=shapes), None)
-    one, other = person.table, machine.table
-    return first_interval_of(judge, one, other, float(begin), float(end), RESOLUTION)
+    one, other, span = person.table, machine.table, (float(begin), float(end))
+    return first_interval_of(judge, one, other, *_surfaces(shapes), *span, RESOLUTION)
+
+
+def _surfaces(shapes: Shapes | None) -> tuple[list[Gauge], float]:
+    """Return what measures between the surfaces of shapes, and how much it may be off (metres)."""
+    return ([], 0.0) if shapes is None else ([*shapes.gauges], SURFACE_ROUNDING)
 
 
 def _makes_sense(person: Motion, machine: Motion, begin: float, end: float) -> bool:

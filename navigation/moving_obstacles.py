@@ -19,12 +19,12 @@ import shapely
 from numpy.typing import ArrayLike
 from shapely.geometry import Polygon
 
-from floorplan import Point, rectangle
+from floorplan import Point
 
 from .bodies import CollisionBody, Disc
 from .catalog import Path, PlanningError
-from .encounter import PERSON_HEIGHT, Box, Cylinder, Shapes, Solid
-from .monitor import RESOLUTION, TooClose, first_time, minimum_separation, when
+from .encounter import PERSON_HEIGHT, Cylinder, Shapes, Solid
+from .monitor import RESOLUTION, TooClose, first_interval, first_time, minimum_separation
 from .motion import Motion, join, standing
 from .planner import PathPlanner
 from .roadmap_planner import SLACK
@@ -142,8 +142,8 @@ class _Watch:
             return math.inf if moves == math.inf else max(self.leaves(place, moves), moves)
         until = max(self.mover.motion.end, t) + 1.0
         stands = standing(place)
-        intervals = when(self.clear, stands, self.mover.motion, t, until, shapes=self.shapes)
-        begin, end = next(intervals, (t, t))
+        pair = (stands, self.mover.motion)
+        begin, end = first_interval(self.clear, *pair, t, until, shapes=self.shapes) or (t, t)
         if begin > t + RESOLUTION:  # it only grazes the place
             return t
         return math.inf if end >= until else end
@@ -273,7 +273,9 @@ def _paths(
     # Without what moves, round it where it stands now, round where it comes to rest, and round all
     # that it covers on its way: what is best among them depends on who is where when.
     for times in ([], *stand, sweep):
-        covered = shapely.union_all([_footprint(mover, t) for mover in moving for t in times])
+        covered = shapely.union_all(
+            [part for mover in moving for part in _footprints(mover, times)]
+        )
         parts = enumerate(part for part in shapely.get_parts(covered) if not part.is_empty)
         world = free.as_if({f"what moves, {k}": Polygon(part.exterior) for k, part in parts})
         ask = PathPlanner(
@@ -289,15 +291,20 @@ def _paths(
             yield path
 
 
-def _footprint(mover: Mover, t: float) -> Polygon:
-    """Return the area that a body covers at an instant."""
-    x, y, rotation = mover.motion.state(min(max(t, mover.motion.start), mover.motion.end)).position
+def _footprints(mover: Mover, times: Sequence[float]) -> list[Polygon]:
+    """Return the areas that a body covers at some instants."""
+    motion = mover.motion
+    known = np.clip(times, motion.start, motion.end)
+    places = motion.position(known)
     if isinstance(mover.solid, Cylinder):
-        return CollisionBody.of(mover.name, Disc((x, y), mover.solid.radius)).footprint
-    c, s = math.cos(rotation), math.sin(rotation)
-    if isinstance(mover.solid, Box):
-        return rectangle((x, y), (c, s), mover.solid.length, mover.solid.width)
-    return Polygon([(x + c * p - s * q, y + s * p + c * q) for p, q in mover.solid.corners])
+        radius = mover.solid.radius
+        discs = (Disc((x, y), radius) for x, y in places.tolist())
+        return [CollisionBody.of(mover.name, disc).footprint for disc in discs]
+    rotation = motion.rotation(known)[:, None]
+    along, across = np.array(mover.solid.corners).T
+    c, s = np.cos(rotation), np.sin(rotation)
+    turned = np.stack([c * along - s * across, s * along + c * across], axis=-1)
+    return [*shapely.polygons(places[:, None] + turned)]
 
 
 def _passages(

@@ -3,7 +3,6 @@ from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport EncounterBounds, Gauge
 from navigation.kernels.laws cimport LawEvaluator
 
-cdef list[Gauge] _NO_GAUGES
 cdef int UNDECIDED
 cdef double _SURE
 

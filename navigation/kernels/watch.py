@@ -20,8 +20,6 @@ if not cython.compiled:
     from .encounter import EncounterBounds, Gauge
     from .laws import LawEvaluator
 
-_NO_GAUGES: list[Gauge] = []
-
 UNDECIDED: cython.int = -1
 
 _SURE: float = 1e-12  # metres; so that rounding can't leave a tie undecided
@@ -353,12 +351,14 @@ def first_interval(
     judge: IntervalTest,
     person: Numbers,
     machine: Numbers,
+    gauges: list[Gauge],
+    rounding: float,
     begin: float,
     end: float,
     resolution: float,
 ) -> tuple[float, float] | None:
-    """Return the first interval in which a condition on places and speeds holds, or None."""
-    encounter: EncounterBounds = EncounterBounds(person, machine, _NO_GAUGES, 0.0)
+    """Return the first interval in which a condition holds, or None: see `first_change`."""
+    encounter: EncounterBounds = EncounterBounds(person, machine, gauges, rounding)
     watch: ChangeSearch = ChangeSearch(judge, encounter, begin, end, resolution)
     since = watch.change()
     if since is None:
