@@ -29,7 +29,7 @@ HEADS = (
     "ahead, m",
     "behind, m",
     "beside, m",
-    "warning ahead, m",
+    "warning, m",
     "too short",
 )
 """Columns of the table of field sets."""
@@ -105,7 +105,8 @@ def _rows(
     west, south, east, north = machine.footprint((0.0, 0.0), 0.0).bounds
     for one in fields.sets:
         x, y = zip(*one.protective, strict=True)
-        ahead = max(x for x, _ in one.warning) - east if one.warning else None
+        along = [x for x, _ in one.warning]
+        warned = f"{max(max(along) - east, west - min(along)):.2f}" if along else "–"
         yield (
             one.name,
             _range(one.linear),
@@ -115,7 +116,7 @@ def _rows(
             f"{max(x) - east:.2f}",
             f"{west - min(x):.2f}",
             f"{min(max(y) - north, south - min(y)):.2f}",
-            "–" if ahead is None else f"{ahead:.2f}",
+            warned,
             NOT_CHECKED if short is None else _missing(one, short),
         )
 

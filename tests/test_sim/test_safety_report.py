@@ -302,7 +302,7 @@ def test_a_report_has_the_protective_fields_of_each_machine(tmp_path):
         "1.30",
         "0.60",
     )
-    assert (fast["load"], fast["beside, m"], fast["warning ahead, m"]) == (
+    assert (fast["load"], fast["beside, m"], fast["warning, m"]) == (
         "not loaded",
         "0.20",
         "4.00",
