@@ -206,6 +206,8 @@ class MachineShape:
     outline : tuple of (float, float), optional
         Corners in metres of its footprint, from the axis along the heading, if that is not the
         rectangle.
+    loaded : bool, optional
+        Whether it carries a load all the time.
 
     Raises
     ------
@@ -226,6 +228,7 @@ class MachineShape:
     course: tuple[Point, ...] = ()
     direction: Point | None = None
     outline: tuple[Point, ...] = ()
+    loaded: bool = False
 
     def __post_init__(self) -> None:
         if self.category not in get_args(Category):

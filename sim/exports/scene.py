@@ -184,13 +184,18 @@ def _corners(motion: Motion) -> tuple[tuple[float, float, float], ...]:
 Level = Literal["info", "warning", "error"]
 
 LEVELS: dict[str, Level] = {
+    "collision": "error",
     "violation": "error",
+    "field_slowdown": "warning",
+    "field_stop": "warning",
     "gantry_disabled": "warning",
+    "machine_blocked": "warning",
     "protective_stop": "warning",
     "robot_malfunction": "warning",
     "notice": "warning",
     "path_blocked": "warning",
     "teleport": "warning",
+    "traffic_deadlock": "warning",
     "warning": "warning",
 }
 """The level of events by their kind; all others are "info"."""
@@ -209,14 +214,19 @@ class LogLine:
 def line(event: Event) -> LogLine:
     """Return the line for an event: its kind, and its fields as name=value."""
     kind = event["kind"]
-    named = (event.get(role) for role in ("person", "agv", "machine"))
-    who = next(filter(None, named), "trial" if "trial" in kind else GANTRY)
+    subject = next((role for role in ("person", "agv", "machine") if event.get(role)), "")
+    who = event[subject] if subject else _subject(event)
     fields = [
         f"{name}={_shown(value)}"
         for name, value in event.items()
-        if name not in ("t", "kind", "person", "agv", "machine")
+        if name not in ("t", "kind", subject)
     ]
     return LogLine(event["t"], LEVELS.get(kind, "info"), who, " ".join([kind, *fields]))
+
+
+def _subject(event: Event) -> str:
+    """Return what an event without a body is about."""
+    return "trial" if "trial" in event["kind"] or "machines" in event else GANTRY
 
 
 def _shown(value: object) -> str:

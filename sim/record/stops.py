@@ -321,6 +321,8 @@ _OF_MACHINES = (
     "field_slowdown",
     "field_slowdown_ended",
     "machine_blocked",
+    "machine_waiting",
+    "machine_proceeds",
 )
 """Kinds of events that always name their machine."""
 

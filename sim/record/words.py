@@ -149,9 +149,9 @@ def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:
 
 def short_laws(value: Any, beside: Mapping[str, Any]) -> str:
     """Return the machines that may take longer to stop than their law counts on."""
-    agvs = sum(short["law"] == "agv_law" for short in value)
+    vehicles = sum(short["law"] == "agv_law" for short in value)
     names = [short["machine"] for short in value if short["law"] != "agv_law"]
-    return ", ".join([*names, *([f"{agvs} AGV{'s' * (agvs > 1)}"] if agvs else [])])
+    return ", ".join([*names, *([f"{vehicles} vehicle{'s' * (vehicles > 1)}"] if vehicles else [])])
 
 
 def program(value: Any, beside: Mapping[str, Any]) -> str:

@@ -106,9 +106,10 @@ class SearchResults:
         if not drawn:
             return "No trial was random: the search says nothing about how many trials break."
         many = "none" if not broken else f"{broken:,}"
+        share = float(f"{100 * bound:.2g}")
         sentence = (
             f"Of {drawn:,} random trials {many} broke: with 95 % confidence at most"
-            f" {100 * bound:.2g} % of the trials of this study break."
+            f" {share:g} % of the trials of this study break."
         )
         if chosen:
             sentence += f" The other {chosen:,} were chosen by the sampler and carry no rate."

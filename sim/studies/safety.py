@@ -251,9 +251,9 @@ def _varied(study: Study) -> list[tuple[str, str]]:
     return [*rows, ("each combination", f"{study.repeat:,} times, seed {study.seed}")]
 
 
-def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw]]:
+def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw, str]]:
     """Return each law once, with what it holds for and in how many combinations."""
-    held: Counter[tuple[str, AnyLaw]] = Counter()
+    held: Counter[tuple[str, AnyLaw, str]] = Counter()
     each = len(study.combinations) // len(study.trials)
     for k, combination in enumerate(study.combinations):
         rules, machines = combination.trial.rules, scenes[k // each].machines
@@ -262,8 +262,8 @@ def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw]]:
             held.update(laws_of(rules, mine))
     every = len(study.combinations)
     return [
-        (whom if count == every else f"{whom}, in {count} of {every} combinations", law)
-        for (whom, law), count in held.items()
+        (whom if count == every else f"{whom}, in {count} of {every} combinations", law, between)
+        for (whom, law, between), count in held.items()
     ]
 
 

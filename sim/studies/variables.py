@@ -25,7 +25,7 @@ from ..trials.building import lasting
 from ..trials.rules_file import find_rules
 from ..trials.trial import Trial
 
-ROOTS = ("rules", "people", "gantry", "machines", "floorplan")
+ROOTS = ("rules", "people", "gantry", "machines", "fields", "floorplan")
 """First parts of a path."""
 
 OF_AXES = ("max_speed", "max_acceleration", "max_jerk")
@@ -84,6 +84,8 @@ def _put(owner: Any, parts: Sequence[str], value: Any, path: str) -> Any:
         _require(head, names, path)
         return replace(owner, **{head: _put(getattr(owner, head), rest, value, path)})
     if isinstance(owner, Mapping):
+        if head == EVERYBODY and rest and owner and all(map(is_dataclass, owner.values())):
+            return {name: _put(one, rest, value, path) for name, one in owner.items()}
         _require(head, [*owner], path)
         return {**owner, head: _put(owner[head], rest, value, path)}
     if isinstance(owner, tuple) and all(hasattr(one, "name") for one in owner):

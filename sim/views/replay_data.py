@@ -121,7 +121,7 @@ def _bodies(run: Outcome) -> list[dict[str, Any]]:
     ]
     fields = run.scene.fields
     return people + [
-        _machine(machine, run.floorplan) | _fields(fields.get(machine.name))
+        _machine(machine, run.floorplan) | _fields(fields.get(machine.name), machine)
         for machine in run.scene.machines
     ]
 
@@ -141,10 +141,14 @@ def _machine(machine: MachineShape, plan: Floorplan) -> dict[str, Any]:
     }
 
 
-def _fields(fields: MachineFields | None) -> dict[str, Any]:
-    """Return the field sets of a machine; None is an open end of a range."""
+def _fields(fields: MachineFields | None, machine: MachineShape) -> dict[str, Any]:
+    """Return the field sets of a machine; None is an open end of a range.
+
+    Sets for another load than that of a vehicle are left out, because it keeps its load.
+    """
     if fields is None:
         return {}
+    keeps_load = machine.kind in ("agv", "amr")
     return {
         "fields": [
             {
@@ -156,6 +160,7 @@ def _fields(fields: MachineFields | None) -> dict[str, Any]:
                 "warning": one.warning,
             }
             for one in fields.sets
+            if not keeps_load or one.fits_load(machine.loaded)
         ]
     }
 

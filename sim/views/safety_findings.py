@@ -15,13 +15,19 @@ from .report_page import figure, minus
 MOST_STOPS = 20
 """Lines of the table of whom machines stopped for."""
 
+SHORTEST = 0.05
+"""Seconds. Causes of less than that for every machine are left out, because they show as 0.0."""
+
 SIGNED_BY = ("prepared", "checked", "approved")
 """Lines to sign."""
 
 
 def stops_in_tables(times: Sequence[MachineTimes], runs: int = 1) -> dict[str, Any]:
     """Return the tables of stops: by cause, and for whom. Seconds are means of so many `runs`."""
-    causes = [cause for cause in CAUSES_OF_STOPS if any(cause in one.stopped for one in times)]
+    longest = {
+        c: max((one.stopped.get(c, 0.0) for one in times), default=0.0) for c in CAUSES_OF_STOPS
+    }
+    causes = [cause for cause, seconds in longest.items() if seconds / runs >= SHORTEST]
     rows = [
         (
             one.machine,

@@ -35,6 +35,7 @@ from ..record.stops import MachineTimes, machine_times
 from ..record.summary import figures_in_words
 from ..record.warm_up import after_warm_up, zones_of
 from .report_page import minus
+from .safety_fields import field_tables
 from .safety_findings import (
     COUNTED,
     SIGNED_BY,
@@ -81,6 +82,7 @@ def about(scene: Scene, scenario: Scenario | None) -> dict[str, Any]:
         "picture": floor_picture(plan),
         "zones": [_zone(zone) for zone in plan.zones],
         "machines": list(_machines(scene, scenario)),
+        "fields": field_tables(scene, None if scenario is None else models_of(scenario)),
     }
     if scenario is None:
         return {**shared, "bodies": _bodies(scene)}
@@ -130,19 +132,31 @@ def _machines(scene: Scene, scenario: Scenario | None) -> Iterator[Row]:
         yield (listed(names), *line)
 
 
-def laws_of(rules: RuleSet, machines: Iterable[MachineShape]) -> list[tuple[str, AnyLaw]]:
-    """Return the laws that hold for some machines, each with its keys and machines in words."""
-    found: list[tuple[AnyLaw, dict[str, list[str]]]] = []
+def laws_of(rules: RuleSet, machines: Iterable[MachineShape]) -> list[tuple[str, AnyLaw, str]]:
+    """Return the laws that hold for some machines, each with its keys and machines in words.
+
+    The last item is from where to where the law measures.
+    """
+    found: list[tuple[AnyLaw, str, dict[str, list[str]]]] = []
     for machine in machines:
         key, law = rules.law_and_key_of(machine)
-        known = next((keys for other, keys in found if other == law), None)
+        between = _between(rules, machine)
+        known = next((keys for *other, keys in found if other == [law, between]), None)
         if known is None:
-            found.append((law, known := {}))
+            found.append((law, between, known := {}))
         known.setdefault(key, []).append(machine.name)
     return [
-        ("; ".join(f"{key}: {listed(names)}" for key, names in keys.items()), law)
-        for law, keys in found
+        ("; ".join(f"{key}: {listed(names)}" for key, names in keys.items()), law, between)
+        for law, between, keys in found
     ]
+
+
+def _between(rules: RuleSet, machine: MachineShape) -> str:
+    """Return from where to where the distance of a person and a machine is measured."""
+    if rules.between == "surfaces":
+        return "surface of the machine to surface of the person"
+    point = "centre" if rules.measured_at(machine) == (0.0, 0.0) else "point of the rules"
+    return f"{point} of the machine to centre of the person"
 
 
 def _sources(scenario: Scenario) -> dict[str, str]:

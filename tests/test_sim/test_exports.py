@@ -22,6 +22,7 @@ from rosbags.highlevel import AnyReader
 from run_events import record
 
 import sim
+from sim.exports.scene import line as log_line
 
 TRIAL = """
 name: busy
@@ -174,6 +175,20 @@ def test_events_and_violations_are_told_where_they_happened(run, tmp_path):
         ends = [np.array([point.x, point.y]) for point in (line[0], line[-1])]
         assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(event["distance"], abs=1e-5)
         assert entity.lifetime.seconds > 0
+
+
+def test_events_of_fields_and_traffic_name_all_whom_they_are_about():
+    text = {
+        "field_stop": {"machine": "fork", "cause": "intrusion", "person": "eve"},
+        "machine_waiting": {"machine": "fork", "for_machine": "cart"},
+        "traffic_deadlock": {"machines": ["fork", "cart"]},
+    }
+    lines = [log_line({"t": 1.0, "kind": kind, **fields}) for kind, fields in text.items()]
+    assert [(one.level, one.name, one.text) for one in lines] == [
+        ("warning", "eve", "field_stop machine=fork cause=intrusion"),
+        ("info", "fork", "machine_waiting for_machine=cart"),
+        ("warning", "trial", "traffic_deadlock machines=(fork, cart)"),
+    ]
 
 
 def test_ways_lead_from_goal_to_goal_without_a_jump(run, tmp_path):
@@ -349,6 +364,7 @@ def test_a_missing_part_is_named_with_what_brings_it(
 FULL_DISK = """
 import resource, signal, sys
 import sim
+from sim.exports.scene import line as log_line
 run = sim.run(sim.Trial.parse(open(sys.argv[1]).read()))
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 for ending in sys.argv[2:]:

@@ -70,5 +70,5 @@ def test_check_warns_in_one_line_at_the_law(tmp_path, floorwalker):
 
 def test_a_run_says_it_in_one_figure():
     run = sim.run(replace(sim.Trial.load("ariac2023"), duration=1.0))
-    said = [value for _, value in figures_in_words(run.summary) if "AGV" in value]
-    assert said == ["gantry, 4 AGVs"]
+    said = [value for _, value in figures_in_words(run.summary) if "vehicles" in value]
+    assert said == ["gantry, 4 vehicles"]

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, strategies as st
 from run_events import Figure, Recorded, Scene, record
 from shapely.geometry import box
@@ -24,6 +25,7 @@ from sim.views import plots
 from sim.views.plots.floor import draw_floor, draw_names, floor_figure
 from sim.views.plots.maps import HEAT_CELL, profiles_of, time_covered
 from sim.views.plots.style import instants
+from sim.views.replay_data import replay_data
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -266,6 +268,55 @@ def test_space_time_has_bands_as_wide_as_bodies_and_breaks_at_teleports(run):
     gantry = along_x.collections[0].get_paths()[0].vertices
     begin = gantry[np.isclose(gantry[:, 0], 0.0), 1]
     assert (begin.min(), begin.max()) == pytest.approx((-7 - 0.525, -7 + 0.525))
+
+
+VEHICLES = """\
+floorplan: {boundary: [[0, 0], [24, 0], [24, 8], [0, 8]]}
+duration: 30
+rules: observe
+people: [{name: eve, personality: external, at: [14, 4]}]
+machines:
+  fork: &fork {kind: amr, at: [2, 4, 0], load: [1, 0.6, 1], missions: [{go: [22, 4, 0]}]}
+  cart: {<<: *fork, at: [20, 6, 3.14159], missions: [{go: [2, 6, 3.14159]}]}
+fields:
+  fork: &fields
+    sets:
+    - {name: empty, load: false, protective: [[9, 3], [-1, 3], [-1, -3], [9, -3]]}
+    - {name: loaded, load: true, protective: [[4, 0.7], [-1, 0.7], [-1, -0.7], [4, -0.7]]}
+  cart: *fields
+"""
+
+
+@pytest.fixture(scope="module")
+def vehicles():
+    return sim.run(sim.Trial.parse(VEHICLES))
+
+
+def test_lines_of_several_vehicles_are_told_apart(vehicles):
+    axes = vehicles.plot.space_time().axes[0]
+    lines = {line.get_label(): line for line in axes.lines}
+    assert lines["fork"].is_dashed() != lines["cart"].is_dashed()
+
+
+def test_trails_have_the_field_that_stopped_a_vehicle(vehicles):
+    (stop,) = (e for e in vehicles.events if e["kind"] == "field_stop")
+    entered = next(e for e in vehicles.events if e["kind"] == "field_occupied")
+    assert stop["machine"] == "fork" and entered["set"] == "loaded"
+    (axes,) = vehicles.plot.trails().axes
+    (area,) = (p for p in axes.patches if p.get_label() == "protective field at a stop")
+    # The field touches the disc of the person who enters it.
+    field = shapely.Polygon(area.get_path().vertices[:-1])
+    assert field.area == pytest.approx(5 * 1.4)
+    radius = vehicles.scene.people[0].radius
+    eve = shapely.Point(vehicles.motions["eve"].position(entered["t"]))
+    assert field.distance(eve) == pytest.approx(radius, abs=1e-6)
+    (early,) = vehicles.plot.trails(within=(0.0, stop["t"] - 1)).axes
+    assert not [p for p in early.patches if p.get_label() == "protective field at a stop"]
+
+
+def test_a_replay_has_the_field_sets_for_the_load_of_a_vehicle(vehicles):
+    fork = next(one for one in replay_data(vehicles)["bodies"] if one["name"] == "fork")
+    assert [one["name"] for one in fork["fields"]] == ["loaded"]
 
 
 def test_trails_break_at_teleports(run):

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from run_events import record
 from small_floors import GANTRY, on_floor
 
 import sim
@@ -248,6 +249,87 @@ def test_a_report_says_why_a_gantry_stood_and_that_it_got_no_job_done(tmp_path):
     assert line in rows_of(page, "For whom")
     alone = sim.run(replace(crowded(), people=()))
     assert "no job done" not in report_of(alone, tmp_path)
+
+
+FIELDS = """
+floorplan:
+  boundary: [[0, 0], [24, 0], [24, 8], [0, 8]]
+  zones: {dock: {x: [20, 24], y: [0, 8], max_speed: 1}}
+duration: 20
+rules: {based_on: observe, between: surfaces}
+PEOPLE
+machines:
+  fork: &fork {kind: amr, at: [2, 4, 0], size: [1.2, 0.8], missions: [{go: [22, 4, 0]}]}
+  twin: {<<: *fork, at: [2, 7, 0], missions: []}
+  cart: {kind: amr, at: [2, 1, 0]}
+fields:
+  fork: &fields
+    response_time: 0.25
+    restart_delay: 3
+    muting: [dock]
+    sets:
+    - name: slow
+      linear: [-0.1, 0.3]
+      protective: [[1.9, 0.9], [-1.2, 0.9], [-1.2, -0.9], [1.9, -0.9]]
+    - name: fast
+      linear: [0.3, 1.5]
+      load: false
+      protective: [[1.1, 0.7], [-0.8, 0.7], [-0.8, -0.6], [1.1, -0.6]]
+      warning: [[4.6, 0.8], [-0.8, 0.8], [-0.8, -0.8], [4.6, -0.8]]
+  twin: *fields
+"""
+
+
+def fields_trial(people):
+    return sim.Trial.parse(FIELDS.replace("PEOPLE", people))
+
+
+def test_a_report_has_the_protective_fields_of_each_machine(tmp_path):
+    run = sim.run(fields_trial("people: [{name: eve, personality: external, at: [14, 4]}]"))
+    assert run.summary["field_stops"] >= 1
+    page = report_of(run, tmp_path)
+    part = page.partition(">4 Protective fields<")[2].partition("</section>")[0]
+    assert "cart" not in part and part.count("<h3>fork, twin</h3>") == 1
+    facts = dict(rows_of(part, "fork, twin"))
+    assert facts["response time"].startswith("0.25 s") and facts["muting"] == "in dock"
+    assert facts["restart"].endswith("3 s") and "0.3 m/s" in facts["warning field"]
+    assert all(words in part for words in ("ISO 13855:2024, clause 5", "ISO 3691-4:2020, 4.2 c)"))
+    table = part.partition("</table>")[2].partition("</table>")[0]
+    heads, slow, fast = rows_of(f">sets<{table}", "sets")
+    slow, fast = (dict(zip(heads, row, strict=True)) for row in (slow, fast))
+    assert (slow["speed, m/s"], slow["ahead, m"], slow["behind, m"]) == (
+        "−0.1 … 0.3",
+        "1.30",
+        "0.60",
+    )
+    assert (fast["load"], fast["beside, m"], fast["warning, m"]) == (
+        "not loaded",
+        "0.20",
+        "4.00",
+    )
+    assert slow["too short"] == "no" and fast["too short"].endswith(" m ahead")
+    stops = dict(zip(*rows_of(page, "By cause")[:2], strict=True))
+    assert float(stops["protective field"].split()[0]) > 0
+    (law,) = rows_of(page, "Required distances")[1:]
+    assert law[2] == "surface of the machine to surface of the person"
+
+
+def test_fields_of_a_recording_are_not_checked(tmp_path):
+    trial = replace(fields_trial("people: []"), duration=1.0)
+    record(trial, tmp_path / "run")
+    page = report_of(sim.load_run(tmp_path / "run"), tmp_path)
+    assert page.count("not checked") == 2
+
+
+def test_a_report_without_people_has_no_empty_sections(tmp_path):
+    run = sim.run(replace(fields_trial("people: []"), duration=1.0))
+    page = report_of(run, tmp_path)
+    titles = re.findall(r"<h2>\d+ (.*?)</h2>", page)
+    assert titles == [
+        *("In short", "Assumptions", "Rules", "Protective fields", "Figures"),
+        *("Why machines stood still", "How it was computed", "What this report does not say"),
+        "Sign-off",
+    ]
 
 
 def test_a_report_has_a_block_to_sign(tmp_path):

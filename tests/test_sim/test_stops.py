@@ -159,3 +159,27 @@ def test_contacts_and_zones_of_a_whole_run_are_those_of_its_summary():
         zones_of(after_warm_up(found, 15.0))["middle"]["time_occupied"]
         <= (mine["middle"]["time_occupied"])
     )
+
+
+def test_a_vehicle_that_waits_for_another_says_for_which():
+    text = """
+floorplan: {boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]}
+duration: 60
+rules: observe
+machines:
+  a: &tug
+    kind: agv
+    origin: [10, 1.5]
+    heading: 1.5707963
+    limits: [0, 9]
+    moves: [{time: 1, to: 9}]
+  b: {<<: *tug, origin: [5.5, 6], heading: 0}
+"""
+    found = sim.run(sim.Trial.parse(text))
+    assert found.summary["waiting_time"] > 0
+    seconds = {name: times_of(found, name).stopped.get("traffic", 0.0) for name in "ab"}
+    # A vehicle that is told to wait brakes at first, and that is moving.
+    assert 0 < sum(seconds.values()) <= found.summary["waiting_time"]
+    waits = {(e["machine"], e["for_machine"]) for e in events(found, "machine_waiting")}
+    whom = {(n, who) for n in "ab" for cause, who in times_of(found, n).whom if cause == "traffic"}
+    assert whom and whom <= waits

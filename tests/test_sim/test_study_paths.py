@@ -1,5 +1,7 @@
 """Studies that vary any figure of a trial by its path."""
 
+import pytest
+
 import sim
 
 TRIAL = """\
@@ -13,9 +15,49 @@ machines: {north: {kind: gantry, at: [-13.0, -4.0, 0.0], x: [-14.0, -8.0]}}
 """
 
 
-def study(tmp_path, grid):
-    (tmp_path / "one.trial.yaml").write_text(TRIAL)
+FIELDS = """\
+floorplan: {boundary: [[0, 0], [24, 0], [24, 8], [0, 8]]}
+duration: 12
+rules: observe
+people: [{name: eve, personality: external, at: [14, 4]}]
+machines:
+  fork: &fork {kind: amr, at: [2, 4, 0], missions: [{go: [22, 4, 0]}]}
+  cart: {<<: *fork, at: [2, 2, 0], missions: []}
+fields:
+  fork: &fields
+    sets: [{name: all, protective: [[4, 0.7], [-1, 0.7], [-1, -0.7], [4, -0.7]]}]
+  cart: *fields
+"""
+
+
+def study(tmp_path, grid, trial=TRIAL):
+    (tmp_path / "one.trial.yaml").write_text(trial)
     return sim.Study.parse(f"trials: [one.trial.yaml]\ngrid:\n{grid}", folder=tmp_path)
+
+
+def test_fields_of_one_machine_or_of_all_are_varied(tmp_path):
+    grid = "  fields.fork.response_time: [0.1, 0.4]\n  fields.*.restart_delay: [3.0]\n"
+    rows = [row.trial for row in study(tmp_path, grid, FIELDS).rows()]
+    assert [one.fields["fork"].response_time for one in rows] == [0.1, 0.4]
+    assert {one.fields["cart"].response_time for one in rows} == {0.2}
+    assert {fields.restart_delay for one in rows for fields in one.fields.values()} == {3.0}
+    runs = [sim.run(one) for one in rows]
+    began = [next(e["t"] for e in one.events if e["kind"] == "field_stop") for one in runs]
+    assert began[1] - began[0] == pytest.approx(0.3, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        ("fields.fork.response: [0.1]", "did you mean 'response_time'"),
+        ("fields.truck.response_time: [0.1]", "there is no 'truck'"),
+        ("fields.fork.sets.fast.theta: [1]", "there is no 'fast'"),
+        ("fields.fork.restart_delay: [0.001]", "must be at least 0.01 s, not 0.001"),
+    ],
+)
+def test_fields_that_are_not_there_are_refused(tmp_path, path, message):
+    with pytest.raises(ValueError, match=message):
+        study(tmp_path, f"  {path}\n", FIELDS)
 
 
 def test_every_row_has_the_figures_that_its_parameters_say(tmp_path):

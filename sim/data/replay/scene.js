@@ -10,7 +10,7 @@ const CROWDED = 0.2;         // of a vehicle's name, from which it is left out w
 const COVERING = 0.25;       // of a figure, from which it is left out where it covers more of others
 const SLIGHT_COST = 1e-6;    // square pixels: rounding
 const AWAY = 900;            // metres: so far only those jump who come in or leave
-const MOST_MARKS = 200;      // of the violations so far, the latest are marked on the floor
+const MOST_MARKS = 20;       // of the violations so far, the latest are marked on the floor
 
 /**
  * Draws `run` at t with `tools` ({context, camera, palette, hatch}, and the boxes of `names` that are there

@@ -49,7 +49,6 @@ class Amr(CommandedMachine):
         missions: Sequence[Mission] = (),
         every: float | None = None,
         repeat: bool = False,
-        loaded: bool = False,
         priority: int = 0,
         makes_way: bool = True,
         controller: Callable[[Amr], Steps],
@@ -64,7 +63,6 @@ class Amr(CommandedMachine):
         self._missions = tuple(missions)
         self._every = every
         self._repeat = repeat
-        self._loaded = loaded
         self._controller = controller
         self._round: tuple[Task, ...] = ()
         self._round_began = -math.inf
@@ -162,7 +160,7 @@ class Amr(CommandedMachine):
     @property
     def loaded(self) -> bool:
         """Whether it carries the load of its model."""
-        return self._loaded
+        return self.shape.loaded
 
     def floor_changed(self) -> None:
         """Find another way if something stands in the present one now."""

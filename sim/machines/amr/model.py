@@ -87,7 +87,8 @@ class AmrModel(MachineModel):
             around = shapely.box(-length / 2, -width / 2, length / 2, width / 2)
             footprint = footprint.union(around).convex_hull
             top += height
-        return Chassis(footprint=footprint, top=top, limits=self.limits)
+        loaded = self.load is not None
+        return Chassis(footprint=footprint, top=top, limits=self.limits, loaded=loaded)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
         """Return its shape, as others see it."""
@@ -103,7 +104,6 @@ class AmrModel(MachineModel):
             missions=self.missions,
             every=self.every,
             repeat=self.repeat,
-            loaded=self.load is not None,
             priority=self.priority,
             makes_way=self.controller not in STAY,
             controller=program(self.controller, self.rate, stage.code_folder),

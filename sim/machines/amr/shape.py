@@ -18,12 +18,13 @@ class Chassis:
     """Body of a vehicle with its load; lengths in metres.
 
     It covers its `footprint`, at the origin with the heading 0, up to its `top`. It turns about the
-    origin.
+    origin. It is `loaded` all the time or never.
     """
 
     footprint: Polygon
     top: float
     limits: VehicleLimits
+    loaded: bool = False
 
     @cached_property
     def half_size(self) -> tuple[float, float]:
@@ -43,6 +44,7 @@ class Chassis:
             top=self.top,
             top_speed=self.limits.top_speed,
             outline=self._outline(),
+            loaded=self.loaded,
         )
 
     def _outline(self) -> tuple[tuple[float, float], ...]:

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
+from shapely import affinity
 from shapely.geometry import Point as Spot, Polygon
 
 from navigation import CollisionWorld, Path
@@ -147,6 +148,9 @@ def _draw_profile(
 TRAIL = 8.0
 """Duration in seconds of the path that is drawn behind a body."""
 
+MOST_FIELDS = 20
+"""Stops by protective fields that are drawn, the latest."""
+
 INSTANT = 1e-6
 """Seconds. A shorter time is no stretch of a path."""
 
@@ -172,7 +176,8 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
     """Draw the paths of people and machines on the floor.
 
     A path is interrupted at a teleport. If paths overlap, lines of later people are drawn on wider
-    lines of earlier ones.
+    lines of earlier ones. Dotted outlines are protective fields that a person entered and that
+    stopped a machine, at the latest `MOST_FIELDS` stops.
 
     Parameters
     ----------
@@ -192,6 +197,7 @@ def trails(run: Outcome, *, within: Span | None = None, width: Width = "double")
     figure, axes = floor_figure(run.floorplan, width)
     draw_floor(axes, run.floorplan, run.scene.machines)
     paths = [_draw_path(axes, run, body, (begin, end)) for body in run.motions]
+    _draw_field_stops(axes, run, (begin, end))
     places = [at for _, at in breaches(run, (begin, end))]
     mark_breaches(axes, places)
     explain(figure, [axes], width)
@@ -226,6 +232,29 @@ def moment(run: Outcome, t: float, person: str, machine: str, *, width: Width = 
     outlines = {one.name: _outline(run, one.name, t) for one in run.scene.machines}
     draw_names(axes, run.floorplan, paths=paths, marked=[here], machines=outlines)
     return figure
+
+
+def _draw_field_stops(axes: Axes, run: Outcome, span: Span) -> None:
+    """Draw the protective fields that stopped machines, where people entered them."""
+    entered: dict[tuple[str, str], tuple[float, str]] = {}
+    stops = []
+    for event in run.events:
+        pair = (event.get("machine", ""), event.get("person", ""))
+        if event["kind"] == "field_occupied" and event["field"] == "protective":
+            entered[pair] = event["t"], event["set"]
+        elif event["kind"] == "field_stop" and pair in entered and span[0] <= event["t"] <= span[1]:
+            stops.append((pair[0], *entered[pair]))
+    for name, t, chosen in stops[-MOST_FIELDS:]:
+        motion = run.motions[name]
+        field = next(one for one in run.scene.fields[name].sets if one.name == chosen)
+        x, y = motion.state(t).at
+        turned = affinity.rotate(
+            Polygon(field.protective), float(motion.rotation(t)), (0.0, 0.0), use_radians=True
+        )
+        area = affinity.translate(turned, x, y)
+        label = _once(axes, "protective field at a stop")
+        look: dict[str, Any] = {"facecolor": "none", "edgecolor": VERMILION, "linestyle": ":"}
+        fill_area(axes, area, linewidth=0.6, label=label, zorder=3.3, **look)
 
 
 def _outline(run: Outcome, name: str, t: float) -> Polygon:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -55,6 +56,16 @@ MOST = 6
 
 _SEPARATION_PANEL = 1.9
 """Inches. The height of one pair's panel."""
+
+_DASHES = (
+    "-",
+    (0, (5, 2)),
+    (0, (1, 1.2)),
+    (0, (5, 1.5, 1, 1.5)),
+    (0, (8, 3)),
+    (0, (3, 1, 1, 1, 1, 1)),
+)
+"""Styles of the lines of vehicles, of which there are several."""
 
 _ALIKE = 3
 """Decimals. Margins (metres) that are the same to so many count as equal."""
@@ -341,13 +352,16 @@ def space_time(run: Outcome, *, within: Span | None = None, width: Width = "doub
 
 def _shown(run: Outcome) -> list[str]:
     """Machines that move at all, robots in any case, and then people."""
-    machines = [
+    return [*_shown_machines(run), *(person.name for person in run.scene.people)]
+
+
+def _shown_machines(run: Outcome) -> list[str]:
+    return [
         machine.name
         for machine in run.scene.machines
         if machine.category == "robot"
         or any(piece.moves for piece in run.motions[machine.name].pieces)
     ]
-    return [*machines, *(person.name for person in run.scene.people)]
 
 
 def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> None:
@@ -357,6 +371,7 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
         return
     t = instants([motion], *there)
     at = motion.position(t)[:, axis]
+    dashes = _dashes(run, body)
     people = [person.name for person in run.scene.people]
     if body in people:
         index = people.index(body)
@@ -366,13 +381,23 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
         machine = run.scene.machine(body)
         half = _half_extent(machine, motion, t, axis)
         colour = MACHINES[machine.category]
-        # Vehicles, of which there may be many, have their names at their bands.
-        label = body if machine.category == "robot" else f"_{body}"
+        # Vehicles that no dashes tell apart have their names at their bands.
+        label = body if machine.category == "robot" or dashes else f"_{body}"
     line, shade = (0.9, 0.3) if body not in people or are_few(len(people)) else (OF_MANY, 0.15)
     axes.fill_between(t, at - half, at + half, facecolor=colour, alpha=shade, linewidth=0)
-    axes.plot(t, at, color=colour, linewidth=line, label=label)
+    axes.plot(t, at, color=colour, linewidth=line, linestyle=dashes or "-", label=label)
     if label != body and body not in people and axis == 1:
         axes.annotate(body, (there[0], at[0]), (2, 2), textcoords="offset points", size=6)
+
+
+def _dashes(run: Outcome, vehicle: str) -> Any:
+    """Return the style of a vehicle's line if there are several, but few; otherwise None."""
+    vehicles = [
+        name for name in _shown_machines(run) if run.scene.machine(name).category != "robot"
+    ]
+    if not 1 < len(vehicles) <= len(_DASHES) or vehicle not in vehicles:
+        return None
+    return _DASHES[vehicles.index(vehicle)]
 
 
 def _half_extent(machine: MachineShape, motion: Motion, t: Array, axis: int) -> Array:
