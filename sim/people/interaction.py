@@ -201,8 +201,12 @@ class Interaction:
             self._stage.place_machines()
             with suppress(PlanningError):
                 self._walker.go(place)
-        elif bound is None and self._has_caught_up():
-            self._errand.arrived(self._walker.body.at)
+        elif bound is None:
+            rests = self._walker.body.motion.end
+            if rests > self._clock.now:  # a person who gives way arrives on stopping
+                self._turning.set(rests)
+            elif self._has_caught_up():
+                self._errand.arrived(self._walker.body.at)
 
     # Places relative to somebody
 

@@ -17,7 +17,8 @@ from . import (
 )
 
 
-@pytest.mark.parametrize("number", range(15))
+# In 20177, a person gives way who has approached another.
+@pytest.mark.parametrize("number", [*range(15), 20177])
 def test_nothing_is_broken(number):
     assert faults(sim.run(random_trial(number))) == []
 
