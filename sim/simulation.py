@@ -215,7 +215,7 @@ class Simulation(InProgress):
         self.world = self._stage.world
         self.machines = self._stage.machines
         for name, model in models_of(trial).items():
-            self.machines[name] = made_by(model, name, self._stage)
+            self._stage.add(made_by(model, name, self._stage))
         # Before anybody's place is drawn: the floorplan knows where AGVs stand, and no other kind.
         self._stage.place_machines()
         check_own_events(trial)

@@ -199,8 +199,6 @@ class Stage(InProgress):
         Highest speed of people in m/s, and their largest radius in metres.
     people : sequence of Bystander, optional
         People. All are complete before the first one acts.
-    machines : dict, optional
-        Machines by name. All are complete before the first one acts.
     on_rest : list of callable, optional
         Callbacks for each machine that has stopped, called after people and before machines are
         notified.
@@ -225,7 +223,12 @@ class Stage(InProgress):
     fastest: float
     widest: float
     people: Sequence[Bystander] = ()
-    machines: dict[str, Machine] = field(default_factory=dict)
+    machines: dict[str, Machine] = field(default_factory=dict, init=False)
+    """Machines by name. All are complete before the first one acts."""
+    vehicles: tuple[Machine, ...] = field(default=(), init=False)
+    """Machines that drive on the floor and can block paths."""
+    robots: tuple[Machine, ...] = field(default=(), init=False)
+    """Machines that work above the floor."""
     on_rest: list[Callable[[Machine], None]] = field(default_factory=list)
     """Callbacks for each machine that has stopped, called before machines are notified."""
     closures: Closures | None = None
@@ -272,15 +275,19 @@ class Stage(InProgress):
             self._worlds[rules] = world
         return self._worlds[rules]
 
-    @property
-    def vehicles(self) -> Iterable[Machine]:
-        """Machines that drive on the floor and can block paths."""
-        return (m for m in self.machines.values() if m.shape.category == "vehicle")
+    def add(self, machine: Machine) -> None:
+        """Add a machine to the stage.
 
-    @property
-    def robots(self) -> Iterable[Machine]:
-        """Machines that work above the floor."""
-        return (m for m in self.machines.values() if m.shape.category == "robot")
+        Parameters
+        ----------
+        machine : Machine
+            The machine.
+        """
+        self.machines[machine.name] = machine
+        if machine.shape.category == "vehicle":
+            self.vehicles += (machine,)
+        else:
+            self.robots += (machine,)
 
     def came_to_rest(self, machine: Machine) -> None:
         """Notify people and machines that a machine has stopped on the floor.

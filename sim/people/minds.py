@@ -169,7 +169,7 @@ def live_beliefs(person: Body, stage: Stage) -> LiveBeliefs:
             for one in stage.machines.values()
         ],
     }
-    if any(stage.robots):
+    if stage.robots:
         live["gantry", 3] = lambda: [of(robot.body) for robot in stage.robots]
     return live
 
