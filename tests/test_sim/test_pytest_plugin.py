@@ -252,12 +252,12 @@ def repeats(pytester):
         pytester,
         near__trial__yaml=near,
         drawn__trial__yaml=near.replace("{name: operator}", "{name: operator, at: anywhere}"),
-        test_repeats__py=REPEATS,
+        test_same__py=REPEATS,
     )
 
 
 IDENTICAL = [
-    f"test_repeats.py::test_identical[near-{named}]: the runs with 3 seeds are identical, because"
+    f"test_same.py::test_identical[near-{named}]: the runs with 3 seeds are identical, because"
     " nothing is drawn in them. They count as one."
     for named in ("helpful-1", "indifferent-1")
 ]
@@ -268,14 +268,14 @@ def identical(result):
 
 
 def test_identical_repeats_are_reported_and_count_as_one(repeats, run_pytest):
-    result = run_pytest("-q", "test_repeats.py")
+    result = run_pytest("-q", "test_same.py")
     result.assert_outcomes(passed=10)
     assert identical(result) == IDENTICAL
 
 
 @pytest.mark.slow
 def test_identical_repeats_are_reported_on_several_processes(repeats, run_pytest_alone):
-    result = run_pytest_alone("-n", "2", "test_repeats.py")
+    result = run_pytest_alone("-n", "2", "test_same.py")
     assert identical(result) == IDENTICAL
 
 
