@@ -345,9 +345,8 @@ class Crowd:
         now = self._clock.now
         if see is not None:
             self._commitments.set_goal(me, me.goal, see.course[1:])
+            me.to_go = see.whole
             me.continues(now)
-        # A person whom others moved comes back to the route.
-        me.to_go = math.inf if see is None else see.whole
         me.decided = now
         self._ladder.note_motion(now)
         me.follow(motion, ahead)

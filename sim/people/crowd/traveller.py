@@ -43,7 +43,7 @@ class Traveller:
     routed: float = -math.inf
     """Time at which the route began at the position of the person, s."""
     to_go: float = math.inf
-    """Length of the course when the person chose the current motion for this goal, m."""
+    """Length of the course at the last decision for this goal, m."""
     goes_round: bool = False
     """Whether the route is a detour around stationary people."""
     leaves_at: Point | None = None
