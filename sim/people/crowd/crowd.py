@@ -141,7 +141,7 @@ class Crowd:
             # A motion that they have to keep for now ends at the goal before this one.
             me.arriving.set(None)
         self._commitments.set_goal(me, goal, route)
-        me.top_speed, me.goes_round, me.to_go = top_speed, False, math.inf
+        me.top_speed, me.goes_round = top_speed, False
 
     # Free motions
 
@@ -345,7 +345,6 @@ class Crowd:
         now = self._clock.now
         if see is not None:
             self._commitments.set_goal(me, me.goal, see.course[1:])
-            me.to_go = see.whole
             me.continues(now)
         me.decided = now
         self._ladder.note_motion(now)

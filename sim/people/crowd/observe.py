@@ -17,7 +17,7 @@ from navigation.kernels.numbers import numbers
 from navigation.walking import can_go_on, motion_along, swath, swath_along
 
 from .commitments import GAP, Commitments, Hit, Others
-from .ground import Ground, first, length_of
+from .ground import Ground, first
 from .parameters import PARAMETERS
 from .traveller import Traveller
 
@@ -314,10 +314,7 @@ class Outlook:
                 return route[k:]
             me.goes_round = False
         k = self.ground.legs.farthest(*at, route)
-        if k < 0 or length_of([at, *route[k:]]) > me.to_go:
-            # Walking away from the route may have opened a shorter one, and back would repeat it.
-            return me.reroute(at)
-        return route[k:]
+        return me.reroute(at) if k < 0 else route[k:]
 
     def send_by(self, route: list[Point]) -> None:
         """Replace the route to the goal."""

@@ -42,8 +42,6 @@ class Traveller:
     """Waypoints from the current position to the goal."""
     routed: float = -math.inf
     """Time at which the route began at the position of the person, s."""
-    to_go: float = math.inf
-    """Length of the course at the last decision for this goal, m."""
     goes_round: bool = False
     """Whether the route is a detour around stationary people."""
     leaves_at: Point | None = None
