@@ -94,23 +94,6 @@ def plainly(
                 yield k, hit, walk.table
 
 
-@pytest.mark.parametrize(
-    ("corners", "meets"),
-    [
-        ([(0.4, 0.0), (1.5, 0.0)], False),
-        ([(0.4, 0.0), (0.2, 0.0)], True),
-        ([(0.4, 0.0), (1.0, 0.0), (1.0, 1.5)], False),
-        ([(0.4, 0.0), (1.0, 0.0), (0.45, 0.0)], True),
-        ([(0.4, 0.0), (0.9, 0.4), (0.0, 0.5)], True),
-    ],
-)
-def test_who_is_too_close_at_first_may_come_apart_but_no_closer_again(corners, meets) -> None:
-    here = swath_of(navigation.standing((0.0, 0.0)), START)
-    walk = drawn(corners)
-    assert walk is not None
-    assert (met(walk, [(here, 0.4)], 0.3 + GAP) == 0) is meets
-
-
 def test_the_steps_taken_are_those_of_a_plain_look() -> None:
     taken = 0
     for seed in range(150):

@@ -127,8 +127,7 @@ class Others(Sequence[Traveller]):
     def first_hit(self, ahead: Swath) -> Hit | None:
         """Return the first conflict of a motion of the person from now on.
 
-        Two bodies keep the gap. Bodies that are closer already must not come closer, or closer
-        again after they came apart.
+        Two bodies keep the gap. Bodies that are closer already must not come closer.
         """
         found, t = self._first_met(ahead)
         return None if found < 0 else self.table.hit(found, t)
