@@ -21,6 +21,9 @@ from ..core.custom_code import in_words, line_in
 from .commanded import CommandedMachine
 from .commanding import Steps
 
+STAY = ("parked", "external")
+"""Built-in controllers that do not move a machine without a command."""
+
 
 class ControllerError(UserError):
     """Error of a controller that cannot be found or that failed."""

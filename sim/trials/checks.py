@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import shapely
 
 import bdi
-from floorplan import Point, UserError
+from floorplan import Point
 from floorplan.checks import starting_fault
 from floorplan.files.fields import size_fault
 from floorplan.files.problems import Fault, Place, refuse, suggestion
@@ -49,9 +49,9 @@ from .feasibility import (
 from .field_checks import field_faults
 from .names import (
     agvs,
-    checked_name,
     event_kinds,
     machines,
+    name_faults,
     orders,
     own_names,
     parts,
@@ -142,7 +142,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     yield from _below(list_faults(trial), "work")
     for k, blackout in enumerate(trial.blackouts):
         known = machines(trial)
-        yield from _name_faults(blackout.machine, "machine", known, "blackouts", k, "machine")
+        yield from name_faults(blackout.machine, "machine", known, "blackouts", k, "machine")
         yield from _below(range_faults(blackout), "blackouts", k)
     yield from _below(door_faults(trial), "doors")
     yield from _below(obstacle_faults(trial), "obstacles")
@@ -254,7 +254,7 @@ def _spot_faults(
         known = [*stations(trial), *(door.name for door in plan.doors)]
         if place == ("at",):
             known.append(ANYWHERE)
-        yield from _name_faults(str(given), "station or door", known, *place)
+        yield from name_faults(str(given), "station or door", known, *place)
     elif fault := starting_fault(plan, at, person.radius):
         yield fault, place
     else:
@@ -315,27 +315,18 @@ def _start_faults(start: Start, trial: Scenario, *place: str | int) -> Iterator[
         yield f"must be one of {', '.join(CONDITIONS)}", place
     if start.event is not None:
         known_events = event_kinds(trial, start.event)
-        yield from _name_faults(start.event, "kind of event", known_events, *place, "event")
+        yield from name_faults(start.event, "kind of event", known_events, *place, "event")
     if start.person is not None:
-        yield from _name_faults(start.person, "person", people(trial), *place, "person")
+        yield from name_faults(start.person, "person", people(trial), *place, "person")
     if start.order_submitted is not None:
         order = start.order_submitted
-        yield from _name_faults(order, "order", orders(trial), *place, "order_submitted")
+        yield from name_faults(order, "order", orders(trial), *place, "order_submitted")
     known = {"part": parts, "agv": agvs}
     for key, name in (start.part_placed or {}).items():
         if key in known:
-            yield from _name_faults(name, key, known[key](trial), *place, "part_placed", key)
+            yield from name_faults(name, key, known[key](trial), *place, "part_placed", key)
         else:
             yield f"unknown key; {suggestion(key, known)}", (*place, "part_placed", key)
-
-
-def _name_faults(
-    name: str, kind: str, known: Collection[str], *place: str | int
-) -> Iterator[Fault]:
-    try:
-        checked_name(name, kind, known)
-    except UserError as why:
-        yield str(why), place
 
 
 def _place_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
@@ -371,7 +362,7 @@ def _floor_faults(trial: Scenario) -> Iterator[Fault]:
     carried = any(job.kind == "pick_place" for job in trial.gantry.jobs)
     for k, drop in enumerate(() if carried else trial.gantry.drops):
         where = (GANTRY, "drops", k, "part")
-        yield from _name_faults(drop.part, "part", parts(trial), *where)
+        yield from name_faults(drop.part, "part", parts(trial), *where)
     models = on_floor(trial) | ({} if plan.gantry else {GANTRY: GantryModel(trial.gantry)})
     vehicles = {*lanes, *trial.machines}
     for name, model in models.items():

@@ -18,7 +18,7 @@ from ..machines.amr.model import AmrModel
 from ..machines.field_limits import field_limits
 from ..machines.gantry.model import GantryModel
 from ..machines.kinds import models_of
-from .names import checked_name, machines, zones
+from .names import machines, name_faults, zones
 
 Range = tuple[float, float]
 
@@ -31,11 +31,11 @@ SLIGHT = 1e-6
 def field_faults(trial: Scenario) -> Iterator[Fault]:
     """Yield what can't be about the protective fields of a trial."""
     for name, fields in trial.fields.items():
-        yield from _name_faults(name, "machine", machines(trial), name)
+        yield from name_faults(name, "machine", machines(trial), name)
         for message, place in (*range_faults(fields), *_set_faults(fields)):
             yield message, (name, *place)
         for k, zone in enumerate(fields.muting.zones):
-            yield from _name_faults(zone, "zone", zones(trial), name, "muting", "zones", k)
+            yield from name_faults(zone, "zone", zones(trial), name, "muting", "zones", k)
 
 
 def _set_faults(fields: MachineFields) -> Iterator[Fault]:
@@ -117,10 +117,3 @@ def _words(gap: FieldGap) -> str:
     if gap.direction is not None:
         speed += f" in directions from {gap.direction[0]:.3g} to {gap.direction[1]:.3g}"
     return speed
-
-
-def _name_faults(name: str, kind: str, known: list[str], *place: str | int) -> Iterator[Fault]:
-    try:
-        checked_name(name, kind, known)
-    except UserError as why:
-        yield str(why), place

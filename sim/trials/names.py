@@ -8,7 +8,7 @@ from typing import Any
 
 import bdi
 from floorplan import UserError
-from floorplan.files.problems import suggestion
+from floorplan.files.problems import Fault, suggestion
 
 from ..core.body import PERSON
 from ..core.events import EVENT_KINDS, Form
@@ -124,6 +124,14 @@ def checked_name(wanted: Any, form: str, known: Collection[str]) -> str:
         hint = suggestion(str(wanted), known) if known else "there is none in this trial"
         raise UserError(f"no {form} is called {wanted!r}; {hint}")
     return str(wanted)
+
+
+def name_faults(name: str, form: str, known: Collection[str], *place: str | int) -> Iterator[Fault]:
+    """Yield why a name at a place of a trial is none of those `known`, if it is not."""
+    try:
+        checked_name(name, form, known)
+    except UserError as why:
+        yield str(why), place
 
 
 def event_kinds(trial: Scenario, wanted: str) -> Collection[str]:

@@ -194,34 +194,32 @@ back = []
 """
 
 
-def test_functions_of_twists_cannot_drive_into_others(tmp_path):
-    (tmp_path / "steering.py").write_text(STEERING)
+def steered(folder, a, b, duration):
+    """Return the run of two vehicles on one line with these keys, and functions of twists."""
+    (folder / "steering.py").write_text(STEERING)
     text = f"""
 floorplan:
 {textwrap.indent(HALL, "  ")}
-duration: 40
+duration: {duration}
 rules: observe
 machines:
-  a: {{kind: amr, at: [2, 6, 0.0], controller: "steering:ahead", rate: 10}}
-  b: {{kind: amr, at: [11, 6, 3.1416], controller: "steering:around", rate: 10}}
+  a: {{kind: amr, {a}}}
+  b: {{kind: amr, {b}}}
 """
-    found = sim.run(sim.Trial.parse(text, folder=tmp_path))
+    return sim.run(sim.Trial.parse(text, folder=folder))
+
+
+def test_functions_of_twists_cannot_drive_into_others(tmp_path):
+    a = 'at: [2, 6, 0.0], controller: "steering:ahead", rate: 10'
+    b = 'at: [11, 6, 3.1416], controller: "steering:around", rate: 10'
+    found = steered(tmp_path, a, b, 40)
     assert found.summary["collisions"] == 0
     assert events(found, "machine_waiting")
 
 
 def test_a_function_can_leave_the_place_where_it_waits(tmp_path):
-    (tmp_path / "steering.py").write_text(STEERING)
-    text = f"""
-floorplan:
-{textwrap.indent(HALL, "  ")}
-duration: 20
-rules: observe
-machines:
-  a: {{kind: amr, at: [4, 6, 0.0], controller: "steering:back_when_it_waits", rate: 10}}
-  b: {{kind: amr, at: [8, 6, 3.1416], controller: parked}}
-"""
-    found = sim.run(sim.Trial.parse(text, folder=tmp_path))
+    a = 'at: [4, 6, 0.0], controller: "steering:back_when_it_waits", rate: 10'
+    found = steered(tmp_path, a, "at: [8, 6, 3.1416], controller: parked", 20)
     assert found.summary["collisions"] == 0
     waits, *_ = events(found, "machine_waiting")
     proceeds, *_ = events(found, "machine_proceeds")

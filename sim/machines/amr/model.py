@@ -21,15 +21,12 @@ from ...core.body import MachineShape
 from ...core.custom_code import CodeFolder
 from ...core.entries import Pose
 from ...core.stage import MachineModel, Stage
-from ..controllers import ControllerError
+from ..controllers import STAY, ControllerError
 from .amr import Amr
 from .controllers import find_program, program
 from .drive import floor_of
 from .missions import Mission
 from .shape import Chassis
-
-STAY = ("parked", "external")
-"""Controllers of vehicles that do not move without a command."""
 
 MOST_RATE = 100.0
 """Hz. Highest rate at which a function is called."""

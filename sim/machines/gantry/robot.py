@@ -23,6 +23,7 @@ from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ..commanded import CommandedMachine
 from ..commanding import Steps
+from ..controllers import STAY
 from ..tasks import Passing, Step, Task
 from .drive import GantryDrive
 from .tasks import Gripper, Handling, Worksites, tasks_of
@@ -30,9 +31,6 @@ from .tasks import Gripper, Handling, Worksites, tasks_of
 GANTRY = "gantry"
 """The name of the floor's own gantry, which events leave out."""
 
-
-STAY = ("parked", "external")
-"""Controllers of gantries that do not move without a command."""
 
 PASSING = 0.5
 """Metres between places at which it might let others pass."""
