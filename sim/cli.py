@@ -25,7 +25,7 @@ from .commands.terminal import put_off_while_loading, say
 
 app = typer.Typer(
     name="floorwalker",
-    help="Simulate people with intentions on factory floors, beside gantries and AGVs.",
+    help="Simulate people with intentions on factory floors, beside gantries and vehicles.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
