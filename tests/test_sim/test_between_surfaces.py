@@ -96,7 +96,7 @@ def at_an_end(spans, t, away=2e-3):
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_violations_are_those_of_sampled_footprints(seed, law):
     run = run_of(seed, law)
     t = np.arange(0.005, run.duration, 0.1)
@@ -130,9 +130,9 @@ def test_violations_begin_and_end_where_the_surfaces_are_that_far_apart(seed):
     assert checked > 3
 
 
-@pytest.mark.parametrize("seed", range(1))
-def test_least_distances_and_margins_are_those_of_dense_sampling(seed):
-    run = run_of(seed, "linear")
+@pytest.mark.slow
+def test_least_distances_and_margins_are_those_of_dense_sampling():
+    run = run_of(0, "linear")
     margins = {}
     for person, machine in run.violations:
         if run.scene.machine(machine).category != "robot":

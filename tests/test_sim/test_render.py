@@ -52,6 +52,7 @@ def test_a_film_is_as_long_and_as_large_as_asked_for(run, tmp_path):
 
 
 @needs_browser
+@pytest.mark.slow
 def test_an_mp4_has_all_pictures_and_the_same_bytes(run, tmp_path):
     av = pytest.importorskip("av")
     record(sim.Trial.parse(TRIAL), tmp_path / "run")
