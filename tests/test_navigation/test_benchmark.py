@@ -333,8 +333,7 @@ def test_ompls_own_roadmap_planner_finds_paths_as_long_as_the_default(name):
     """It has the corner points as samples, FCL judges every link, and OMPL searches them."""
     plan = floorplan.load(name)
     ours, prms = (
-        benchmark([plan], [planner], queries=6, seed=5)
-        for planner in ("Roadmap", "PRM-of-corners")
+        benchmark([plan], [planner], queries=6, seed=5) for planner in ("Roadmap", "PRM-of-corners")
     )
     assert all(one.right for one in ours)
     for one, other in zip(ours, prms, strict=True):
