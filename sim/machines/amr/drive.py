@@ -26,10 +26,11 @@ from navigation import (
 from navigation.motion import State
 from navigation.vehicles import Twist, stops_of
 
-from ...core.body import Body, Evasion
+from ...core.body import Body
 from ...core.entries import Pose
 from ...core.stage import Stage
 from ..commanding import Drive
+from ..traffic.evading import Evasion
 from .passing import passing_places
 from .shape import Chassis
 from .slow_zones import SlowZones

@@ -18,14 +18,14 @@ import shapely
 from shapely.geometry import Polygon
 
 from floorplan import Point
-from navigation import Motion
 
 from ...core.body import TRAFFIC, Machine
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import MachineEvades, MachineProceeds, MachineWaiting, TrafficDeadlock
 from ...core.stage import Stage
-from .areas import CLEAR, Area, Footprint, is_straight, poses_on
+from .areas import CLEAR, Area, Footprint, Part, may_meet
+from .evading import Evading
 from .waiting import WaitForMachines, circle_of, leads_to
 
 T = TypeVar("T")
@@ -35,12 +35,6 @@ PART = 1.0
 
 UNKNOWN_PART = 6.0
 """Seconds of motion that a machine claims whose stop is unknown."""
-
-BETWEEN_STOPS = 0.2
-"""Seconds between the stops that a claim contains, where stops leave the line of the motion."""
-
-RESTS = 1e-6
-"""m/s and rad/s. Slower is at rest."""
 
 NEARBY = 6.0
 """Metres. Only claims that are nearer count when a machine looks for another path."""
@@ -68,8 +62,6 @@ class Claimant:
     def __init__(self, traffic: Traffic, machine: Machine, order: int) -> None:
         self.machine = machine
         self.name = machine.name
-        self.rank = (machine.priority, -order)
-        """Those of a lower rank evade first."""
         self.peers: list[Claimant] = []
         """Machines that it may meet."""
         self.claim: Area
@@ -79,24 +71,28 @@ class Claimant:
         state, now = machine.body.state, traffic.stage.clock.now
         self.stops = machine.stopping(state, now) is not None
         """Whether it is known how it stops."""
+        self._seconds = PART if self.stops else UNKNOWN_PART
         self._traffic = traffic
         self._clock = traffic.stage.clock
         self._footprint = Footprint(machine.shape, CLEAR)
         self._margins = [Footprint(machine.shape, clear) for clear in MARGINS]
-        self._usual = 0 if machine.evades else len(MARGINS) - 1
+        self._usual = 0 if isinstance(machine, Evading) else len(MARGINS) - 1
         self._margin = self._usual
         """Which of the `MARGINS` it keeps on its present path."""
         self._course = machine.body.motion
         """The motion on which it set out last."""
         self._course_from = self._clock.now
-        self._passing: dict[Claimant, Point | None] = {}
-        """Machines that it lets pass at a passing place, with their goals."""
+        self._order = order
+        self.goal = machine.goal
+        """Its present goal, or the last one."""
+        self._since = now
+        """When it got that goal, or gave up its right of way."""
+        self.lets_pass: dict[Claimant, Point | None] = {}
+        """Machines that it lets pass, with their goals."""
         self._aside: Point | None = None
         """The passing place to which it is under way."""
         self._evaded_at = -math.inf
         """When it looked for another path last. Once at each time is enough."""
-        self._aside_for: Point | None = None
-        """Its goal after that."""
         self._alarm = Alarm(self._clock, self._ring, Turn.MOTION_ENDS)
         self._retry = Alarm(self._clock, self._look_again, Turn.MOTION_ENDS)
         self._claim(self._footprint.at(machine.body.state.position))
@@ -105,6 +101,14 @@ class Claimant:
         """Claim what it sweeps from now on."""
         self.machine.body.on_change.append(self._changed)
         self._changed()
+
+    @property
+    def rank(self) -> tuple[int, float, int]:
+        """Its right of way: those of a lower rank evade those of a higher one.
+
+        Among machines of one priority, this is who has been under way to a goal for longest.
+        """
+        return self.machine.priority, -self._since, -self._order
 
     @property
     def rests(self) -> bool:
@@ -139,12 +143,14 @@ class Claimant:
 
     def _let_pass(self, area: Area) -> list[Claimant]:
         """Return the machines that it lets pass before it moves into an area."""
+        self._forget_passed()
         if self._aside is not None:
             return []
-        changed = [one for one, goal in self._passing.items() if one.machine.goal != goal]
-        for one in changed:
-            del self._passing[one]
-        return [one for one in self._passing if area.meets(one.course)]
+        return [one for one in self.lets_pass if area.meets(one.course)]
+
+    def _forget_passed(self) -> None:
+        """Forget those who have another goal since."""
+        self.lets_pass = {one: goal for one, goal in self.lets_pass.items() if one.goal == goal}
 
     def reconsider(self) -> None:
         """Go on if the area for which it waits is free."""
@@ -156,21 +162,32 @@ class Claimant:
             self.waiting.looks = 0
             self._retry.set(max(self._clock.now, self.machine.body.motion.end))
 
-    def evade(self, others: Iterable[Claimant]) -> bool:
-        """Take another path, or let others pass at a passing place; return whether it can."""
-        others = [one for one in others if one is not self]
-        courses = [polygon for one in others for polygon in one.wide_course]
-        if not self.rests or self._evaded_at == self._clock.now:
+    def evade(self, circle: Iterable[Claimant]) -> bool:
+        """Take another path, or let others pass at a passing place; return whether it can.
+
+        It lets those of a higher rank pass. If there are none, it gives up its right of way.
+        """
+        machine, now = self.machine, self._clock.now
+        if not isinstance(machine, Evading) or not self.rests or self._evaded_at == now:
             return False
-        self._evaded_at = self._clock.now
-        evasion = self._with_margin(lambda taken: self.machine.evade(taken, courses))
+        self._evaded_at = now
+        self._forget_passed()
+        others = [one for one in circle if one is not self]
+        first = [one for one in others if one.rank > self.rank]
+        kept_free = dict.fromkeys((*others, *self.lets_pass))
+        courses = [polygon for one in kept_free for polygon in one.wide_course]
+        evasion = self._with_margin(lambda taken: machine.evade(taken, courses))
         if evasion is None:
             return False
         self._traffic.stage.record(
             MachineEvades(machine=self.name, for_machine=others[0].name, to=evasion.aside)
         )
-        self._aside, self._aside_for = evasion.aside, self.machine.goal
-        self._passing = {one: one.machine.goal for one in others if evasion.aside}
+        if not first:
+            self._since = now
+            self._traffic.gives_way(self)
+        self._aside = evasion.aside
+        if evasion.aside:
+            self.lets_pass |= {one: one.goal for one in first or others}
         self._go_on()
         return True
 
@@ -221,9 +238,12 @@ class Claimant:
             self._alarm.set(motion.end if motion.end > now else None)
             return
         goal = self.machine.goal
-        if goal != self._aside_for:
-            self._aside, self._aside_for, self._margin = None, goal, self._usual
-            self._passing.clear()
+        if goal is None:
+            self._aside = None
+        elif goal != self.goal:
+            self.goal, self._since = goal, now
+            self._aside, self._margin = None, self._usual
+            self.lets_pass.clear()
         if goal is None or math.dist(motion.state(motion.end).at, goal) < THERE:
             self._course, self._course_from = motion, now
         if not self._extended():
@@ -248,11 +268,11 @@ class Claimant:
             self._claim(self._footprint.at(here.position))
             self._alarm.set(None)
             return True
-        ahead, end = self._next_part(motion, now)
-        if self.blockers(ahead):
+        part = Part.of(self.machine, motion, now, self._seconds)
+        if self.blockers(part.courses):
             return False
-        self._claim(Area.of([self._footprint.along(poses) for poses in ahead]))
-        self._alarm.set(end)
+        self._claim(Area.of([self._footprint.along(poses) for poses in part.courses]))
+        self._alarm.set(part.end)
         return True
 
     def _halt_unless_free(self) -> None:
@@ -260,7 +280,7 @@ class Claimant:
         motion, now = self.machine.body.motion, self._clock.now
         if self.machine.is_held or self._extended():
             return
-        ahead, _ = self._next_part(motion, now)
+        ahead = Part.of(self.machine, motion, now, self._seconds).courses
         before, since = self.waiting, now if self.waiting is None else self.waiting.since
         self.waiting = WaitForMachines(ahead, self.blockers(ahead), since)
         self._course_from = now
@@ -270,34 +290,6 @@ class Claimant:
         self.machine.stand_for(TRAFFIC, True)
         self._retry.set(self.machine.body.motion.end)
         self._traffic.changed(self)
-
-    def _next_part(self, motion: Motion, now: float) -> tuple[list[list[Pose]], float]:
-        """Return poses on the next part of a motion and on every stop, and the end of it (s)."""
-        end = self._end_of_part(motion, now)
-        courses = [poses_on(motion, now, end)]
-        times = [end, (now + end) / 2]
-        stops = [self._stop(motion, t) for t in times]
-        if not all(map(is_straight, (*courses, *stops))):
-            count = math.ceil((end - now) / BETWEEN_STOPS)
-            times = [now + (end - now) * k / count for k in range(1, count + 1)]
-            stops = [self._stop(motion, t) for t in times]
-        return [*courses, *stops], end
-
-    def _stop(self, motion: Motion, t: float) -> list[Pose]:
-        """Return the poses of a stop; where that is unknown, the pose at its begin."""
-        state = motion.state(t)
-        stop = self.machine.stopping(state, t)
-        return [state.position] if stop is None else poses_on(stop, t, stop.end)
-
-    def _end_of_part(self, motion: Motion, now: float) -> float:
-        """Return the end of the part: where it rests, or after a time."""
-        part = PART if self.stops else UNKNOWN_PART
-        for piece in motion.pieces_from(now):
-            if piece.end > now + 1.5 * part:
-                break
-            if piece.end > now and _is_at_rest(motion, piece.end):
-                return piece.end
-        return min(now + part, motion.end)
 
     def _claim(self, area: Area) -> None:
         self.claim = area
@@ -311,19 +303,30 @@ class Claimant:
         waiting.looks += 1
         self._retry.set(now + min(LONGEST, PATIENCE * 2 ** (waiting.looks - 1)))
         stand = [one for one in waiting.blockers if one.rests and one.waiting is None]
-        course = self.wide_course if stand else []
-        if any(one.machine.make_way(one.taken(MARGINS[1]), course) for one in stand):
+        if any(one.makes_way_for(self) for one in stand):
             return
-        if stand and self.rests and self._evaded_at < now:
-            self._evaded_at = now
-            most = SHORT if waiting.looks == 1 else math.inf
-            if self._with_margin(lambda taken: self.machine.detour(taken, most) or None):
-                self._traffic.stage.record(
-                    MachineEvades(machine=self.name, for_machine=stand[0].name)
-                )
-                self._go_on()
-                return
-        self._traffic.untangle(self)
+        if not stand or not self._detour_around(stand[0], waiting):
+            self._traffic.untangle(self)
+
+    def makes_way_for(self, other: Claimant) -> bool:
+        """Move off the course of another machine if it has nothing to do; return whether it can."""
+        machine = self.machine
+        return isinstance(machine, Evading) and machine.make_way(
+            self.taken(MARGINS[1]), other.wide_course
+        )
+
+    def _detour_around(self, stands: Claimant, waiting: WaitForMachines[Claimant]) -> bool:
+        """Take another path around a machine that stands; return whether there is one."""
+        machine, now = self.machine, self._clock.now
+        if not isinstance(machine, Evading) or not self.rests or self._evaded_at == now:
+            return False
+        self._evaded_at = now
+        most = SHORT if waiting.looks == 1 else math.inf
+        if not self._with_margin(lambda taken: machine.detour(taken, most) or None):
+            return False
+        self._traffic.stage.record(MachineEvades(machine=self.name, for_machine=stands.name))
+        self._go_on()
+        return True
 
 
 class Traffic:
@@ -338,7 +341,7 @@ class Traffic:
         self._claimants: list[Claimant] = []
         claimants = [Claimant(self, machine, k) for k, machine in enumerate(machines)]
         for one, other in itertools.combinations(claimants, 2):
-            if _may_meet(one.machine, other.machine):
+            if may_meet(one.machine.shape, other.machine.shape):
                 one.peers.append(other)
                 other.peers.append(one)
         self._changes.clear()
@@ -376,7 +379,8 @@ class Traffic:
         behind = [
             one for one in waits_for if one not in circle and leads_to(one, circle, waits_for)
         ]
-        for one in (*sorted(circle, key=_rank), *sorted(behind, key=_rank)):
+        *lower, first = sorted(circle, key=_rank)
+        for one in (*lower, *sorted(behind, key=_rank), first):
             if one.evade(circle):
                 return
         assert among.waiting is not None
@@ -384,6 +388,11 @@ class Traffic:
             self._stuck.add(frozenset(circle))
             self.deadlocks += 1
             self.stage.record(TrafficDeadlock(machines=[one.name for one in circle]))
+
+    def gives_way(self, claimant: Claimant) -> None:
+        """Let no machine wait for one that has given up its right of way."""
+        for one in self._claimants:
+            one.lets_pass.pop(claimant, None)
 
     def went_on(self, claimant: Claimant) -> None:
         """Take note that a machine waits no longer."""
@@ -397,26 +406,5 @@ class Traffic:
                 one.reconsider()
 
 
-def _rank(claimant: Claimant) -> tuple[int, int]:
+def _rank(claimant: Claimant) -> tuple[int, float, int]:
     return claimant.rank
-
-
-def _may_meet(one: Machine, other: Machine) -> bool:
-    """Return whether two machines have common heights, and no lanes apart from each other."""
-    if not one.shape.box.is_level_with(other.shape.box):
-        return False
-    mine, theirs = _lane(one), _lane(other)
-    return mine is None or theirs is None or mine.meets(theirs)
-
-
-def _lane(machine: Machine) -> Area | None:
-    """Return all that a machine covers that never leaves a straight lane; None for others."""
-    shape = machine.shape
-    if shape.direction is None or len(shape.course) != 2:
-        return None
-    heading = math.atan2(shape.direction[1], shape.direction[0])
-    return Footprint(shape, CLEAR).along([(x, y, heading) for x, y in shape.course])
-
-
-def _is_at_rest(motion: Motion, t: float) -> bool:
-    return max(map(abs, motion.state_before(t).velocity)) < RESTS
