@@ -1,9 +1,12 @@
 """Machines among each other: they wait, evade and let pass, and never run into each other."""
 
+import math
 import random
 import textwrap
 
+import numpy as np
 import pytest
+import shapely
 from run_events import events
 
 import sim
@@ -111,6 +114,27 @@ def test_a_vehicle_without_missions_makes_way():
     require_arrivals(found, a=0)
     (blocked,) = events(found, "machine_blocked")
     assert blocked["machine"] == "a"
+
+
+def test_a_second_evasion_holds_too():
+    """The first one ends with a turn to the other side, so at another number of whole turns."""
+    text = f"floorplan:\n{textwrap.indent(HALL, '  ')}\nduration: 60\nmachines:\n  a: {{" + amr(
+        "[2, 6, 0.0]", "[18, 6, 3.1]"
+    )
+    simulation = sim.Simulation(sim.Trial.parse(text + "}\n"))
+    simulation.start()
+    simulation.advance(3.0)
+    vehicle = simulation.machines["a"]
+    vehicle.hold(True)
+    simulation.advance(8.0)
+    for north in (7.0, 8.5):
+        assert vehicle.evade([shapely.box(9.0, 0.0, 11.0, north)], []) is not None
+    vehicle.hold(False)
+    simulation.advance(60.0)
+    motion = simulation.finish().motions["a"]
+    x, y = motion.position(np.linspace(0.0, 60.0, 601)).T
+    assert y[(x > 9.0) & (x < 11.0)].min() > 8.5 + 0.4
+    assert math.remainder(motion.rotation(60.0) - 3.1, math.tau) == pytest.approx(0.0)
 
 
 TUG = "kind: agv, origin: [10, 1.5], heading: 1.5707963, limits: [0, 9], moves: {moves}"

@@ -135,10 +135,7 @@ class Amr(CommandedMachine, Evading):
             return vehicle_twist(self.state, slow, self.now, seconds=left, limits=self.limits)
 
         self.drive.forget_route()
-        self._wait_no_longer()
-        move = self.drive.follow(motion(seconds), lambda: motion(max(0.0, until - self.now)))
-        self._interrupts.command_given()
-        return move
+        return self._follow(motion(seconds), lambda: motion(max(0.0, until - self.now)))
 
     # Its tasks.
 

@@ -159,6 +159,11 @@ class Claimant:
         if not self.waiting.blockers:
             self._go_on()
         elif before != self.waiting.blockers:
+            self.look_soon()
+
+    def look_soon(self) -> None:
+        """Look for another path as soon as it rests, if it waits."""
+        if self.waiting is not None:
             self.waiting.looks = 0
             self._retry.set(max(self._clock.now, self.machine.body.motion.end))
 
@@ -210,11 +215,15 @@ class Claimant:
 
         Those farther away have moved on before this one gets there.
         """
-        near = [peer for peer in self.peers if peer.claim.gap(self.claim) < NEARBY]
+        near = [peer for peer in self.peers if peer.is_near([self])]
         if not near:
             return []
         parts = [peer.claim.parts for peer in near]
         return [*shapely.buffer(np.concatenate(parts), margin, join_style="mitre")]
+
+    def is_near(self, others: Iterable[Claimant]) -> bool:
+        """Return whether it claims an area near that of others."""
+        return any(self.claim.gap(one.claim) < NEARBY for one in others)
 
     def _go_on(self) -> None:
         """Let the machine move again."""
@@ -264,6 +273,8 @@ class Claimant:
         here = motion.state(now)
         if self._aside is not None and math.dist(here.at, self._aside) < THERE:
             self._aside = None
+            for one in self.lets_pass:
+                one.look_soon()
         if motion.end <= now:
             self._claim(self._footprint.at(here.position))
             self._alarm.set(None)
@@ -301,12 +312,19 @@ class Claimant:
         if waiting is None:
             return
         waiting.looks += 1
-        self._retry.set(now + min(LONGEST, PATIENCE * 2 ** (waiting.looks - 1)))
+        if self._others_move(waiting):
+            waiting.looks = 1
+        if self.waiting is waiting:
+            self._retry.set(now + min(LONGEST, PATIENCE * 2 ** (waiting.looks - 1)))
+
+    def _others_move(self, waiting: WaitForMachines[Claimant]) -> bool:
+        """Let machines make way or evade, or take a detour; return whether any does."""
         stand = [one for one in waiting.blockers if one.rests and one.waiting is None]
         if any(one.makes_way_for(self) for one in stand):
-            return
-        if not stand or not self._detour_around(stand[0], waiting):
-            self._traffic.untangle(self)
+            return True
+        if stand and self._detour_around(stand[0], waiting):
+            return True
+        return self._traffic.untangle(self)
 
     def makes_way_for(self, other: Claimant) -> bool:
         """Move off the course of another machine if it has nothing to do; return whether it can."""
@@ -370,24 +388,30 @@ class Traffic:
                 clock.call_at(clock.now, self._reconsider, Turn.MOTION_ENDS)
             self._changes.add(claimant)
 
-    def untangle(self, among: Claimant) -> None:
-        """Resolve the circle of machines that wait for each other with one, if there is any."""
+    def untangle(self, among: Claimant) -> bool:
+        """Resolve the circle of machines that wait for each other with one, if there is any.
+
+        Return whether a machine evades. The machine of the highest rank tries last, and those that
+        wait for the circle before it.
+        """
         waits_for = {one: one.waiting.blockers for one in self._claimants if one.waiting}
         circle = circle_of(among, waits_for)
         if not circle or not all(one.rests for one in circle):
-            return
+            return False
         behind = [
             one for one in waits_for if one not in circle and leads_to(one, circle, waits_for)
         ]
         *lower, first = sorted(circle, key=_rank)
-        for one in (*lower, *sorted(behind, key=_rank), first):
-            if one.evade(circle):
-                return
+        if any(one.evade(circle) for one in (*lower, *sorted(behind, key=_rank), first)):
+            return True
+        if any(not one.rests and one.is_near(circle) for one in self._claimants):
+            return False  # it leaves, or makes room
         assert among.waiting is not None
         if among.waiting.looks > 1 and frozenset(circle) not in self._stuck:
             self._stuck.add(frozenset(circle))
             self.deadlocks += 1
             self.stage.record(TrafficDeadlock(machines=[one.name for one in circle]))
+        return False
 
     def gives_way(self, claimant: Claimant) -> None:
         """Let no machine wait for one that has given up its right of way."""
