@@ -12,11 +12,19 @@ from run_events import events
 import sim
 from floorplan import InputError
 
-CORRIDOR = """
+
+def corridor(niche):
+    """A corridor with a passing place at this x."""
+    west, east = niche - 1, niche + 1
+    place = f"[{east}, 1.6], [{east}, 4], [{west}, 4], [{west}, 1.6]"
+    return f"""
 name: corridor
-boundary: [[0, 0], [20, 0], [20, 1.6], [11, 1.6], [11, 4], [9, 4], [9, 1.6], [0, 1.6]]
-stations: {west: [1.5, 0.8], east: [18.5, 0.8], niche: [10, 3]}
+boundary: [[0, 0], [20, 0], [20, 1.6], {place}, [0, 1.6]]
+stations: {{west: [1.5, 0.8], east: [18.5, 0.8], niche: [{niche}, 3]}}
 """
+
+
+CORRIDOR = corridor(10)
 
 HALL = """
 name: hall
@@ -62,6 +70,22 @@ def test_the_one_of_lower_priority_evades():
     found = run(machines, floor=CORRIDOR)
     require_arrivals(found, a=1, b=1)
     assert {e["machine"] for e in events(found, "machine_evades")} == {"a"}
+
+
+def test_who_is_under_way_for_longer_keeps_its_path():
+    later = amr("[1.5, 0.8, 0.0]", "east").replace("[{", "[{wait: 2}, {")
+    found = run({"a": later, "b": amr("[18.5, 0.8, 3.1416]", "west")}, floor=corridor(8))
+    require_arrivals(found, a=2, b=1)
+    assert {e["machine"] for e in events(found, "machine_evades")} == {"a"}
+
+
+def test_who_has_the_right_of_way_gives_it_up_if_no_other_can_evade():
+    """The passing place is behind a when they meet."""
+    machines = {"a": amr("[5, 0.8, 0.0]", "east"), "b": amr("[18.5, 0.8, 3.1416]", "west")}
+    found = run(machines, floor=corridor(5))
+    require_arrivals(found, a=1, b=1)
+    (evaded,) = [e for e in events(found, "machine_evades") if "to" in e]
+    assert evaded["machine"] == "a" and evaded["to"][1] > 1.6
 
 
 def test_a_corridor_without_a_passing_place_is_a_deadlock_of_both():

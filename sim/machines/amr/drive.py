@@ -221,7 +221,7 @@ class VehicleDrive(Drive):
         if found is not None:
             there, onwards = found
             self._take([*there, *onwards[1:]], left[-1])
-            return Evasion(aside=there[-1][:2])
+            return Evasion(aside=there[-1])
         return Evasion() if self.detour(taken) else None
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:

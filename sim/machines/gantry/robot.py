@@ -332,7 +332,7 @@ class GantryRobot(CommandedMachine, Evading):
         if target is None or place is None:
             return None
         self.drive.let_pass_at(place, target)
-        return Evasion(aside=place[:2])
+        return Evasion(aside=place)
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
         """Move off the courses of other machines if it has no job. See `Evading.make_way`.

@@ -37,7 +37,7 @@ MARGINS = (0.05, CLEAR, 0.0)
 when it is nearer already or cannot evade."""
 
 THERE = 1e-3
-"""Metres. Nearer than this is there."""
+"""Metres and radians. Nearer than this is there."""
 
 PATIENCE = 5.0
 """Seconds after which a machine looks for a way around one that stands, and again twice as long."""
@@ -93,7 +93,8 @@ class Claimant:
         """Which of the `MARGINS` it keeps on its present path."""
         self._course = machine.body.motion
         """The motion on which it set out last."""
-        self._course_from = self._clock.now
+        self._left_at: float | None = None
+        """When it left that motion to stop, if it did."""
         self._order = order
         self.goal = machine.goal
         """Its present goal, or the last one."""
@@ -101,7 +102,7 @@ class Claimant:
         """When it got that goal, or gave up its right of way."""
         self.lets_pass: dict[Claimant, Point | None] = {}
         """Machines that it lets pass, with their goals."""
-        self._aside: Point | None = None
+        self._aside: Pose | None = None
         """The passing place to which it is under way."""
         self._evaded_at = -math.inf
         """When it looked for another path last. Once at each time is enough."""
@@ -130,7 +131,7 @@ class Claimant:
     @property
     def course(self) -> Area:
         """The area that it covers on its way to its goal, as far as that is known."""
-        begin = self._course_from if self.machine.is_held else self._clock.now
+        begin = self._clock.now if self._left_at is None else self._left_at
         ahead = self._footprint.swept(self._course, begin, max(begin, self._course.end))
         return Area.of([self.claim, ahead])
 
@@ -197,7 +198,11 @@ class Claimant:
         if evasion is None:
             return False
         self._company.stage.record(
-            MachineEvades(machine=self.name, for_machine=others[0].name, to=evasion.aside)
+            MachineEvades(
+                machine=self.name,
+                for_machine=others[0].name,
+                to=None if evasion.aside is None else evasion.aside[:2],
+            )
         )
         if not first:
             self._since = now
@@ -255,6 +260,7 @@ class Claimant:
         """Claim what its new motion sweeps."""
         motion, now = self.machine.body.motion, self._clock.now
         if self.machine.is_held:
+            self._left_at = now if self._left_at is None else self._left_at
             self._claim(self._footprint.swept(motion, now, max(now, motion.end)))
             self._alarm.set(motion.end if motion.end > now else None)
             return
@@ -266,7 +272,7 @@ class Claimant:
             self._aside, self._margin = None, self._usual
             self.lets_pass.clear()
         if goal is None or math.dist(motion.state(motion.end).at, goal) < THERE:
-            self._course, self._course_from = motion, now
+            self._course, self._left_at = motion, None
         if not self._extended():
             # Not at once, because the machine is about to do more at this instant.
             self._clock.call_at(now, self._halt_unless_free, Turn.VIOLATION)
@@ -283,7 +289,7 @@ class Claimant:
         """Claim the next part of the motion; return whether it is free."""
         motion, now = self.machine.body.motion, self._clock.now
         here = motion.state(now)
-        if self._aside is not None and math.dist(here.at, self._aside) < THERE:
+        if self._aside is not None and _is_there(here.position, self._aside):
             self._aside = None
             for one in self.lets_pass:
                 one.look_soon()
@@ -306,7 +312,6 @@ class Claimant:
         ahead = Part.of(self.machine, motion, now, self._seconds).courses
         before, since = self.waiting, now if self.waiting is None else self.waiting.since
         self.waiting = WaitForMachines(ahead, self.blockers(ahead), since)
-        self._course_from = now
         first = self.waiting.blockers[0]
         if before is None or before.blockers[:1] != [first]:
             self._company.stage.record(MachineWaiting(machine=self.name, for_machine=first.name))
@@ -357,3 +362,8 @@ class Claimant:
         self._company.stage.record(MachineEvades(machine=self.name, for_machine=stands.name))
         self._go_on()
         return True
+
+
+def _is_there(here: Pose, place: Pose) -> bool:
+    turn = math.remainder(here[2] - place[2], math.tau)
+    return math.dist(here[:2], place[:2]) < THERE and abs(turn) < THERE

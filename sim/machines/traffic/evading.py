@@ -8,9 +8,8 @@ from dataclasses import dataclass
 
 from shapely.geometry import Polygon
 
-from floorplan import Point
-
 from ...core.body import Machine
+from ...core.entries import Pose
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,11 +18,12 @@ class Evasion:
 
     Parameters
     ----------
-    aside : (float, float) or None
-        Passing place (x, y) in metres at which it lets them pass, if there is one.
+    aside : Pose or None
+        Passing place at which it lets them pass, if there is one: x and y in metres, rotation in
+        radians.
     """
 
-    aside: Point | None = None
+    aside: Pose | None = None
 
 
 class Evading(Machine):

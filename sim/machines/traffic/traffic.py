@@ -67,6 +67,7 @@ class Traffic:
         Return whether a machine evades. The machine of the highest rank tries last, and those that
         wait for the circle before it.
         """
+        self._reconsider()  # who may go on is in no circle
         waits_for = {one: one.waiting.blockers for one in self._claimants if one.waiting}
         circle = circle_of(among, waits_for)
         if not circle or not all(one.rests for one in circle):
