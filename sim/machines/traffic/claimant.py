@@ -200,7 +200,7 @@ class Claimant:
         self._company.stage.record(
             MachineEvades(
                 machine=self.name,
-                for_machine=others[0].name,
+                for_machine=max(others, key=lambda one: one.rank).name,
                 to=None if evasion.aside is None else evasion.aside[:2],
             )
         )
