@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, get_args
@@ -295,19 +295,6 @@ TRAFFIC = "traffic"
 """The reason for which a machine waits for another machine."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Evasion:
-    """Path on which a machine evades others.
-
-    Parameters
-    ----------
-    aside : (float, float) or None
-        Passing place (x, y) in metres at which it lets them pass, if there is one.
-    """
-
-    aside: Point | None = None
-
-
 class Machine(InProgress, ABC):
     """Base class of machines in a running trial. Each kind of machine is a subclass.
 
@@ -323,9 +310,6 @@ class Machine(InProgress, ABC):
     body: Body
     priority: int = 0
     """Priority among machines. Those with a lower one evade first."""
-
-    evades: bool = False
-    """Whether the machine can take another path when another machine is in its way."""
 
     _stands_for: frozenset[str] = frozenset()
 
@@ -418,55 +402,6 @@ class Machine(InProgress, ABC):
             Start time in seconds.
         """
         return None
-
-    def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
-        """Choose another path to the goal, or to a passing place first.
-
-        Parameters
-        ----------
-        taken : sequence of Polygon
-            Areas that other machines occupy now, in metres.
-        courses : sequence of Polygon
-            Areas that other machines cover on their way.
-
-        Returns
-        -------
-        Evasion or None
-            None if the machine cannot.
-        """
-        return None
-
-    def detour(self, taken: Sequence[Polygon], most: float) -> bool:
-        """Choose another path to the goal around other machines.
-
-        Parameters
-        ----------
-        taken : sequence of Polygon
-            Areas that other machines occupy now, in metres.
-        most : float
-            Maximum additional time in seconds.
-
-        Returns
-        -------
-        bool
-            Whether there is one.
-        """
-        return False
-
-    def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
-        """Move off the courses of other machines, if the machine has nothing to do.
-
-        Parameters
-        ----------
-        taken, courses
-            See `evade`.
-
-        Returns
-        -------
-        bool
-            Whether it moves.
-        """
-        return False
 
     def disable(self, seconds: float) -> None:
         """Disable the machine as a penalty. Only robots are disabled.

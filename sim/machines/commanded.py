@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from simpy.events import Event, Process
@@ -207,10 +208,7 @@ class CommandedMachine(Machine):
         ValueError
             If the machine is stopped.
         """
-        self._wait_no_longer()
-        move = self.drive.follow(motion)
-        self._interrupts.command_given()
-        return move
+        return self._follow(motion)
 
     def stop(self) -> Process:
         """Start the fastest stop, and discard the current command.
@@ -422,10 +420,13 @@ class CommandedMachine(Machine):
         fields = {**event.fields, "machine": self.name} if "machine" in event.forms else None
         self._stage.record(event if fields is None else event.of(fields))
 
-    def _wait_no_longer(self) -> None:
-        """Let a new motion be compared with the claims of others."""
+    def _follow(self, motion: Motion, again: Callable[[], Motion] | None = None) -> Event:
+        """Follow a motion, which is compared with the claims of others; see `Drive.follow`."""
         if self.only_waits:
             self.stand_for(TRAFFIC, False)
+        move = self.drive.follow(motion, again)
+        self._interrupts.command_given()
+        return move
 
     def _idle_time(self, motion: Motion, now: float) -> float:
         """Return how long it neither moved, handled nor was made to stand (s).

@@ -7,17 +7,25 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache, partial
 from itertools import combinations
 
+from floorplan import Point
 from navigation import Apart, Box, Condition, FixedDistance, Overlapping, TooClose, first_time
+from navigation.carried import carried
 
-from ..core.body import Body, Machine
+from ..core.body import Body, Machine, MachineShape
 from ..core.clock import Alarm, Turn
 from ..core.events import Collision, PeopleTooNear
 from ..core.stage import Bystander, Stage
 from .monitors import Pair
 
+AXIS = (0.0, 0.0)
+"""The point of a body around which it turns."""
+
 
 class NearnessMonitor:
-    """Calls `notify` as two bodies come so near that `near` holds (True), and as `parted` does."""
+    """Calls `notify` as two bodies come so near that `near` holds (True), and as `parted` does.
+
+    The conditions are about `points` of the bodies: metres ahead of their axes and to the left.
+    """
 
     def __init__(
         self,
@@ -26,8 +34,10 @@ class NearnessMonitor:
         near: Condition,
         parted: Condition,
         notify: Callable[[bool], None],
+        points: tuple[Point, Point] = (AXIS, AXIS),
     ) -> None:
         self.is_near = False
+        self._points = points
         self._stage = stage
         self._bodies = bodies
         self._near = near
@@ -39,11 +49,12 @@ class NearnessMonitor:
         self._reconsider()
 
     def _reconsider(self) -> None:
-        one, other = (body.motion for body in self._bodies)
+        (one, other), (here, there) = self._bodies, self._points
+        mine, theirs = carried(one.motion, *here), carried(other.motion, *there)
         now = self._stage.clock.now
-        end = max(now, min(max(one.end, other.end), self._stage.end))
+        end = max(now, min(max(mine.end, theirs.end), self._stage.end))
         awaited = self._parted if self.is_near else self._near
-        self._alarm.set(first_time(awaited, one, other, now, end))
+        self._alarm.set(first_time(awaited, mine, theirs, now, end))
 
     def _ring(self) -> None:
         self.is_near = not self.is_near
@@ -61,19 +72,32 @@ def _conditions(box: Box, others: Box) -> tuple[Condition, Condition]:
     return Overlapping(box, others, DEPTH), ~Overlapping(box, others)
 
 
+def _box_around(shape: MachineShape) -> tuple[Box, Point]:
+    """Return the smallest box around a footprint, and its middle from the axis, metres."""
+    if not shape.outline:
+        return shape.box, AXIS
+    x, y, most_x, most_y = shape.bounds
+    box = Box(length=most_x - x, width=most_y - y, bottom=shape.bottom, top=shape.top)
+    return box, ((x + most_x) / 2, (y + most_y) / 2)
+
+
 class Collisions:
-    """Watches every two of some machines whose boxes are not above each other."""
+    """Watches every two of some machines whose boxes are not above each other.
+
+    Each counts as the smallest rectangle around its footprint and along its heading.
+    """
 
     def __init__(self, stage: Stage, machines: Iterable[Machine]) -> None:
         self.count = 0
         """Number of times that two machines ran into each other."""
         self._stage = stage
-        boxes = [(machine, machine.shape.box) for machine in machines]
-        for (one, box), (other, others) in combinations(boxes, 2):
+        boxes = [(machine, *_box_around(machine.shape)) for machine in machines]
+        for (one, box, middle), (other, others, of_other) in combinations(boxes, 2):
             if box.is_level_with(others):
                 near, parted = _conditions(box, others)
                 notify = partial(self._changed, one, other)
-                NearnessMonitor(stage, (one.body, other.body), near, parted, notify)
+                points = middle, of_other
+                NearnessMonitor(stage, (one.body, other.body), near, parted, notify, points)
 
     def _changed(self, one: Machine, other: Machine, is_near: bool) -> None:
         if not is_near:

@@ -85,6 +85,24 @@ machines:
     assert run.summary["collisions"] == 1
 
 
+@pytest.mark.parametrize(("heading", "times"), [(0.0, []), (3.141592653589793, [8.501])])
+def test_the_axis_of_a_vehicle_need_not_be_in_its_middle(heading, times):
+    """An AGV passes behind a vehicle whose axis is near its rear, or hits its side in front."""
+    text = f"""
+duration: 20
+traffic: false
+agvs: {{north: [{{time: 1, to: end}}]}}
+machines:
+  long:
+    kind: amr
+    at: [10.9, 10, {heading}]
+    footprint: [[-0.2, -0.4], [2, -0.4], [2, 0.4], [-0.2, 0.4]]
+    controller: parked
+"""
+    run = sim.run(sim.Trial.parse(on_floor(FLOOR, text)))
+    assert [event["t"] for event in events(run, "collision")] == pytest.approx(times)
+
+
 def test_machines_that_never_move_have_no_such_figure():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 5, people: [{name: ada}]}"))
     assert "collisions" not in run.summary

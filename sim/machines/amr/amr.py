@@ -13,7 +13,6 @@ from floorplan import Point
 from navigation import Motion, PlanningError, vehicle_twist
 from navigation.vehicles import Twist
 
-from ...core.body import Evasion
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted, MachineBlocked
@@ -21,6 +20,7 @@ from ...core.stage import Stage
 from ..commanded import CommandedMachine, Sighting
 from ..commanding import Steps
 from ..tasks import Step, Task
+from ..traffic.evading import Evading, Evasion
 from .drive import VehicleDrive
 from .missions import Mission, task_of
 from .shape import Chassis
@@ -29,7 +29,7 @@ RETRY = 2.0
 """Seconds after which a blocked vehicle plans again, if nothing has changed on the floor."""
 
 
-class Amr(CommandedMachine):
+class Amr(CommandedMachine, Evading):
     """A vehicle that drives freely, to be commanded by a controller.
 
     Its tasks are the missions of the trial: to go to a place, to turn, to wait. While it is held,
@@ -37,7 +37,6 @@ class Amr(CommandedMachine):
     """
 
     drive: VehicleDrive
-    evades = True
 
     def __init__(
         self,
@@ -136,10 +135,7 @@ class Amr(CommandedMachine):
             return vehicle_twist(self.state, slow, self.now, seconds=left, limits=self.limits)
 
         self.drive.forget_route()
-        self._wait_no_longer()
-        move = self.drive.follow(motion(seconds), lambda: motion(max(0.0, until - self.now)))
-        self._interrupts.command_given()
-        return move
+        return self._follow(motion(seconds), lambda: motion(max(0.0, until - self.now)))
 
     # Its tasks.
 
@@ -184,15 +180,15 @@ class Amr(CommandedMachine):
         return self.drive.goal
 
     def detour(self, taken: Sequence[Polygon], most: float) -> bool:
-        """Choose another path to the goal around other machines; see `Machine.detour`."""
+        """Choose another path to the goal around other machines; see `Evading.detour`."""
         return self.drive.detour(taken, most)
 
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
-        """Choose another path to the goal, or to a passing place first; see `Machine.evade`."""
+        """Choose another path to the goal, or to a passing place first; see `Evading.evade`."""
         return self.drive.evade(taken, courses)
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
-        """Move off the courses of other machines if it has no mission; see `Machine.make_way`."""
+        """Move off the courses of other machines if it has no mission; see `Evading.make_way`."""
         if not self._makes_way or self.is_held or any(not task.finished for task in self._round):
             return False
         return self.drive.make_way(taken, courses)

@@ -26,10 +26,11 @@ from navigation import (
 from navigation.motion import State
 from navigation.vehicles import Twist, stops_of
 
-from ...core.body import Body, Evasion
+from ...core.body import Body
 from ...core.entries import Pose
 from ...core.stage import Stage
 from ..commanding import Drive
+from ..traffic.evading import Evasion
 from .passing import passing_places
 from .shape import Chassis
 from .slow_zones import SlowZones
@@ -159,10 +160,9 @@ class VehicleDrive(Drive):
 
     def is_at(self, target: Sequence[float]) -> bool:
         """Return whether the vehicle stands at x, y, and in the rotation if one is given."""
-        here = self.body.state.position
-        turn = math.remainder(here[2] - target[2], math.tau) if len(target) == 3 else 0.0
-        near = math.dist(here[:2], target[:2]) < ON_ROUTE and abs(turn) < ON_ROUTE
-        return near and self.body.motion.end <= self._clock.now
+        return _is_there(self.body.state.position, target) and (
+            self.body.motion.end <= self._clock.now
+        )
 
     def route_is_free(self) -> bool:
         """Return whether nothing stands in what is left of the route now."""
@@ -221,7 +221,7 @@ class VehicleDrive(Drive):
         if found is not None:
             there, onwards = found
             self._take([*there, *onwards[1:]], left[-1])
-            return Evasion(aside=there[-1][:2])
+            return Evasion(aside=there[-1])
         return Evasion() if self.detour(taken) else None
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
@@ -302,7 +302,7 @@ class VehicleDrive(Drive):
         A vehicle under way to another place stops first.
         """
         left = self._rest_of_route()
-        if left is not None and target in (self._target, left[-1], left[-1][:2]):
+        if left is not None and (target == self._target or _is_there(left[-1], target)):
             return left
         self._look_around()
         state = self.body.state
@@ -392,6 +392,12 @@ def _stops_straight(state: State, rest: Pose) -> bool:
 def _pose(numbers: Sequence[float]) -> Pose:
     x, y, rotation = numbers
     return (x, y, rotation)
+
+
+def _is_there(pose: Pose, target: Sequence[float]) -> bool:
+    """Return whether a pose is at x, y, and in the rotation, but for whole turns, if any."""
+    turn = math.remainder(pose[2] - target[2], math.tau) if len(target) == 3 else 0.0
+    return math.dist(pose[:2], target[:2]) < ON_ROUTE and abs(turn) < ON_ROUTE
 
 
 def _moves_back(state: State, one: Pose, other: Pose) -> bool:

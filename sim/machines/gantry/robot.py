@@ -15,7 +15,7 @@ from simpy.events import Event, Process
 from floorplan import Gantry, Point, UserError
 from navigation import Motion
 
-from ...core.body import Evasion, MachineShape
+from ...core.body import MachineShape
 from ...core.clock import MOMENT
 from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted, OrderSubmitted, PartDropped
@@ -25,6 +25,7 @@ from ..commanded import CommandedMachine
 from ..commanding import Steps
 from ..controllers import STAY
 from ..tasks import Passing, Step, Task
+from ..traffic.evading import Evading, Evasion
 from .drive import GantryDrive
 from .tasks import Gripper, Handling, Worksites, tasks_of
 
@@ -39,7 +40,7 @@ FARTHEST = 20
 """Number of places along each axis, on each side."""
 
 
-class GantryRobot(CommandedMachine):
+class GantryRobot(CommandedMachine, Evading):
     """Gantry robot as seen by its controller.
 
     A controller is a function or class that takes this robot and returns a generator. It yields
@@ -77,7 +78,6 @@ class GantryRobot(CommandedMachine):
     """
 
     drive: GantryDrive
-    evades = True
 
     def __init__(
         self,
@@ -315,7 +315,7 @@ class GantryRobot(CommandedMachine):
         return None if target is None else target[:2]
 
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
-        """Let others pass at a place off their courses. See `Machine.evade`.
+        """Let others pass at a place off their courses. See `Evading.evade`.
 
         Parameters
         ----------
@@ -332,10 +332,10 @@ class GantryRobot(CommandedMachine):
         if target is None or place is None:
             return None
         self.drive.let_pass_at(place, target)
-        return Evasion(aside=place[:2])
+        return Evasion(aside=place)
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
-        """Move off the courses of other machines if it has no job. See `Machine.make_way`.
+        """Move off the courses of other machines if it has no job. See `Evading.make_way`.
 
         Parameters
         ----------

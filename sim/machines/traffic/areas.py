@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +20,7 @@ from shapely.geometry import Polygon
 from navigation import Motion, Piece
 from navigation.motion import value
 
-from ...core.body import MachineShape
+from ...core.body import Machine, MachineShape
 from ...core.entries import Pose
 
 CLEAR = 0.01
@@ -37,6 +38,12 @@ _GROUP = 0.25
 _STRAIGHT = 1e-6
 """Metres. What leaves a line by less is straight."""
 
+
+BETWEEN_STOPS = 0.2
+"""Seconds between the stops that a part contains, where stops leave the line of the motion."""
+
+RESTS = 1e-6
+"""m/s and rad/s. Slower is at rest."""
 
 Bounds = tuple[float, float, float, float]
 """Minimum x and y, maximum x and y, metres."""
@@ -138,6 +145,22 @@ class Footprint:
         return shapely.convex_hull(shapely.multipoints(np.column_stack([x.ravel(), y.ravel()])))
 
 
+def may_meet(one: MachineShape, other: MachineShape) -> bool:
+    """Return whether two machines have common heights, and no lanes apart from each other."""
+    if not one.box.is_level_with(other.box):
+        return False
+    mine, theirs = _lane(one), _lane(other)
+    return mine is None or theirs is None or mine.meets(theirs)
+
+
+def _lane(shape: MachineShape) -> Area | None:
+    """Return all that a machine covers that never leaves a straight lane; None for others."""
+    if shape.direction is None or len(shape.course) != 2:
+        return None
+    heading = math.atan2(shape.direction[1], shape.direction[0])
+    return Footprint(shape, CLEAR).along([(x, y, heading) for x, y in shape.course])
+
+
 def poses_on(motion: Motion, begin: float, end: float) -> list[Pose]:
     """Return poses on a motion: its ends, those of its pieces, and so many of curves and turns."""
     found = [motion.state(begin).position]
@@ -198,3 +221,44 @@ def _share_a_line(poses: Sequence[Pose], first: int, last: int) -> bool:
 def _same_place(poses: Sequence[Pose]) -> bool:
     x, y, _ = poses[0]
     return all(abs(pose[0] - x) + abs(pose[1] - y) < _STRAIGHT for pose in poses)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """The next part of a motion: its end (s), and the poses on it and on every stop from it."""
+
+    end: float
+    courses: list[list[Pose]]
+
+    @classmethod
+    def of(cls, machine: Machine, motion: Motion, now: float, seconds: float) -> Part:
+        """Return the part of a machine's motion that begins now (s) and takes so many seconds.
+
+        It ends where the machine comes to rest before that, or not long after that.
+        """
+        end = _end_of_part(motion, now, seconds)
+        courses = [poses_on(motion, now, end)]
+        times = [end, (now + end) / 2]
+        stops = [_stop(machine, motion, t) for t in times]
+        if not all(map(is_straight, (*courses, *stops))):
+            count = math.ceil((end - now) / BETWEEN_STOPS)
+            times = [now + (end - now) * k / count for k in range(1, count + 1)]
+            stops = [_stop(machine, motion, t) for t in times]
+        return cls(end=end, courses=[*courses, *stops])
+
+
+def _stop(machine: Machine, motion: Motion, t: float) -> list[Pose]:
+    """Return the poses of a stop; where that is unknown, the pose at its begin."""
+    state = motion.state(t)
+    stop = machine.stopping(state, t)
+    return [state.position] if stop is None else poses_on(stop, t, stop.end)
+
+
+def _end_of_part(motion: Motion, now: float, seconds: float) -> float:
+    """Return the end of the part: where it rests, or after a time."""
+    for piece in motion.pieces_from(now):
+        if piece.end > now + 1.5 * seconds:
+            break
+        if piece.end > now and max(map(abs, motion.state_before(piece.end).velocity)) < RESTS:
+            return piece.end
+    return min(now + seconds, motion.end)

@@ -9,321 +9,15 @@ machine is released then. Claims have no time, because people and protective sto
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Callable, Iterable, Sequence
-from typing import TypeVar
+from collections.abc import Iterable
 
-import numpy as np
-import shapely
-from shapely.geometry import Polygon
-
-from floorplan import Point
-from navigation import Motion
-
-from ...core.body import TRAFFIC, Machine
-from ...core.clock import Alarm, Turn
-from ...core.entries import Pose
-from ...core.events import MachineEvades, MachineProceeds, MachineWaiting, TrafficDeadlock
+from ...core.body import Machine
+from ...core.clock import Turn
+from ...core.events import TrafficDeadlock
 from ...core.stage import Stage
-from .areas import CLEAR, Area, Footprint, is_straight, poses_on
-from .waiting import WaitForMachines, circle_of, leads_to
-
-T = TypeVar("T")
-
-PART = 1.0
-"""Seconds of motion that a machine claims at once, if it does not rest before."""
-
-UNKNOWN_PART = 6.0
-"""Seconds of motion that a machine claims whose stop is unknown."""
-
-BETWEEN_STOPS = 0.2
-"""Seconds between the stops that a claim contains, where stops leave the line of the motion."""
-
-RESTS = 1e-6
-"""m/s and rad/s. Slower is at rest."""
-
-NEARBY = 6.0
-"""Metres. Only claims that are nearer count when a machine looks for another path."""
-
-MARGINS = (0.05, CLEAR, 0.0)
-"""Metres. Distances that a machine keeps from the claims of others: usually, when it evades, and
-when it is nearer already or cannot evade."""
-
-THERE = 1e-3
-"""Metres. Nearer than this is there."""
-
-PATIENCE = 5.0
-"""Seconds after which a machine looks for a way around one that stands, and again twice as long."""
-
-LONGEST = 120.0
-"""Seconds. Longest time between two looks."""
-
-SHORT = 5.0
-"""Seconds that a detour around a machine that stands may take more at once."""
-
-
-class Claimant:
-    """A machine with its claim."""
-
-    def __init__(self, traffic: Traffic, machine: Machine, order: int) -> None:
-        self.machine = machine
-        self.name = machine.name
-        self.rank = (machine.priority, -order)
-        """Those of a lower rank evade first."""
-        self.peers: list[Claimant] = []
-        """Machines that it may meet."""
-        self.claim: Area
-        """The area that it covers until its next look."""
-        self.waiting: WaitForMachines[Claimant] | None = None
-        self.waiting_time = 0.0
-        state, now = machine.body.state, traffic.stage.clock.now
-        self.stops = machine.stopping(state, now) is not None
-        """Whether it is known how it stops."""
-        self._traffic = traffic
-        self._clock = traffic.stage.clock
-        self._footprint = Footprint(machine.shape, CLEAR)
-        self._margins = [Footprint(machine.shape, clear) for clear in MARGINS]
-        self._usual = 0 if machine.evades else len(MARGINS) - 1
-        self._margin = self._usual
-        """Which of the `MARGINS` it keeps on its present path."""
-        self._course = machine.body.motion
-        """The motion on which it set out last."""
-        self._course_from = self._clock.now
-        self._passing: dict[Claimant, Point | None] = {}
-        """Machines that it lets pass at a passing place, with their goals."""
-        self._aside: Point | None = None
-        """The passing place to which it is under way."""
-        self._evaded_at = -math.inf
-        """When it looked for another path last. Once at each time is enough."""
-        self._aside_for: Point | None = None
-        """Its goal after that."""
-        self._alarm = Alarm(self._clock, self._ring, Turn.MOTION_ENDS)
-        self._retry = Alarm(self._clock, self._look_again, Turn.MOTION_ENDS)
-        self._claim(self._footprint.at(machine.body.state.position))
-
-    def begin(self) -> None:
-        """Claim what it sweeps from now on."""
-        self.machine.body.on_change.append(self._changed)
-        self._changed()
-
-    @property
-    def rests(self) -> bool:
-        """Whether it does not move."""
-        return self.machine.body.motion.end <= self._clock.now
-
-    @property
-    def course(self) -> Area:
-        """The area that it covers on its way to its goal, as far as that is known."""
-        begin = self._course_from if self.machine.is_held else self._clock.now
-        ahead = self._footprint.swept(self._course, begin, max(begin, self._course.end))
-        return Area.of([self.claim, ahead])
-
-    @property
-    def wide_course(self) -> list[Polygon]:
-        """The polygons of its course, with the distance that others keep from it."""
-        return [*shapely.buffer(self.course.parts, 2 * MARGINS[0], join_style="mitre")]
-
-    def blockers(self, ahead: Sequence[Sequence[Pose]]) -> list[Claimant]:
-        """Return the machines that keep it from moving along poses."""
-        here = [ahead[0][0]]
-        found = []
-        for margin, footprint in enumerate(self._margins[self._margin :], self._margin):
-            area = Area.of([footprint.along(poses) for poses in ahead])
-            found = [peer for peer in self.peers if area.meets(peer.claim)]
-            if margin == self._margin:
-                found += [one for one in self._let_pass(area) if one not in found]
-            # Beside who is nearer already, a smaller distance must do.
-            if not any(footprint.along(here).meets(peer.claim) for peer in found):
-                break
-        return found
-
-    def _let_pass(self, area: Area) -> list[Claimant]:
-        """Return the machines that it lets pass before it moves into an area."""
-        if self._aside is not None:
-            return []
-        changed = [one for one, goal in self._passing.items() if one.machine.goal != goal]
-        for one in changed:
-            del self._passing[one]
-        return [one for one in self._passing if area.meets(one.course)]
-
-    def reconsider(self) -> None:
-        """Go on if the area for which it waits is free."""
-        assert self.waiting is not None
-        before, self.waiting.blockers = self.waiting.blockers, self.blockers(self.waiting.ahead)
-        if not self.waiting.blockers:
-            self._go_on()
-        elif before != self.waiting.blockers:
-            self.waiting.looks = 0
-            self._retry.set(max(self._clock.now, self.machine.body.motion.end))
-
-    def evade(self, others: Iterable[Claimant]) -> bool:
-        """Take another path, or let others pass at a passing place; return whether it can."""
-        others = [one for one in others if one is not self]
-        courses = [polygon for one in others for polygon in one.wide_course]
-        if not self.rests or self._evaded_at == self._clock.now:
-            return False
-        self._evaded_at = self._clock.now
-        evasion = self._with_margin(lambda taken: self.machine.evade(taken, courses))
-        if evasion is None:
-            return False
-        self._traffic.stage.record(
-            MachineEvades(machine=self.name, for_machine=others[0].name, to=evasion.aside)
-        )
-        self._aside, self._aside_for = evasion.aside, self.machine.goal
-        self._passing = {one: one.machine.goal for one in others if evasion.aside}
-        self._go_on()
-        return True
-
-    def close(self) -> None:
-        """Count the time that it waited until now: the trial is over."""
-        if self.waiting is not None:
-            self.waiting_time += self._clock.now - self.waiting.since
-
-    def _with_margin(self, path: Callable[[list[Polygon]], T | None]) -> T | None:
-        """Return what is found around the claims of others, with the largest margin possible."""
-        last = len(MARGINS) - 1
-        for margin, wider in enumerate(MARGINS, 1):
-            if (found := path(self.taken(wider))) is not None:
-                self._margin = min(margin, last)
-                return found
-        return None
-
-    def taken(self, margin: float) -> list[Polygon]:
-        """Return what other machines nearby claim, so many metres larger.
-
-        Those farther away have moved on before this one gets there.
-        """
-        near = [peer for peer in self.peers if peer.claim.gap(self.claim) < NEARBY]
-        if not near:
-            return []
-        parts = [peer.claim.parts for peer in near]
-        return [*shapely.buffer(np.concatenate(parts), margin, join_style="mitre")]
-
-    def _go_on(self) -> None:
-        """Let the machine move again."""
-        self._end_wait()
-        self.machine.stand_for(TRAFFIC, False)
-
-    def _end_wait(self) -> None:
-        assert self.waiting is not None
-        waited = self._clock.now - self.waiting.since
-        self.waiting_time += waited
-        self.waiting = None
-        self._retry.set(None)
-        self._traffic.went_on(self)
-        self._traffic.stage.record(MachineProceeds(machine=self.name, waited=waited))
-
-    def _changed(self) -> None:
-        """Claim what its new motion sweeps."""
-        motion, now = self.machine.body.motion, self._clock.now
-        if self.machine.is_held:
-            self._claim(self._footprint.swept(motion, now, max(now, motion.end)))
-            self._alarm.set(motion.end if motion.end > now else None)
-            return
-        goal = self.machine.goal
-        if goal != self._aside_for:
-            self._aside, self._aside_for, self._margin = None, goal, self._usual
-            self._passing.clear()
-        if goal is None or math.dist(motion.state(motion.end).at, goal) < THERE:
-            self._course, self._course_from = motion, now
-        if not self._extended():
-            # Not at once, because the machine is about to do more at this instant.
-            self._clock.call_at(now, self._halt_unless_free, Turn.VIOLATION)
-        elif self.waiting is not None:  # its controller has chosen a motion that is free
-            self._end_wait()
-
-    def _ring(self) -> None:
-        if self.machine.is_held:
-            self._claim(self._footprint.at(self.machine.body.state.position))
-        else:
-            self._halt_unless_free()
-
-    def _extended(self) -> bool:
-        """Claim the next part of the motion; return whether it is free."""
-        motion, now = self.machine.body.motion, self._clock.now
-        here = motion.state(now)
-        if self._aside is not None and math.dist(here.at, self._aside) < THERE:
-            self._aside = None
-        if motion.end <= now:
-            self._claim(self._footprint.at(here.position))
-            self._alarm.set(None)
-            return True
-        ahead, end = self._next_part(motion, now)
-        if self.blockers(ahead):
-            return False
-        self._claim(Area.of([self._footprint.along(poses) for poses in ahead]))
-        self._alarm.set(end)
-        return True
-
-    def _halt_unless_free(self) -> None:
-        """Brake, and wait until the next part is free."""
-        motion, now = self.machine.body.motion, self._clock.now
-        if self.machine.is_held or self._extended():
-            return
-        ahead, _ = self._next_part(motion, now)
-        before, since = self.waiting, now if self.waiting is None else self.waiting.since
-        self.waiting = WaitForMachines(ahead, self.blockers(ahead), since)
-        self._course_from = now
-        first = self.waiting.blockers[0]
-        if before is None or before.blockers[:1] != [first]:
-            self._traffic.stage.record(MachineWaiting(machine=self.name, for_machine=first.name))
-        self.machine.stand_for(TRAFFIC, True)
-        self._retry.set(self.machine.body.motion.end)
-        self._traffic.changed(self)
-
-    def _next_part(self, motion: Motion, now: float) -> tuple[list[list[Pose]], float]:
-        """Return poses on the next part of a motion and on every stop, and the end of it (s)."""
-        end = self._end_of_part(motion, now)
-        courses = [poses_on(motion, now, end)]
-        times = [end, (now + end) / 2]
-        stops = [self._stop(motion, t) for t in times]
-        if not all(map(is_straight, (*courses, *stops))):
-            count = math.ceil((end - now) / BETWEEN_STOPS)
-            times = [now + (end - now) * k / count for k in range(1, count + 1)]
-            stops = [self._stop(motion, t) for t in times]
-        return [*courses, *stops], end
-
-    def _stop(self, motion: Motion, t: float) -> list[Pose]:
-        """Return the poses of a stop; where that is unknown, the pose at its begin."""
-        state = motion.state(t)
-        stop = self.machine.stopping(state, t)
-        return [state.position] if stop is None else poses_on(stop, t, stop.end)
-
-    def _end_of_part(self, motion: Motion, now: float) -> float:
-        """Return the end of the part: where it rests, or after a time."""
-        part = PART if self.stops else UNKNOWN_PART
-        for piece in motion.pieces_from(now):
-            if piece.end > now + 1.5 * part:
-                break
-            if piece.end > now and _is_at_rest(motion, piece.end):
-                return piece.end
-        return min(now + part, motion.end)
-
-    def _claim(self, area: Area) -> None:
-        self.claim = area
-        self._traffic.changed(self)
-
-    def _look_again(self) -> None:
-        """Look for a path around machines that stand, or let them make way."""
-        now, waiting = self._clock.now, self.waiting
-        if waiting is None:
-            return
-        waiting.looks += 1
-        self._retry.set(now + min(LONGEST, PATIENCE * 2 ** (waiting.looks - 1)))
-        stand = [one for one in waiting.blockers if one.rests and one.waiting is None]
-        course = self.wide_course if stand else []
-        if any(one.machine.make_way(one.taken(MARGINS[1]), course) for one in stand):
-            return
-        if stand and self.rests and self._evaded_at < now:
-            self._evaded_at = now
-            most = SHORT if waiting.looks == 1 else math.inf
-            if self._with_margin(lambda taken: self.machine.detour(taken, most) or None):
-                self._traffic.stage.record(
-                    MachineEvades(machine=self.name, for_machine=stand[0].name)
-                )
-                self._go_on()
-                return
-        self._traffic.untangle(self)
+from .areas import may_meet
+from .claimant import Claimant
+from .waiting import circle_of, leads_to
 
 
 class Traffic:
@@ -338,7 +32,7 @@ class Traffic:
         self._claimants: list[Claimant] = []
         claimants = [Claimant(self, machine, k) for k, machine in enumerate(machines)]
         for one, other in itertools.combinations(claimants, 2):
-            if _may_meet(one.machine, other.machine):
+            if may_meet(one.machine.shape, other.machine.shape):
                 one.peers.append(other)
                 other.peers.append(one)
         self._changes.clear()
@@ -367,23 +61,37 @@ class Traffic:
                 clock.call_at(clock.now, self._reconsider, Turn.MOTION_ENDS)
             self._changes.add(claimant)
 
-    def untangle(self, among: Claimant) -> None:
-        """Resolve the circle of machines that wait for each other with one, if there is any."""
+    def untangle(self, among: Claimant) -> bool:
+        """Resolve the circle of machines that wait for each other with one, if there is any.
+
+        Return whether a machine evades. The machine of the highest rank tries last, and those that
+        wait for the circle before it.
+        """
+        self._reconsider()  # who may go on is in no circle
         waits_for = {one: one.waiting.blockers for one in self._claimants if one.waiting}
         circle = circle_of(among, waits_for)
         if not circle or not all(one.rests for one in circle):
-            return
+            return False
         behind = [
             one for one in waits_for if one not in circle and leads_to(one, circle, waits_for)
         ]
-        for one in (*sorted(circle, key=_rank), *sorted(behind, key=_rank)):
-            if one.evade(circle):
-                return
+        *lower, first = sorted(circle, key=_rank)
+        if any(one.evade(circle) for one in (*lower, *sorted(behind, key=_rank), first)):
+            return True
+        peers = {peer for one in circle for peer in one.peers}
+        if any(not one.rests and one.is_near(circle) for one in peers):
+            return False  # it leaves, or makes room
         assert among.waiting is not None
         if among.waiting.looks > 1 and frozenset(circle) not in self._stuck:
             self._stuck.add(frozenset(circle))
             self.deadlocks += 1
             self.stage.record(TrafficDeadlock(machines=[one.name for one in circle]))
+        return False
+
+    def gave_way(self, claimant: Claimant) -> None:
+        """Let no machine wait until one has passed that has given up its right of way."""
+        for one in self._claimants:
+            one.lets_pass.pop(claimant, None)
 
     def went_on(self, claimant: Claimant) -> None:
         """Take note that a machine waits no longer."""
@@ -397,26 +105,5 @@ class Traffic:
                 one.reconsider()
 
 
-def _rank(claimant: Claimant) -> tuple[int, int]:
+def _rank(claimant: Claimant) -> tuple[int, float, int]:
     return claimant.rank
-
-
-def _may_meet(one: Machine, other: Machine) -> bool:
-    """Return whether two machines have common heights, and no lanes apart from each other."""
-    if not one.shape.box.is_level_with(other.shape.box):
-        return False
-    mine, theirs = _lane(one), _lane(other)
-    return mine is None or theirs is None or mine.meets(theirs)
-
-
-def _lane(machine: Machine) -> Area | None:
-    """Return all that a machine covers that never leaves a straight lane; None for others."""
-    shape = machine.shape
-    if shape.direction is None or len(shape.course) != 2:
-        return None
-    heading = math.atan2(shape.direction[1], shape.direction[0])
-    return Footprint(shape, CLEAR).along([(x, y, heading) for x, y in shape.course])
-
-
-def _is_at_rest(motion: Motion, t: float) -> bool:
-    return max(map(abs, motion.state_before(t).velocity)) < RESTS
