@@ -30,6 +30,7 @@ from .planner import PathPlanner
 from .roadmap_planner import SLACK
 from .separation import FixedDistance
 from .walking import MAX_ACCELERATION, MAX_SPEED, walk, walk_at
+from .world import CollisionWorld
 
 GAP = 0.1
 """Metres. Nearer than this to the surface of a body that moves, a person counts as touched."""
@@ -55,9 +56,6 @@ _SHORT = 0.5
 
 _SAMPLES = 24
 """Number of instants at which a body is drawn for the area that it covers on its way."""
-
-_TRIED = 4
-"""Number of states of the floor that are planned on."""
 
 Limits = tuple[float, float]
 """Top speed (m/s) and acceleration (m/s²)."""
@@ -203,16 +201,13 @@ def plan_among(
     """
     watches = [_watch(planner, mover, start, at, height, gap) for mover in moving]
     best: Passage | None = None
-    failed: list[PlanningError] = []
     limits = (max_speed, max_acceleration)
-    for path in _paths(planner, start, goal, moving, at, failed):
+    for path in _paths(planner, start, goal, moving, at):
         latest = math.inf if best is None else best.arrives
         for passage in _passages(path, watches, at, heading, limits, patience, latest):
             best = passage
     if best is not None:
         return best
-    if len(failed) == _TRIED:  # nor is there a path without what moves
-        raise failed[0]
     names = ", ".join(mover.name for mover in moving)
     message = f"no path was found among {names} with at most {patience:g} s to wait"
     raise PlanningError("not_found", message)
@@ -256,39 +251,54 @@ def _moves_on(motion: Motion, t: float) -> float:
 
 
 def _paths(
-    planner: PathPlanner,
-    start: ArrayLike,
-    goal: ArrayLike,
-    moving: Sequence[Mover],
-    at: float,
-    failed: list[PlanningError],
+    planner: PathPlanner, start: ArrayLike, goal: ArrayLike, moving: Sequence[Mover], at: float
 ) -> Iterator[Path]:
-    """Yield the paths to look at, each once; why there is none goes into `failed`."""
+    """Yield the paths to look at, each once; `PlanningError` if there is none at all."""
     there = {body.name for body in planner.world.bodies}
     free = planner.world.as_if(away=[mover.name for mover in moving if mover.name in there])
-    stand = [[at], [math.inf]]
+    direct = _path_in(free, planner, start, goal)
+    yield direct
     last = max([mover.motion.end for mover in moving], default=at)
     sweep = np.linspace(at, max(last, at), _SAMPLES).tolist()
-    seen: list[list[list[float]]] = []
-    # Without what moves, round it where it stands now, round where it comes to rest, and round all
-    # that it covers on its way: what is best among them depends on who is where when.
-    for times in ([], *stand, sweep):
+    seen, cut_off = [direct.points.tolist()], False
+    # Round what moves where it stands now, round where it comes to rest, and round all that it
+    # covers on its way: what is best among them depends on who is where when.
+    for times in ([at], [math.inf], sweep):
+        if cut_off and times is sweep:  # that covers what cuts it off, too
+            return
         covered = shapely.union_all(
             [part for mover in moving for part in _footprints(mover, times)]
         )
         parts = enumerate(part for part in shapely.get_parts(covered) if not part.is_empty)
         world = free.as_if({f"what moves, {k}": Polygon(part.exterior) for k, part in parts})
-        ask = PathPlanner(
-            world, planner.radius, planner.ignore, step=planner.step, planner=planner.choice
-        )
+        if not _met(world, seen[0], planner.radius):  # the shortest path is as it was
+            continue
         try:
-            path = ask.plan(start, goal, seed=planner.seed)
-        except PlanningError as why:
-            failed.append(why)
+            path = _path_in(world, planner, start, goal)
+        except PlanningError:
+            cut_off = True
             continue
         if path.points.tolist() not in seen:
             seen.append(path.points.tolist())
             yield path
+
+
+def _path_in(
+    world: CollisionWorld, planner: PathPlanner, start: ArrayLike, goal: ArrayLike
+) -> Path:
+    """Return the path that a planner finds in another world."""
+    other = PathPlanner(
+        world, planner.radius, planner.ignore, step=planner.step, planner=planner.choice
+    )
+    return other.plan(start, goal, seed=planner.seed)
+
+
+def _met(world: CollisionWorld, points: Sequence[Sequence[float]], radius: float) -> bool:
+    """Return whether a body is in the way of a disc along a path that the floor leaves free."""
+    return any(
+        world.hits((a[0], a[1]), (b[0], b[1]), radius + SLACK)
+        for a, b in itertools.pairwise(points)
+    )
 
 
 def _footprints(mover: Mover, times: Sequence[float]) -> list[Polygon]:
