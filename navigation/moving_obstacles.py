@@ -261,18 +261,18 @@ def _paths(
     last = max([mover.motion.end for mover in moving], default=at)
     sweep = np.linspace(at, max(last, at), _SAMPLES).tolist()
     seen, cut_off = [direct.points.tolist()], False
+    line = shapely.linestrings(direct.points)
     # Round what moves where it stands now, round where it comes to rest, and round all that it
     # covers on its way: what is best among them depends on who is where when.
     for times in ([at], [math.inf], sweep):
         if cut_off and times is sweep:  # that covers what cuts it off, too
             return
-        covered = shapely.union_all(
-            [part for mover in moving for part in _footprints(mover, times)]
-        )
-        parts = enumerate(part for part in shapely.get_parts(covered) if not part.is_empty)
-        world = free.as_if({f"what moves, {k}": Polygon(part.exterior) for k, part in parts})
-        if not _met(world, seen[0], planner.radius):  # the shortest path is as it was
-            continue
+        covered = [part for mover in moving for part in _footprints(mover, times)]
+        if not shapely.dwithin(covered, line, planner.radius + SLACK).any():
+            continue  # the shortest path is as it was
+        parts = shapely.get_parts(shapely.union_all(covered))
+        bodies = {f"what moves, {k}": Polygon(part.exterior) for k, part in enumerate(parts)}
+        world = free.as_if(bodies)
         try:
             path = _path_in(world, planner, start, goal)
         except PlanningError:
@@ -291,14 +291,6 @@ def _path_in(
         world, planner.radius, planner.ignore, step=planner.step, planner=planner.choice
     )
     return other.plan(start, goal, seed=planner.seed)
-
-
-def _met(world: CollisionWorld, points: Sequence[Sequence[float]], radius: float) -> bool:
-    """Return whether a body is in the way of a disc along a path that the floor leaves free."""
-    return any(
-        world.hits((a[0], a[1]), (b[0], b[1]), radius + SLACK)
-        for a, b in itertools.pairwise(points)
-    )
 
 
 def _footprints(mover: Mover, times: Sequence[float]) -> list[Polygon]:
