@@ -117,6 +117,8 @@ class _Watch:
     """The condition until it has left a place; a little wider, lest one that slides along at just
     the distance asked for be looked at again and again."""
     sets_out: float
+    moves: list[tuple[float, float]]
+    """Begin and end of each piece on which it moves."""
 
     def touched(self, person: Motion, begin: float, end: float) -> float | None:
         """Return the first instant in [begin, end] at which it touches the person, or None."""
@@ -133,7 +135,7 @@ class _Watch:
 
     def leaves(self, place: Point, t: float) -> float:
         """Return when it leaves a place free that it touches at `t`; infinity if it stays."""
-        moves = _moves_on(self.mover.motion, t)
+        moves = next((max(begin, t) for begin, end in self.moves if end > t), math.inf)
         # It stands here, and leaves only when it sets out: until then there is nothing to solve
         # for.
         if moves > t:
@@ -238,16 +240,9 @@ def _watch(
     condition, still, clear = (
         TooClose(FixedDistance(least)) for least in (kept, min(SLACK, room), kept + _LEEWAY)
     )
-    sets_out = _moves_on(mover.motion, at)
-    return _Watch(mover, shapes, condition, still, clear, at if sets_out == math.inf else sets_out)
-
-
-def _moves_on(motion: Motion, t: float) -> float:
-    """Return the first instant from `t` on at which a body moves; infinity if it stays."""
-    for piece in motion.pieces_from(t):
-        if piece.end > t and not piece.stands:
-            return max(piece.begin, t)
-    return math.inf
+    moves = [(one.begin, one.end) for one in mover.motion.pieces if not one.stands]
+    sets_out = next((max(begin, at) for begin, end in moves if end > at), at)
+    return _Watch(mover, shapes, condition, still, clear, sets_out, moves)
 
 
 def _paths(
