@@ -118,24 +118,20 @@ class Footprint:
         return Area(around, lambda: np.array(self._hulls(poses)))
 
     def _hulls(self, poses: Sequence[Pose]) -> list[Polygon]:
-        if len(poses) == 1:
-            return [self._hull(poses)]
-        hulls, first = [], 0
-        while True:
-            last = first + 1
-            while last + 1 < len(poses) and _share_a_hull(poses, first, last + 1):
-                last += 1
-            hulls.append(self._hull(poses[first : last + 1]))
-            if last >= len(poses) - 1:
-                return hulls
-            first = last
-
-    def _hull(self, poses: Sequence[Pose]) -> Polygon:
         at = np.array(poses)
         c, s = np.cos(at[:, 2:]), np.sin(at[:, 2:])
         x = at[:, :1] + c * self._corners[:, 0] - s * self._corners[:, 1]
         y = at[:, 1:2] + s * self._corners[:, 0] + c * self._corners[:, 1]
-        return shapely.convex_hull(shapely.multipoints(np.column_stack([x.ravel(), y.ravel()])))
+        covered = np.stack([x, y], axis=-1)
+        spans, first = [], 0
+        while not spans or first < len(poses) - 1:
+            last = first + 1
+            while last + 1 < len(poses) and _share_a_hull(poses, first, last + 1):
+                last += 1
+            spans.append(covered[first : last + 1].reshape(-1, 2))
+            first = last
+        of = np.repeat(np.arange(len(spans)), [len(span) for span in spans])
+        return [*shapely.convex_hull(shapely.multipoints(np.concatenate(spans), indices=of))]
 
 
 def poses_on(motion: Motion, begin: float, end: float) -> list[Pose]:
