@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import shapely
@@ -96,10 +96,7 @@ class Footprint:
     """Convex hull of a machine's footprint, `clear` metres larger, and the areas that it sweeps."""
 
     def __init__(self, shape: MachineShape, clear: float) -> None:
-        outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
-        larger = shapely.buffer(outline, clear, join_style="mitre")
-        corners = shapely.get_coordinates(larger)[:-1]
-        self._corners = corners / math.cos(TURN / 2)
+        self._corners = _corners(shape, clear)
         self._reach = float(np.hypot(*self._corners.T).max()) + _STRAIGHT
 
     def at(self, pose: Pose) -> Area:
@@ -132,6 +129,15 @@ class Footprint:
             first = last
         of = np.repeat(np.arange(len(spans)), [len(span) for span in spans])
         return [*shapely.convex_hull(shapely.multipoints(np.concatenate(spans), indices=of))]
+
+
+@lru_cache(maxsize=256)
+def _corners(shape: MachineShape, clear: float) -> NDArray[np.float64]:
+    """Return the corners of the convex hull of a footprint, larger for turns and by `clear`."""
+    outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
+    larger = shapely.buffer(outline, clear, join_style="mitre")
+    corners: NDArray[np.float64] = shapely.get_coordinates(larger)[:-1] / math.cos(TURN / 2)
+    return corners
 
 
 def poses_on(motion: Motion, begin: float, end: float) -> list[Pose]:
