@@ -96,8 +96,7 @@ class Footprint:
     """Convex hull of a machine's footprint, `clear` metres larger, and the areas that it sweeps."""
 
     def __init__(self, shape: MachineShape, clear: float) -> None:
-        self._corners = _corners(shape, clear)
-        self._reach = float(np.hypot(*self._corners.T).max()) + _STRAIGHT
+        self._corners, self._reach = _corners(shape, clear)
 
     def at(self, pose: Pose) -> Area:
         """Return the area that it covers in a pose."""
@@ -132,12 +131,12 @@ class Footprint:
 
 
 @lru_cache(maxsize=256)
-def _corners(shape: MachineShape, clear: float) -> NDArray[np.float64]:
-    """Return the corners of the convex hull of a footprint, larger for turns and by `clear`."""
+def _corners(shape: MachineShape, clear: float) -> tuple[NDArray[np.float64], float]:
+    """Return the corners of a footprint's hull, larger for turns and by `clear`, and its reach."""
     outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
     larger = shapely.buffer(outline, clear, join_style="mitre")
-    corners: NDArray[np.float64] = shapely.get_coordinates(larger)[:-1] / math.cos(TURN / 2)
-    return corners
+    corners = shapely.get_coordinates(larger)[:-1] / math.cos(TURN / 2)
+    return corners, float(np.hypot(*corners.T).max()) + _STRAIGHT
 
 
 def poses_on(motion: Motion, begin: float, end: float) -> list[Pose]:
