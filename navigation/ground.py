@@ -23,6 +23,9 @@ from .roadmap import Roadmap
 MOST_KEPT = 8
 """Number of floors, and of radii on them, that are kept."""
 
+MOST_SPACES = 32
+"""Number of free spaces among bodies that are kept."""
+
 MOST_BODIES = 64
 """Number of bodies where they stand that are kept."""
 
@@ -82,7 +85,7 @@ def fixed_space(floor: shapely.Geometry, radius: float) -> FreeSpace:
     return FreeSpace(shrunk(floor, radius))
 
 
-@_kept(MOST_KEPT)
+@_kept(MOST_SPACES)
 def free_space(
     floor: shapely.Geometry, radius: float, bodies: tuple[CollisionBody, ...]
 ) -> FreeSpace:

@@ -30,6 +30,7 @@ from .planner import PathPlanner
 from .roadmap_planner import SLACK
 from .separation import FixedDistance
 from .walking import MAX_ACCELERATION, MAX_SPEED, walk, walk_at
+from .world import CollisionWorld
 
 GAP = 0.1
 """Metres. Nearer than this to the surface of a body that moves, a person counts as touched."""
@@ -55,9 +56,6 @@ _SHORT = 0.5
 
 _SAMPLES = 24
 """Number of instants at which a body is drawn for the area that it covers on its way."""
-
-_TRIED = 4
-"""Number of states of the floor that are planned on."""
 
 Limits = tuple[float, float]
 """Top speed (m/s) and acceleration (m/s²)."""
@@ -119,6 +117,8 @@ class _Watch:
     """The condition until it has left a place; a little wider, lest one that slides along at just
     the distance asked for be looked at again and again."""
     sets_out: float
+    moves: list[tuple[float, float]]
+    """Begin and end of each piece on which it moves."""
 
     def touched(self, person: Motion, begin: float, end: float) -> float | None:
         """Return the first instant in [begin, end] at which it touches the person, or None."""
@@ -135,7 +135,7 @@ class _Watch:
 
     def leaves(self, place: Point, t: float) -> float:
         """Return when it leaves a place free that it touches at `t`; infinity if it stays."""
-        moves = _moves_on(self.mover.motion, t)
+        moves = next((max(begin, t) for begin, end in self.moves if end > t), math.inf)
         # It stands here, and leaves only when it sets out: until then there is nothing to solve
         # for.
         if moves > t:
@@ -203,16 +203,13 @@ def plan_among(
     """
     watches = [_watch(planner, mover, start, at, height, gap) for mover in moving]
     best: Passage | None = None
-    failed: list[PlanningError] = []
     limits = (max_speed, max_acceleration)
-    for path in _paths(planner, start, goal, moving, at, failed):
+    for path in _paths(planner, start, goal, moving, at):
         latest = math.inf if best is None else best.arrives
         for passage in _passages(path, watches, at, heading, limits, patience, latest):
             best = passage
     if best is not None:
         return best
-    if len(failed) == _TRIED:  # nor is there a path without what moves
-        raise failed[0]
     names = ", ".join(mover.name for mover in moving)
     message = f"no path was found among {names} with at most {patience:g} s to wait"
     raise PlanningError("not_found", message)
@@ -243,52 +240,52 @@ def _watch(
     condition, still, clear = (
         TooClose(FixedDistance(least)) for least in (kept, min(SLACK, room), kept + _LEEWAY)
     )
-    sets_out = _moves_on(mover.motion, at)
-    return _Watch(mover, shapes, condition, still, clear, at if sets_out == math.inf else sets_out)
-
-
-def _moves_on(motion: Motion, t: float) -> float:
-    """Return the first instant from `t` on at which a body moves; infinity if it stays."""
-    for piece in motion.pieces_from(t):
-        if piece.end > t and not piece.stands:
-            return max(piece.begin, t)
-    return math.inf
+    moves = [(one.begin, one.end) for one in mover.motion.pieces if not one.stands]
+    sets_out = next((max(begin, at) for begin, end in moves if end > at), at)
+    return _Watch(mover, shapes, condition, still, clear, sets_out, moves)
 
 
 def _paths(
-    planner: PathPlanner,
-    start: ArrayLike,
-    goal: ArrayLike,
-    moving: Sequence[Mover],
-    at: float,
-    failed: list[PlanningError],
+    planner: PathPlanner, start: ArrayLike, goal: ArrayLike, moving: Sequence[Mover], at: float
 ) -> Iterator[Path]:
-    """Yield the paths to look at, each once; why there is none goes into `failed`."""
+    """Yield the paths to look at, each once; `PlanningError` if there is none at all."""
     there = {body.name for body in planner.world.bodies}
     free = planner.world.as_if(away=[mover.name for mover in moving if mover.name in there])
-    stand = [[at], [math.inf]]
+    direct = _path_in(free, planner, start, goal)
+    yield direct
     last = max([mover.motion.end for mover in moving], default=at)
     sweep = np.linspace(at, max(last, at), _SAMPLES).tolist()
-    seen: list[list[list[float]]] = []
-    # Without what moves, round it where it stands now, round where it comes to rest, and round all
-    # that it covers on its way: what is best among them depends on who is where when.
-    for times in ([], *stand, sweep):
-        covered = shapely.union_all(
-            [part for mover in moving for part in _footprints(mover, times)]
-        )
-        parts = enumerate(part for part in shapely.get_parts(covered) if not part.is_empty)
-        world = free.as_if({f"what moves, {k}": Polygon(part.exterior) for k, part in parts})
-        ask = PathPlanner(
-            world, planner.radius, planner.ignore, step=planner.step, planner=planner.choice
-        )
+    seen, cut_off = [direct.points.tolist()], False
+    line = shapely.linestrings(direct.points)
+    # Round what moves where it stands now, round where it comes to rest, and round all that it
+    # covers on its way: what is best among them depends on who is where when.
+    for times in ([at], [math.inf], sweep):
+        if cut_off and times is sweep:  # that covers what cuts it off, too
+            return
+        covered = [part for mover in moving for part in _footprints(mover, times)]
+        if not shapely.dwithin(covered, line, planner.radius + SLACK).any():
+            continue  # the shortest path is as it was
+        parts = shapely.get_parts(shapely.union_all(covered))
+        bodies = {f"what moves, {k}": Polygon(part.exterior) for k, part in enumerate(parts)}
+        world = free.as_if(bodies)
         try:
-            path = ask.plan(start, goal, seed=planner.seed)
-        except PlanningError as why:
-            failed.append(why)
+            path = _path_in(world, planner, start, goal)
+        except PlanningError:
+            cut_off = True
             continue
         if path.points.tolist() not in seen:
             seen.append(path.points.tolist())
             yield path
+
+
+def _path_in(
+    world: CollisionWorld, planner: PathPlanner, start: ArrayLike, goal: ArrayLike
+) -> Path:
+    """Return the path that a planner finds in another world."""
+    other = PathPlanner(
+        world, planner.radius, planner.ignore, step=planner.step, planner=planner.choice
+    )
+    return other.plan(start, goal, seed=planner.seed)
 
 
 def _footprints(mover: Mover, times: Sequence[float]) -> list[Polygon]:

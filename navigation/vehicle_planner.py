@@ -118,15 +118,18 @@ class VehiclePlanner:
         self.seed = seed
         self.checks = 0
         """Number of queries of FCL so far."""
-        self._corners = np.array(footprint.exterior.coords[:-1])
-        self._outer = float(np.hypot(*self._corners.T).max())
+        self._corners = [(float(x), float(y)) for x, y in footprint.exterior.coords[:-1]]
+        self._outer = float(np.hypot(*np.array(self._corners).T).max())
         self._inner = float(footprint.exterior.distance(shapely.Point(0.0, 0.0)))
         # A step of δ between boxes leaves r (1 - cos(δ / 2)) of an arc outside of both.
         self._step = 2 * math.acos(max(1 - _SAG / self._outer, 0.0))
         self._shape = region(footprint)
         self._box = fcl.Box(1.0, 1.0, _THICK)
         self._boxes = fcl.CollisionObject(self._box, fcl.Transform())
-        width = float(np.ptp(self._corners[:, 1]))
+        self._side = np.array([1.0, 1.0, _THICK])
+        self._middle, self._rotation = np.zeros(3), np.zeros(4)
+        (_, low), (_, high) = self._extent(1.0, 0.0)
+        width = high - low
         narrow = min(width / 2 + _ROOM, self._outer)
         self._guides = [
             PathPlanner(world, radius)
@@ -138,13 +141,8 @@ class VehiclePlanner:
         """Return whether the vehicle touches nothing in a pose (x, y, rotation)."""
         x, y, rotation = map(float, pose)
         self._put(self._shape, (x, y), rotation)
-        c, s = math.cos(rotation), math.sin(rotation)
-        corners = self._corners @ ((c, s), (-s, c))
-        (low_x, low_y), (high_x, high_y) = corners.min(axis=0), corners.max(axis=0)
-        return self._free(
-            self._shape,
-            (x + float(low_x), y + float(low_y), x + float(high_x), y + float(high_y)),
-        )
+        (low_x, low_y), (high_x, high_y) = self._extent(math.cos(rotation), -math.sin(rotation))
+        return self._free(self._shape, (x + low_x, y + low_y, x + high_x, y + high_y))
 
     def plan(
         self, start: Sequence[float], goal: Sequence[float], *, thorough: bool = True
@@ -336,12 +334,9 @@ class VehiclePlanner:
         length = math.dist(a, b)
         c, s = (b[0] - a[0]) / length, (b[1] - a[1]) / length
         turned = math.atan2(s, c) - rotation
-        cosine, sine = math.cos(turned), math.sin(turned)
-        # The corners in the direction of the drive, and across it.
-        along, across = self._corners @ (cosine, sine), self._corners @ (-sine, cosine)
-        low, high = float(along.min()) - SLACK, float(along.max()) + SLACK + length
-        right, left = float(across.min()) - SLACK, float(across.max()) + SLACK
-        return self._box_free(a, (c, s), (low, high), (right, left))
+        (low, right), (high, left) = self._extent(math.cos(turned), math.sin(turned))
+        along, across = (low - SLACK, high + SLACK + length), (right - SLACK, left + SLACK)
+        return self._box_free(a, (c, s), along, across)
 
     def _turn_free(self, at: Point, begin: float, end: float) -> bool:
         """Return whether a turn on the spot is free."""
@@ -351,9 +346,9 @@ class VehiclePlanner:
         if self._free(self._ball, (x - r, y - r, x + r, y + r)):
             return True
         count = max(1, math.ceil(abs(end - begin) / self._step))
-        (low, right), (high, left) = self._corners.min(axis=0), self._corners.max(axis=0)
+        (low, right), (high, left) = self._extent(1.0, 0.0)
         more = _SAG + SLACK
-        spans = (float(low) - more, float(high) + more), (float(right) - more, float(left) + more)
+        spans = (low - more, high + more), (right - more, left + more)
         # The middle of each step: boxes at its ends are less than a step away.
         angles = (begin + (end - begin) * (k + 0.5) / count for k in range(count))
         return all(self._box_free(at, (math.cos(a), math.sin(a)), *spans) for a in angles)
@@ -366,7 +361,8 @@ class VehiclePlanner:
         ahead, aside = (along[0] + along[1]) / 2, (across[0] + across[1]) / 2
         length, width = along[1] - along[0], across[1] - across[0]
         middle = (x + ahead * c - aside * s, y + ahead * s + aside * c)
-        self._box.side = np.array([length, width, _THICK])
+        self._side[0], self._side[1] = length, width
+        self._box.side = self._side
         self._put(self._boxes, middle, math.atan2(s, c))
         reach_x = (abs(c) * length + abs(s) * width) / 2
         reach_y = (abs(s) * length + abs(c) * width) / 2
@@ -379,11 +375,18 @@ class VehiclePlanner:
         self.checks += 1
         return self.world.clear_of(shape, bounds)
 
-    @staticmethod
-    def _put(shape: Any, at: Point, rotation: float) -> None:
-        half = rotation / 2
-        shape.setQuatRotation(np.array([math.cos(half), 0.0, 0.0, math.sin(half)]))
-        shape.setTranslation(np.array([at[0], at[1], 0.0]))
+    def _put(self, shape: Any, at: Point, rotation: float) -> None:
+        turn, middle = self._rotation, self._middle
+        turn[0], turn[3] = math.cos(rotation / 2), math.sin(rotation / 2)
+        middle[0], middle[1] = at
+        shape.setQuatRotation(turn)
+        shape.setTranslation(middle)
+
+    def _extent(self, cosine: float, sine: float) -> tuple[Point, Point]:
+        """Return the least and the greatest coordinates of the corners on axes turned so far."""
+        along = [x * cosine + y * sine for x, y in self._corners]
+        across = [y * cosine - x * sine for x, y in self._corners]
+        return (min(along), min(across)), (max(along), max(across))
 
     def _joined(self, states: Sequence[Pose]) -> list[Pose]:
         """Return the poses of OMPL's path as it is."""

@@ -419,18 +419,24 @@ class CollisionWorld:
 
     def nearest_free(self, point: Point, radius: float) -> Point | None:
         """Return the nearest position with room for a disc of `radius` metres, or None."""
-        # Bodies that are neither at the point, nor at the nearest place of the floor without them
-        # and at the sides that this is on, nor between, leave all of that as it is: to cut them
-        # out would change nothing.
-        place = self.fixed_space(radius).nearest(point)
-        if place is not None:
-            (low_x, low_y), (high_x, high_y) = self.fixed_space(radius).bounds_at(place)
+        # Bodies that are neither at the point, nor at the nearest place without them and at the
+        # sides that this is on, nor between, leave all of that as it is: to cut them out would
+        # change nothing.
+        among: set[str] = set()
+        while True:
+            bodies = tuple(body for body in self.bodies if body.name in among)
+            space = ground.free_space(self.floor, radius, bodies)
+            place = space.nearest(point)
+            if place is None:
+                return None
+            (low_x, low_y), (high_x, high_y) = space.bounds_at(place)
             away = math.dist(point, place)
             low = min(low_x, point[0] - away), min(low_y, point[1] - away)
             high = max(high_x, point[0] + away), max(high_y, point[1] + away)
-            if not self.near(low, high, _WIDER * radius + HAIR):
+            near = {body.name for body in self.near(low, high, _WIDER * radius + HAIR)}
+            if near <= among:
                 return place
-        return self.free_space(radius).nearest(point)
+            among |= near
 
     def exits(self, point: Point, radius: float) -> list[Point]:
         """Return positions to leave a point where bodies leave a disc no room.

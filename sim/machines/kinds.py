@@ -54,7 +54,8 @@ def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel
     """Return the machines of a trial by name: the floor's gantry and AGVs, then its `machines`.
 
     Those of the user's `own` kinds are left out if code of theirs is not to be run.
-    `MachineError` if there is something wrong with one of the latter.
+    `MachineError` if there is something wrong with one of the latter. Whether built-in kinds fit
+    the floor is checked with the trial (`machine_faults`).
     """
     models = on_floor(scenario)
     for name, entry in scenario.machines.items():
@@ -63,7 +64,11 @@ def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel
         kind = _kind(name, entry, scenario)
         try:
             models[name] = kind.read(name, entry.keys)
-            faults = [*models[name].faults(scenario.floorplan, _vehicles(scenario))]
+            faults = (
+                [*models[name].faults(scenario.floorplan, _vehicles(scenario))]
+                if is_own(entry)
+                else []
+            )
         except ValidationError as why:
             faults = misfits(why, kind.key_schema or kind, entry.keys)
         if faults:

@@ -30,15 +30,13 @@ class WaitingPlaces:
 
     def occupant(self, goal: Point) -> Machine | None:
         """Return the vehicle that is all that keeps a person from standing at `goal`."""
-        radius, vehicles = self._human.radius, [*self._stage.vehicles]
-        names = [vehicle.name for vehicle in vehicles]
-        if not self._world.as_if(away=names).free(goal, radius):
+        radius, vehicles = self._human.radius, self._stage.vehicles
+        touched = {body.name for body in self._world.hits(goal, goal, radius)}
+        occupant = next((vehicle for vehicle in vehicles if vehicle.name in touched), None)
+        if occupant is None:
             return None
-        for vehicle in vehicles:
-            others = [name for name in names if name != vehicle.name]
-            if not self._world.as_if(away=others).free(goal, radius):
-                return vehicle
-        return None
+        without = self._world.as_if(away=[vehicle.name for vehicle in vehicles])
+        return occupant if without.free(goal, radius) else None
 
     def beside(self, goal: Point, vehicle: Machine) -> Point | None:
         """Return the free place nearest to `goal` that lets the vehicle set out, if any."""

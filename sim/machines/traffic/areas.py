@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import shapely
@@ -103,11 +103,7 @@ class Footprint:
     """Convex hull of a machine's footprint, `clear` metres larger, and the areas that it sweeps."""
 
     def __init__(self, shape: MachineShape, clear: float) -> None:
-        outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
-        larger = shapely.buffer(outline, clear, join_style="mitre")
-        corners = shapely.get_coordinates(larger)[:-1]
-        self._corners = corners / math.cos(TURN / 2)
-        self._reach = float(np.hypot(*self._corners.T).max()) + _STRAIGHT
+        self._corners, self._reach = _corners(shape, clear)
 
     def at(self, pose: Pose) -> Area:
         """Return the area that it covers in a pose."""
@@ -125,24 +121,29 @@ class Footprint:
         return Area(around, lambda: np.array(self._hulls(poses)))
 
     def _hulls(self, poses: Sequence[Pose]) -> list[Polygon]:
-        if len(poses) == 1:
-            return [self._hull(poses)]
-        hulls, first = [], 0
-        while True:
-            last = first + 1
-            while last + 1 < len(poses) and _share_a_hull(poses, first, last + 1):
-                last += 1
-            hulls.append(self._hull(poses[first : last + 1]))
-            if last >= len(poses) - 1:
-                return hulls
-            first = last
-
-    def _hull(self, poses: Sequence[Pose]) -> Polygon:
         at = np.array(poses)
         c, s = np.cos(at[:, 2:]), np.sin(at[:, 2:])
         x = at[:, :1] + c * self._corners[:, 0] - s * self._corners[:, 1]
         y = at[:, 1:2] + s * self._corners[:, 0] + c * self._corners[:, 1]
-        return shapely.convex_hull(shapely.multipoints(np.column_stack([x.ravel(), y.ravel()])))
+        covered = np.stack([x, y], axis=-1)
+        spans, first = [], 0
+        while not spans or first < len(poses) - 1:
+            last = first + 1
+            while last + 1 < len(poses) and _share_a_hull(poses, first, last + 1):
+                last += 1
+            spans.append(covered[first : last + 1].reshape(-1, 2))
+            first = last
+        of = np.repeat(np.arange(len(spans)), [len(span) for span in spans])
+        return [*shapely.convex_hull(shapely.multipoints(np.concatenate(spans), indices=of))]
+
+
+@lru_cache(maxsize=256)
+def _corners(shape: MachineShape, clear: float) -> tuple[NDArray[np.float64], float]:
+    """Return the corners of a footprint's hull, larger for turns and by `clear`, and its reach."""
+    outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
+    larger = shapely.buffer(outline, clear, join_style="mitre")
+    corners = shapely.get_coordinates(larger)[:-1] / math.cos(TURN / 2)
+    return corners, float(np.hypot(*corners.T).max()) + _STRAIGHT
 
 
 def may_meet(one: MachineShape, other: MachineShape) -> bool:
