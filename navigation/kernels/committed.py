@@ -189,7 +189,6 @@ class Movers(DiscMotions):
     def move(self, k: cython.Py_ssize_t, swath: Swath) -> None:
         """Let the k-th on the floor move so."""
         self.add(swath, at(self.floor.radii)[k])
-        self.vehicles[len(self.indices)] = self.floor.vehicles[k]
         self.indices.append(k)
         self.among[k] = 1
 

@@ -1,7 +1,7 @@
 from libc.math cimport sqrt
 from navigation.kernels.cubics cimport *
 
-cdef double _RESOLUTION, _JUST_NOW, _DEEP, _LOOK, _LOOKED, _ROUNDING, _TOUCH
+cdef double _RESOLUTION, _JUST_NOW, _ROUNDING, _TOUCH
 
 cdef class Swath:
     cdef public Numbers table, box
@@ -12,7 +12,6 @@ cdef class DiscMotions:
     cdef readonly double gap
     cdef readonly list[Numbers] tables
     cdef readonly Numbers boxes, radii
-    cdef readonly bytearray vehicles
     cpdef void add(self, Swath swath, double radius) except *
     cpdef void change(self, Py_ssize_t k, Swath swath) except *
     cpdef void shorten(self, Py_ssize_t count) except *
@@ -48,9 +47,6 @@ cdef bint covers(Numbers circles, double x, double y) noexcept
 cdef double distance_travelled(Numbers table, double since, double t) noexcept
 cdef double distance(Numbers one, Numbers other, double t) noexcept
 cpdef double first_conflict(
-    Numbers one, Numbers other, double least, double begin, double until
-) noexcept
-cdef double first_closer_again(
     Numbers one, Numbers other, double least, double begin, double until
 ) noexcept
 cdef double conflict_from(

@@ -30,9 +30,6 @@ if not cython.compiled:
 
 _RESOLUTION: float = 1e-4  # seconds; what is undecided when it is shorter counts as a conflict
 _JUST_NOW: float = 1e-3  # seconds; a disc that is too close so soon is so already
-_DEEP: float = 0.01  # metres; discs that are so much too close to a vehicle must come apart
-_LOOK: float = 0.25  # seconds between the times at which their distance is looked at
-_LOOKED: float = 6.0  # seconds for which it is looked at
 _ROUNDING: float = 1e-6  # of the number of times that a pair can't meet
 _TOUCH: float = 1e-9  # metres; nearer discs have the same distance but for rounding
 
@@ -103,15 +100,12 @@ class DiscMotions:
         self.tables: list[Numbers] = []
         self.boxes: Numbers = room(0)
         self.radii: Numbers = room(0)
-        self.vehicles = bytearray()
-        """For each, whether it is part of a vehicle."""
 
     def add(self, swath: Swath, radius: float) -> None:
         """Add a disc."""
         self.tables.append(swath.table)
         self.boxes.extend(swath.box)
         self.radii.append(radius)
-        self.vehicles.append(0)
 
     def change(self, k: cython.Py_ssize_t, swath: Swath) -> None:
         """Replace the motion of the k-th."""
@@ -122,7 +116,6 @@ class DiscMotions:
         """Remove all but the first so many."""
         del self.tables[count:]
         del self.radii[count:]
-        del self.vehicles[count:]
         box_cut(self.boxes, count)
 
     def swath_of(self, k: cython.Py_ssize_t) -> Swath:
@@ -135,8 +128,7 @@ class DiscMotions:
         """Return when a disc first meets the k-th, from `begin` to `until`; infinite if never.
 
         Its motion is `ahead`, and it keeps `own` metres from the bodies of others. Discs that are
-        closer already meet when they come closer still. Next to a vehicle, they also meet when they
-        come closer again after they came apart.
+        closer already meet when they come closer still.
         """
         least: float = own + at(self.radii)[k]
         if not are_within(boxes_of(ahead.box)[0], boxes_of(self.boxes)[k], least):
@@ -148,8 +140,6 @@ class DiscMotions:
             apart: float = distance(ahead.table, other, begin)
             if apart < least + _JUST_NOW:
                 t = first_conflict(ahead.table, other, min(least, apart - 1e-9), begin, until)
-            if self.vehicles[k] and apart < least - _DEEP:
-                t = first_closer_again(ahead.table, other, least, begin, t)
         return t
 
     def first_meeting(
@@ -419,24 +409,6 @@ def first_conflict(one: Numbers, other: Numbers, least: float, begin: float, unt
     missed. A false one is found only where the two stay within rounding of `least`.
     """
     return conflict_from(one, other, least, begin, until, 0, 0)
-
-
-def first_closer_again(
-    one: Numbers, other: Numbers, least: float, begin: float, until: float
-) -> float:
-    """Return when two that are nearer than `least` at `begin` (s) come closer again, or `until`.
-
-    They keep the largest distance at the times that are looked at, up to `least` (metres).
-    """
-    kept: float = distance(one, other, begin)
-    t: float = begin + _LOOK
-    while t < until and t < begin + _LOOKED and kept < least:
-        apart: float = min(distance(one, other, t), least)
-        if apart > kept:
-            kept = apart
-            until = min(until, first_conflict(one, other, kept - 1e-9, t, until))
-        t += _LOOK
-    return until
 
 
 def conflict_from(

@@ -94,27 +94,6 @@ def plainly(
                 yield k, hit, walk.table
 
 
-@pytest.mark.parametrize(
-    ("corners", "meets"),
-    [
-        ([(0.4, 0.0), (1.5, 0.0)], False),
-        ([(0.4, 0.0), (0.2, 0.0)], True),
-        ([(0.4, 0.0), (1.0, 0.0), (1.0, 1.5)], False),
-        ([(0.4, 0.0), (1.0, 0.0), (0.45, 0.0)], True),
-        ([(0.4, 0.0), (0.9, 0.4), (0.0, 0.5)], True),
-    ],
-)
-def test_a_person_close_to_a_vehicle_comes_no_closer_again(corners, meets) -> None:
-    motions = DiscMotions(GAP)
-    motions.add(swath_of(navigation.standing((0.0, 0.0)), START), 0.4)
-    walk = drawn(corners)
-    assert walk is not None
-    nearer = len(corners) == 2 and meets
-    assert (motions.first_met([0], walk, 0.3 + GAP, START)[0] == 0) is nearer
-    motions.vehicles[0] = True
-    assert (motions.first_met([0], walk, 0.3 + GAP, START)[0] == 0) is meets
-
-
 def test_the_steps_taken_are_those_of_a_plain_look() -> None:
     taken = 0
     for seed in range(150):

@@ -47,7 +47,6 @@ class Commitments(CommittedMotions):
             self.indices[who] = len(self.people)
             self.people.append(who)
             self.add(swath, who.radius)
-            self.vehicles[-1] = who.is_vehicle
             self.rest_times.append(swath.rests)
         else:
             self.change(k, swath)
@@ -128,8 +127,7 @@ class Others(Sequence[Traveller]):
     def first_hit(self, ahead: Swath) -> Hit | None:
         """Return the first conflict of a motion of the person from now on.
 
-        Two bodies keep the gap. Bodies that are closer already must not come closer, or closer
-        again to a vehicle after they came apart.
+        Two bodies keep the gap. Bodies that are closer already must not come closer.
         """
         found, t = self._first_met(ahead)
         return None if found < 0 else self.table.hit(found, t)

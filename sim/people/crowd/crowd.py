@@ -248,6 +248,8 @@ class Crowd:
         if hit is not None:
             self._meet(me, hit, now)
         motion = self._first_free(me, see, hit)
+        if motion is not None and any(one.strikes(me, motion) for one in self._vehicles):
+            motion = None
         is_costly = hit is not None and self._loss(see, motion) > PARAMETERS.worth
         if hit is not None and is_costly and self._both_aside(me, see, hit, now):
             return
