@@ -119,7 +119,7 @@ class Interruptions:
         stop = self._stop(me, now)
         ahead = swath(stop, now)
         if not self._commitments.others(me, ahead.box, now).without(coming).free(ahead):
-            drafts = self._all_stop(me, stop, coming)
+            drafts = self._all_stop(me, stop, among_vehicles=True)
             if drafts is None:
                 stop = self._latest_met(me)
                 ahead = swath(stop, now)
@@ -190,11 +190,11 @@ class Interruptions:
             self._commit(who, stop, ahead)
 
     def _all_stop(
-        self, me: Traveller, stop: Motion, coming: Sequence[Traveller] = ()
+        self, me: Traveller, stop: Motion, *, among_vehicles: bool = False
     ) -> Drafts | None:
         """Return the stops of `me` and of all people in its way, or None if one cannot stop.
 
-        `me` may stand in the way of the discs that are `coming`.
+        `among_vehicles`, they may stand in the way of a vehicle, and step off it later.
         """
         now = self._clock.now
         drafts = {me: (stop, swath(stop, now))}
@@ -202,8 +202,9 @@ class Interruptions:
         while left:
             one = left.pop()
             mine = drafts[one][1]
-            others = self._commitments.others(one, mine.box, now)
-            for other in others.without(coming) if one is me else others:
+            for other in self._commitments.others(one, mine.box, now):
+                if among_vehicles and other.is_vehicle:
+                    continue
                 known = drafts.get(other)
                 theirs = other.swath if known is None else known[1]
                 if not conflict(one, mine, other, theirs, now):
