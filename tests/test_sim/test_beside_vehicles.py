@@ -77,9 +77,13 @@ def test_a_person_passes_a_vehicle_that_comes_head_on(tmp_path, seed):
     assert run.motions["p0"].position(run.duration) == pytest.approx([1.0, 2.0], abs=1e-3)
 
 
-@pytest.mark.parametrize("seed", range(12))
-@pytest.mark.parametrize("width", [2.0, 2.4, 3.0, 4.0])
-def test_nobody_walks_into_a_long_vehicle_that_turns_in_a_corridor(tmp_path, seed, width):
+CORRIDORS = [(width, seed) for width in (2.0, 2.4, 3.0, 4.0) for seed in range(12)]
+STRUCK = [(3.0, 5209), (3.0, 5366), (4.0, 5183), (4.0, 5220), (4.0, 5531)]
+"""Widths and seeds in which the vehicle turns towards a person, who then walked on."""
+
+
+@pytest.mark.parametrize(("width", "seed"), [*CORRIDORS, *STRUCK])
+def test_nobody_walks_into_a_long_vehicle_that_turns_in_a_corridor(tmp_path, width, seed):
     rng = random.Random(seed)
     people = [
         (
@@ -133,7 +137,7 @@ def hall(rng):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", [*range(40), 5236])
 def test_nobody_walks_into_a_vehicle_in_a_hall(tmp_path, seed):
     people, machines = hall(random.Random(seed))
     run = run_of(tmp_path, (16.0, 12.0), people, machines, seed)

@@ -363,6 +363,9 @@ COLUMNS = [(x, y, x + 1, y + 1) for x in range(2, 19, 3) for y in range(2, 12, 3
         pytest.param(
             hall(20, 14, *COLUMNS), (7.5, 6.8), (17.3, 0.8), (9.1, 6.4), id="at a bend of the path"
         ),
+        pytest.param(
+            hall(20, 14, *COLUMNS), (12, 7.2), (7.2, 10), (10.6, 8.6), id="beside a gap of the path"
+        ),
     ],
 )
 def test_nobody_walks_to_and_fro_before_somebody_who_stands(walks, floor, start, goal, stands):

@@ -137,7 +137,8 @@ class Crowd:
 
     def _set_goal(self, me: Traveller, goal: Point, route: list[Point], top_speed: float) -> None:
         if me.goal != goal:
-            me.since = self._clock.now
+            me.since = me.neared = self._clock.now
+            me.nearest = math.inf
             # A motion that they have to keep for now ends at the goal before this one.
             me.arriving.set(None)
         self._commitments.set_goal(me, goal, route)
@@ -234,6 +235,11 @@ class Crowd:
             self._arrive_or_brake(me, see)
             return
         me.looked = now
+        me.note_course(see.whole, now)
+        if me.strays(now):
+            me.nearest, me.neared = math.inf, now
+            if self._ladder.walk_around(me, see, now, PARAMETERS.strays):
+                return
         hit = see.first_hit
         if hit is not None and self._may_start(hit, now):
             self.decide(hit.other)
@@ -242,6 +248,8 @@ class Crowd:
         if hit is not None:
             self._meet(me, hit, now)
         motion = self._first_free(me, see, hit)
+        if motion is not None and any(one.strikes(me, motion) for one in self._vehicles):
+            motion = None
         is_costly = hit is not None and self._loss(see, motion) > PARAMETERS.worth
         if hit is not None and is_costly and self._both_aside(me, see, hit, now):
             return

@@ -126,14 +126,17 @@ class Ladder:
         The detour may be as long as the distance that the person would have walked in the time
         stood and in `PARAMETERS.detour_costs`. So longer waits accept longer detours.
         """
-        me, see, now = stuck.me, stuck.see, stuck.now
-        if not stuck.may_act or me.rounded >= now:
+        if not stuck.may_act or stuck.me.rounded >= stuck.now:
             return False
+        return self.walk_around(stuck.me, stuck.see, stuck.now, stuck.stood)
+
+    def walk_around(self, me: Traveller, see: Outlook, now: float, lost: float) -> bool:
+        """Take a path around all stationary people, if it is worth the time `lost`, s."""
         goal = me.goal
         assert goal is not None
         standing = see.standing(PARAMETERS.detour_around, see.at, goal)
         path = see.ground.detours.path(see.at, goal, standing, see.ground.legs)
-        longest = see.whole + me.top_speed * (stuck.stood + PARAMETERS.detour_costs)
+        longest = see.whole + me.top_speed * (lost + PARAMETERS.detour_costs)
         if not path or length_of(path) > longest:
             return False
         me.goes_round = True

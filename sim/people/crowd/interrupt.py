@@ -23,6 +23,9 @@ from .make_room import Request
 from .parameters import PARAMETERS
 from .traveller import Traveller
 
+Drafts = dict[Traveller, tuple[Motion, Swath]]
+"""Motion of each person, and its swath."""
+
 
 class Commit(Protocol):
     """Callback that commits a person to a motion that was found free."""
@@ -116,8 +119,13 @@ class Interruptions:
         stop = self._stop(me, now)
         ahead = swath(stop, now)
         if not self._commitments.others(me, ahead.box, now).without(coming).free(ahead):
-            stop = self._latest_met(me)
-            ahead = swath(stop, now)
+            drafts = self._all_stop(me, stop, among_vehicles=True)
+            if drafts is None:
+                stop = self._latest_met(me)
+                ahead = swath(stop, now)
+            else:
+                del drafts[me]
+                self._commit_all(drafts)
         if stop is not me.body.motion:
             self._commit(me, stop, ahead)
             me.deciding.set(stop.end + PARAMETERS.early)
@@ -165,8 +173,7 @@ class Interruptions:
                 break
             drafts = self._all_stop(me, stop)
             if drafts is not None:
-                for who, (slower, ahead) in drafts.items():
-                    self._commit(who, slower, ahead)
+                self._commit_all(drafts)
                 return
             t += PARAMETERS.clear_time
         me.body.follow(self.braking(me))
@@ -177,10 +184,18 @@ class Interruptions:
         stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
         return join([motion.cut(now, t), stop]) if t > now else stop
 
+    def _commit_all(self, drafts: Drafts) -> None:
+        """Commit people to their stops."""
+        for who, (stop, ahead) in drafts.items():
+            self._commit(who, stop, ahead)
+
     def _all_stop(
-        self, me: Traveller, stop: Motion
-    ) -> dict[Traveller, tuple[Motion, Swath]] | None:
-        """Return the stops of `me` and of all people in its way, or None if one cannot stop."""
+        self, me: Traveller, stop: Motion, *, among_vehicles: bool = False
+    ) -> Drafts | None:
+        """Return the stops of `me` and of all people in its way, or None if one cannot stop.
+
+        `among_vehicles`, they may stand in the way of a vehicle, and step off it later.
+        """
         now = self._clock.now
         drafts = {me: (stop, swath(stop, now))}
         left = [me]
@@ -188,6 +203,8 @@ class Interruptions:
             one = left.pop()
             mine = drafts[one][1]
             for other in self._commitments.others(one, mine.box, now):
+                if among_vehicles and other.is_vehicle:
+                    continue
                 known = drafts.get(other)
                 theirs = other.swath if known is None else known[1]
                 if not conflict(one, mine, other, theirs, now):

@@ -107,6 +107,10 @@ class AvoidanceParameters:
     """Margin around start and goal within which stationary people are bypassed."""
     detour_costs: float = _of(8.0, "s", "chosen, not varied")
     """Time that a detour around stationary people may cost beyond the time stood."""
+    strays: float = _of(15.0, "s", "chosen, not varied")
+    """Time of walking without coming nearer to the goal after which a person takes a detour."""
+    nearer: float = _of(0.1, "m", "chosen, not varied")
+    """Decrease of the length of a course by which a person comes nearer."""
     rank_counts: float = _of(25.0, "s", "chosen, not varied")
     """Time after which a blocked person may also ask people of higher rank."""
     deadlock: float = _of(30.0, "s", "chosen, not varied")

@@ -71,6 +71,10 @@ class Traveller:
     """Time of the last decision, s."""
     rounded: float = -math.inf
     """Time of the last detour, s."""
+    nearest: float = math.inf
+    """Length of the shortest course at a decision for this goal, m."""
+    neared: float = -math.inf
+    """Time since which the person has walked without coming nearer, s."""
 
     stands_since: float | None = None
     """Time since which others have blocked the person, s."""
@@ -149,6 +153,15 @@ class Traveller:
     def stands(self, now: float) -> bool:
         """Return whether the motion ends within 0.3 s."""
         return self.swath.rests <= now + 0.3
+
+    def note_course(self, length: float, now: float) -> None:
+        """Note the length of the course at a decision, m."""
+        if length < self.nearest - PARAMETERS.nearer or self.stands_since is not None:
+            self.nearest, self.neared = length, now
+
+    def strays(self, now: float) -> bool:
+        """Return whether the person walks on and on without coming nearer to the goal."""
+        return now - self.neared >= PARAMETERS.strays
 
     def pause_longer(self, now: float) -> None:
         """Start a pause before the next search, twice as long as the last."""

@@ -20,6 +20,7 @@ from navigation import (
     first_time,
     plan_among,
     standing,
+    violations,
 )
 from navigation.carried import carried
 from navigation.encounter import Solid
@@ -38,6 +39,9 @@ TOUCH = 0.1
 
 TOUCHING = TooClose(FixedDistance(TOUCH))
 """Condition under which a person counts as touched."""
+
+STRIKING = FixedDistance(1e-3)
+"""Distance from a vehicle at which it strikes a person."""
 
 KNOWN = 10.0
 """Time before an announced departure at which people avoid the vehicle, s."""
@@ -102,6 +106,21 @@ class Vehicle:
         if self._machine.shape.direction is None:
             return carried(motion, *place)
         return motion.translated(*place)
+
+    def strikes(self, me: Traveller, motion: Motion) -> bool:
+        """Return whether the vehicle strikes a person who is among its discs and follows `motion`.
+
+        The discs are larger than the vehicle, so a person may leave one and walk into a corner.
+        """
+        now, here = self._clock.now, me.body.at
+        if not self.is_there or not any(
+            math.dist(disc.body.at, here) < disc.radius + me.radius for disc in self.discs
+        ):
+            return False
+        drive = self._machine.foreseen(now + KNOWN)
+        shapes = _shapes(me.human, self._machine.shape.chassis)
+        contacts = violations(motion, drive, STRIKING, now, motion.end, shapes=shapes)
+        return any(begin > now for begin, _ in contacts)
 
     def _look(self) -> None:
         """Take note of what the vehicle does from now on, as far as that is known."""
