@@ -43,25 +43,41 @@ def stops(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value}, {beside['protective_stop_time']:.1f} s" if value else ""
 
 
-def of_robots(inner: Words) -> Words:
-    """Return words for a figure of gantries: none where people were there and no gantry was."""
+def beside_robots(inner: Words) -> Words:
+    """Return words for a figure of people beside gantries: none where they were not both there."""
 
     def put(value: Any, beside: Mapping[str, Any]) -> str:
         counts = value.values() if isinstance(value, Mapping) else [value]
-        there = beside["minimum_separation"] is not None or not beside["people"]
+        there = beside["minimum_separation"] is not None
         return inner(value, beside) if there or any(counts) else ""
 
     return put
 
 
+def beside_vehicles(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a number that is told only where people and vehicles that may move were there."""
+    there = "nearest_agv" in beside and beside["people"]
+    return str(value) if there or value else ""
+
+
+def jobs(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return the number of jobs: none where people were there, but no gantry and no job."""
+    there = beside["minimum_separation"] is not None or not beside["people"]
+    return str(value) if there or value else ""
+
+
 def machine(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return the figures of a machine that the trial adds."""
-    numbers = {
-        key.replace("_", " "): number
-        for key, number in value.items()
-        if isinstance(number, int | float) and not isinstance(number, bool)
-    }
-    return ", ".join(f"{key} {round(number, 2):g}" for key, number in numbers.items())
+    """Return the figures of a machine that the trial adds, without times that are nothing."""
+    shown = []
+    for key, number in value.items():
+        if isinstance(number, bool) or not isinstance(number, int | float):
+            continue
+        label = key.replace("_", " ")
+        if not key.endswith("_time"):
+            shown.append(f"{label} {round(number, 2):g}")
+        elif (words := seconds(number, value)) != "0.0 s":
+            shown.append(f"{label} {words}")
+    return ", ".join(shown)
 
 
 def score(value: Any, beside: Mapping[str, Any]) -> str:

@@ -212,11 +212,11 @@ class Band {
     this.#drawClosest(pen, watch, toY);
   }
 
-  /** The speeds of all people, where there is no pair of bodies to look at. */
+  /** The speeds of all people, or of all machines, where there is no pair of bodies to look at. */
   #drawSpeeds(pen) {
     const { context, palette, from, to, toX } = pen;
     const count = Math.round(toX(to) - toX(from));
-    const curves = this.run.people.map(({ motion, color }) => ({
+    const curves = this.run.paced.map(({ motion, color }) => ({
       color, speeds: Array.from({ length: count + 1 }, (_, i) => motion.at(from + ((to - from) * i) / count).speed),
     }));
     const highest = 1.1 * Math.max(1, ...curves.map(({ speeds }) => Math.max(...speeds)));
