@@ -222,7 +222,7 @@ class Band {
     const highest = 1.1 * Math.max(1, ...curves.map(({ speeds }) => Math.max(...speeds)));
     const toY = value => this.bottom - (value / highest) * (this.bottom - this.top);
     this.#drawScale(pen, toY, highest, "m/s");
-    context.lineWidth = 1.5;
+    context.lineWidth = curves.length > FEW ? 1 : 1.5;
     for (const { color, speeds } of curves) {
       const path = new Path2D();
       speeds.forEach((speed, i) => path.lineTo(GUTTER.left + i, toY(speed)));

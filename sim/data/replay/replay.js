@@ -181,7 +181,8 @@ class Replay {
     this.choice = index;
     $("watch").value = index;
     const [watch] = this.watches;
-    if (watch) document.documentElement.style.setProperty("--shown", `var(--${watch.person.color})`);
+    const shown = watch?.person ?? this.runs[0].paced[0];
+    if (shown) document.documentElement.style.setProperty("--shown", `var(--${shown.color})`);
     document.body.classList.toggle("of-people", watch?.isOfPeople ?? false);
     if (this.isInEyes) this.lookThrough(true);
     this.control?.show();
