@@ -31,6 +31,11 @@ def metres(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value:.1f} m"
 
 
+def millimetres(margin: float) -> str:
+    """Return a margin; one that is shorter than a millimetre has no sign."""
+    return f"{round(margin, 3) + 0.0:.3f} m"
+
+
 def by_cause(value: Any, beside: Mapping[str, Any]) -> str:
     """Return how many violations there were, and by which cause."""
     counts = {cause: count for cause, count in value.items() if count}
@@ -130,7 +135,7 @@ def margin(value: Any, beside: Mapping[str, Any]) -> str:
     if value is None:
         return ""
     between = f"{value['person']} and {value['machine']}"
-    return f"{value['value']:.3f} m ({between}) at {value['time']:.1f} s"
+    return f"{millimetres(value['value'])} ({between}) at {value['time']:.1f} s"
 
 
 def approaches(value: Any, beside: Mapping[str, Any]) -> str:
@@ -138,7 +143,7 @@ def approaches(value: Any, beside: Mapping[str, Any]) -> str:
     if not value["count"]:
         return ""
     between = f"{value['person']} and {value['machine']}"
-    worst = f"least margin {value['margin']:.3f} m ({between}) at {value['time']:.1f} s"
+    worst = f"least margin {millimetres(value['margin'])} ({between}) at {value['time']:.1f} s"
     return f"{value['count']}, {value['duration']:.1f} s, {worst}"
 
 

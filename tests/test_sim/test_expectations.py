@@ -425,6 +425,12 @@ def test_terminals_show_no_gantry_where_there_is_none_and_units_of_machines():
     ).keys()
 
 
+def test_a_margin_of_nothing_has_no_sign():
+    margin = {"value": -1e-5, "person": "ann", "machine": "cart", "time": 3.0}
+    shown = dict(figures_in_words({"least_margin": margin}))
+    assert shown["least margin"] == "0.000 m (ann and cart) at 3.0 s"
+
+
 def test_the_nearest_to_an_agv_is_that_of_one_that_moves():
     trial = sim.Trial.parse(
         """\
