@@ -20,6 +20,7 @@ from .field_lengths import (
     Limits,
     directions,
     limits_along,
+    on_arc,
     stopping_reach,
 )
 from .fields import UNBOUNDED, Corners, FieldSet, ProtectiveFields
@@ -31,6 +32,9 @@ _STRAIGHT = 0.05
 
 _TURNS, _SHARES = (-1.0, -0.5, 0.5, 1.0), (0.25, 0.5, 1.0)
 """Shares of the farthest turn, and of its arc, at which the corners of a machine are looked at."""
+
+_SPARSE = 16
+"""Of so many directions, the arcs of one are looked at."""
 
 _BOX = 0.9
 """Share of a box above which its corners are not cut off."""
@@ -145,9 +149,26 @@ class _FieldMaker:
             length = reach.distance + self.supplements.length(reach)
             area.append(_driven(corners, angle, length, spin))
             warned.append(_driven(corners, angle, length + speed * self.warning_time, spin))
+        if isinstance(self.limits, VehicleLimits):
+            fastest = min(each.theta[1], self.limits.turn_speed)
+            for (angle, speed), turn in itertools.product(ways[::_SPARSE], (-fastest, fastest)):
+                area += self._on_arc(self.limits, corners, angle, speed, turn)
         protective = _octagon(np.concatenate(area), self.supplements.side)
         warning = _octagon(np.concatenate([protective, *warned]), self.supplements.side)
         return replace(each, protective=protective, warning=warning)
+
+    def _on_arc(
+        self, limits: VehicleLimits, corners: Array, angle: float, speed: float, turn: float
+    ) -> list[Array]:
+        """Return the corners on arcs at shares of a speed (m/s) and a turn rate (rad/s)."""
+        axis = limits_along(limits, angle)
+        speed = 0.0 if axis is None else min(speed, axis.max_speed)
+        points = []
+        for share, bend in itertools.product(_SHARES, _SHARES):
+            way = limits, angle, share * speed, bend * turn, self.response_time
+            for x, y, rotation in zip(*on_arc(*way), strict=True):
+                points.append(_rotated(corners, rotation) + np.array([x, y]))
+        return points
 
 
 def _is_straight(each: FieldSet) -> bool:

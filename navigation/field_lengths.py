@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
+import numpy as np
 import shapely
 from shapely import affinity
 from shapely.geometry import Polygon
@@ -21,7 +22,8 @@ from floorplan import UserError
 from .fields import FieldSet, ProtectiveFields
 from .kernels.braking import braking
 from .machines import AxisLimits
-from .vehicles import VehicleLimits
+from .motion import Array, State
+from .vehicles import VehicleLimits, vehicle_twist
 
 Limits: TypeAlias = VehicleLimits | AxisLimits
 """Limits of a vehicle, or of one that only goes straight ahead and back."""
@@ -29,8 +31,14 @@ Limits: TypeAlias = VehicleLimits | AxisLimits
 STEP = math.radians(2.0)
 """Radians between directions, and between rotations, of which areas are made."""
 
+_Way: TypeAlias = tuple[str, float, float, Polygon]
+"""Travel of a set: its name, speed, reach (both as those of `ShortField`), and swept area."""
+
 _EXACT = 1e-6
 """Metres. A field that lacks less is long enough."""
+
+_POSES = 33
+"""Number of poses of a drive on an arc: chords between them are within 1 mm of usual arcs."""
 
 _STARTS = 33
 """Number of speeds of which the farthest stop is taken."""
@@ -107,7 +115,8 @@ class ShortField(NamedTuple):
     missing : float
         Metres by which the machine leaves the protective field before it stands.
     travel : str
-        "ahead", "backwards", "sideways", "turning left" or "turning right".
+        "ahead", "backwards" or "sideways", with "on an arc to the left" or "right" if it turns
+        too, or "turning left" or "turning right" on the spot.
     speed : float
         Highest speed of the set in this travel, m/s or rad/s.
     reach : float
@@ -200,26 +209,39 @@ def short_fields(
     Notes
     -----
     The swept area of straight travel at the highest speed of the set, and of turning on the spot if
-    the set applies at rest, must be within the field. Supplements are not included.
+    the set applies at rest, must be within the field. So must that of arcs at the ends of the
+    ranges of speed and turn rate, on which the machine keeps both until it brakes. Arcs are
+    reported if more is missing than in the other travels of the set. Supplements are not included.
     """
     found: list[ShortField] = []
     for each in fields.sets:
         worst: dict[str, ShortField] = {}
         field = Polygon(each.protective).buffer(_EXACT)
-        for travel, speed, reach, area in _swept(each, footprint, limits, fields.response_time):
-            if (outside := area.difference(field)).is_empty:
-                continue
-            missing = float(shapely.hausdorff_distance(outside.union(field), field, 0.1))
-            if travel not in worst or worst[travel].missing < missing:
-                worst[travel] = ShortField(each.name, missing, travel, speed, reach.distance)
+        for way in _swept(each, footprint, limits, fields.response_time):
+            _note(worst, each, field, way)
+        most = max((one.missing for one in worst.values()), default=0.0)
+        for way in _swept_on_arcs(each, footprint, limits, fields.response_time):
+            _note(worst, each, field, way, most)
         found += worst.values()
     return tuple(found)
 
 
+def _note(
+    worst: dict[str, ShortField], each: FieldSet, field: Polygon, way: _Way, more: float = 0.0
+) -> None:
+    """Add what a field lacks in a travel to the `worst`, if it is `more` than so many metres."""
+    travel, speed, reach, area = way
+    if (outside := area.difference(field)).is_empty:
+        return
+    missing = float(shapely.hausdorff_distance(outside.union(field), field, 0.1))
+    if missing > max(more, worst[travel].missing if travel in worst else 0.0):
+        worst[travel] = ShortField(each.name, missing, travel, speed, reach)
+
+
 def _swept(
     each: FieldSet, footprint: Polygon, limits: Limits, response_time: float
-) -> Iterator[tuple[str, float, Reach, Polygon]]:
-    """Yield each travel of a set: its name, its speed, its reach, and the area that it covers."""
+) -> Iterator[_Way]:
+    """Yield straight travel at the highest speed of a set, and turning on the spot."""
     low, high = each.linear
     if each.direction is None:
         ways = [("ahead", 0.0, high), ("backwards", math.pi, -low)]
@@ -234,8 +256,8 @@ def _swept(
         if low > axis.max_speed or high < -axis.max_speed:
             continue  # the machine is never that fast
         speed = min(fastest, axis.max_speed)
-        reach = stopping_reach(axis, speed, response_time)
-        yield travel, speed, reach, swept_straight(footprint, angle, reach.distance)
+        reach = stopping_reach(axis, speed, response_time).distance
+        yield travel, speed, reach, swept_straight(footprint, angle, reach)
     if isinstance(limits, VehicleLimits) and low <= 0 <= high:
         for travel, sign, fastest in (
             ("turning left", 1, each.theta[1]),
@@ -243,8 +265,57 @@ def _swept(
         ):
             if fastest > 0:
                 speed = min(fastest, limits.turn_speed)
-                reach = stopping_reach(limits.turning, speed, response_time)
-                yield travel, speed, reach, swept_turn(footprint, sign * reach.distance)
+                reach = stopping_reach(limits.turning, speed, response_time).distance
+                yield travel, speed, reach, swept_turn(footprint, sign * reach)
+
+
+def _swept_on_arcs(
+    each: FieldSet, footprint: Polygon, limits: Limits, response_time: float
+) -> Iterator[_Way]:
+    """Yield drives on arcs, at the ends of the ranges of speed and turn rate of a set."""
+    if not isinstance(limits, VehicleLimits):
+        return
+    u, v = shapely.get_coordinates(footprint.exterior).T
+    most = limits.turn_speed
+    turns = {min(max(rate, -most), most) for rate in each.theta} - {0.0}
+    if each.direction is None:
+        ways = [(0.0, speed) for speed in each.linear]
+    else:
+        first, last = each.direction
+        ways = [*itertools.product({first, last, *quarters(first, last)}, each.linear)]
+    for (angle, wanted), turn in itertools.product(sorted(ways), sorted(turns)):
+        way = angle if wanted >= 0 else angle + math.pi
+        axis = limits_along(limits, way)
+        if axis is None or wanted == 0:
+            continue
+        if each.linear[0] > axis.max_speed or each.linear[1] < -axis.max_speed:
+            continue  # the machine is never that fast
+        fastest = min(abs(wanted), axis.max_speed)
+        x, y, rotation = on_arc(limits, way, fastest, turn, response_time)
+        c, s = np.cos(rotation), np.sin(rotation)
+        at = np.stack([np.outer(c, u) - np.outer(s, v), np.outer(s, u) + np.outer(c, v)], axis=2)
+        poses = at + np.column_stack([x, y])[:, None]
+        pairs = np.concatenate([poses[:-1], poses[1:]], axis=1)
+        area = shapely.union_all(shapely.convex_hull(shapely.multipoints(pairs)))
+        side = "left" if turn > 0 else "right"
+        covered = float(np.hypot(np.diff(x), np.diff(y)).sum())
+        yield f"{_travel(way)} on an arc to the {side}", fastest, covered, area
+
+
+def on_arc(
+    limits: VehicleLimits, angle: float, speed: float, turn: float, response_time: float
+) -> tuple[Array, Array, Array]:
+    """Return the poses x, y, rotation (N,) of a drive on an arc, from a contact to standstill.
+
+    The vehicle travels in the direction `angle` of its frame at the contact.
+    """
+    c, s = math.cos(angle), math.sin(angle)
+    twist = (speed * c, speed * s, turn) if limits.holonomic else (speed * c, turn)
+    begin = State((0.0, 0.0, 0.0), (speed * c, speed * s, turn), (0.0, 0.0, 0.0))
+    drive = vehicle_twist(begin, twist, seconds=response_time, limits=limits)
+    instants = np.linspace(drive.start, drive.end, _POSES)
+    x, y = drive.position(instants).T
+    return x, y, drive.rotation(instants)
 
 
 def limits_along(limits: Limits, angle: float) -> AxisLimits | None:
@@ -264,8 +335,13 @@ def directions(first: float, last: float) -> list[float]:
     """Return directions from first to last, no more than a step apart, and those of the axes."""
     count = math.ceil((last - first) / STEP)
     steps = {first + (last - first) * k / count for k in range(count + 1)}
-    quarters = range(math.ceil(first / (math.pi / 2)), math.floor(last / (math.pi / 2)) + 1)
-    return sorted(steps | {k * math.pi / 2 for k in quarters})
+    return sorted(steps | quarters(first, last))
+
+
+def quarters(first: float, last: float) -> set[float]:
+    """Return the directions of the axes from first to last."""
+    quarter = math.pi / 2
+    return {k * quarter for k in range(math.ceil(first / quarter), math.floor(last / quarter) + 1)}
 
 
 def swept_straight(footprint: Polygon, angle: float, distance: float) -> Polygon:

@@ -126,10 +126,11 @@ def _moments_of_person(run: Outcome, person: str) -> tuple[CellArray, CellArray]
 
 def _margins(run: Outcome, person: str, machine: str, times: CellArray) -> CellArray:
     """Return the margin (metres) to one machine at each instant; infinite if none is required."""
-    margins = run.margin(person, machine, times)
-    if run.scene.machine(machine).category == "vehicle":
-        moves = np.hypot(*run.motions[machine].velocity(times).T) > 0.0
-        margins = np.where(moves, margins, math.inf)
+    if run.scene.machine(machine).category != "vehicle":
+        return run.margin(person, machine, times)
+    moves = np.hypot(*run.motions[machine].velocity(times).T) > 0.0
+    margins = np.full(len(times), math.inf)
+    margins[moves] = run.margin(person, machine, times[moves])
     return margins
 
 

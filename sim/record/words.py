@@ -31,6 +31,11 @@ def metres(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value:.1f} m"
 
 
+def millimetres(margin: float) -> str:
+    """Return a margin; one that is shorter than a millimetre has no sign."""
+    return f"{round(margin, 3) + 0.0:.3f} m"
+
+
 def by_cause(value: Any, beside: Mapping[str, Any]) -> str:
     """Return how many violations there were, and by which cause."""
     counts = {cause: count for cause, count in value.items() if count}
@@ -43,25 +48,41 @@ def stops(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value}, {beside['protective_stop_time']:.1f} s" if value else ""
 
 
-def of_robots(inner: Words) -> Words:
-    """Return words for a figure of gantries: none where people were there and no gantry was."""
+def beside_robots(inner: Words) -> Words:
+    """Return words for a figure of people beside gantries: none where they were not both there."""
 
     def put(value: Any, beside: Mapping[str, Any]) -> str:
         counts = value.values() if isinstance(value, Mapping) else [value]
-        there = beside["minimum_separation"] is not None or not beside["people"]
+        there = beside["minimum_separation"] is not None
         return inner(value, beside) if there or any(counts) else ""
 
     return put
 
 
+def beside_vehicles(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return a number that is told only where people and vehicles that may move were there."""
+    there = "nearest_agv" in beside and beside["people"]
+    return str(value) if there or value else ""
+
+
+def jobs(value: Any, beside: Mapping[str, Any]) -> str:
+    """Return the number of jobs: none where people were there, but no gantry and no job."""
+    there = beside["minimum_separation"] is not None or not beside["people"]
+    return str(value) if there or value else ""
+
+
 def machine(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return the figures of a machine that the trial adds."""
-    numbers = {
-        key.replace("_", " "): number
-        for key, number in value.items()
-        if isinstance(number, int | float) and not isinstance(number, bool)
-    }
-    return ", ".join(f"{key} {round(number, 2):g}" for key, number in numbers.items())
+    """Return the figures of a machine that the trial adds, without times that are nothing."""
+    shown = []
+    for key, number in value.items():
+        if isinstance(number, bool) or not isinstance(number, int | float):
+            continue
+        label = key.replace("_", " ")
+        if not key.endswith("_time"):
+            shown.append(f"{label} {round(number, 2):g}")
+        elif (words := seconds(number, value)) != "0.0 s":
+            shown.append(f"{label} {words}")
+    return ", ".join(shown)
 
 
 def score(value: Any, beside: Mapping[str, Any]) -> str:
@@ -114,7 +135,7 @@ def margin(value: Any, beside: Mapping[str, Any]) -> str:
     if value is None:
         return ""
     between = f"{value['person']} and {value['machine']}"
-    return f"{value['value']:.3f} m ({between}) at {value['time']:.1f} s"
+    return f"{millimetres(value['value'])} ({between}) at {value['time']:.1f} s"
 
 
 def approaches(value: Any, beside: Mapping[str, Any]) -> str:
@@ -122,7 +143,7 @@ def approaches(value: Any, beside: Mapping[str, Any]) -> str:
     if not value["count"]:
         return ""
     between = f"{value['person']} and {value['machine']}"
-    worst = f"least margin {value['margin']:.3f} m ({between}) at {value['time']:.1f} s"
+    worst = f"least margin {millimetres(value['margin'])} ({between}) at {value['time']:.1f} s"
     return f"{value['count']}, {value['duration']:.1f} s, {worst}"
 
 

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from floorplan import Floorplan
-from navigation import FieldSet, ShortField, short_fields
+from shapely.geometry import Polygon
+
+from navigation import FieldSet, ShortField, VehicleLimits, short_fields
+from navigation.machines import AxisLimits
 
 from ..core.body import MachineShape
 from ..core.fields import MachineFields, Muting
@@ -54,11 +57,17 @@ def field_tables(scene: Scene, models: Mapping[str, MachineModel] | None) -> lis
     `models` has the machines of the trial, None of a recording: its fields cannot be checked.
     """
     found: dict[tuple[tuple[tuple[str, str], ...], tuple[Row, ...]], list[str]] = {}
+    known: dict[Any, tuple[ShortField, ...] | None] = {}
     for machine in scene.machines:
         if machine.name in scene.fields:
             fields = scene.fields[machine.name]
             model = None if models is None else models.get(machine.name)
-            short = _short(fields, model, machine, scene.floorplan)
+            limits = None if model is None else field_limits(model, scene.floorplan)
+            footprint = machine.footprint((0.0, 0.0), 0.0)
+            alike = fields.protective, footprint.wkb, limits
+            if alike not in known:
+                known[alike] = _short(fields, footprint, limits)
+            short = known[alike]
             key = (tuple(_facts(fields)), tuple(_rows(fields, machine, short)))
             found.setdefault(key, []).append(machine.name)
     return [_table(listed(names), *key) for key, names in found.items()]
@@ -74,13 +83,10 @@ def _table(machines: str, facts: tuple[tuple[str, str], ...], rows: tuple[Row, .
 
 
 def _short(
-    fields: MachineFields, model: MachineModel | None, machine: MachineShape, plan: Floorplan
+    fields: MachineFields, footprint: Polygon, limits: VehicleLimits | AxisLimits | None
 ) -> tuple[ShortField, ...] | None:
     """Return the sets that are too short; None if the limits of the machine are not known."""
-    limits = None if model is None else field_limits(model, plan)
-    if limits is None:
-        return None
-    return short_fields(fields.protective, machine.footprint((0.0, 0.0), 0.0), limits)
+    return None if limits is None else short_fields(fields.protective, footprint, limits)
 
 
 def _facts(fields: MachineFields) -> Iterator[tuple[str, str]]:

@@ -92,6 +92,9 @@ COUNTED = (
 )
 """What `counts` counts."""
 
+CATEGORIES = ("robot", "vehicle")
+"""The categories of machines of the first counts."""
+
 
 def sign_off_rows(sign_off: SignOff) -> Iterator[tuple[str, str]]:
     """Yield the entries of the sign-off block, empty where none is given."""

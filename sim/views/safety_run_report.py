@@ -37,6 +37,7 @@ from ..record.warm_up import after_warm_up, zones_of
 from .report_page import minus
 from .safety_fields import field_tables
 from .safety_findings import (
+    CATEGORIES,
     COUNTED,
     SIGNED_BY,
     counts,
@@ -434,7 +435,10 @@ def _compared_counts(
         return []
     after = counts(run, worst, times)
     before = counts(whole, incidents(whole), machine_times(whole))
-    return [*zip(COUNTED, after, before, strict=True)]
+    categories = {one.category for one in run.scene.machines}
+    left_out = {COUNTED[k] for k, one in enumerate(CATEGORIES) if one not in categories}
+    rows = zip(COUNTED, after, before, strict=True)
+    return [row for row in rows if row[0] not in left_out]
 
 
 def _summary(run: Outcome) -> dict[str, Any]:

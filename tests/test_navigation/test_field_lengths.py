@@ -20,6 +20,7 @@ from navigation import (
     vehicle_segment,
     vehicle_stop,
     vehicle_turn,
+    vehicle_twist,
 )
 from navigation.field_lengths import swept_straight, swept_turn
 from navigation.machines import AxisLimits
@@ -109,7 +110,7 @@ def test_supplements_lengthen_and_widen_fields():
 
 def test_a_short_field_is_reported_with_its_length():
     reach = stopping_reach(VehicleLimits().along(1, 0), 1.5, 0.2).distance
-    field = FieldSet(name="fast", protective=rectangle(2.0), linear=(0.1, 2.0))
+    field = FieldSet(name="fast", protective=rectangle(2.0), linear=(0.1, 2.0), theta=(0.0, 0.0))
     fields = ProtectiveFields(sets=[field], response_time=0.2)
     (short,) = short_fields(fields, FOOTPRINT, VehicleLimits())
     assert short.missing == pytest.approx(1.2 + reach - 2.0, abs=1e-5)
@@ -130,6 +131,48 @@ def test_a_narrow_field_is_reported_for_turns():
     turned = affinity.rotate(FOOTPRINT, -short.reach, (0, 0), use_radians=True)
     assert 0 < short.missing <= corner - 0.5
     assert short.missing >= -turned.bounds[1] - 0.5 - 1e-6
+
+
+def covered_on_arc(twist, response, limits):
+    """Return poses of the footprint on an arc, from a contact to the standstill, in the frame."""
+    drive = vehicle_twist((0, 0, 0), twist, seconds=10, limits=limits)
+    t = 8.0
+    stop = vehicle_stop(drive.state(t + response), t + response, limits=limits)
+    (x, y), turned = drive.position(t), drive.rotation(t)
+    for k in range(60):
+        at = t + (stop.end - t) * k / 59
+        motion = drive if at < t + response else stop
+        pose = affinity.rotate(FOOTPRINT, motion.rotation(at), (0, 0), use_radians=True)
+        dx, dy = motion.position(at)
+        pose = affinity.translate(pose, dx - x, dy - y)
+        yield affinity.rotate(pose, -turned, (0, 0), use_radians=True)
+
+
+def test_a_narrow_field_is_reported_for_arcs():
+    field = FieldSet(name="fast", protective=rectangle(4.0), linear=(0.3, 1.5), theta=(-0.1, 0.8))
+    fields = ProtectiveFields(sets=[field], response_time=0.2)
+    (short,) = short_fields(fields, FOOTPRINT, VehicleLimits())
+    assert short.travel == "ahead on an arc to the left"
+    poses = shapely.union_all([*covered_on_arc((1.5, 0.8), 0.2, VehicleLimits())])
+    assert short.speed == 1.5
+    assert short.missing == pytest.approx(poses.bounds[3] - 0.5, abs=0.002)
+    straight = ProtectiveFields(
+        sets=[FieldSet(name="fast", protective=rectangle(4.0), linear=(0.3, 1.5), theta=(0, 0))]
+    )
+    assert short_fields(straight, FOOTPRINT, VehicleLimits()) == ()
+
+
+@pytest.mark.parametrize("limits", DRIVES)
+def test_computed_fields_contain_arcs(limits):
+    top = limits.top_speed
+    fields = needed_fields(FOOTPRINT, limits, [0.3, top], response_time=0.2, supplements=BARE)
+    for ahead in (-0.99, -0.3, 0.2, 0.5, 0.99):
+        for turn in (-0.9, -0.3, 0.04, 0.049, 0.5):
+            twist = (ahead * limits.speed, turn)
+            drive = vehicle_twist((0, 0, 0), twist, seconds=10, limits=limits)
+            (span,) = fields.applying(drive, 8.0, 8.0)
+            field = Polygon(span.set.protective).buffer(1e-6)
+            assert all(map(field.covers, covered_on_arc(twist, 0.2, limits)))
 
 
 def test_a_field_behind_is_needed_backwards():

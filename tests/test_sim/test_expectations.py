@@ -394,6 +394,43 @@ def test_many_people_have_a_line_each():
     assert few["p0: walked"] == "3.0 m" and few["p0: replans"] == "0"
 
 
+VEHICLES = """
+floorplan: warehouse
+duration: 20
+rules: observe
+people: PEOPLE
+machines:
+  cart: {kind: amr, at: [8.5, 2.0, 0.0], missions: [{wait: 4}, {go: dock}]}
+  pod: {kind: amr, at: [12.5, 18.0, 0.0]}
+"""
+
+
+def test_terminals_show_no_gantry_where_there_is_none_and_units_of_machines():
+    run = sim.run(sim.Trial.parse(VEHICLES.replace("PEOPLE", "[]")))
+    shown = dict(figures_in_words(run.summary))
+    idle = run.summary["machines"]["pod"]["idle_time"]
+    assert shown["cart"] == "jobs done 1" and shown["pod"] == f"jobs done 0, idle time {idle:.1f} s"
+    assert not [line for line in shown if "gantry" in line or "violations" in line]
+    assert "penalties" not in shown
+    people = "[{name: ann, at: [3.0, 10.0]}]"
+    beside = sim.run(sim.Trial.parse(VEHICLES.replace("PEOPLE", people)))
+    shown = dict(figures_in_words(beside.summary))
+    assert shown["violations with vehicles"] == str(beside.summary["agv_violations"])
+    assert not [line for line in shown if "gantry" in line]
+    workcell = sim.run(
+        sim.Trial.parse("{floorplan: ariac2023, duration: 9, people: [{name: eve}]}")
+    )
+    assert {"penalties", "violations with the gantry"} < dict(
+        figures_in_words(workcell.summary)
+    ).keys()
+
+
+def test_a_margin_of_nothing_has_no_sign():
+    margin = {"value": -1e-5, "person": "ann", "machine": "cart", "time": 3.0}
+    shown = dict(figures_in_words({"least_margin": margin}))
+    assert shown["least margin"] == "0.000 m (ann and cart) at 3.0 s"
+
+
 def test_the_nearest_to_an_agv_is_that_of_one_that_moves():
     trial = sim.Trial.parse(
         """\

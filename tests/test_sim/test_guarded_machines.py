@@ -239,6 +239,31 @@ def test_muting_by_zone_and_what_its_end_finds():
     assert occupied["t"] == unmuted["t"] and stop["t"] == pytest.approx(unmuted["t"] + 0.2)
 
 
+def test_fields_are_not_muted_in_a_hole_of_a_zone():
+    floor = (
+        "zones: {dock: {polygon: [[10, 0], [20, 0], [20, 6], [10, 6]], max_speed: 3.0,"
+        " holes: [[[12, 1], [15, 1], [15, 5], [12, 5]], [[16, 1], [17, 1], [17, 2], [16, 2]]]}}\n"
+    )
+    text = on_floor(
+        FLOOR + floor,
+        "duration: 60\nrules: observe\npeople: []\nmachines:\n"
+        "  fork: {kind: amr, at: [3, 3, 0], max_speed: 1.0, missions: [{go: east}]}\n",
+    )
+    run = sim.run(sim.Trial.parse(text + ONLY_PROTECTIVE + "    muting: [dock]\n"))
+    motion = run.motions["fork"]
+    changes = [
+        (e["kind"], float(motion.position(e["t"])[0]))
+        for e in run.events
+        if e["kind"] in ("fields_muted", "fields_unmuted")
+    ]
+    assert changes == [
+        ("fields_muted", pytest.approx(10.0, abs=1e-6)),
+        ("fields_unmuted", pytest.approx(12.0, abs=1e-6)),
+        ("fields_muted", pytest.approx(15.0, abs=1e-6)),
+        ("fields_unmuted", pytest.approx(20.0, abs=1e-6)),
+    ]
+
+
 def test_muting_by_time():
     fields = ONLY_PROTECTIVE + "    muting: {times: [[0, 5], [20]]}\n"
     run = sim.run(trial(standing(4.5, 4.3), fields=fields))
@@ -439,6 +464,9 @@ def test_fields_that_are_too_short_are_a_notice():
     short = [notice for notice in trial(fields=fields).notices if "too short" in notice.message]
     assert {notice.field for notice in short} == {"fields.fork.sets[0].protective"}
     longer = fields.replace("[1,", "[4,").replace("[-2,", "[-4,")
+    arcs = [notice for notice in trial(fields=longer).notices if "too short" in notice.message]
+    assert arcs and all(" on an arc to the " in notice.message for notice in arcs)
+    longer = longer.replace(", 1]", ", 1.5]").replace(", -1]", ", -1.5]")
     assert not [notice for notice in trial(fields=longer).notices if "short" in notice.message]
 
 

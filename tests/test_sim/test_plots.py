@@ -350,7 +350,7 @@ def test_trails_on_the_same_way_can_all_be_seen():
         widths = [line.get_linewidth() for line in lines]
         assert [line.get_label() for line in sorted(lines, key=lambda line: line.zorder)] == names
         assert widths == sorted(widths, reverse=True) and len(set(widths)) == count
-        assert widths[-1] == 1.0 and widths[0] < 8.0
+        assert widths[-1] == 1.0 and widths[0] < 6.0
 
 
 def test_a_part_of_a_run(run):
@@ -391,6 +391,24 @@ def test_a_heat_map_shows_how_long_somebody_walked_over_a_spot():
     assert time_covered(later).sum() == 0.0
     two = plots.heat_map([run, run]).axes[0].images[0].get_array()
     np.testing.assert_allclose(two.filled(0.0), 2 * seconds)
+
+
+def test_a_heat_map_without_people_is_refused():
+    alone = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 1, people: []}"))
+    with pytest.raises(ValueError, match="a heat map needs a person; there is none"):
+        plots.heat_map(alone)
+
+
+def test_a_short_required_distance_leaves_room_for_the_distance():
+    text = """
+floorplan: warehouse
+duration: 20
+rules: {based_on: observe, between: surfaces, agv_law: {fixed: 0.05}}
+people: [{name: ann, at: [10.0, 17.0]}]
+machines: {cart: {kind: amr, at: [3.0, 17.0, 0.0], missions: [{go: dock}]}}
+"""
+    (axes,) = sim.run(sim.Trial.parse(text)).plot.separation("ann").axes
+    assert axes.get_ylim() == (0.0, 4.0)
 
 
 def test_a_heat_map_of_different_floors_is_refused(run):

@@ -342,6 +342,37 @@ def test_density_and_speed_are_gaussian_profiles_of_people(viewer, recording):
     assert viewer.page.locator("#field-scale").is_hidden()
 
 
+VEHICLES_ALONE = """
+floorplan: warehouse
+duration: 40
+people: []
+machines:
+  fork1: {kind: amr, at: [8.5, 2.0, 0.0], missions: [{go: dock}]}
+  fork2: {kind: amr, at: [8.5, 18.0, 0.0], missions: [{wait: 3}, {go: packing}, {wait: 30}]}
+"""
+
+
+@pytest.mark.slow
+def test_without_people_the_plot_shows_speeds_and_jobs_of_machines(open_page):
+    alone = replay_data(sim.run(sim.Trial.parse(VEHICLES_ALONE)))
+    viewer = open_page(replay.render(alone))
+    assert viewer.text("#legend") == "speed of machines"
+    viewer.seek(1.0)
+    assert viewer.text("[data-shows=job]").endswith("since 0.00 s")
+    viewer.seek(4.0)
+    assert viewer.text("[data-shows=job-of]") == "job of fork2"
+    assert viewer.text("[data-shows=job]") == "go to packing, since 3.00 s"
+    plot = viewer.page.locator("#chart canvas").screenshot()
+    for name in ("fork1", "fork2"):
+        alone["motions"][name] = [
+            [p[0], p[1], *(c[:1] for c in p[2:])] for p in alone["motions"][name]
+        ]
+    still = open_page(replay.render(alone))
+    still.seek(4.0)
+    assert still.differ(plot, still.page.locator("#chart canvas").screenshot())
+    assert viewer.complaints == []
+
+
 @pytest.mark.slow
 def test_without_machines_the_plot_shows_speeds(open_page, recording):
     alone = copy.deepcopy(recording)

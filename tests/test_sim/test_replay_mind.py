@@ -116,6 +116,7 @@ def test_the_gantrys_job_is_shown_while_it_lasts(viewer, run):
         viewer.seek((before["t"] + after["t"]) / 2)
         if before["kind"] == "job_started":
             job = before["job"].replace("_", " ")
+            assert viewer.text("[data-shows=job-of]") == "job of gantry"
             assert viewer.text("[data-shows=job]").startswith(job)
             assert viewer.text("[data-shows=job]").endswith(f"since {before['t']:.2f} s")
         else:

@@ -212,17 +212,17 @@ class Band {
     this.#drawClosest(pen, watch, toY);
   }
 
-  /** The speeds of all people, where there is no pair of bodies to look at. */
+  /** The speeds of all people, or of all machines, where there is no pair of bodies to look at. */
   #drawSpeeds(pen) {
     const { context, palette, from, to, toX } = pen;
     const count = Math.round(toX(to) - toX(from));
-    const curves = this.run.people.map(({ motion, color }) => ({
+    const curves = this.run.paced.map(({ motion, color }) => ({
       color, speeds: Array.from({ length: count + 1 }, (_, i) => motion.at(from + ((to - from) * i) / count).speed),
     }));
     const highest = 1.1 * Math.max(1, ...curves.map(({ speeds }) => Math.max(...speeds)));
     const toY = value => this.bottom - (value / highest) * (this.bottom - this.top);
     this.#drawScale(pen, toY, highest, "m/s");
-    context.lineWidth = 1.5;
+    context.lineWidth = curves.length > FEW ? 1 : 1.5;
     for (const { color, speeds } of curves) {
       const path = new Path2D();
       speeds.forEach((speed, i) => path.lineTo(GUTTER.left + i, toY(speed)));

@@ -58,20 +58,30 @@ class Mind {
 class Jobs {
   constructor(events) {
     const open = new Map();
-    this.changes = [];
+    this.changes = new Map();
     for (const event of events) {
       if (event.kind === "job_started") open.set(jobKey(event), event);
       else if (event.kind === "job_done") open.delete(jobKey(event));
       else if (event.kind === "order_submitted") open.delete(jobKey({ ...event, job: "submit" }));
       else continue;
-      this.changes.push({ t: event.t, job: [...open.values()].at(-1) });
+      const machine = machineOf(event);
+      const job = [...open.values()].filter(one => machineOf(one) === machine).at(-1);
+      if (!this.changes.has(machine)) this.changes.set(machine, []);
+      this.changes.get(machine).push({ t: event.t, machine, job });
     }
-    this.times = Float64Array.from(this.changes, change => change.t);
+    this.times = new Map([...this.changes].map(([name, changes]) => [name, Float64Array.from(changes, ({ t }) => t)]));
   }
 
-  /** The event that started the job at t, or undefined. */
-  at(t) {
-    return this.changes[lastUpTo(this.times, t)]?.job;
+  /** The event that started the job of a machine at t, or undefined. */
+  of(machine, t) {
+    return this.changes.get(machine)?.[lastUpTo(this.times.get(machine), t)]?.job;
+  }
+
+  /** The machine whose job is shown: the one that is `wanted` if it has jobs, or else the one that began last. */
+  shown(wanted, t) {
+    if (this.changes.has(wanted)) return wanted;
+    const begun = [...this.changes.keys()].map(machine => ({ machine, t: this.of(machine, t)?.t ?? -1 }));
+    return begun.sort((a, b) => b.t - a.t)[0].machine;
   }
 }
 

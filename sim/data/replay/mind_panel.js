@@ -61,5 +61,5 @@ function beliefItem(text, className) {
   return element("li", { className }, element("code", { text: short(text), title: text }));
 }
 
-/** A literal with its long decimals shortened. */
-const short = text => text.replace(/-?\d+\.\d{3,}(?:E-?\d+)?/g, number => String(+Number(number).toFixed(2)));
+/** A literal with its long decimals shortened, and without the annotations of a plan that failed. */
+const short = text => text.replace(/\[code\(.*\]$/s, "").replace(/-?\d+\.\d{3,}(?:E-?\d+)?/g, number => String(+Number(number).toFixed(2)));

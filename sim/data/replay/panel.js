@@ -57,9 +57,14 @@ class Readout {
   show(run, watch, chosen, t, afterglow) {
     const put = (name, text) => write(this.places[name], text);
     put("time", seconds(t));
-    const job = run.jobs.at(t);
-    this.places.job.parentElement.hidden = run.jobs.changes.length === 0;
-    put("job", job ? `${jobWords(job)}, since ${seconds(job.t)}` : "none");
+    const hasJobs = run.jobs.changes.size > 0;
+    this.places.job.parentElement.hidden = !hasJobs;
+    if (hasJobs) {
+      const machine = run.jobs.shown(watch?.other.name, t);
+      const job = run.jobs.of(machine, t);
+      put("job-of", `job of ${spoken(machine)}`);
+      put("job", job ? `${jobWords(job)}, since ${seconds(job.t)}` : "none");
+    }
     const pair = pairOf(watch, chosen);
     put("pair", pair);
     this.places.pair.hidden = pair === "";

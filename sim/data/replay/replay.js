@@ -23,7 +23,7 @@ class Replay {
     this.chart = new Chart($("chart"), () => this.#resize());
     for (const speed of SPEEDS) this.#offerSpeed(speed);
     this.#add(run);
-    this.choose(Math.max(0, run.watches.findIndex(watch => watch.violations.length)));
+    this.choose(run.firstWatch);
     this.#wireButtons();
     this.#wireKeys();
     this.#wireChart();
@@ -99,6 +99,7 @@ class Replay {
     this.views.forEach((view, i) => { view.frame.querySelector(".title").textContent = names[i]; });
     document.body.classList.toggle("compared", isCompared);
     document.body.classList.toggle("unwatched", first.watches.length === 0);
+    document.querySelector("#legend .of-speed b").textContent = first.people.length ? "people" : "machines";
     $("title").textContent = isCompared ? names.map((name, i) => `${LETTERS[i]}: ${name}`).join("; ") : title ?? "";
     $("subtitle").textContent = isCompared
       ? "" : [floorplan.title, ...people].filter(Boolean).join(" · ");
@@ -180,7 +181,8 @@ class Replay {
     this.choice = index;
     $("watch").value = index;
     const [watch] = this.watches;
-    if (watch) document.documentElement.style.setProperty("--shown", `var(--${watch.person.color})`);
+    const shown = watch?.person ?? this.runs[0].paced[0];
+    if (shown) document.documentElement.style.setProperty("--shown", `var(--${shown.color})`);
     document.body.classList.toggle("of-people", watch?.isOfPeople ?? false);
     if (this.isInEyes) this.lookThrough(true);
     this.control?.show();

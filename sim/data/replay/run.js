@@ -52,6 +52,19 @@ class Run {
     this.violationTimes = this.violations.map(violation => violation.t);
   }
 
+  /** The bodies whose speeds are shown without a pair: its people, or else its machines. */
+  get paced() {
+    return this.people.length ? this.people : [...this.bodies.values()];
+  }
+
+  /** The number of the pair that is shown first: a violation, or without a robot the least margin. */
+  get firstWatch() {
+    const violated = this.watches.findIndex(watch => watch.violations.length);
+    if (violated >= 0 || this.watches.some(({ other }) => other.category === "robot")) return Math.max(0, violated);
+    const { person, machine } = this.recording.summary?.least_margin ?? {};
+    return Math.max(0, this.watches.findIndex(one => one.person.name === person && one.other.name === machine));
+  }
+
   /** The fields of density and speed of its people. */
   get fields() {
     return this.cachedFields ??= new Fields(this);

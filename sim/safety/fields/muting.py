@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from shapely.geometry import Polygon
+from shapely.geometry import LinearRing
 
 from floorplan import Zone
 from navigation import FieldSet, Motion, ProtectiveFields, intrusions, standing
@@ -32,7 +32,10 @@ class MutingWatch:
         self._body = body
         self._clock = body.clock
         # A zone about the axis is what a field about a person is: a polygon at rest.
-        self._areas = [_area(zone.area) for zone in zones]
+        self._areas = [
+            (_area(zone.area.exterior), [_area(hole) for hole in zone.area.interiors])
+            for zone in zones
+        ]
         self._times = times
         self._changed = changed
         self._alarm = Alarm(body.clock, self.reconsider, Turn.VIOLATION)
@@ -42,9 +45,12 @@ class MutingWatch:
         now, motion = self._clock.now, self._body.motion
         active = within(self._times, now)
         changes = [t for span in self._times for t in span if t > now]
-        for area in self._areas:
-            end = max(now, motion.end) + 1.0
-            for begin, until in _inside(area, motion, now, end):
+        end = max(now, motion.end) + 1.0
+        for area, holes in self._areas:
+            spans = _inside(area, motion, now, end)
+            for hole in holes:
+                spans = _without(spans, _inside(hole, motion, now, end))
+            for begin, until in spans:
                 active = active or begin <= now + MOMENT < until
                 changes += [t for t in (begin, until) if now + MOMENT < t < end]
         self._alarm.set(min(changes, default=None))
@@ -53,8 +59,8 @@ class MutingWatch:
             self._changed()
 
 
-def _area(polygon: Polygon) -> ProtectiveFields:
-    corners = tuple(polygon.exterior.coords[:-1])
+def _area(ring: LinearRing) -> ProtectiveFields:
+    corners = tuple(ring.coords[:-1])
     return ProtectiveFields(sets=(FieldSet(name="zone", protective=corners),))
 
 
@@ -66,3 +72,13 @@ def _inside(
         (one.begin, one.end)
         for one in intrusions(area, standing((0.0, 0.0)), motion, POINT, begin, end)
     ]
+
+
+def _without(
+    spans: list[tuple[float, float]], gaps: list[tuple[float, float]]
+) -> list[tuple[float, float]]:
+    """Return what is left of time spans outside gaps."""
+    for since, until in gaps:
+        parts = [((begin, min(end, since)), (max(begin, until), end)) for begin, end in spans]
+        spans = [part for pair in parts for part in pair if part[0] < part[1]]
+    return spans

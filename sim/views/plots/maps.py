@@ -109,9 +109,11 @@ def heat_map(runs: Outcome | Sequence[Outcome], *, width: Width = "double") -> F
     Raises
     ------
     ValueError
-        If the runs are on different floors.
+        If the runs are on different floors or without people.
     """
     several = on_one_floor(runs, "heat map")
+    if not any(run.scene.people for run in several):
+        raise UserError("a heat map needs a person; there is none")
     plan = several[0].floorplan
     seconds = sum((time_covered(run) for run in several), np.zeros(cells_of(plan, HEAT_CELL)))
     most = max(float(seconds.max()), 1.0)

@@ -160,7 +160,7 @@ _THIN = 1.0
 _EDGES = 2.4
 """Points by which the line of each person before is wider, so that it shows on both sides."""
 
-_WIDEST = 8.0
+_WIDEST = 5.8
 """Points. Of several people the edges are smaller, so that no line is wider than this."""
 
 _GAP = 0.3

@@ -42,6 +42,9 @@ from .style import (
 SHOWN = 3.0
 """Distances of more than this many times the largest required one are cut off."""
 
+ALWAYS_SHOWN = 4.0
+"""Metres. Shorter distances are not cut off."""
+
 COLUMNS = 400
 """A long run is drawn in so many columns of equal time."""
 
@@ -196,7 +199,9 @@ def _curves(run: Outcome, pair: Pair, span: Span) -> tuple[Array, Array, Array]:
 def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
     t, distance, required = _curves(run, pair, span)
     close = distance < required
-    highest = SHOWN * float(np.nanmax(required)) if np.isfinite(required).any() else np.inf
+    highest = np.inf
+    if np.isfinite(required).any():
+        highest = max(ALWAYS_SHOWN, SHOWN * float(np.nanmax(required)))
     if len(t) > COLUMNS * DENSEST:
         _draw_columns(axes, t, distance, required, span)
     else:
