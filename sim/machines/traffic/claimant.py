@@ -49,7 +49,7 @@ SHORT = 5.0
 """Seconds that a detour around a machine that stands may take more at once."""
 
 
-class Company(Protocol):
+class Coordinator(Protocol):
     """What a claimant tells and asks the others together."""
 
     stage: Stage
@@ -71,7 +71,7 @@ class Company(Protocol):
 class Claimant:
     """A machine with its claim."""
 
-    def __init__(self, company: Company, machine: Machine, order: int) -> None:
+    def __init__(self, coordinator: Coordinator, machine: Machine, order: int) -> None:
         self.machine = machine
         self.name = machine.name
         self.peers: list[Claimant] = []
@@ -80,12 +80,12 @@ class Claimant:
         """The area that it covers until its next look."""
         self.waiting: WaitForMachines[Claimant] | None = None
         self.waiting_time = 0.0
-        state, now = machine.body.state, company.stage.clock.now
+        state, now = machine.body.state, coordinator.stage.clock.now
         self.stops = machine.stopping(state, now) is not None
         """Whether it is known how it stops."""
         self._seconds = PART if self.stops else UNKNOWN_PART
-        self._company = company
-        self._clock = company.stage.clock
+        self._company = coordinator
+        self._clock = coordinator.stage.clock
         self._footprint = Footprint(machine.shape, CLEAR)
         self._margins = [Footprint(machine.shape, clear) for clear in MARGINS]
         self._usual = 0 if isinstance(machine, Evading) else len(MARGINS) - 1
