@@ -38,6 +38,7 @@ sys.meta_path.insert(0, Sources())
 RUN = """
 import hashlib, pathlib, random, sys, tempfile
 import floorplan, navigation, sim
+from navigation.carried import carried
 from navigation.kernels import COMPILED
 from navigation.kernels.lookout import most_remote, nearest_on
 from navigation.machines import agv_stops, gantry_stops
@@ -91,6 +92,7 @@ for _ in range(40):
     machine = navigation.vehicle_twist((*place(), rng.uniform(-3, 3)), twist, seconds=4.0)
     digest.update(repr((
         fields.applying(machine, 0.0, 9.0),
+        [*carried(machine, *place()).table],
         navigation.intrusions(fields, machine, person, 0.3, 0.0, 9.0),
     )).encode())
 for name in ("ariac2023", "people_aisle", "people_door"):

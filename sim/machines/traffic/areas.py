@@ -126,7 +126,8 @@ class Footprint:
         x = at[:, :1] + c * self._corners[:, 0] - s * self._corners[:, 1]
         y = at[:, 1:2] + s * self._corners[:, 0] + c * self._corners[:, 1]
         covered = np.stack([x, y], axis=-1)
-        spans, first = [], 0
+        spans: list[NDArray[np.float64]] = []
+        first = 0
         while not spans or first < len(poses) - 1:
             last = first + 1
             while last + 1 < len(poses) and _share_a_hull(poses, first, last + 1):

@@ -106,8 +106,7 @@ class Ground:
         """Return whether a segment that is clear of walls is free of all else."""
         if self._gated and not self._gates.allow(a, b):
             return False
-        near = self.world.near(a, b, self.radius)
-        return not near or self.world.segment_free(a, b, self.radius, near)
+        return not self.world.hits(a, b, self.radius)
 
     def paths_ahead(
         self, at: Point, course: Sequence[Point], lengths: Iterable[float]
