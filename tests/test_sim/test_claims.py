@@ -42,6 +42,15 @@ def test_swept_areas_contain_the_footprint_at_all_times(seed):
         assert area.covers(SHAPE.footprint(state.at, state.position[2]))
 
 
+@pytest.mark.parametrize("turn", [0.3, -1.5, 5.0])
+def test_a_turn_on_the_spot_sweeps_little_more_than_the_footprint(turn):
+    motion = navigation.vehicle_turn((1.0, 2.0, 0.4), 0.4 + turn)
+    area = shapely.union_all(Footprint(SHAPE, 0.0).swept(motion, 0.0, motion.end).parts)
+    angles = motion.rotation(np.linspace(0.0, motion.end, 1000))
+    covered = shapely.union_all([SHAPE.footprint((1.0, 2.0), float(angle)) for angle in angles])
+    assert area.within(shapely.buffer(covered, 2e-3))
+
+
 def test_areas_meet_where_they_have_a_point_in_common():
     footprint = Footprint(SHAPE, 0.0)
     here = footprint.at((0.0, 0.0, 0.0))

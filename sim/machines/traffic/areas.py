@@ -1,8 +1,9 @@
 """Areas that a machine sweeps: unions of convex polygons that contain all that it covers.
 
 A polygon contains the footprint in every pose between two samples. On a straight line it is the
-hull of both ends. Where the machine turns, samples are at most `TURN` apart, and the footprint is
-larger by the factor 1 / cos(`TURN` / 2), so that the chords between its corners contain their arcs.
+hull of both ends. Where the machine turns, samples are at most `TURN` apart, and corners are
+farther away by the factor 1 / cos(`TURN` / 2), so that the chords between them contain their arcs.
+A turn on the spot covers the footprint at both of its ends, and the sectors of the corners between.
 """
 
 from __future__ import annotations
@@ -34,6 +35,9 @@ STEP = 0.1
 
 _GROUP = 0.25
 """Radians, and metres. Samples of a curve within that share a polygon."""
+
+_SECTOR = 3.0
+"""Radians. Turns on the spot are parted, so that the sectors of their corners are convex."""
 
 _STRAIGHT = 1e-6
 """Metres. What leaves a line by less is straight."""
@@ -104,6 +108,7 @@ class Footprint:
 
     def __init__(self, shape: MachineShape, clear: float) -> None:
         self._corners, self._reach = _corners(shape, clear)
+        self._is_around_axis = bool(shapely.Polygon(self._corners).contains(shapely.Point(0, 0)))
 
     def at(self, pose: Pose) -> Area:
         """Return the area that it covers in a pose."""
@@ -123,28 +128,44 @@ class Footprint:
     def _hulls(self, poses: Sequence[Pose]) -> list[Polygon]:
         at = np.array(poses)
         c, s = np.cos(at[:, 2:]), np.sin(at[:, 2:])
-        x = at[:, :1] + c * self._corners[:, 0] - s * self._corners[:, 1]
-        y = at[:, 1:2] + s * self._corners[:, 0] + c * self._corners[:, 1]
-        covered = np.stack([x, y], axis=-1)
-        spans: list[NDArray[np.float64]] = []
+        x = c * self._corners[:, 0] - s * self._corners[:, 1]
+        y = s * self._corners[:, 0] + c * self._corners[:, 1]
+        place, corners = at[:, None, :2], np.stack([x, y], axis=-1)
+        covered, wider = place + corners, place + corners / math.cos(TURN / 2)
+        hulls: list[NDArray[np.float64]] = []
         first = 0
-        while not spans or first < len(poses) - 1:
+        while not hulls or first < len(poses) - 1:
             last = first + 1
-            while last + 1 < len(poses) and _share_a_hull(poses, first, last + 1):
+            shared = self._shared(poses, first)
+            while last + 1 < len(poses) and shared(poses, first, last + 1):
                 last += 1
-            spans.append(covered[first : last + 1].reshape(-1, 2))
+            span = slice(first, last + 1)
+            if shared is _share_a_place:
+                turned = at[span, 2]
+                hulls += [covered[first + turned.argmin()], covered[first + turned.argmax()]]
+                hulls += [np.vstack([place[first], one]) for one in wider[span].swapaxes(0, 1)]
+            else:
+                hulls.append((covered if shared is _share_a_line else wider)[span].reshape(-1, 2))
             first = last
-        of = np.repeat(np.arange(len(spans)), [len(span) for span in spans])
-        return [*shapely.convex_hull(shapely.multipoints(np.concatenate(spans), indices=of))]
+        of = np.repeat(np.arange(len(hulls)), [len(points) for points in hulls])
+        return [*shapely.convex_hull(shapely.multipoints(np.concatenate(hulls), indices=of))]
+
+    def _shared(self, poses: Sequence[Pose], first: int) -> Callable[..., bool]:
+        """Return what the poses from `first` on have in common that share polygons."""
+        if len(poses) == 1 or poses[first][2] == poses[first + 1][2]:
+            return _share_a_line
+        if self._is_around_axis and _share_a_place(poses, first, first + 1):
+            return _share_a_place
+        return _are_near
 
 
 @lru_cache(maxsize=256)
 def _corners(shape: MachineShape, clear: float) -> tuple[NDArray[np.float64], float]:
-    """Return the corners of a footprint's hull, larger for turns and by `clear`, and its reach."""
+    """Return the corners of a footprint's hull, `clear` metres larger, and its reach."""
     outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
     larger = shapely.buffer(outline, clear, join_style="mitre")
-    corners = shapely.get_coordinates(larger)[:-1] / math.cos(TURN / 2)
-    return corners, float(np.hypot(*corners.T).max()) + _STRAIGHT
+    corners = shapely.get_coordinates(larger)[:-1]
+    return corners, float(np.hypot(*corners.T).max()) / math.cos(TURN / 2) + _STRAIGHT
 
 
 def may_meet(one: MachineShape, other: MachineShape) -> bool:
@@ -203,10 +224,15 @@ def _steps(piece: Piece, seconds: float) -> int:
     return max(1, steps, math.ceil(seconds / STEP) if piece.moves else 1)
 
 
-def _share_a_hull(poses: Sequence[Pose], first: int, last: int) -> bool:
+def _are_near(poses: Sequence[Pose], first: int, last: int) -> bool:
     (ax, ay, turned), (bx, by, turning) = poses[first], poses[last]
-    near = abs(bx - ax) + abs(by - ay) < _GROUP and abs(turning - turned) < _GROUP
-    return near or _share_a_line(poses, first, last)
+    return abs(bx - ax) + abs(by - ay) < _GROUP and abs(turning - turned) < _GROUP
+
+
+def _share_a_place(poses: Sequence[Pose], first: int, last: int) -> bool:
+    """Return whether poses are those of a turn on the spot by less than `_SECTOR`."""
+    turns = [pose[2] for pose in poses[first : last + 1]]
+    return _same_place(poses[first : last + 1]) and max(turns) - min(turns) < _SECTOR
 
 
 def _share_a_line(poses: Sequence[Pose], first: int, last: int) -> bool:
