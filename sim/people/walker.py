@@ -113,6 +113,7 @@ class Walker:
         points = self._path(self.body.at, goal)
         self.goal = goal
         self._setting_out.set(None)
+        self._onward = []
         top = self.human.max_speed * self.speed_share
         passage = self._passage_from_rest(goal, points, top)
         if passage is None:
@@ -161,10 +162,11 @@ class Walker:
 
     def _go_on(self) -> None:
         """Walk the rest of a path on which one has waited; plan anew where one was put aside."""
-        goal = self._bound_for()
-        if self.body.at == self._onward[0]:
+        goal, onward = self._bound_for(), self._onward
+        if self.body.at == onward[0]:
             top = self.human.max_speed * self.speed_share
-            self._crowd.set_out(self.traveller, goal, self._onward[1:], top)
+            self._onward = []
+            self._crowd.set_out(self.traveller, goal, onward[1:], top)
         else:
             self._forget_goal()
             self._stage.place_machines()
@@ -215,7 +217,9 @@ class Walker:
         if self.goal is None:
             self._step_out_of_closures()
             return None
-        if is_free and self._is_free(self.traveller.route) and not self._is_cut_off(end, came):
+        # The rest of a path on which they wait is none of the crowd's, so no route includes it.
+        paths = self.traveller.route, self._onward
+        if is_free and all(map(self._is_free, paths)) and not self._is_cut_off(end, came):
             return None
         self._record(PathBlocked(person=self.body.name, goal=self.goal))
         try:
@@ -297,6 +301,7 @@ class Walker:
     def _forget_goal(self) -> None:
         self.goal = None
         self._setting_out.set(None)
+        self._onward = []
         self._crowd.rest(self.traveller)
 
     def _arrive(self) -> None:
