@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, get_args
@@ -293,6 +293,15 @@ class MachineShape:
 
 TRAFFIC = "traffic"
 """The reason for which a machine waits for another machine."""
+
+
+def is_there(pose: Sequence[float], target: Sequence[float], within: float) -> bool:
+    """Return whether a pose is at x, y, and in the rotation, but for whole turns, if any.
+
+    It may be `within` so many metres and radians of them.
+    """
+    turn = math.remainder(pose[2] - target[2], math.tau) if len(target) == 3 else 0.0
+    return math.dist(pose[:2], target[:2]) < within and abs(turn) < within
 
 
 class Machine(InProgress, ABC):

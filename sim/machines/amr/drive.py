@@ -26,7 +26,7 @@ from navigation import (
 from navigation.motion import State
 from navigation.vehicles import Twist, stops_of
 
-from ...core.body import Body
+from ...core.body import Body, is_there
 from ...core.entries import Pose
 from ...core.stage import Stage
 from ..commanding import Drive
@@ -160,7 +160,7 @@ class VehicleDrive(Drive):
 
     def is_at(self, target: Sequence[float]) -> bool:
         """Return whether the vehicle stands at x, y, and in the rotation if one is given."""
-        return _is_there(self.body.state.position, target) and (
+        return is_there(self.body.state.position, target, ON_ROUTE) and (
             self.body.motion.end <= self._clock.now
         )
 
@@ -302,7 +302,7 @@ class VehicleDrive(Drive):
         A vehicle under way to another place stops first.
         """
         left = self._rest_of_route()
-        if left is not None and (target == self._target or _is_there(left[-1], target)):
+        if left is not None and (target == self._target or is_there(left[-1], target, ON_ROUTE)):
             return left
         self._look_around()
         state = self.body.state
@@ -392,12 +392,6 @@ def _stops_straight(state: State, rest: Pose) -> bool:
 def _pose(numbers: Sequence[float]) -> Pose:
     x, y, rotation = numbers
     return (x, y, rotation)
-
-
-def _is_there(pose: Pose, target: Sequence[float]) -> bool:
-    """Return whether a pose is at x, y, and in the rotation, but for whole turns, if any."""
-    turn = math.remainder(pose[2] - target[2], math.tau) if len(target) == 3 else 0.0
-    return math.dist(pose[:2], target[:2]) < ON_ROUTE and abs(turn) < ON_ROUTE
 
 
 def _moves_back(state: State, one: Pose, other: Pose) -> bool:

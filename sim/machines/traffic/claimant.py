@@ -12,7 +12,7 @@ from shapely.geometry import Polygon
 
 from floorplan import Point
 
-from ...core.body import TRAFFIC, Machine
+from ...core.body import TRAFFIC, Machine, is_there
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import MachineEvades, MachineProceeds, MachineWaiting
@@ -289,7 +289,7 @@ class Claimant:
         """Claim the next part of the motion; return whether it is free."""
         motion, now = self.machine.body.motion, self._clock.now
         here = motion.state(now)
-        if self._aside is not None and _is_there(here.position, self._aside):
+        if self._aside is not None and is_there(here.position, self._aside, THERE):
             self._aside = None
             for one in self.lets_pass:
                 one.look_soon()
@@ -362,8 +362,3 @@ class Claimant:
         self._company.stage.record(MachineEvades(machine=self.name, for_machine=stands.name))
         self._go_on()
         return True
-
-
-def _is_there(here: Pose, place: Pose) -> bool:
-    turn = math.remainder(here[2] - place[2], math.tau)
-    return math.dist(here[:2], place[:2]) < THERE and abs(turn) < THERE
