@@ -213,3 +213,34 @@ def test_wrong_figures_are_rejected(speeds, keys, message):
 def test_negative_supplements_are_rejected():
     with pytest.raises(UserError, match="wear must be 0 or more, not -1"):
         FieldSupplements(wear=-1)
+
+
+def test_fields_of_a_holonomic_drive_contain_its_fastest_direction():
+    limits = VehicleLimits(speed=1.5, side_speed=0.9)
+    fields = needed_fields(
+        FOOTPRINT, limits, [limits.top_speed], response_time=0.2, supplements=BARE
+    )
+    angle = math.atan2(0.9, 1.5)
+    reach = stopping_reach(
+        limits.along(math.cos(angle), math.sin(angle)), limits.top_speed, 0.2
+    ).distance
+    dx, dy = reach * math.cos(angle), reach * math.sin(angle)
+    for each in fields.sets:
+        assert Polygon(each.protective).covers(affinity.translate(FOOTPRINT, dx, dy))
+
+
+def test_velocities_of_earlier_sets_do_not_count():
+    ahead = FieldSet(name="ahead", protective=rectangle(4.0), linear=(0.5, 2.0))
+    every = FieldSet(name="every", protective=rectangle(2.3))
+    behind = FieldSet(name="behind", protective=rectangle(4.0), linear=(-2.0, 0.0))
+    speeds = {
+        sets: {
+            short.speed
+            for short in short_fields(ProtectiveFields(sets=sets), FOOTPRINT, VehicleLimits())
+            if short.set == "every" and short.travel == "ahead"
+        }
+        for sets in ((every,), (ahead, every), (every, ahead))
+    }
+    assert list(speeds.values()) == [{1.5}, set(), {1.5}]
+    (part,) = ProtectiveFields(sets=(ahead, behind, every)).remaining("every", (-1.5, 1.5))
+    assert part.linear == (0.0, 0.5)
