@@ -320,7 +320,7 @@ machines:
   v: {kind: amr, at: [3, 2, 0], size: [1.6, 0.8], max_turn_speed: 0.8, max_jerk: 2.5,
       controller: oblivious, missions: [{go: [15, 2.5]}, {go: [14, 8]}, {go: [3, 2]}],
       repeat: true}
-  w: {kind: amr, at: [16, 9.5, 0], missions: [{turn: 1.0}]}
+  w: {kind: amr, at: [16, 9.5, 0], missions: [{wait: 5}]}
 fields: {w: {sets: [{name: all, protective: [[2, 2], [-2, 2], [-2, -2], [2, -2]]}]}}
 work: {}
 expect: {contacts: 0}
