@@ -399,7 +399,7 @@ def test_machines_that_are_near_are_within_six_metres(floor):
 
 def test_a_machine_makes_way_around_claims_and_off_the_course(floor):
     cart, idle = floor.cart("cart", 0.0), floor.cart("idle", 6.0)
-    of = floor.traffic(cart, idle)
+    floor.traffic(cart, idle)
     idle.can_make_way = True
     cart.drive((12.0, 0.0, 0.0))
     rests = cart_rests(cart, floor)

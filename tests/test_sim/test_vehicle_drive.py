@@ -215,7 +215,7 @@ def test_a_vehicle_evades_to_a_place_off_the_courses_of_others():
     vehicle, simulation = in_hall(2.0)
     vehicle.stand_for("test", True)
     simulation.advance(6.0)
-    x, y, rotation = vehicle.position
+    x, y, _rotation = vehicle.position
     wall = [box(9.0, 0.0, 9.5, 10.0)]
     for courses in ([], [box(0.0, 3.0, 20.0, 7.0)], [box(0.0, 2.0, 20.0, 10.0)]):
         evasion = vehicle.evade(wall, courses)
@@ -256,7 +256,7 @@ def test_only_a_vehicle_without_missions_makes_way():
 
 
 def test_a_vehicle_that_has_done_its_missions_makes_way():
-    idle, simulation = in_hall(20.0)
+    idle, _simulation = in_hall(20.0)
     assert idle.jobs_done == 1 and idle.make_way([], [box(16.0, 4.0, 20.0, 6.0)])
 
 
@@ -315,7 +315,7 @@ def test_a_preview_moves_nothing_and_is_what_a_move_does():
 
 
 def test_a_vehicle_is_at_a_place_only_when_it_rests_there():
-    vehicle, simulation = in_hall(keys="controller: parked")
+    vehicle, _simulation = in_hall(keys="controller: parked")
     assert vehicle.drive.is_at((3.0, 5.0)) and vehicle.drive.is_at((3.0, 5.0, math.tau))
     assert not vehicle.drive.is_at((3.0, 5.0, 0.1)) and not vehicle.drive.is_at((3.001, 5.0))
     vehicle.move_to(18.0, 5.0)
