@@ -39,7 +39,7 @@ from .machines.kinds import made_by, models_of
 from .machines.traffic.traffic import Traffic
 from .people.person import Person, speed_of, with_figures
 from .people.population import Population
-from .people.tracks.recorded_walks import RecordedWalk, recorded_walks
+from .people.tracks.recorded_walks import RecordedWalk, recorded_walks, with_everybody
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
@@ -186,6 +186,7 @@ class Simulation(InProgress):
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
         require(trial, Trial, "sim.Trial.load")
+        trial = with_everybody(trial)
         check(trial)
         for law in own_laws(trial.rules):
             law.load()

@@ -27,7 +27,7 @@ from ..core.entries import RecordedTrack
 from ..core.scenario import PersonalityChange, PersonEntry
 from ..machines.gantry.controllers import controller_source, find_controller
 from ..machines.kinds import is_own, own_kind
-from ..people.crowd.custom_steering import BASELINES, STEERING
+from ..people.crowd.custom_steering import STEERING
 from ..people.programs import load_program, modules_of, planner_of, planner_source, sources_of
 from ..people.tracks.recorded_walks import files_of
 from ..record.outcome import csv_line
@@ -84,7 +84,7 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
         source = planner_source(choice, trial.code_folder)
         if source is not None:
             yield f"the planner {choice.name}", _digest(source.file.read_text(encoding="utf-8"))
-    if trial.steering is not None and trial.steering not in BASELINES:
+    if trial.steering is not None:
         source = trial.code_folder.find(trial.steering, STEERING)
         yield f"the steering {trial.steering}", _digest(source.file.read_text(encoding="utf-8"))
     if trial.workload is not None:
