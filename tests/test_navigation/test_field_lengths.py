@@ -24,7 +24,7 @@ from navigation import (
     vehicle_turn,
     vehicle_twist,
 )
-from navigation.field_lengths import STEP, directions, quarters, swept_straight, swept_turn
+from navigation.field_lengths import STEP, directions, main_directions, swept_straight, swept_turn
 from navigation.machines import AxisLimits
 
 FOOTPRINT = shapely.box(-1.2, -0.4, 1.2, 0.4)
@@ -393,7 +393,12 @@ def test_the_area_of_a_drive_is_exact_for_a_concave_footprint():
 
 
 def test_directions_are_close_together_and_contain_the_ends_and_the_axes():
-    found = directions(-1.0, 2.0)
+    found = directions(VehicleLimits(), -1.0, 2.0)
     assert found == sorted(found) and {-1.0, 0.0, math.pi / 2, 2.0} <= set(found)
     assert max(b - a for a, b in itertools.pairwise(found)) <= STEP + 1e-12
-    assert quarters(-1.0, 2.0) == {0.0, math.pi / 2} and quarters(0.1, 0.2) == set()
+    for limits in (VehicleLimits(), AxisLimits(1.0, 1.0)):
+        assert main_directions(limits, -1.0, 2.0) == {0.0, math.pi / 2}
+        assert main_directions(limits, 0.1, 0.2) == set()
+    aslant = math.atan2(0.5, 1.5)
+    holonomic = main_directions(VehicleLimits(side_speed=0.5), -1.0, 2.0)
+    assert sorted(holonomic) == pytest.approx([-aslant, 0.0, aslant, math.pi / 2])
