@@ -333,9 +333,12 @@ def line_in(why: BaseException, files: Container[str | None]) -> str:
     return f" ({Path(inside[-1][0]).name}, line {inside[-1][1]})" if inside else ""
 
 
-def own_line(why: BaseException) -> str:
-    """Return the innermost line of custom code in which an error arose, as of `line_in`."""
-    return line_in(why, _files)
+def own_line(why: BaseException, *others: str | None) -> str:
+    """Return the innermost line of custom code, or of other files, where an error arose.
+
+    As of `line_in`.
+    """
+    return line_in(why, _files.union(others))
 
 
 @contextmanager
