@@ -13,6 +13,7 @@ from collections.abc import Callable, Collection, Container, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from types import FrameType, ModuleType
 from typing import Any, TypeAlias
@@ -89,12 +90,9 @@ class CustomCode:
 
         It is imported once for the run under way. Outside of a run, each call imports it again.
         """
-        imports = _IMPORTS.get()
-        if imports is None:
-            with Imports().active():
-                return self.load()
         try:
-            module = imports.module(self.folder, self.module)
+            with importing() as imports:
+                module = imports.module(self.folder, self.module)
         except (Exception, SystemExit) as why:
             place = line_in(why, {str(self.file)})
             raise self._fault(f"can't be imported{place}: {in_words(why)}") from why
@@ -216,6 +214,9 @@ FLOORWALKER = ("floorplan", "navigation", "bdi", "sim")
 _IMPORTS: ContextVar[Imports | None] = ContextVar("imports", default=None)
 """The modules of the run under way."""
 
+_left: dict[str, ModuleType] = {}
+"""Modules of the last run that are still loaded."""
+
 _files: set[str | None] = set()
 """Files of all custom code that was imported."""
 
@@ -224,8 +225,8 @@ class Imports:
     """Modules that one run imports from the folders of its custom code.
 
     Each run imports them again, because modules may keep state. They are in `sys.modules` while the
-    run is `active`, under their plain names. Afterwards `sys.modules` is as before, so that neither
-    another run nor the program around them gets these modules.
+    run is `active`, under their plain names, and afterwards until the next run is. Modules of the
+    same names that the program around the runs has imported are set aside meanwhile.
     """
 
     def __init__(self) -> None:
@@ -241,6 +242,10 @@ class Imports:
             yield
             return
         token = _IMPORTS.set(self)
+        for name, module in _left.items():
+            if sys.modules.get(name) is module:
+                del sys.modules[name]
+        _left.clear()
         try:
             with ExitStack() as self._context:
                 for folder in self._modules:
@@ -279,8 +284,12 @@ class Imports:
             sys.path.remove(str(folder))
             sys.dont_write_bytecode = compiled
             self._take(folder)
-            for name in own:
-                sys.modules.pop(name, None)
+            taken = {name.partition(".")[0] for name in aside}
+            for name, module in own.items():
+                if name.partition(".")[0] in taken:
+                    sys.modules.pop(name, None)
+                else:
+                    _left[name] = module
             sys.modules.update(aside)
 
     def _take(self, folder: Path) -> None:
@@ -289,6 +298,18 @@ class Imports:
             if _stands_in(folder, name.partition(".")[0]):
                 self._modules[folder][name] = sys.modules[name]
                 _files.add(sys.modules[name].__file__)
+
+
+@contextmanager
+def importing() -> Iterator[Imports]:
+    """Import custom code for the run under way in this context, or for itself."""
+    imports = _IMPORTS.get()
+    if imports is not None:
+        yield imports
+        return
+    imports = Imports()
+    with imports.active():
+        yield imports
 
 
 def _others_in(folder: Path, top: str) -> Iterator[str]:
@@ -307,6 +328,22 @@ def _stands_in(folder: Path, top: str) -> bool:
     return any(place and Path(place).parent.resolve() == folder for place in places)
 
 
+def code_of(code: Any) -> Any:
+    """Return the function or class behind a partial or decorated function, or an object."""
+    while isinstance(code, partial):
+        code = code.func
+    return inspect.unwrap(code) if inspect.isroutine(code) or inspect.isclass(code) else type(code)
+
+
+def file_of(code: Any) -> Path | None:
+    """Return the file that defines a function, a class, or that of an object; None if unknown."""
+    try:
+        file = inspect.getsourcefile(code_of(code))
+    except TypeError:  # it is built in
+        return None
+    return None if file is None else Path(file)
+
+
 # ---- errors of custom code
 
 
@@ -315,9 +352,9 @@ def in_words(why: BaseException) -> str:
     return f"{type(why).__name__}: {why}".removesuffix(": ")
 
 
-def is_ours(why: BaseException) -> bool:
-    """Return True if an error is of one of Floorwalker's own kinds."""
-    return type(why).__module__.partition(".")[0] in FLOORWALKER
+def is_ours(made: object) -> bool:
+    """Return True if an error, or another object, is of one of Floorwalker's own classes."""
+    return type(made).__module__.partition(".")[0] in FLOORWALKER
 
 
 def line_in(why: BaseException, files: Container[str | None]) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Generator
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from simpy.events import Event
@@ -17,7 +16,7 @@ from simpy.exceptions import Interrupt
 
 from floorplan import UserError
 
-from ..core.custom_code import in_words, own_line
+from ..core.custom_code import code_of, file_of, in_words, own_line
 from .commanded import CommandedMachine
 from .commanding import Steps
 
@@ -120,20 +119,14 @@ def _checked(steps: Steps, machine: CommandedMachine) -> Steps:
 
 def _place(why: Exception, code: Any, steps: Any) -> str:
     """Return file and line of the code at which it failed, in brackets, where known."""
-    while isinstance(code, partial):
-        code = code.func
-    if not (inspect.isroutine(code) or inspect.isclass(code)):
-        code = type(code)
-    try:
-        source = inspect.getsourcefile(code)
-    except TypeError:
+    source = file_of(code)
+    if source is None:
         return ""
-    if place := own_line(why, source):
+    if place := own_line(why, str(source)):
         return place
     frame = getattr(steps, "gi_frame", None)  # what it yielded is judged outside of it
-    if frame is not None and frame.f_code.co_filename == source:
-        line = frame.f_lineno
-    else:  # and so is what a function returned
-        function = inspect.unwrap(code.__call__ if inspect.isclass(code) else code)
-        line = getattr(getattr(function, "__code__", None), "co_firstlineno", 0)
-    return f" ({Path(source).name}, line {line})" if source and line else ""
+    if frame is not None and frame.f_code.co_filename == str(source):
+        return f" ({source.name}, line {frame.f_lineno})"
+    found = code_of(code)  # and so is what a function returned
+    function = code_of(found.__call__) if inspect.isclass(found) else found
+    return f" ({source.name}, line {inspect.getsourcelines(function)[1]})"

@@ -18,7 +18,7 @@ from navigation import IntegralLaw, SeparationLaw
 from navigation.separation import required_at_speeds
 
 from ..core.body import Category, Machine, MachineShape
-from ..core.custom_code import CodeFolder, CustomCode, Kind
+from ..core.custom_code import CodeFolder, CustomCode, Kind, importing
 from ..core.scenario import AgvMove, GantryEntry, Scenario
 from ..core.stage import MachineEntry, MachineModel, Stage
 from ..safety.laws import OwnLaw
@@ -56,6 +56,7 @@ MODEL = Kind(
 """The kind of class that a trial names as the kind of a machine."""
 
 
+@importing()
 def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel]:
     """Return the machines of a trial by name: the floor's gantry and AGVs, then its `machines`.
 

@@ -173,13 +173,17 @@ def with_new_laws(rules: RuleSet) -> RuleSet:
     )
 
 
-def own_laws(rules: RuleSet) -> Iterator[OwnLaw]:
-    """Yield the laws of the user's own in `rules`, also those that another one scales."""
+def laws_in(rules: RuleSet) -> Iterator[AnyLaw]:
+    """Yield the laws in `rules`, also those that another one scales."""
     for law in (rules.gantry_law, rules.agv_law, rules.notice.law, *rules.laws.values()):
         while isinstance(law, Scaled):
             law = law.law
-        if isinstance(law, OwnLaw):
-            yield law
+        yield law
+
+
+def own_laws(rules: RuleSet) -> Iterator[OwnLaw]:
+    """Yield the laws that `rules` name as the user's own."""
+    return (law for law in laws_in(rules) if isinstance(law, OwnLaw))
 
 
 Curve = tuple[tuple[float, float], ...]

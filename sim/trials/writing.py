@@ -74,7 +74,11 @@ def _trial(trial: Scenario) -> Data:
         "rules": written_rules(trial.rules),
         "planner": None if trial.planner == USUAL_PLANNER else _value(trial.planner, trial),
         "gantry": _value(
-            replace(trial.gantry, controller=_controller(trial.gantry.controller, trial)), trial
+            replace(
+                trial.gantry,
+                controller=_controller(trial.gantry.controller, "gantry", trial),
+            ),
+            trial,
         ),
         "agvs": {
             name: _agv(trial, name)
@@ -184,7 +188,7 @@ def _machine(name: str, entry: MachineEntry, trial: Scenario) -> Data:
         raise UserError(f"the machine {name!r} can't be written: give its kind by name")
     keys = dict(entry.keys)
     if callable(keys.get("controller")):
-        keys["controller"] = _controller(keys["controller"], trial)
+        keys["controller"] = _controller(keys["controller"], "vehicle", trial)
     return {"kind": known[0] if known else entry.kind, **keys}
 
 
@@ -195,14 +199,14 @@ def _planner(choice: PlannerChoice, trial: Scenario) -> Any:
     return {"name": name, **dict(choice.parameters)} if choice.parameters else name
 
 
-def _controller(controller: str | Callable[[Any], Any], trial: Scenario) -> str:
+def _controller(controller: str | Callable[[Any], Any], whose: str, trial: Scenario) -> str:
     """Return the name of a controller in a file. Raises `ValueError` if it has none."""
     if isinstance(controller, str):
         return controller
     for name, builtin in (*CONTROLLERS.items(), *VEHICLE_CONTROLLERS.items()):
         if builtin is controller:
             return name
-    return _found_again(controller, controller_name(controller), "controller", trial)
+    return _found_again(controller, controller_name(controller), f"{whose} controller", trial)
 
 
 def _found_again(made: Any, name: str, kind: str, trial: Scenario) -> str:
