@@ -345,7 +345,7 @@ class Simulation(InProgress):
             raise UserError("a simulation can't be advanced to nan: give seconds")
         self.start()
         if until > self.clock.now and not self.over:
-            self.clock.advance(min(until, self.trial.duration), enough)
+            self.clock.advance(min(float(until), self.trial.duration), enough)
 
     def command(self, command: Command) -> None:
         """Schedule an external command and record it.

@@ -160,12 +160,11 @@ def with_controller(
                 given.pop("rate", None)
             machines[name], found = replace(entry, keys=given), True
     changed = replace(scenario, machines=machines)
-    if scenario.floorplan.gantry is not None and machine in ("", GANTRY):
+    if machine in ("", GANTRY) and (scenario.floorplan.gantry is not None or not found):
         controller_source(controller, scenario.code_folder)
         return replace(changed, gantry=replace(scenario.gantry, controller=controller))
     if not found:
-        called = f"is called {machine!r} and " if machine else ""
-        raise MachineError(f"no machine of {scenario.name} {called}has a controller")
+        raise MachineError(f"no machine with a controller is called {machine!r}")
     return changed
 
 

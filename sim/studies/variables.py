@@ -139,6 +139,11 @@ class Variable:
     kind: str
     whose: str = ""
 
+    @property
+    def is_controller(self) -> bool:
+        """Whether its values are controllers."""
+        return self.kind == "controller" or self.whose.endswith(".controller")
+
     def put(
         self, trial: Trial, value: Value, folder: Path, others: Iterable[Variable] = ()
     ) -> Trial:

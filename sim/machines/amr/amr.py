@@ -39,6 +39,10 @@ class Amr(CommandedMachine, Evading):
 
     drive: VehicleDrive
 
+    FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
+        *("people", "missions", "complete", "twist", "twist_now", "turn_to", "limits")
+    }
+
     def __init__(
         self,
         stage: Stage,
