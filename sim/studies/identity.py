@@ -18,7 +18,7 @@ from ..core.entries import RecordedTrack
 from ..core.scenario import PersonalityChange, PersonEntry, controller_name
 from ..machines.gantry.controllers import CONTROLLERS, controller_source
 from ..machines.kinds import KINDS, is_own, own_kind
-from ..people.crowd.custom_steering import BASELINES, STEERING
+from ..people.crowd.custom_steering import STEERING
 from ..people.programs import load_program, modules_of, planner_of, planner_source, sources_of
 from ..people.tracks.recorded_walks import files_of
 from ..safety.laws import LAW, OwnLaw, laws_in
@@ -72,7 +72,7 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
         yield from _of_person(person, trial)
     if trial.workload is not None:
         yield f"the orders of {trial.name}", digest(repr(trial.workload))
-    if trial.steering is not None and trial.steering not in BASELINES:
+    if trial.steering is not None:
         steering = trial.code_folder.find(trial.steering, STEERING)
         yield f"the steering {trial.steering}", digest_of_source(steering)
     for law in laws_in(trial.rules):

@@ -202,6 +202,7 @@ def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
         "on_floor": math.fsum(one.on_floor for one in rows),
         "near": math.fsum(one.near for one in rows),
         "count": count,
+        "contacts": sum(int(n) for n in results.columns.get("contacts", ()) if n is not None),
         "share_with_violation": _interval([float(one.count > 0) for one in rows]),
         "worst": found.worst,
         "expects": any(trial.expect for trial in study.trials),

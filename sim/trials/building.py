@@ -25,7 +25,6 @@ from ..machines.controllers import ControllerError
 from ..machines.gantry.controllers import controller_source
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
-from ..people.crowd.custom_steering import BASELINES
 from ..people.programs import load_program, modules_of
 from .checks import faults
 from .feasibility import people_fault
@@ -91,7 +90,7 @@ def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
     """
     faults = [*_laws(trial, document.data.get("rules")), *_places(trial, document.data)]
     entries = document.data.get("people") or ()
-    faults += [*_sinks(trial, entries), *_speeds(entries), *_far_laws(trial), *_sampling(trial)]
+    faults += [*_sinks(trial, entries), *_speeds(entries), *_far_laws(trial)]
     faults += [(message, ("fields", *place)) for message, place in field_slips(trial)]
     return tuple(document.problem(message, *place) for message, place in faults)
 
@@ -123,13 +122,6 @@ def _far_laws(trial: Scenario) -> Iterator[Fault]:
     for key, metres in far_laws(trial).items():
         message = f"{key} asks for {metres:,.0f} m, far more than the floor is long"
         yield f"{message}; its terms are in seconds and metres", ("rules", *key.split("."))
-
-
-def _sampling(trial: Scenario) -> Iterator[Fault]:
-    """Yield that a baseline is sampled, if the trial has one."""
-    if trial.steering in BASELINES:
-        message = "is sampled at a fixed step, not exact: people may overlap"
-        yield f"{trial.steering} {message}", ("steering",)
 
 
 def _sinks(trial: Scenario, entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:

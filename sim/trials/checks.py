@@ -33,7 +33,7 @@ from ..core.scenario import (
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
-from ..people.crowd.custom_steering import BASELINES, STEERING, SteeringError
+from ..people.crowd.custom_steering import STEERING, SteeringError
 from ..people.programs import EXTERNAL, find_program, modules_of, planner_source, sources_of
 from ..people.tracks.recorded_walks import track_faults
 from .expectations import expectation_problems
@@ -125,7 +125,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         if person.name in taken:
             yield f"another body is called {person.name!r} already", ("people", k, "name")
         taken.add(person.name)
-    if trial.steering is not None and trial.steering not in BASELINES:
+    if trial.steering is not None:
         try:
             trial.code_folder.find(trial.steering, STEERING)
         except SteeringError as why:
