@@ -39,7 +39,7 @@ from .machines.kinds import made_by, models_of
 from .machines.traffic.traffic import Traffic
 from .people.person import Person, speed_of, with_figures
 from .people.population import Population
-from .people.tracks.recorded_walks import RecordedWalk, recorded_walks
+from .people.tracks.recorded_walks import RecordedWalk, recorded_walks, with_everybody
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
@@ -210,6 +210,7 @@ class Simulation(InProgress):
     @_in_run
     def _assemble(self, trial: Trial, listeners: Iterable[Listener]) -> None:
         require(trial, Trial, "sim.Trial.load")
+        trial = with_everybody(trial)
         check(trial)
         if any(own_laws(trial.rules)):
             trial = replace(trial, rules=with_new_laws(trial.rules))

@@ -548,7 +548,12 @@ class Scenario:
     @property
     def has_traffic(self) -> bool:
         """Whether people enter or leave the floor."""
-        return any(person.source or person.sink for person in self.people)
+        return any(
+            person.source
+            or person.sink
+            or (isinstance(person.recorded, RecordedTrack) and person.recorded.while_tracked)
+            for person in self.people
+        )
 
     @property
     def every_blackout(self) -> tuple[Blackout, ...]:
