@@ -29,6 +29,7 @@ from floorplan.files.problems import Written
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
+from .body import OnContact
 from .custom_code import CodeFolder
 from .entries import (
     ALL_ROUND,
@@ -417,6 +418,8 @@ class GantryEntry(Keyed):
         Whether the jobs are repeated until the end.
     drops : tuple of Drop, optional
         Parts that the gripper drops.
+    on_contact : {"stop", "report"}, optional
+        Whether it stops at a contact with something on the floor. If not, this is only an event.
     """
 
     controller: Annotated[str | Callable[[Any], Any], Written(str)] = "parked"
@@ -425,6 +428,7 @@ class GantryEntry(Keyed):
     jobs: tuple[Annotated[Job, Written(_WrittenJob)], ...] = ()
     repeat: Flag = False
     drops: tuple[Drop, ...] = ()
+    on_contact: OnContact = "stop"
 
     @property
     def controller_name(self) -> str:

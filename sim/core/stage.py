@@ -144,6 +144,11 @@ class Bystander(Protocol):
         ...
 
     @property
+    def started_at(self) -> float | None:
+        """When they started, seconds."""
+        ...
+
+    @property
     def away(self) -> bool:
         """Whether they are not on the floor: not yet, or not any more."""
         ...

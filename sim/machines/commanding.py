@@ -7,7 +7,7 @@ import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator
 from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from simpy.events import Event, Process
 from simpy.exceptions import Interrupt
@@ -348,10 +348,10 @@ class Move(Event):
             self.callbacks = None  # type: ignore[assignment]
 
 
-Interruption = Literal["person_close", "disabled", "enabled", "part_dropped"]
+Interruption = Literal["person_close", "disabled", "enabled", "part_dropped", "contact"]
 """Reasons for which a controller can ask to be interrupted."""
 
-REASONS = ("person_close", "disabled", "enabled", "part_dropped")
+REASONS = get_args(Interruption)
 
 
 class Interrupts:

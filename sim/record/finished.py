@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import Any
 
 from floorplan import UserError
-from navigation import Cylinder, FixedDistance, Motion, Shapes, minimum_separation, violations
-from navigation.encounter import Odometer, Solid
+from navigation import Motion, minimum_separation
+from navigation.encounter import Odometer
 from navigation.kernels.pieces import walked_and_stood
 from navigation.measures import Nearest, nearest_pair
 
@@ -38,21 +38,6 @@ CAUSES = ("gantry", "person")
 CATEGORIES: tuple[Category, ...] = ("robot", "vehicle")
 """Kinds of machines that people are watched beside."""
 
-TOUCH = FixedDistance(1e-6)
-"""Surfaces that are no farther from each other than a micrometre touch."""
-
-
-def touches(one: Motion, other: Motion, body: Cylinder, solid: Solid, spans: Iterable[Span]) -> int:
-    """Return how often the solid of a machine touches a person in spans (seconds)."""
-    shapes = Shapes(person=body, machine=(solid,))
-    reach = body.radius + shapes.reach
-    return sum(
-        len(violations(one, other, TOUCH, begin, end, shapes=shapes))
-        for begin, end in spans
-        if minimum_separation(one, other, begin, end)[1] < reach
-    )
-
-
 @dataclass(frozen=True, kw_only=True)
 class Finished:
     """A simulation at its end: `duration` in seconds, `work` the figures of orders."""
@@ -67,6 +52,7 @@ class Finished:
     work: Mapping[str, Any]
     guards: Mapping[str, FieldGuard] = field(default_factory=dict)
     collisions: int = 0
+    contacts_with_floor: int = 0
     waiting_times: Mapping[str, float] = field(default_factory=dict)
     """How long each machine that may meet others has waited for them (s)."""
     traffic_deadlocks: int = 0
@@ -181,31 +167,19 @@ class Finished:
         return [part for span in spans for part in moving_spans(motion, *span, turning=turning)]
 
     @property
-    def contacts(self) -> int:
-        """Number of times that a robot, or a vehicle that drives or turns, touched a person."""
-        humans = {person.name: person.walker.human for person in self.people}
-        count = 0
-        for category in CATEGORIES:
-            for watch, one, other, spans in self._together(category, turning=True):
-                human = humans[watch.pair.person.name]
-                body = Cylinder(radius=human.radius, top=human.height)
-                count += touches(one, other, body, watch.pair.machine.shape.chassis, spans)
-        return count
-
-    @property
     def _turning_counts(self) -> bool:
         """Whether a vehicle moves while it turns on the spot."""
         return self.trial.rules.between == "surfaces"
 
     def _together(
-        self, category: Category, turning: bool = False
+        self, category: Category
     ) -> Iterator[tuple[SeparationMonitor, Motion, Motion, list[tuple[float, float]]]]:
         """Yield each watch on a person beside such a machine, their motions, and spans (seconds).
 
         These are those in which the person was on the floor and, if it is a vehicle, it drove. It
-        also does while it turns on the spot, if `turning` or the rules say so.
+        also does while it turns on the spot, if the rules say so.
         """
-        turning = turning or self._turning_counts
+        turning = self._turning_counts
         started = {p.name: p.started_at for p in self.people}
         left = {p.name: self.duration if p.left_at is None else p.left_at for p in self.people}
         drives: dict[str, list[tuple[float, float]]] = {}

@@ -105,6 +105,7 @@ class GantryRobot(CommandedMachine, Evading):
         )
         super().__init__(stage, gantry_shape(gantry, name), drive)
         self._entry = entry
+        self.on_contact = entry.on_contact
         self._controller = controller
         self._sites = Worksites(stage, gantry, drive)
         self._floor_changed = stage.clock.event()
