@@ -1,8 +1,9 @@
-"""Contacts of bodies whose outlines are exact polygons, concave ones included, in continuous time."""
+"""Contacts of bodies with exact outlines, concave ones included, in continuous time."""
 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import shapely
 from shapely.geometry.base import BaseGeometry
@@ -22,13 +23,18 @@ def edges_of(area: BaseGeometry) -> Table:
     found = []
     for ring in rings:
         corners = shapely.get_coordinates(ring).tolist()
-        found += [c for a, b in zip(corners, corners[1:], strict=False) for c in (*a, *b)]
+        found += [c for a, b in pairwise(corners) for c in (*a, *b)]
     return numbers(found)
 
 
 def shrunk(area: BaseGeometry, depth: float) -> BaseGeometry:
     """Return polygons whose sides are `depth` metres farther inside."""
     return shapely.buffer(area, -depth, join_style="mitre", mitre_limit=100.0)
+
+
+def reach_of(area: BaseGeometry) -> float:
+    """Return the distance from the axis of a body to the farthest point of its outline, metres."""
+    return float(shapely.hausdorff_distance(area, shapely.Point(0.0, 0.0)))
 
 
 def bounds_from(motion: Motion, begin: float) -> Bounds:

@@ -326,14 +326,11 @@ class Machine(InProgress, ABC):
         Current motion and track.
     on_contact : {"stop", "report"}
         Whether it stops where it touches something on the floor. If not, this is only an event.
-    planned_at : float
-        Time (s) at which its present motion was planned around the floor, by default never.
     """
 
     shape: MachineShape
     body: Body
     on_contact: OnContact = "stop"
-    planned_at: float = -math.inf
     priority: int = 0
     """Priority among machines. Those with a lower one evade first."""
 
@@ -346,6 +343,11 @@ class Machine(InProgress, ABC):
 
     def begin(self) -> None:
         """Start to act. It is called once, at the start of the trial."""
+
+    @property
+    def planned_at(self) -> float:
+        """When its present motion was planned around all on the floor (s), by default never."""
+        return -math.inf
 
     @abstractmethod
     def hold(self, stands: bool) -> None:
@@ -442,11 +444,11 @@ class Machine(InProgress, ABC):
         """Handle the begin of a contact with a person, or with something on the floor."""
 
     def stopped_by_contact(self) -> None:
-        """Handle that a contact with the floor has stopped the machine.
-
-        By default it is held until what it touches is gone.
-        """
+        """Handle that a contact with the floor has stopped the machine. By default it is held."""
         self.stand_for(CONTACT, True)
+
+    def contact_gone(self) -> None:
+        """Handle that nothing is there any more that it touches."""
 
     def floor_changed(self) -> None:
         """Handle that a machine has stopped on the floor, or that a place has opened or closed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -37,6 +37,7 @@ CAUSES = ("gantry", "person")
 
 CATEGORIES: tuple[Category, ...] = ("robot", "vehicle")
 """Kinds of machines that people are watched beside."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Finished:

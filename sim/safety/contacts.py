@@ -11,7 +11,7 @@ import shapely
 
 from floorplan import Point
 from navigation import FieldSet, Motion, ProtectiveFields, intrusions
-from navigation.contacts import Outlines, are_apart, bounds_from, shrunk
+from navigation.contacts import Outlines, are_apart, bounds_from, reach_of, shrunk
 from navigation.motion import State
 
 from ..core.body import Machine
@@ -119,7 +119,7 @@ class Collisions:
             if one.shape.box.is_level_with(other.shape.box):
                 areas = [each.shape.footprint((0.0, 0.0), 0.0) for each in (one, other)]
                 inner = Outlines(*(shrunk(area, DEPTH / 2) for area in areas))
-                reach = sum(float(shapely.hausdorff_distance(a, shapely.Point(0, 0))) for a in areas)
+                reach = sum(map(reach_of, areas))
                 change = partial(_next_collision, inner, Outlines(*areas), reach)
                 notify = partial(self._changed, one, other)
                 NearnessMonitor(stage, (one.body, other.body), change, notify)

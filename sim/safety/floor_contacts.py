@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import shapely
@@ -16,15 +17,16 @@ from shapely.geometry.base import BaseGeometry
 
 from floorplan import Obstacle
 from navigation import Motion, standing
-from navigation.contacts import Outlines, bounds_from, shrunk
+from navigation.contacts import Outlines, bounds_from, reach_of, shrunk
 from navigation.kernels.edges import come_into
 from navigation.kernels.numbers import numbers
 
-from ..core.body import CONTACT, Machine
+from ..core.body import Machine
 from ..core.clock import Alarm, Turn
 from ..core.events import Contact
 from ..core.stage import Stage
-from .contacts import PARTED, impact_speed
+from .contacts import impact_speed
+from .proximity import PARTED
 
 DEPTH = 1e-6
 """Metres. A machine that is no deeper in something may slide along it."""
@@ -39,7 +41,7 @@ REST = standing((0.0, 0.0))
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class FloorPart:
     """Something that a machine may touch, and since when it is there (seconds)."""
 
     name: str
@@ -57,10 +59,10 @@ class FloorContacts:
         """Number of contacts until now."""
         self._stage = stage
         self._monitors = [FloorMonitor(stage, machine, self._touched) for machine in machines]
-        for kind, key in (("door_closed", "door"), ("obstacle_came", "obstacle")):
-            stage.triggers.each(kind, lambda event, key=key: self._came(event[key]))
-        for kind, key in (("door_opened", "door"), ("obstacle_went", "obstacle")):
-            stage.triggers.each(kind, lambda event, key=key: self._went(event[key]))
+        stage.triggers.each("door_closed", lambda event: self._came(event["door"]))
+        stage.triggers.each("obstacle_came", lambda event: self._came(event["obstacle"]))
+        stage.triggers.each("door_opened", lambda event: self._went(event["door"]))
+        stage.triggers.each("obstacle_went", lambda event: self._went(event["obstacle"]))
 
     def begin(self) -> None:
         """Begin to watch. What a machine is in now, it touches."""
@@ -90,16 +92,16 @@ class FloorMonitor:
         self._clock = stage.clock
         self._notify = touched
         self._area = shape.footprint((0.0, 0.0), 0.0)
-        self._reach = float(shapely.hausdorff_distance(self._area, shapely.Point(0.0, 0.0)))
-        self._things: list[Thing] = []
+        self._reach = reach_of(self._area)
+        self._things: list[FloorPart] = []
         if shape.category == "vehicle":
-            self._things.append(Thing("boundary", plan.boundary, outside=True))
+            self._things.append(FloorPart("boundary", plan.boundary, outside=True))
         for one in plan.obstacles:
             if one.overlaps(shape.bottom, shape.top):
-                self._things.append(Thing(one.name, one.footprint))
-        self._touches: dict[Thing, float] = {}
+                self._things.append(FloorPart(one.name, one.footprint))
+        self._touches: dict[FloorPart, float] = {}
         """What it touches, and how deep it may be in it (metres)."""
-        self._outlines: dict[tuple[Thing, float], Outlines] = {}
+        self._outlines: dict[tuple[FloorPart, float], Outlines] = {}
         self._next: Callable[[], None] = self.reconsider
         self._alarm = Alarm(stage.clock, lambda: self._next(), Turn.MOTION_ENDS)
         self._list_bounds()
@@ -115,7 +117,7 @@ class FloorMonitor:
         """Watch something that is there from now on."""
         shape = self._machine.shape
         if one.overlaps(shape.bottom, shape.top):
-            thing = Thing(one.name, one.footprint, self._clock.now)
+            thing = FloorPart(one.name, one.footprint, self._clock.now)
             self._things.append(thing)
             self._list_bounds()
             self._may_be_in(thing)
@@ -127,7 +129,7 @@ class FloorMonitor:
         self._touches = {one: depth for one, depth in self._touches.items() if one.name != name}
         self._list_bounds()
         if not self._touches:
-            self._machine.stand_for(CONTACT, False)
+            self._machine.contact_gone()
         self.reconsider()
 
     def reconsider(self) -> None:
@@ -141,7 +143,7 @@ class FloorMonitor:
         for thing in (*self._touches, *self._near(motion)):
             if thing in self._touches:
                 if (t := self._parting(thing, motion, now)) is not None and t < first:
-                    first, self._next = t, lambda thing=thing: self._part(thing)
+                    first, self._next = t, partial(self._part, thing)
                 if stops and (t := self._contact(thing, motion, now)) is not None:
                     # One that pushes against it must not creep.
                     t = now if self._moves_little(motion, now, t) else t
@@ -150,10 +152,10 @@ class FloorMonitor:
             elif thing.since >= planned:
                 t = self._contact(thing, motion, now)
                 if t is not None and t < first:
-                    first, self._next = t, lambda thing=thing: self._touch(thing)
+                    first, self._next = t, partial(self._touch, thing)
         self._alarm.set(None if first == math.inf else first)
 
-    def _near(self, motion: Motion) -> list[Thing]:
+    def _near(self, motion: Motion) -> list[FloorPart]:
         """Return what a motion may touch from now on."""
         x, y, most_x, most_y = bounds_from(motion, self._clock.now)
         near = come_into(self._bounds, [(x, y), (most_x, most_y)], self._reach)
@@ -169,18 +171,18 @@ class FloorMonitor:
         self._owners = [thing for thing, _ in parts]
         self._bounds = numbers([bound for _, part in parts for bound in part.bounds])
 
-    def _between(self, thing: Thing, depth: float) -> Outlines:
+    def _between(self, thing: FloorPart, depth: float) -> Outlines:
         """Return the outlines of the machine, smaller by a depth, and of a thing."""
         if (thing, depth) not in self._outlines:
             area = shrunk(self._area, depth)
             self._outlines[thing, depth] = Outlines(area, thing.area, outside=thing.outside)
         return self._outlines[thing, depth]
 
-    def _contact(self, thing: Thing, motion: Motion, now: float) -> float | None:
+    def _contact(self, thing: FloorPart, motion: Motion, now: float) -> float | None:
         outlines = self._between(thing, self._touches.get(thing, DEPTH))
         return outlines.first_contact(motion, REST, now, motion.end)
 
-    def _parting(self, thing: Thing, motion: Motion, now: float) -> float | None:
+    def _parting(self, thing: FloorPart, motion: Motion, now: float) -> float | None:
         return self._between(thing, 0.0).first_parting(motion, REST, now, motion.end, PARTED)
 
     def _moves_little(self, motion: Motion, now: float, t: float) -> bool:
@@ -188,16 +190,16 @@ class FloorMonitor:
         turned = self._reach * abs(there[2] - here[2])
         return math.dist(here[:2], there[:2]) + turned < LEAST
 
-    def _may_be_in(self, thing: Thing) -> None:
+    def _may_be_in(self, thing: FloorPart) -> None:
         """Touch a thing if the machine is in it now."""
         if self._is_in(thing, DEPTH):
             self._touch(thing)
 
-    def _is_in(self, thing: Thing, depth: float) -> bool:
+    def _is_in(self, thing: FloorPart, depth: float) -> bool:
         outlines = Outlines(shrunk(self._area, depth), thing.area, outside=thing.outside)
         return outlines.overlap(self._body.motion, REST, self._clock.now)
 
-    def _touch(self, thing: Thing) -> None:
+    def _touch(self, thing: FloorPart) -> None:
         depth = high = DEPTH + ROUNDING
         while self._is_in(thing, high):  # it was put down on the machine, or was there before
             depth, high = high, 2 * high
@@ -228,7 +230,7 @@ class FloorMonitor:
         self._body.follow(standing((x, y), heading=rotation, start=now))
         self._machine.stopped_by_contact()
 
-    def _part(self, thing: Thing) -> None:
+    def _part(self, thing: FloorPart) -> None:
         del self._touches[thing]
         self.reconsider()
 

@@ -22,6 +22,11 @@ Its last arguments are begin and end of the search (seconds).
 """
 
 
+def by_conditions(near: Condition, parted: Condition) -> Change:
+    """Return the change by a condition for each state."""
+    return lambda is_near, *when: first_time(parted if is_near else near, *when)
+
+
 class NearnessMonitor:
     """Calls `notify` as two bodies come so near that something holds (True), and as they part."""
 
@@ -74,9 +79,9 @@ class Distancing:
         self._since: dict[tuple[Bystander, Bystander], float] = {}
         for (one, mine), (other, theirs) in combinations(zip(people, radii, strict=True), 2):
             near = required + mine + theirs
-            conditions = TooClose(FixedDistance(near)), Apart(near + PARTED)
+            change = by_conditions(TooClose(FixedDistance(near)), Apart(near + PARTED))
             notify = partial(self._changed, one, other, near)
-            NearnessMonitor(stage, (one.body, other.body), partial(_next, conditions), notify)
+            NearnessMonitor(stage, (one.body, other.body), change, notify)
 
     @property
     def time(self) -> float:
@@ -98,18 +103,6 @@ class Distancing:
                 person=one.name, other=other.name, distance=apart, required=self._required
             )
         )
-
-
-def _next(
-    conditions: tuple[Condition, Condition],
-    is_near: bool,
-    one: Motion,
-    other: Motion,
-    begin: float,
-    end: float,
-) -> float | None:
-    """Return when bodies come near, or part, by the condition for each."""
-    return first_time(conditions[is_near], one, other, begin, end)
 
 
 PARTING = 0.1
