@@ -47,7 +47,6 @@ class PersonContacts:
 
     def watch(self, person: Bystander, machine: Machine) -> None:
         """Watch a person beside a machine from now on, if it does not pass above them."""
-        self._monitors.setdefault(person, [])
         if machine.shape.bottom - self._stage.floorplan.human.height > TOUCH:
             return
         if machine not in self._fields:
@@ -58,11 +57,11 @@ class PersonContacts:
         notify = partial(self._changed, person, machine)
         bodies = person.body, machine.body
         monitor = NearnessMonitor(self._stage, bodies, change, notify, Turn.VIOLATION)
-        self._monitors[person].append(monitor)
+        self._monitors.setdefault(person, []).append(monitor)
 
     def started(self, person: Bystander) -> None:
         """Count contacts of a person from now on."""
-        for monitor in self._monitors[person]:
+        for monitor in self._monitors.get(person, ()):
             monitor.reconsider()
 
     def _change(
