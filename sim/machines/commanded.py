@@ -20,6 +20,7 @@ from ..core.events import EventKind
 from ..core.recorder import Record
 from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
+from .arguments import instance, number
 from .commanding import Drive, Interruption, Interrupts, Steps
 from .tasks import Task, Tasks
 
@@ -108,8 +109,7 @@ class CommandedMachine(Machine):
         ValueError
             If the delay is negative or infinite.
         """
-        if not 0 <= after < math.inf:
-            raise UserError(f"can't wait {after} s")
+        after = number("look(after)", after, 0.0)
         self._interrupts.command_given()
         earliest = (self.now + after) * OBSERVATION_RATE
         at = math.ceil(earliest - 1e-9) / OBSERVATION_RATE
@@ -208,7 +208,7 @@ class CommandedMachine(Machine):
         ValueError
             If the machine is stopped.
         """
-        return self._follow(motion)
+        return self._follow(instance("follow(motion)", motion, Motion))
 
     def stop(self) -> Process:
         """Start the fastest stop, and discard the current command.
@@ -279,7 +279,7 @@ class CommandedMachine(Machine):
             Event to yield.
         """
         self._interrupts.command_given()
-        return self._clock.at(t, Turn.NOTICE)
+        return self._clock.at(number("until(t)", t), Turn.NOTICE)
 
     # Its tasks.
 
@@ -401,6 +401,8 @@ class CommandedMachine(Machine):
         bool
             True.
         """
+        if speed is not None and not number("limit_speed(speed)", speed) > 0:
+            raise UserError(f"limit_speed(speed) must be more than 0, not {speed}")
         self.drive.limit_speed(speed)
         return True
 

@@ -16,8 +16,9 @@ from navigation.vehicles import Twist
 from ...core.body import OnContact
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
-from ...core.events import JobDone, JobStarted, MachineBlocked
+from ...core.events import JobDone, JobStarted
 from ...core.stage import Stage
+from ..arguments import instance, number, target
 from ..commanded import CommandedMachine, Sighting
 from ..commanding import Steps
 from ..tasks import Step, Task
@@ -25,9 +26,6 @@ from ..traffic.evading import Evading, Evasion
 from .drive import VehicleDrive
 from .missions import Mission, task_of
 from .shape import Chassis
-
-RETRY = 2.0
-"""Seconds after which a blocked vehicle plans again, if nothing has changed on the floor."""
 
 
 class Amr(CommandedMachine, Evading):
@@ -70,7 +68,6 @@ class Amr(CommandedMachine, Evading):
         self._round_began = -math.inf
         self._rest = Alarm(stage.clock, self._comes_to_rest, Turn.MOTION_ENDS)
         self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
-        self._changed = stage.clock.event()
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
 
@@ -108,8 +105,8 @@ class Amr(CommandedMachine, Evading):
 
         See `CommandedMachine.move_to`. `PlanningError` if there is no route.
         """
-        target = self.drive.destination(_target(x, y, rotation))
-        move = self.drive.move(target, speed_share, resume=resume)
+        goal = self.drive.destination(target("move_to", x, y, rotation, speed_share))
+        move = self.drive.move(goal, speed_share, resume=resume)
         self._interrupts.command_given()
         return move
 
@@ -117,11 +114,12 @@ class Amr(CommandedMachine, Evading):
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
         """Return the motion that `move_to` would make from here and now; nothing moves by it."""
-        return self.drive.preview(_target(x, y, rotation), speed_share)
+        return self.drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
 
     def turn_to(self, rotation: float, *, speed_share: float = 1.0) -> Event:
         """Turn on the spot to `rotation` (radians), to be waited for."""
         x, y, _ = self.position
+        rotation = number("turn_to(rotation)", rotation)
         return self.move_to(x, y, rotation, speed_share=speed_share)
 
     def twist(self, twist: Sequence[float], seconds: float) -> Event:
@@ -130,7 +128,8 @@ class Amr(CommandedMachine, Evading):
         The twist is (v, ω), or (vx, vy, ω): m/s forwards and to the left, rad/s. `UserError` if it
         is not finite or too fast.
         """
-        until, wanted = self.now + seconds, Twist.of(twist)
+        seconds, wanted = number("twist(seconds)", seconds, 0.0), Twist.of(twist)
+        until = self.now + seconds
         wanted.check(self.limits)
 
         def motion(left: float) -> Motion:
@@ -144,14 +143,16 @@ class Amr(CommandedMachine, Evading):
 
     def do(self, task: Task) -> Process:
         """Do the steps of a task that are left; see `CommandedMachine.do`."""
+        instance("do(task)", task, Task)
         return self._command(self._do(task, self.drive.begin()))
 
     def locate(self, task: Task) -> Event:
         """Begin the task: the value is the pose of its next step, once there is a route to it."""
-        return self._command(self._find(task))
+        return self._command(self._find(instance("locate(task)", task, Task)))
 
     def handle(self, task: Task) -> Process:
         """Do the work of the task's next step, here. The value is True if it was done."""
+        instance("handle(task)", task, Task)
         return self._command(self._handle(task, self.drive.begin()))
 
     # The simulation's side of it.
@@ -163,8 +164,7 @@ class Amr(CommandedMachine, Evading):
 
     def floor_changed(self) -> None:
         """Find another way if something stands in the present one now."""
-        changed, self._changed = self._changed, self._clock.event()
-        changed.succeed()
+        self.drive.floor_changed()
         under_way = self.body.motion.end > self.now and not self.disabled
         if under_way and not self.drive.route_is_free():
             self.drive.forget_route()
@@ -225,31 +225,29 @@ class Amr(CommandedMachine, Evading):
         self._begin(task)
         step = task.next_step
         assert step is not None
-        return (yield from self._routed(step))
+        return (yield from self._routed(step, None))
 
-    def _routed(self, step: Step) -> Steps:
-        """Return the pose in which a route to a step ends, once there is one."""
-        told = False
+    def _routed(self, step: Step, command: int | None) -> Steps:
+        """Return the pose in which a route to a step ends, once there is one.
+
+        None if `command` was replaced.
+        """
         goal = self._goal(step)
-        while True:
+        while command is None or self.drive.is_under_way(command):
             try:
                 return self.drive.destination(goal)
             except PlanningError as why:
-                if not told:
-                    told = True
-                    self.record(
-                        MachineBlocked(
-                            machine=self.name, goal=(goal[0], goal[1]), message=why.message
-                        )
-                    )
-            yield self._changed | self._clock.at(self.now + RETRY)
+                self.drive.record_blocked(goal, why)
+            again = self.drive.change_of_floor()
+            yield again if command is None else again | self.drive.replaced
+        return None
 
     def _do(self, task: Task, command: int) -> Steps:
         while self.drive.is_under_way(command) and (step := task.next_step) is not None:
             self._begin(task)
             goal = self._goal(step)
             while self.drive.is_under_way(command) and not self.drive.is_at(goal):
-                pose = yield from self._routed(step)
+                pose = yield from self._routed(step, command)
                 if self.drive.is_under_way(command):
                     yield self.drive.move(pose, command=command)
             if self.drive.is_under_way(command):
@@ -261,7 +259,7 @@ class Amr(CommandedMachine, Evading):
         step = task.next_step
         if step is None or not self.drive.is_at(self._goal(step)):
             return False
-        done: bool = yield from self.drive.work(step.seconds, command)
+        done: bool = yield from self.drive.work(step.seconds, command, stays=step.action == "wait")
         if not done or task.next_step is not step:
             return False
         task.advance()
@@ -293,7 +291,3 @@ class Amr(CommandedMachine, Evading):
         for k, task in enumerate(self._round):
             task.stage = k
         self.tasks.add(self._round)
-
-
-def _target(x: float, y: float, rotation: float | None) -> tuple[float, ...]:
-    return (x, y) if rotation is None else (x, y, rotation)

@@ -24,7 +24,8 @@ from ..controllers import (
     parked,
     supervised,
 )
-from .amr import RETRY, Amr
+from .amr import Amr
+from .drive import RETRY
 
 ASIDE = 0.5
 """Metres. `avoiding` passes people at this distance from their bodies, if it can."""

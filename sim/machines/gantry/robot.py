@@ -21,6 +21,7 @@ from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted, OrderSubmitted, PartDropped
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
+from ..arguments import instance, target
 from ..commanded import CommandedMachine
 from ..commanding import Steps
 from ..controllers import STAY
@@ -150,8 +151,8 @@ class GantryRobot(CommandedMachine, Evading):
         ValueError
             If the pose is outside the range of the gantry.
         """
-        target = self._sites.at(x, y, rotation)
-        move = self.drive.move(target, speed_share, resume=resume)
+        pose = self._sites.at(*target("move_to", x, y, rotation, speed_share))
+        move = self.drive.move(pose, speed_share, resume=resume)
         self._interrupts.command_given()
         return move
 
@@ -165,7 +166,8 @@ class GantryRobot(CommandedMachine, Evading):
         x, y, rotation, speed_share
             See `move_to`.
         """
-        return self.drive.preview(self._sites.at(x, y, rotation), speed_share)
+        pose = self._sites.at(*target("preview", x, y, rotation, speed_share))
+        return self.drive.preview(pose, speed_share)
 
     def pick(self, place: str) -> Process:
         """Move to a place and pick up a part.
@@ -214,6 +216,7 @@ class GantryRobot(CommandedMachine, Evading):
         Process
             Event to yield. Its value is False if another command replaced this one, otherwise True.
         """
+        instance("do(task)", task, Task)
         return self._command(self._do(task, self.drive.begin()))
 
     def where(self, task: Task) -> Pose | None:
@@ -260,7 +263,7 @@ class GantryRobot(CommandedMachine, Evading):
         Event
             Event to yield. Its value is the pose of the next step.
         """
-        pose = self._sites.pose_for(_next_step(task))
+        pose = self._sites.pose_for(_next_step(instance("locate(task)", task, Task)))
         if pose is None:
             return self._command(self._find(task))
         self._interrupts.command_given()
@@ -288,6 +291,7 @@ class GantryRobot(CommandedMachine, Evading):
         ValueError
             If the task is done.
         """
+        instance("handle(task)", task, Task)
         if (task.given_up and task.finished) or not self._sites.stands_at(_next_step(task)):
             return self._command(_not_done())
         return self._command(self._handle(task, self.drive.begin()))
@@ -415,19 +419,25 @@ class GantryRobot(CommandedMachine, Evading):
             self._begin_again(task)
         return task
 
-    def _reached(self, step: Step, task: Task | None = None) -> Steps:
+    def _reached(self, step: Step, task: Task | None = None, command: int | None = None) -> Steps:
         """Wait until a step can be reached; the value is its pose then.
 
-        None if it is not the next of its task any more.
+        None if it is not the next of its task any more, or `command` was replaced.
         """
         while (pose := self._sites.pose_for(step)) is None and (
             task is None or task.next_step is step
         ):
-            yield self._floor_changed
+            if command is None:
+                yield self._floor_changed
+            elif self.drive.is_under_way(command):
+                yield self._floor_changed | self.drive.replaced
+            else:
+                break
         return pose
 
     def _visit(self, action: str, seconds: float, place: str) -> Process:
         """Go to a place and handle something there, as one command."""
+        instance(f"{action}(place)", place, str)
         step, command = Step(action, seconds=seconds, place=place), self.drive.begin()
 
         def steps() -> Steps:
@@ -438,7 +448,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     def _go_to(self, step: Step, command: int, task: Task | None = None) -> Steps:
         """As a part of `command`, go to where `step` is, once it can be reached."""
-        pose = yield from self._reached(step, task)
+        pose = yield from self._reached(step, task, command)
         if pose is not None and self.drive.is_under_way(command):
             yield self.drive.move(pose, command=command)
 
