@@ -161,7 +161,11 @@ class VehicleDrive(Drive):
 
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop from `state` at `t` (seconds), on the arc it drives on."""
-        self._last_stop = vehicle_stop(state, t, limits=self.limits)
+        if t <= self.body.motion.start and not any(state.velocity):
+            # A motion that begins now leaves nothing: the spline of an arc accelerates at once.
+            self._last_stop = standing(state.at, heading=state.position[2], start=t)
+        else:
+            self._last_stop = vehicle_stop(state, t, limits=self.limits)
         return self._last_stop
 
     def _motion_changed(self) -> None:
