@@ -69,6 +69,6 @@ def zones_of(run: Outcome) -> dict[str, dict[str, float]]:
     return zone_exposures(run.floorplan.zones, stays)
 
 
-def contacts_of(run: Outcome) -> int:
-    """Return how often a robot, or a vehicle that drives or turns, touched a person."""
-    return sum(event["kind"] == "contact" and "person" in event for event in run.events)
+def contacts_of(run: Outcome, what: str = "person") -> int:
+    """Return how often a machine touched a "person", or (`what` is "with") something else."""
+    return sum(event["kind"] == "contact" and what in event for event in run.events)
