@@ -175,13 +175,7 @@ class LiveRun(InProgress, Listener):
         return self._tempo.speed
 
     def begin(self, scene: Scene) -> None:
-        """Create the page.
-
-        Parameters
-        ----------
-        scene : Scene
-            Initial state.
-        """
+        """Create the page."""
         people = [person.name for person in scene.people]
         machines = [name for name in scene.starts if name not in people]
         nothing = Recorded(
@@ -198,23 +192,11 @@ class LiveRun(InProgress, Listener):
         self._page = render(replay_data(nothing), stream="stream", speed=self.speed)
 
     def event(self, event: Event) -> None:
-        """Send an event to the page.
-
-        Parameters
-        ----------
-        event : dict
-            Event as in recordings.
-        """
+        """Send an event to the page."""
         self._send(event=event)
 
     def thought(self, thought: Thought) -> None:
-        """Send a thought of a person to the page.
-
-        Parameters
-        ----------
-        thought : dict
-            Thought as in recordings.
-        """
+        """Send a thought of a person to the page."""
         self._send(thought=thought)
 
     def advance(self, simulation: Simulation) -> None:

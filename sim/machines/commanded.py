@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from simpy.events import Event, Process
+from typing_extensions import override
 
 from floorplan import UserError
 from navigation import Motion
@@ -376,14 +377,8 @@ class CommandedMachine(Machine):
         """
         self._interrupts.happened(reason)
 
+    @override
     def hold(self, stands: bool) -> None:
-        """Start or end a protective stop.
-
-        Parameters
-        ----------
-        stands : bool
-            True to brake and stay stationary, False to continue.
-        """
         self.drive.hold(stands)
 
     def limit_speed(self, speed: float | None) -> bool:

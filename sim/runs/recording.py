@@ -160,13 +160,7 @@ class Recording(InProgress, Listener):
                 raise self._taken(name)
 
     def begin(self, scene: Scene) -> None:
-        """Create the folder and write the scene.
-
-        Parameters
-        ----------
-        scene : Scene
-            Initial state.
-        """
+        """Create the folder and write the scene."""
         try:
             if self._numbered:
                 self.folder = _made(self.folder)
@@ -183,13 +177,7 @@ class Recording(InProgress, Listener):
             file.write(write_scene(scene))
 
     def event(self, event: Event) -> None:
-        """Write an event as one line.
-
-        Parameters
-        ----------
-        event : dict
-            Event.
-        """
+        """Write an event as one line."""
         self._add("events.jsonl", json.dumps(event, ensure_ascii=False))
         if event["kind"] == Commanded.kind:
             self._command(event)
@@ -202,15 +190,7 @@ class Recording(InProgress, Listener):
         self._add(COMMANDS, f"  - {command}")
 
     def motion(self, body: Body, motion: Motion) -> None:
-        """Write a finished motion as one line with the coefficients of its cubics.
-
-        Parameters
-        ----------
-        body : Body
-            Person or machine.
-        motion : Motion
-            Motion that was carried out.
-        """
+        """Write a finished motion as one line with the coefficients of its cubics."""
         line: MotionLine = {
             "body": body.name,
             "kind": body.kind,
@@ -221,13 +201,7 @@ class Recording(InProgress, Listener):
         self._add("motions.jsonl", json.dumps(line))
 
     def thought(self, thought: Thought) -> None:
-        """Write a thought of a person as one line.
-
-        Parameters
-        ----------
-        thought : dict
-            Thought.
-        """
+        """Write a thought of a person as one line."""
         self._add("thoughts.jsonl", json.dumps(thought, ensure_ascii=False))
 
     def close(self) -> None:
