@@ -49,6 +49,7 @@ OF_THE_LIBRARY = {
         "contacts",
         "catalog",
         "encounter",
+        "field_lengths",
         "fields",
         "freespace",
         "kernels",
