@@ -77,7 +77,9 @@ class PersonContacts:
         """Return when a contact begins or ends next (seconds), if one does."""
         is_vehicle = machine.shape.category == "vehicle"
         idle = is_vehicle and drive.end <= begin
-        if idle or person.away or person.started_at is None:
+        # Recorded people are far outside while they are away.
+        away = person.away and not person.is_recorded
+        if idle or away or person.started_at is None:
             return begin if is_near else None
         fields = self._fields[machine]
         radius = person.radius + (PARTED if is_near else TOUCH)
