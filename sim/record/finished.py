@@ -5,13 +5,13 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 from floorplan import UserError
-from navigation import Motion, minimum_separation
+from navigation import Motion, Moving, minimum_separation, when
 from navigation.encounter import Odometer
 from navigation.kernels.pieces import walked_and_stood
 from navigation.measures import Nearest, nearest_pair
@@ -27,7 +27,6 @@ from ..safety.margins import (
     RecordedRequirement,
     Span,
     least_margins,
-    moving_spans,
 )
 from ..safety.monitors import SeparationMonitor
 from ..safety.referee import Referee
@@ -152,7 +151,7 @@ class Finished:
                     other.translated(*self.trial.rules.measured_at(watch.pair.machine.shape)),
                     watch.pair.shapes,
                     spans,
-                    self._moving(watch.pair.machine, spans),
+                    spans if category == "vehicle" else self._moving(watch, spans),
                 ),
                 watch.intervals,
             )
@@ -160,28 +159,19 @@ class Finished:
             for watch, one, other, spans in self._together(category)
         ]
 
-    def _moving(self, machine: Machine, spans: Sequence[Span]) -> list[Span]:
-        """Return those parts of spans in which a machine moves: all of them for a vehicle."""
-        if machine.shape.category == "vehicle":
-            return [*spans]
-        motion = self.motions[machine.name]
-        turning = self._turning_counts
-        return [part for span in spans for part in moving_spans(motion, *span, turning=turning)]
-
-    @property
-    def _turning_counts(self) -> bool:
-        """Whether a vehicle moves while it turns on the spot."""
-        return self.trial.rules.between == "surfaces"
+    def _moving(self, watch: SeparationMonitor, spans: Iterable[Span]) -> list[Span]:
+        """Return those parts of spans in which a machine moves, as the rules have it."""
+        motion, shapes = self.motions[watch.pair.machine.name], watch.pair.shapes
+        moving = Moving(reach=0.0 if shapes is None else shapes.reach)
+        return [part for span in spans for part in when(moving, motion, motion, *span)]
 
     def _together(
         self, category: Category
     ) -> Iterator[tuple[SeparationMonitor, Motion, Motion, list[tuple[float, float]]]]:
         """Yield each watch on a person beside such a machine, their motions, and spans (seconds).
 
-        These are those in which the person was on the floor and, if it is a vehicle, it drove. It
-        also does while it turns on the spot, if the rules say so.
+        These are those in which the person was on the floor and, if it is a vehicle, it moved.
         """
-        turning = self._turning_counts
         stays = {person.name: self._stays(person) for person in self.people}
         drives: dict[str, list[tuple[float, float]]] = {}
         for watch in self.referee.watches:
@@ -191,8 +181,7 @@ class Finished:
             spans = stays[person]
             if category == "vehicle":
                 if machine.name not in drives:
-                    motion = self.motions[machine.name]
-                    drives[machine.name] = moving_spans(motion, turning=turning)
+                    drives[machine.name] = self._moving(watch, [(0.0, self.duration)])
                 pairs = itertools.product(spans, drives[machine.name])
                 cut = [(max(a, begin), min(b, end)) for (begin, end), (a, b) in pairs]
                 spans = [(a, b) for a, b in cut if a < b]
