@@ -20,6 +20,7 @@ from navigation import CollisionWorld
 
 from .core.body import Body
 from .core.clock import MOMENT, Clock, InProgress, Turn
+from .core.compilation import notice_uncompiled
 from .core.custom_code import Imports, supervised
 from .core.entries import Blackout, Command, Start
 from .core.events import (
@@ -203,6 +204,7 @@ class Simulation(InProgress):
 
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
+        notice_uncompiled()
         self._imports = Imports()
         self.clock = Clock(busy=self._busy)
         self._assemble(trial, listeners)
