@@ -23,6 +23,7 @@ from floorplan.files.fields import (
     NotNegative,
     Number,
     Positive,
+    brief,
     whole,
 )
 from floorplan.files.problems import Written
@@ -347,6 +348,8 @@ class Job:
     order : str, optional
         Name of the order.
     """
+
+    __repr__ = brief
 
     kind: Literal["move", "wait", "pick_place", "submit"]
     _: KW_ONLY
