@@ -20,7 +20,7 @@ from ..machines.gantry.controllers import CONTROLLERS, controller_source
 from ..machines.kinds import KINDS, is_own, own_kind
 from ..people.crowd.custom_steering import STEERING
 from ..people.programs import load_program, modules_of, planner_of, planner_source, sources_of
-from ..people.tracks.recorded_walks import files_of
+from ..people.tracks.track_files import files_of
 from ..safety.laws import LAW, OwnLaw, laws_in
 from ..trials.trial import Trial
 from .code_files import digest_of_code, digest_of_source
