@@ -15,7 +15,7 @@ from shapely.geometry import Polygon
 
 from floorplan import InputError, Obstacle, UserError
 from floorplan.files.problems import refuse, suggestion
-from floorplan.files.values import require
+from floorplan.files.values import require, require_fields
 from navigation import CollisionWorld
 
 from .core.body import Body
@@ -212,6 +212,7 @@ class Simulation(InProgress):
     @_in_run
     def _assemble(self, trial: Trial, listeners: Iterable[Listener]) -> None:
         require(trial, Trial, "sim.Trial.load")
+        require_fields(trial)
         trial = with_everybody(trial)
         check(trial)
         if any(own_laws(trial.rules)):
