@@ -26,6 +26,12 @@ _SLIP = 1e-2
 SIDEWAYS = 1e-4
 """m/s and metres. A differential drive that moves sideways by less is only rounded."""
 
+_ROUNDING = 1e-6
+"""m/s². Error of an acceleration on a segment or in a turn."""
+
+_SPLINE = 0.02
+"""m/s². Error of an acceleration on an arc, where it is that of a spline."""
+
 _BESIDE = 1e-6
 """m/s². A vehicle that accelerates to the side by less moves straight on."""
 
@@ -414,18 +420,20 @@ def _body_axes(state: State, limits: VehicleLimits) -> list[AxisState]:
         aside = push = 0.0
     states = [(ahead, pull), (aside, push), (turning, spin)]
     return [
-        _within(AxisState(0.0, *given), axis)
+        _within(AxisState(0.0, *given), axis, _SPLINE)
         for given, axis in zip(states, _axes(limits), strict=True)
     ]
 
 
-def _within(state: AxisState, limits: AxisLimits) -> AxisState:
-    """Return a state without the acceleration that would end above the top speed.
+def _within(state: AxisState, limits: AxisLimits, error: float = _ROUNDING) -> AxisState:
+    """Return a state without the acceleration that would end above the top speed by an `error`.
 
-    The second derivative of an arc's spline is the arc's but for a little.
+    More than that is an acceleration for a higher top speed, which ends within the jerk limit.
     """
     v, a, jerk = state.velocity, state.acceleration, limits.max_jerk
     if jerk == math.inf or v * a <= 0:
         return state
-    left = max(limits.max_speed - abs(v), 0.0)
-    return replace(state, acceleration=math.copysign(min(abs(a), math.sqrt(2 * jerk * left)), a))
+    allowed = math.sqrt(2 * jerk * max(limits.max_speed - abs(v), 0.0))
+    if not allowed < abs(a) <= allowed + error:
+        return state
+    return replace(state, acceleration=math.copysign(allowed, a))
