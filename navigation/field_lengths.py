@@ -40,9 +40,6 @@ _EXACT = 1e-6
 _POSES = 33
 """Number of poses of a drive on an arc: chords between them are within 1 mm of usual arcs."""
 
-_STARTS = 33
-"""Number of speeds of which the farthest stop is taken."""
-
 
 class Reach(NamedTuple):
     """What a machine covers from a contact to its standstill.
@@ -160,8 +157,22 @@ def stopping_reach(limits: AxisLimits, speed: float, response_time: float) -> Re
     its acceleration adds at a low speed.
     """
     speed = min(speed, limits.max_speed)
-    starts = (speed * k / (_STARTS - 1) for k in range(_STARTS))
+    starts = (speed, min(speed, _worst_start(limits, response_time)))
     return max((_reach(limits, one, response_time) for one in starts), key=lambda r: r.distance)
+
+
+def _worst_start(limits: AxisLimits, response_time: float) -> float:
+    """Return the speed (m/s) from which a machine begins to accelerate less as it brakes.
+
+    Below it, a higher speed gets farther. Above it, less acceleration is left at the brakes.
+    """
+    jerk, top = limits.max_jerk, limits.max_speed
+    most = min(limits.max_acceleration, math.sqrt(jerk * top))
+    builds_up = most**2 / (2 * jerk)  # m/s, and as much to be let off
+    before = response_time - (top - 2 * builds_up) / most
+    if before <= 0:
+        return top - builds_up - most * response_time
+    return max(0.0, most - jerk * before) ** 2 / (2 * jerk)
 
 
 def _reach(limits: AxisLimits, speed: float, response_time: float) -> Reach:

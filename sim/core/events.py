@@ -286,7 +286,7 @@ class Entered(EventKind):
 
 
 class Left(EventKind):
-    """A person leaves the floor permanently."""
+    """A person leaves the floor. Only recorded people may enter again."""
 
     person: _Person
     at: Point

@@ -6,6 +6,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 from simpy.events import Event, Process
 
@@ -52,6 +53,17 @@ class CommandedMachine(Machine):
     """
 
     record: Record
+
+    FOR_CONTROLLERS: ClassVar[frozenset[str]] = frozenset(
+        {"name", "now", "state", "position", "disabled", "rules", "human_speed", "record"}
+        | {"look", "interrupt_on", "move_to", "preview", "follow", "stop", "resume", "stopping"}
+        | {"wait", "until", "open_tasks", "next_task", "do", "locate", "handle"}
+    )
+    """Names for controllers. All others are for the simulation."""
+
+    def __dir__(self) -> list[str]:
+        """Return the names for controllers, so that completion offers them alone."""
+        return [*self.FOR_CONTROLLERS]
 
     def __init__(self, stage: Stage, shape: MachineShape, drive: Drive) -> None:
         self.rules = stage.rules

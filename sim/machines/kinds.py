@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 from shapely.geometry import Polygon
@@ -17,17 +18,22 @@ from navigation import IntegralLaw, SeparationLaw
 from navigation.separation import required_at_speeds
 
 from ..core.body import Category, Machine, MachineShape
-from ..core.custom_code import CodeFolder, CustomCode, Kind
+from ..core.custom_code import CodeFolder, CustomCode, Kind, importing
 from ..core.scenario import AgvMove, GantryEntry, Scenario
 from ..core.stage import MachineEntry, MachineModel, Stage
 from ..safety.laws import OwnLaw
 from .agv.model import AgvModel
+from .amr.controllers import VEHICLE_CONTROLLERS
 from .amr.model import AmrModel, overlaps
+from .gantry.controllers import controller_source
 from .gantry.model import GantryModel
 from .gantry.robot import GANTRY
 
 KINDS: dict[str, type[MachineModel]] = {"gantry": GantryModel, "agv": AgvModel, "amr": AmrModel}
 """The kinds of machines by name. A package adds its own by `KINDS["tugger"] = TuggerModel`."""
+
+
+_Scenario = TypeVar("_Scenario", bound=Scenario)
 
 
 class MachineError(UserError):
@@ -50,6 +56,7 @@ MODEL = Kind(
 """The kind of class that a trial names as the kind of a machine."""
 
 
+@importing()
 def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel]:
     """Return the machines of a trial by name: the floor's gantry and AGVs, then its `machines`.
 
@@ -134,6 +141,31 @@ def keys_of(entry: MachineEntry, scenario: Scenario) -> list[str] | None:
         return None
     kind = entry.kind if isinstance(entry.kind, type) else KINDS[entry.kind]
     return [name for name, _ in form_keys(kind.key_schema or kind)]
+
+
+def with_controller(
+    scenario: _Scenario, controller: str | Callable[[Any], Any], machine: str = ""
+) -> _Scenario:
+    """Return the scenario with this controller of one machine, or of each gantry and vehicle.
+
+    A built-in controller has no `rate`. `MachineError` if there is no such machine, and
+    `ControllerError` if there is no such controller.
+    """
+    machines, found = {**scenario.machines}, False
+    for name, entry in scenario.machines.items():
+        keys = keys_of(entry, scenario) or (["controller"] if name == machine else [])
+        if machine in ("", name) and "controller" in keys:
+            given = {**entry.keys, "controller": controller}
+            if controller in VEHICLE_CONTROLLERS:
+                given.pop("rate", None)
+            machines[name], found = replace(entry, keys=given), True
+    changed = replace(scenario, machines=machines)
+    if machine in ("", GANTRY) and (scenario.floorplan.gantry is not None or not found):
+        controller_source(controller, scenario.code_folder)
+        return replace(changed, gantry=replace(scenario.gantry, controller=controller))
+    if not found:
+        raise MachineError(f"no machine with a controller is called {machine!r}")
+    return changed
 
 
 def may_be(category: Category, entry: MachineEntry) -> bool:

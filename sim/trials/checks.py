@@ -35,7 +35,7 @@ from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
 from ..people.crowd.custom_steering import STEERING, SteeringError
 from ..people.programs import EXTERNAL, find_program, modules_of, planner_source, sources_of
-from ..people.tracks.recorded_walks import track_faults
+from ..people.tracks.recorded_walks import track_faults, with_everybody
 from .expectations import expectation_problems
 from .feasibility import (
     budget_faults,
@@ -125,6 +125,7 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         if person.name in taken:
             yield f"another body is called {person.name!r} already", ("people", k, "name")
         taken.add(person.name)
+    yield from track_faults(with_everybody(trial))
     if trial.steering is not None:
         try:
             trial.code_folder.find(trial.steering, STEERING)
@@ -189,8 +190,6 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     yield from range_faults(person)
     if person.recorded is None:
         yield from _place_faults(person, trial)
-    for message in track_faults(person, trial):
-        yield message, ("recorded",)
     yield from _coming_faults(person, trial)
     if person.agent_lag is not None and person.personality == EXTERNAL:
         message = "a person controlled from outside has no agent; omit it"
@@ -276,7 +275,7 @@ def _group_faults(trial: Scenario) -> Iterator[Fault]:
 
 def _crowding(trial: Scenario) -> Iterator[Fault]:
     """Yield that there are more people than the floor has room for."""
-    there = [person for person in trial.people if person.source is None]
+    there = [one for one in trial.people if one.source is None and one.recorded is None]
     if len(there) < 2:
         return
     plan = trial.floorplan

@@ -33,7 +33,7 @@ from ..record.incidents import (
 from ..record.outcome import Outcome
 from ..record.stops import MachineTimes, machine_times
 from ..record.summary import figures_in_words
-from ..record.warm_up import after_warm_up, zones_of
+from ..record.warm_up import after_warm_up, contacts_of, zones_of
 from .report_page import minus
 from .safety_fields import field_tables
 from .safety_findings import (
@@ -406,6 +406,7 @@ def run_report(
         "on_floor": there,
         "near": near,
         "worst": worst,
+        "contacts": contacts_of(run),
         "most_incidents": MOST_INCIDENTS,
         "led_to": together(worst),
         "verdicts": [("met" if met else "not met", words) for words, met in verdicts],

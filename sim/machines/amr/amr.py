@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from shapely.geometry import Polygon
 from simpy.events import Event, Process
 
-from floorplan import Point
+from floorplan import Point, UserError
 from navigation import Motion, PlanningError
 from navigation.vehicles import Twist, TwistCourse
 
@@ -39,6 +40,10 @@ class Amr(CommandedMachine, Evading):
 
     drive: VehicleDrive
 
+    FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
+        *("people", "missions", "complete", "twist", "twist_now", "turn_to", "limits")
+    }
+
     def __init__(
         self,
         stage: Stage,
@@ -61,6 +66,7 @@ class Amr(CommandedMachine, Evading):
         self.priority = priority
         self._makes_way = makes_way
         self._missions = tuple(missions)
+        self._located = tuple(replace(one, go=one.goal(stage.floorplan)) for one in missions)
         self._every = every
         self._repeat = repeat
         self._controller = controller
@@ -87,6 +93,15 @@ class Amr(CommandedMachine, Evading):
     def people(self) -> tuple[Sighting, ...]:
         """The people around, as it sees them now."""
         return self._sightings()
+
+    @property
+    def missions(self) -> tuple[Mission, ...]:
+        """The missions that are left of this round, the current one first.
+
+        `go` is a position (x, y) in metres, with a rotation in radians if the trial gives one.
+        """
+        pairs = zip(self._located, self._round, strict=True)
+        return tuple(mission for mission, task in pairs if not task.finished)
 
     @property
     def twist_now(self) -> Twist:
@@ -177,7 +192,27 @@ class Amr(CommandedMachine, Evading):
         instance("handle(task)", task, Task)
         return self._command(self._handle(task, self.drive.begin()))
 
+    def complete(self) -> None:
+        """Count the current mission as done. `UserError` if there is none.
+
+        For functions and classes with a rate, which carry out missions themselves.
+        """
+        task = self._current
+        if task is None:
+            raise UserError("there is no mission to complete")
+        self._begin(task)
+        self._advance(task)
+
     # The simulation's side of it.
+
+    def begin_mission(self) -> None:
+        """Record that the current mission is started, unless it was."""
+        if (task := self._current) is not None:
+            self._begin(task)
+
+    @property
+    def _current(self) -> Task | None:
+        return next((task for task in self._round if not task.finished), None)
 
     @property
     def loaded(self) -> bool:
@@ -279,12 +314,15 @@ class Amr(CommandedMachine, Evading):
         done: bool = yield from self.drive.work(step.seconds, command, stays=step.action == "wait")
         if not done or task.next_step is not step:
             return False
+        self._advance(task)
+        return True
+
+    def _advance(self, task: Task) -> None:
         task.advance()
         if task.finished:
             self.jobs_done += 1
             self.record(JobDone.of({"job": task.kind, **task.fields}))
             self._go_on()
-        return True
 
     def _begin(self, task: Task) -> None:
         if not task.announced:

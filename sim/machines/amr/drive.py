@@ -26,6 +26,7 @@ from navigation import (
     vehicle_stop,
 )
 from navigation.motion import State
+from navigation.vehicle_planner import SLACK
 from navigation.vehicles import Twist, stops_of
 
 from ...core.body import Body, is_there
@@ -223,7 +224,7 @@ class VehicleDrive(Drive):
         self._people = {}
         for name, at in people.items():
             # Who is nearer now must not block the start.
-            clear = min(radius, here.distance(shapely.Point(at)) - ON_ROUTE)
+            clear = min(radius, here.distance(shapely.Point(at)) - 2 * SLACK)
             if clear > ON_ROUTE:
                 self._people[f"person {name}"] = Disc(at, clear)
         if self.route_is_free():

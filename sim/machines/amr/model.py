@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Literal
 
 import shapely
 from shapely.geometry import Polygon
 
 from floorplan import Floorplan, UserError
 from floorplan.files.fields import Flag, Pair, Positive
-from floorplan.files.problems import Fault, Written
+from floorplan.files.problems import Fault
 from navigation import PlanningError, VehicleLimits, VehiclePlanner
 from navigation.machines import Stop
 from navigation.vehicle_planner import footprint_fault
@@ -20,6 +20,7 @@ from navigation.vehicle_planner import footprint_fault
 from ...core.body import MachineShape
 from ...core.custom_code import CodeFolder
 from ...core.entries import Pose
+from ...core.scenario import Controller
 from ...core.stage import MachineModel, Stage
 from ..controllers import STAY, ControllerError
 from .amr import Amr
@@ -49,7 +50,7 @@ class AmrModel(MachineModel):
     max_turn_speed: Positive = 1.0
     max_turn_acceleration: Positive = 1.5
     max_turn_jerk: Positive = 6.0
-    controller: Annotated[str | Callable[[Any], Any], Written(str)] = "oblivious"
+    controller: Controller = "oblivious"
     rate: Positive | None = None
     missions: tuple[Mission, ...] = ()
     every: Positive | None = None

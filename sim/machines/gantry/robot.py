@@ -80,6 +80,10 @@ class GantryRobot(CommandedMachine, Evading):
 
     drive: GantryDrive
 
+    FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
+        *("gantry", "floorplan", "law", "pick", "place", "where", "way")
+    }
+
     def __init__(
         self,
         stage: Stage,
