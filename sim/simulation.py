@@ -15,11 +15,12 @@ from shapely.geometry import Polygon
 
 from floorplan import InputError, Obstacle, UserError
 from floorplan.files.problems import refuse, suggestion
-from floorplan.files.values import require
+from floorplan.files.values import require, require_fields
 from navigation import CollisionWorld
 
 from .core.body import Body
 from .core.clock import MOMENT, Clock, InProgress, Turn
+from .core.compilation import notice_uncompiled
 from .core.custom_code import Imports, supervised
 from .core.entries import Blackout, Command, Start
 from .core.events import (
@@ -204,6 +205,7 @@ class Simulation(InProgress):
 
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
+        notice_uncompiled()
         self._imports = Imports()
         self.clock = Clock(busy=self._busy)
         self._assemble(trial, listeners)
@@ -211,6 +213,7 @@ class Simulation(InProgress):
     @_in_run
     def _assemble(self, trial: Trial, listeners: Iterable[Listener]) -> None:
         require(trial, Trial, "sim.Trial.load")
+        require_fields(trial)
         trial = with_everybody(trial)
         check(trial)
         if any(own_laws(trial.rules)):

@@ -14,6 +14,7 @@ from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import Point, rectangle
+from floorplan.files.fields import brief
 from navigation import Box, CollisionWorld, Cylinder, Motion, Moving, Prism, first_time
 from navigation.encounter import Solid
 from navigation.motion import State, Track
@@ -214,6 +215,8 @@ class MachineShape:
     ValueError
         If the category is unknown.
     """
+
+    __repr__ = brief
 
     name: str
     kind: str

@@ -23,6 +23,7 @@ from floorplan.files.fields import (
     NotNegative,
     Number,
     Positive,
+    brief,
     whole,
 )
 from floorplan.files.problems import Written
@@ -348,6 +349,8 @@ class Job:
     order : str, optional
         Name of the order.
     """
+
+    __repr__ = brief
 
     kind: Literal["move", "wait", "pick_place", "submit"]
     _: KW_ONLY

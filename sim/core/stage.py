@@ -13,6 +13,7 @@ from shapely.geometry import Polygon
 from typing_extensions import Self
 
 from floorplan import Door, Floorplan, Obstacle, Point
+from floorplan.files.fields import brief
 from floorplan.files.problems import Fault
 from navigation import CollisionWorld, Motion
 from navigation.machines import Stop
@@ -548,6 +549,8 @@ class MachineEntry:
     keys : dict, optional
         Values of the fields of the model.
     """
+
+    __repr__ = brief
 
     kind: str | type[MachineModel]
     keys: dict[str, Any] = field(default_factory=dict)
