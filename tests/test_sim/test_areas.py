@@ -94,6 +94,16 @@ def test_a_footprint_beside_its_axis_turns_about_the_axis():
     assert area.covers(exact) and area.within(exact.buffer(0.1))
 
 
+def test_a_long_turn_of_what_is_long_before_its_axis_leaves_the_rest_free():
+    outline = ((1.4, -0.3), (1.4, 0.3), (-0.4, 0.3), (-0.4, -0.3))
+    keys = {"kind": "amr", "category": "vehicle", "top": 0.4, "top_speed": 1.0}
+    shape = sim.MachineShape(name="long", length=2.8, width=0.6, outline=outline, **keys)
+    motion = navigation.vehicle_turn((0.0, 0.0, 0.0), 4.2)
+    exact = covered(shape, motion, 0.0, motion.end)
+    area = area_of(Footprint(shape, 0.0).swept(motion, 0.0, motion.end))
+    assert area.buffer(1e-3).covers(exact) and area.within(exact.buffer(0.03))
+
+
 def test_areas_meet_exactly_where_their_polygons_do():
     rng = np.random.default_rng(1)
     met = 0
