@@ -4,6 +4,7 @@ Footprints, fields and limits are those of the numbers of the trial. Nothing tha
 judges it.
 """
 
+import importlib.util
 import math
 from functools import cached_property
 
@@ -177,12 +178,11 @@ class Sampled:
         return by_person >= by_vehicle
 
     def _excused(self, vehicle, person, t):
-        """Whether no free place was within reach of the person."""
-        try:
-            from .escape import could_escape
-        except ImportError:
+        """Whether it is proved that no free place was within reach of the person."""
+        if importlib.util.find_spec(f"{__package__}.escape") is None:
             return False
-        return not could_escape(self.run, person, vehicle, float(t))
+        escape = importlib.import_module(f"{__package__}.escape")
+        return escape.avoidable(self.trial, (person, vehicle, float(t), 0.0)) is None
 
     def _depth(self, vehicle, at, radius, first, last):
         k = np.arange(first, last + 1)
