@@ -74,6 +74,19 @@ class Vehicle:
         load = self.keys.get("load")
         return self.keys.get("height", 0.4) + (load[2] if load else 0.0)
 
+    @property
+    def stop_time(self):
+        """Time in which it stands in any case, s."""
+        keys = {"max_turn_speed": 1.0, "max_turn_acceleration": 1.5, "max_turn_jerk": 6.0}
+        keys = {"max_speed": 1.5, "max_acceleration": 0.7, "max_jerk": 3.0, **keys, **self.keys}
+        return max(
+            speed / slows + 3 * math.sqrt(speed / jerk) + 2 * slows / jerk
+            for speed, slows, jerk in (
+                (keys[f"max_{k}speed"], keys[f"max_{k}acceleration"], keys[f"max_{k}jerk"])
+                for k in ("", "turn_")
+            )
+        )
+
     def velocity(self, stride=1):
         """Speed ahead and aside (m/s) and turn rate (rad/s) between samples `stride` apart."""
         dx, dy, dr = (np.subtract(a[stride:], a[:-stride]) for a in (self.x, self.y, self.turned))
@@ -214,18 +227,18 @@ class Sampled:
             for what, area, times in solid:
                 inside = shapely.intersects(area, placed)
                 if times is not None:
-                    inside &= self._drives_into(inside, self.t[k], times)
+                    inside &= self._drives_into(inside, self.t[k], times, vehicle.stop_time)
                 if inside.any():
                     yield f"{vehicle} is in {what} at t = {self.t[k[inside.argmax()]]:.3f} s"
             yield from self._through_gates(vehicle)
 
     @staticmethod
-    def _drives_into(inside, t, times):
-        """Where a vehicle is in a closed door, but for doors that close on it."""
+    def _drives_into(inside, t, times, stop_time):
+        """Where a vehicle is in a closed door, but for one that closes too close before it."""
         found = np.zeros(len(t), dtype=bool)
         for first, last in spans_of(inside):
             for begin, end in times:
-                if not t[first] <= begin + NEAR:
+                if not t[first] <= begin + stop_time:
                     found[first : last + 1] |= (t[first : last + 1] > begin) & (t[first] < end)
         return found
 
@@ -407,14 +420,7 @@ class Sampled:
 
     def _stops(self, vehicle, fields, inside, free):
         """Stops in which a vehicle does not stand in time, or that end too early or too late."""
-        keys = vehicle.keys
-        speed, acceleration = keys.get("max_speed", 1.5), keys.get("max_acceleration", 0.7)
-        jerk = keys.get("max_jerk", 3.0)
-        turn, spin = keys.get("max_turn_speed", 1.0), keys.get("max_turn_acceleration", 1.5)
-        longest = max(
-            speed / acceleration + 3 * math.sqrt(speed / jerk) + 2 * acceleration / jerk,
-            turn / spin + 3 * math.sqrt(turn / keys.get("max_turn_jerk", 6.0)) + 1.0,
-        )
+        longest = vehicle.stop_time
         blind = self._intervals("blackout_began", "blackout_ended", machine=vehicle.name)
         dark = np.zeros(len(self.t), dtype=bool)
         for begin, end in blind:
