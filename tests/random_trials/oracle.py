@@ -303,6 +303,8 @@ class Sampled:
                 yield f"{name} jumps at t = {self.t[steps.argmax()]:.3f} s"
                 continue
             h = STRIDE / RATE
+            # Where it touches something, it stops at once.
+            impacts = [e["t"] for e in self.of("contact", machine=name)]
             fast = vehicle.velocity()
             slow = vehicle.velocity(STRIDE)
             for what, k, most in (
@@ -320,7 +322,12 @@ class Sampled:
                     ("acceleration", first, most[1], 2e-2),
                     ("jerk", second, most[2], 0.1 + 0.05 * most[2]),
                 ):
-                    if len(values) and (worst := np.abs(values)).max() > limit + more:
+                    worst = np.abs(values)
+                    for t in impacts:
+                        worst[
+                            (self.t[: len(worst)] > t - 2 * h) & (self.t[: len(worst)] < t + h)
+                        ] = 0.0
+                    if len(worst) and worst.max() > limit + more:
                         at = self.t[worst.argmax()]
                         yield (
                             f"{name} has {order} {what} {worst.max():.3f} of {limit:g}"
