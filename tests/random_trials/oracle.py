@@ -322,11 +322,9 @@ class Sampled:
                     ("acceleration", first, most[1], 2e-2),
                     ("jerk", second, most[2], 0.1 + 0.05 * most[2]),
                 ):
-                    worst = np.abs(values)
+                    worst, begins = np.abs(values), self.t[: len(values)]
                     for t in impacts:
-                        worst[
-                            (self.t[: len(worst)] > t - 2 * h) & (self.t[: len(worst)] < t + h)
-                        ] = 0.0
+                        worst[(begins > t - 3 * h - NEAR) & (begins < t + NEAR)] = 0.0
                     if len(worst) and worst.max() > limit + more:
                         at = self.t[worst.argmax()]
                         yield (
