@@ -325,12 +325,24 @@ class Sampled:
                     worst, begins = np.abs(values), self.t[: len(values)]
                     for t in impacts:
                         worst[(begins > t - 3 * h - NEAR) & (begins < t + NEAR)] = 0.0
+                    for sample in np.flatnonzero(worst > limit + more) if impacts else ():
+                        # It may press against a wall again that it has left by less than a hair.
+                        if self._presses(vehicle, np.arange(sample, sample + 3 * STRIDE)):
+                            worst[sample] = 0.0
                     if len(worst) and worst.max() > limit + more:
                         at = self.t[worst.argmax()]
                         yield (
                             f"{name} has {order} {what} {worst.max():.3f} of {limit:g}"
                             f" at t = {at:.3f} s"
                         )
+
+    def _presses(self, vehicle, k):
+        """Whether a vehicle touches a wall at some of these samples."""
+        room = self.plan.boundary.difference(
+            shapely.union_all([one.footprint for one in self.plan.obstacles])
+        )
+        placed = vehicle.placed(vehicle.outline, k[k < len(self.t)])
+        return bool((shapely.distance(room.boundary, placed) < DEEP).any())
 
     # Fields.
 

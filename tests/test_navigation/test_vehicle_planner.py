@@ -276,3 +276,19 @@ def test_a_vehicle_drives_ahead_or_back_to_where_it_can_turn():
         path = planner.plan((low + 7.2 if low == 0 else low - 1.2, 2.8, 0.0), (10.0, 2.8, math.pi))
         assert math.remainder(path.poses[-1][2] - math.pi, math.tau) == pytest.approx(0.0)
         assert path.poses[-1][:2] == pytest.approx([10.0, 2.8])
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_turn_that_is_free_meets_no_post(seed):
+    rng = np.random.default_rng(seed)
+    turn, angle, away = rng.uniform([0.2, -3.0, 0.5], [3.0, 3.0, 1.26])
+    at = (10 + away * math.cos(angle), 5 + away * math.sin(angle))
+    world = hall()
+    world.place("post", Disc(at, 0.02))
+    swept = shapely.union_all(
+        [affinity.rotate(LONG, turn * k / 300, origin=(0, 0), use_radians=True) for k in range(301)]
+    )
+    gap = affinity.translate(swept, 10, 5).distance(shapely.Point(at)) - 0.02
+    free = VehiclePlanner(world, LONG).free_along([(10, 5, 0.0), (10, 5, turn)])
+    assert not free or gap > 0.0
+    assert free or gap < 0.06
