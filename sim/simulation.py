@@ -44,8 +44,9 @@ from .people.tracks.recorded_walks import RecordedWalk, recorded_walks, with_eve
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
+from .safety.contacts import Collisions
+from .safety.floor_contacts import FloorContacts
 from .safety.laws import own_laws, with_new_laws
-from .safety.proximity import Collisions
 from .safety.referee import Referee
 from .trials.checks import check, check_own_events
 from .trials.counterfactual import counterfactual_error, counterfactual_of, difference
@@ -253,6 +254,7 @@ class Simulation(InProgress):
         self._company = Population(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self._collisions = Collisions(self._stage, self.machines.values())
+        self._floor_contacts = FloorContacts(self._stage, self.machines.values())
         self._guards = self._make_guards()
         self._traffic = Traffic(self._stage, self.machines.values() if trial.traffic else ())
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
@@ -272,6 +274,7 @@ class Simulation(InProgress):
         for body in self.bodies if self._listener.wants_motions else ():
             body.on_record = self._listener.motion
         stage.begin()
+        self._floor_contacts.begin()
         for machine in self.machines.values():
             machine.begin()
         for guard in self._guards.values():
@@ -411,6 +414,7 @@ class Simulation(InProgress):
                 motions=motions,
                 work=self.dispatcher.figures if self.dispatcher else {},
                 collisions=self._collisions.count,
+                contacts_with_floor=self._floor_contacts.count,
                 guards=self._guards,
                 waiting_times=self._traffic.waiting_times,
                 traffic_deadlocks=self._traffic.deadlocks,
