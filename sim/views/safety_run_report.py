@@ -350,6 +350,8 @@ def _changes(scenario: Scenario) -> Iterator[Row]:
     for command in scenario.commands:
         wanted = ((key, getattr(command, key)) for key in COMMANDS)
         key, given = next((key, one) for key, one in wanted if one is not None)
+        if key == "call":
+            key, given = given, command.machine
         yield str(getattr(given, "name", given)), f"command: {key}", f"{command.time:g} s"
 
 

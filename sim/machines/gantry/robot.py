@@ -15,7 +15,7 @@ from simpy.events import Event, Process
 from floorplan import Gantry, Point, UserError
 from navigation import Motion
 
-from ...core.body import MachineShape
+from ...core.body import MachineShape, commands
 from ...core.clock import MOMENT
 from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted, OrderSubmitted, PartDropped
@@ -122,6 +122,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     # Its commands.
 
+    @commands
     def move_to(
         self,
         x: float,
@@ -172,6 +173,7 @@ class GantryRobot(CommandedMachine, Evading):
         pose = self._sites.at(*target("preview", x, y, rotation, speed_share))
         return self.drive.preview(pose, speed_share)
 
+    @commands
     def pick(self, place: str) -> Process:
         """Move to a place and pick up a part.
 
@@ -187,6 +189,7 @@ class GantryRobot(CommandedMachine, Evading):
         """
         return self._visit("pick", self.handling.pick, place)
 
+    @commands
     def place(self, place: str) -> Process:
         """Move to a place and put down the part.
 
@@ -204,6 +207,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     # Its tasks.
 
+    @commands
     def do(self, task: Task) -> Process:
         """Carry out the remaining steps of a task on straight paths.
 
@@ -273,6 +277,7 @@ class GantryRobot(CommandedMachine, Evading):
         self._begin(task)
         return self._clock.happened(pose)
 
+    @commands
     def handle(self, task: Task) -> Process:
         """Carry out the next step of a task at the current pose.
 
