@@ -302,8 +302,8 @@ class Blackout(Keyed):
         return {"start": AT_ONCE, **value} if isinstance(value, dict) else value
 
 
-COMMANDS = ("send", "block", "clear", "hold", "release", "call")
-"""The fields of a command of which it has one."""
+COMMANDS = ("send", "block", "clear", "hold", "release")
+"""The fields of a command of which it has one, unless it is a `call`."""
 
 
 @dataclass(frozen=True)

@@ -230,8 +230,8 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
         elif command.time < before:
             yield f"comes before the previous command, at {before:g} s", (k, "time")
         before = max(before, command.time or 0.0)
-        if sum(getattr(command, name) is not None for name in COMMANDS) != 1:
-            yield f"must be one of {', '.join(COMMANDS)}", (k,)
+        if sum(getattr(command, name) is not None for name in (*COMMANDS, "call")) != 1:
+            yield f"must be one of {', '.join(COMMANDS)}; or a call", (k,)
         for message, key in _faults(command, trial, placed):
             yield message, (k, key)
         if command.block is not None:

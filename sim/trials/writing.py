@@ -129,10 +129,8 @@ def _floorplan(trial: Scenario) -> str | Data:
 def command_keys(command: Command) -> Data:
     """Return the keys of a command in a file."""
     given = {one.name: getattr(command, one.name) for one in fields(command)}
-    if (block := command.block) is not None:
-        corners = [list(corner) for corner in block.footprint.exterior.coords[:-1]]
-        heights = [float(block.bottom), float(block.top)]
-        given |= {"block": block.name, "polygon": corners, "z": heights}
+    if command.block is not None:
+        given |= {"block": command.block.name, **obstacle_keys(command.block)}
     if command.to is not None and not isinstance(command.to, str):
         given["to"] = [*map(float, command.to)]
     return {name: _plain(value) for name, value in given.items() if value is not None}
