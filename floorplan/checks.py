@@ -13,7 +13,7 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.validation import explain_validity
 
 from .files.fields import LARGEST, SMALLEST
-from .files.problems import Fault, FloorplanError, Place, metres, refuse
+from .files.problems import Fault, FloorplanError, Place, Problem, metres, refuse
 from .files.values import SOUND, range_faults, require, require_fields
 from .model import Floor, Gate, Lane, Obstacle, Zone
 
@@ -54,6 +54,23 @@ def check(plan: Floor, *, file: str = "") -> None:
     require_fields(plan)
     refuse(file or f"floorplan {plan.name!r}", faults(plan), FloorplanError)
     keep_sound(plan)
+
+
+WIDE = 1e4
+"""Metres. A longer floor was probably drawn in another unit."""
+
+
+def size_notices(plan: Floor, unit: str, key: str = "units") -> tuple[Problem, ...]:
+    """Return a notice if the floor is implausibly small or large for lengths in `unit`."""
+    west, south, east, north = plan.boundary.bounds
+    short, long = sorted((east - west, north - south))
+    person = 2 * plan.human.radius
+    if person <= short and long <= WIDE:
+        return ()
+    odd = f"narrower than a person ({person:g} m)" if short < person else "wider than 10 km"
+    size = f"the floor is {metres(east - west)} m × {metres(north - south)} m, {odd}"
+    remedy = f"its unit is {unit}; if that is wrong, `{key}` corrects it"
+    return (Problem(f"{size}: {remedy}", "boundary"),)
 
 
 def keep_sound(plan: Floor) -> None:

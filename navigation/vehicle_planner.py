@@ -28,13 +28,12 @@ from shapely.geometry import Polygon
 
 from floorplan import Point, UserError
 
-from .arcs import Pose
 from .bodies import region
 from .catalog import PlanningError
 from .planner import PathPlanner
 from .pose_search import PoseSearch
 from .sampling import TooManyChecksError, no_log
-from .vehicles import VehicleLimits
+from .vehicles import Pose, VehicleLimits
 from .world import CollisionWorld
 
 SLACK = 1e-3

@@ -11,7 +11,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import shapely
 
+from ..building import unit_name
+from ..checks import size_notices
 from ..files.problems import FloorplanError, Problem, UserError
 from ..files.reading import no_garbage, require_readable
 from ..model import Obstacle
@@ -400,7 +402,7 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     file = str(path)
     drawing = open_drawing(path)
     notices: list[Problem] = []
-    metre = _metre(drawing, drawn, file, notices)
+    metre, unit = _metre(drawing, drawn, file, notices)
     reader = Reader(drawing, metre, drawn)
     shapes: dict[str, list[Polyline]] = {}
     unread: list[Unread] = []
@@ -428,17 +430,19 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     if problems:
         raise FloorplanError(file, problems)
     bounding = [area.footprint for area in areas if area.name == BOUNDARY]
-    return Floorplan(
+    plan = Floorplan(
         name=path.stem,
         source=f"{path.name} (DXF)",
         boundary=bounding[0] if drawn.boundary is None else drawn.boundary,
         obstacles=numbered([area for area in areas if area.name != BOUNDARY]),
-        notices=(*notices, *notices_of(one for one in unread if not one.wanted)),
     )
+    if drawn.boundary is None:
+        notices += size_notices(plan, unit)
+    return replace(plan, notices=(*notices, *notices_of(one for one in unread if not one.wanted)))
 
 
-def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) -> float:
-    """Return the length of a unit of the drawing in metres; notice where there is a doubt."""
+def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) -> tuple[float, str]:
+    """Return the length of a unit of the drawing in metres, and its name; notice a doubt."""
     from ezdxf.enums import InsertUnits
     from ezdxf.units import conversion_factor
 
@@ -448,15 +452,15 @@ def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) ->
         own = float(conversion_factor(unit, InsertUnits.Meters)) if named else 1.0
     except (ValueError, TypeError):
         if drawn.metre is not None:
-            return drawn.metre
+            return drawn.metre, unit_name(drawn.metre)
         message = f"its unit ($INSUNITS = {drawing.units}) is not known; use metres"
         raise FloorplanError.of(file, message) from None
     if drawn.metre is None:
         if not named:
             message = "the drawing gives no unit ($INSUNITS), metres are assumed"
             notices.append(Problem(f"{message}; a floor on top of it can give `units`"))
-        return own
+        return own, f"{unit.name.lower()} ($INSUNITS)" if named else "metres, which are assumed"
     if named and abs(own - drawn.metre) > 1e-9:
         message = f"the drawing gives {unit.name.lower()} as its unit ($INSUNITS)"
         notices.append(Problem(f"{message}; the `units` of the floor on top of it count"))
-    return drawn.metre
+    return drawn.metre, unit_name(drawn.metre)

@@ -86,7 +86,7 @@ class TrialError(InputError):
     """Error of a trial that cannot be run."""
 
 
-NAME = r"[A-Za-z][A-Za-z0-9_-]*"
+NAME = r"[^\W\d_][\w-]*"
 """Regular expression of the names of people, machines and work lists."""
 
 Name = Annotated[str, Field(pattern=f"^{NAME}$")]

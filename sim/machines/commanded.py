@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from simpy.events import Event, Process
+from typing_extensions import override
 
 from floorplan import UserError
 from navigation import Motion
@@ -391,14 +392,8 @@ class CommandedMachine(Machine):
         """
         self._interrupts.happened(reason)
 
+    @override
     def hold(self, stands: bool) -> None:
-        """Start or end a protective stop.
-
-        Parameters
-        ----------
-        stands : bool
-            True to brake and stay stationary, False to continue.
-        """
         self.drive.hold(stands)
 
     @commands

@@ -545,7 +545,7 @@ FIGURES: dict[str, SummaryFigure] = {
         SummaryFigure(
             path="law_audit",
             form="parts",
-            of=lambda run: [{**vars(short)} for short in short_laws(run.trial)],
+            of=lambda run: [{**vars(short)} for short in short_laws(run.trial, own_laws=True)],
             label="stopping underestimated for",
             meaning="machines that may stop later than their law assumes",
             words=words.short_laws,

@@ -38,7 +38,7 @@ from .evaluations import (
 )
 from .minimising import Minimised, Minimiser
 from .objective import Objective
-from .report import shown, write_report
+from .report import rounded, shown, write_report
 from .results import Case, SearchProgress, SearchResults, least
 from .samplers import SAMPLER, SAMPLERS, Checked, MakesSampler, find_sampler, told
 from .space import Point, Space
@@ -224,7 +224,8 @@ def run_search(
         with backend_of(backend, jobs or os.cpu_count() or 1) as parallel:
             try:
                 tried.extend(_evaluated(wanted, make, folder, parallel, progress))
-                progress(SearchProgress(done=len(tried), best=least(tried), minimising=True))
+                if _worst(wanted, tried):
+                    progress(SearchProgress(done=len(tried), best=least(tried), minimising=True))
                 cases = _minimised(wanted, tried, path, parallel)
             except KeyboardInterrupt:
                 interrupted = True
@@ -446,9 +447,13 @@ def _saved(
 def _origin(wanted: WorstCaseSearch, case: Case) -> str:
     """Return comments that say where a minimised trial comes from, and how to see it."""
     evaluation = case.evaluation
-    what = evaluation.situation.error or f"{wanted.objective} {shown(evaluation)}"
+    assert case.minimised is not None and case.replay is not None
+    value = case.minimised.value
+    if value is None:
+        what = evaluation.situation.error
+    else:
+        what = f"{wanted.objective} {rounded(value)}, before minimising {shown(evaluation)}"
     found = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
-    assert case.replay is not None
     seen = f"Replay: {case.replay.name}. Film: {case.film}"
     return f"# Minimised from {found}:\n# {what}\n# {seen}\n"
 

@@ -31,6 +31,7 @@ from .checks import faults
 from .feasibility import people_fault
 from .field_checks import field_slips
 from .keys import TrialKeys, begins_in, commanded
+from .reachability import unreachable_stations
 from .rules_file import build_rules
 from .writing import out_of_reach
 
@@ -93,6 +94,7 @@ def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
     entries = document.data.get("people") or ()
     faults += [*_sinks(trial, entries), *_speeds(entries), *_far_laws(trial)]
     faults += [(message, ("fields", *place)) for message, place in field_slips(trial)]
+    faults += unreachable_stations(trial)
     return tuple(document.problem(message, *place) for message, place in faults)
 
 

@@ -58,6 +58,7 @@ from .names import (
     people,
     stations,
 )
+from .reachability import unreachable_goals
 
 LARGEST_SEED = 2**63 - 1
 """Seeds of 63 bits are what studies draw, and what every table and recording can hold."""
@@ -102,11 +103,13 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     """Yield everything about `trial` that can't be; its controller is not looked for.
 
     That it asks for too much of something comes alone: with so much of it, all else would take
-    long.
+    long. Goals out of reach are proved on a floor and with names that are correct.
     """
-    if over := [*budget_faults(trial)]:
-        yield from over
-        return
+    yield from [*budget_faults(trial)] or [*_entry_faults(trial)] or unreachable_goals(trial)
+
+
+def _entry_faults(trial: Scenario) -> Iterator[Fault]:
+    """Yield what can't be about the entries of a trial."""
     if fault := name_fault(trial.name):
         yield fault, ("name",)
     yield from _size(trial.duration, "duration")
@@ -367,3 +370,4 @@ def _floor_faults(trial: Scenario) -> Iterator[Fault]:
     for name, model in models.items():
         place = (GANTRY,) if name == GANTRY else ("agvs", name)
         yield from _below(model.faults(plan, vehicles), *place)
+        yield from _below(model.place_faults(name, plan), *place)

@@ -96,6 +96,7 @@ def about(scene: Scene, scenario: Scenario | None) -> dict[str, Any]:
         "sources": [(name, text or NO_SOURCE) for name, text in sources.items()],
         "without_source": [name for name, text in sources.items() if not text],
         "short_stops": in_words(short) if (short := short_laws(scenario)) else "",
+        "notices": [notice.message for notice in scenario.notices],
         "has_recorded": any(one.recorded is not None for one in scenario.people),
     }
 
@@ -413,6 +414,7 @@ def run_report(
         "verdicts": [("met" if met else "not met", words) for words, met in verdicts],
         "about": described,
         "trials": [described] if scenario else [],
+        "notices": [] if scenario else [e["text"] for e in whole.events if e["kind"] == "notice"],
         "held": laws_of(scene.rules, scene.machines),
         **_summary(run),
         "maps": risk_pictures(run.floorplan, scene.machines, maps),

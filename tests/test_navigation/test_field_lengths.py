@@ -24,7 +24,7 @@ from navigation import (
     vehicle_turn,
     vehicle_twist,
 )
-from navigation.field_lengths import STEP, directions, quarters, swept_straight, swept_turn
+from navigation.field_lengths import STEP, directions, main_directions, swept_straight, swept_turn
 from navigation.machines import AxisLimits
 
 FOOTPRINT = shapely.box(-1.2, -0.4, 1.2, 0.4)
@@ -217,6 +217,37 @@ def test_negative_supplements_are_rejected():
         FieldSupplements(wear=-1)
 
 
+def test_fields_of_a_holonomic_drive_contain_its_fastest_direction():
+    limits = VehicleLimits(speed=1.5, side_speed=0.9)
+    fields = needed_fields(
+        FOOTPRINT, limits, [limits.top_speed], response_time=0.2, supplements=BARE
+    )
+    angle = math.atan2(0.9, 1.5)
+    reach = stopping_reach(
+        limits.along(math.cos(angle), math.sin(angle)), limits.top_speed, 0.2
+    ).distance
+    dx, dy = reach * math.cos(angle), reach * math.sin(angle)
+    for each in fields.sets:
+        assert Polygon(each.protective).covers(affinity.translate(FOOTPRINT, dx, dy))
+
+
+def test_velocities_of_earlier_sets_do_not_count():
+    ahead = FieldSet(name="ahead", protective=rectangle(4.0), linear=(0.5, 2.0))
+    every = FieldSet(name="every", protective=rectangle(2.3))
+    behind = FieldSet(name="behind", protective=rectangle(4.0), linear=(-2.0, 0.0))
+    speeds = {
+        sets: {
+            short.speed
+            for short in short_fields(ProtectiveFields(sets=sets), FOOTPRINT, VehicleLimits())
+            if short.set == "every" and short.travel == "ahead"
+        }
+        for sets in ((every,), (ahead, every), (every, ahead))
+    }
+    assert list(speeds.values()) == [{1.5}, set(), {1.5}]
+    (part,) = ProtectiveFields(sets=(ahead, behind, every)).remaining("every", (-1.5, 1.5))
+    assert part.linear == (0.0, 0.5)
+
+
 def farthest(limits, speed, response):
     """The way of a machine that accelerates from rest, and is stopped after reaching a speed."""
     drive = vehicle_segment((0, 0, 0), (40.0, 0), limits=limits)
@@ -362,7 +393,12 @@ def test_the_area_of_a_drive_is_exact_for_a_concave_footprint():
 
 
 def test_directions_are_close_together_and_contain_the_ends_and_the_axes():
-    found = directions(-1.0, 2.0)
+    found = directions(VehicleLimits(), -1.0, 2.0)
     assert found == sorted(found) and {-1.0, 0.0, math.pi / 2, 2.0} <= set(found)
     assert max(b - a for a, b in itertools.pairwise(found)) <= STEP + 1e-12
-    assert quarters(-1.0, 2.0) == {0.0, math.pi / 2} and quarters(0.1, 0.2) == set()
+    for limits in (VehicleLimits(), AxisLimits(1.0, 1.0)):
+        assert main_directions(limits, -1.0, 2.0) == {0.0, math.pi / 2}
+        assert main_directions(limits, 0.1, 0.2) == set()
+    aslant = math.atan2(0.5, 1.5)
+    holonomic = main_directions(VehicleLimits(side_speed=0.5), -1.0, 2.0)
+    assert sorted(holonomic) == pytest.approx([-aslant, 0.0, aslant, math.pi / 2])

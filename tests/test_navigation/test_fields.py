@@ -214,6 +214,40 @@ def test_gaps_of_turn_rates_and_directions_are_reported():
     assert fields_of(around).gaps((0.0, 1.0)) == ()
 
 
+def test_a_set_applies_where_no_set_before_it_fits():
+    slow = FieldSet(name="slow", protective=BOX, linear=(-0.5, 0.5))
+    left = FieldSet(name="left", protective=BOX, theta=(0.0, math.inf))
+    rest = FieldSet(name="rest", protective=BOX, linear=(-1.0, 1.0), theta=(-1.0, 1.0))
+    fields = fields_of(slow, left, rest)
+    parts = {(part.linear, part.theta) for part in fields.remaining("rest")}
+    assert parts == {((-1.0, -0.5), (-1.0, 0.0)), ((0.5, 1.0), (-1.0, 0.0))}
+    assert fields.remaining("rest", (-0.4, 0.4)) == ()
+    assert fields.remaining("slow") == (slow,)
+    assert fields_of(rest, slow).remaining("slow", theta=(-1.0, 1.0)) == ()
+
+
+def test_the_load_and_the_direction_hide_a_set_together():
+    keys = {"protective": BOX}
+    loaded, empty = (FieldSet(name=str(on), load=on, **keys) for on in (True, False))
+    every = FieldSet(name="every", **keys)
+    assert fields_of(loaded, every).remaining("every") == (every,)
+    assert fields_of(loaded, empty, every).remaining("every") == ()
+    half = FieldSet(name="half", direction=(0.0, math.pi), **keys)
+    other = FieldSet(name="other", direction=(-math.pi, 0.0), **keys)
+    around = FieldSet(name="around", direction=(-math.pi, math.pi), **keys)
+    (part,) = fields_of(half, around).remaining("around")
+    assert part.direction == (-math.pi, 0.0)
+    assert fields_of(half, other, around).remaining("around") == ()
+
+
+def test_at_rest_and_in_directions_that_do_not_occur_nothing_is_missing():
+    ahead = FieldSet(name="ahead", protective=BOX, direction=(-0.1, 0.1))
+    assert fields_of(ahead).gaps((0.0, 0.0), (-1.0, 1.0)) == ()
+    assert fields_of(ahead).gaps((0.0, 1.0), directions=(0.0,)) == ()
+    gaps = fields_of(ahead).gaps((0.0, 1.0), directions=(0.0, math.pi))
+    assert {gap.direction for gap in gaps} == {(math.pi, math.pi)}
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [

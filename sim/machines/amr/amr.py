@@ -11,8 +11,8 @@ from shapely.geometry import Polygon
 from simpy.events import Event, Process
 
 from floorplan import Point, UserError
-from navigation import Motion, PlanningError, vehicle_twist
-from navigation.vehicles import Twist
+from navigation import Motion, PlanningError
+from navigation.vehicles import Twist, TwistCourse
 
 from ...core.body import commands
 from ...core.clock import Alarm, Turn
@@ -27,6 +27,9 @@ from ..traffic.evading import Evading, Evasion
 from .drive import VehicleDrive
 from .missions import Mission, task_of
 from .shape import Chassis
+
+AHEAD = 60.0
+"""Seconds of a twist that are planned, and known to others, at a time."""
 
 
 class Amr(CommandedMachine, Evading):
@@ -71,6 +74,11 @@ class Amr(CommandedMachine, Evading):
         self._round: tuple[Task, ...] = ()
         self._round_began = -math.inf
         self._rest = Alarm(stage.clock, self._comes_to_rest, Turn.MOTION_ENDS)
+        self._course: tuple[TwistCourse, float, float] | None = None
+        """The course of the last twist, its begin, and the seconds that it takes."""
+        self._twist: Event | None = None
+        """The last twist."""
+        self._extension = Alarm(stage.clock, self._extend_twist, Turn.MOTION_ENDS)
         self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
@@ -142,18 +150,35 @@ class Amr(CommandedMachine, Evading):
         """Drive with a twist for `seconds`, and stop unless another command comes before.
 
         The twist is (v, ω), or (vx, vy, ω): m/s forwards and to the left, rad/s. `UserError` if it
-        is not finite or too fast.
+        is not finite or too fast. Of a longer twist, `AHEAD` seconds are planned at a time.
         """
         seconds, wanted = number("twist(seconds)", seconds, 0.0), Twist.of(twist)
         until = self.now + seconds
         wanted.check(self.limits)
 
-        def motion(left: float) -> Motion:
+        def begun(left: float) -> Motion:
             slow = self.drive.slowed(wanted)
-            return vehicle_twist(self.state, slow, self.now, seconds=left, limits=self.limits)
+            self._course = TwistCourse(self.state, slow, self.limits), self.now, left
+            return self._planned_twist()
 
         self.drive.forget_route()
-        return self._follow(motion(seconds), lambda: motion(max(0.0, until - self.now)))
+        self._twist = self._follow(begun(seconds), lambda: begun(max(0.0, until - self.now)))
+        return self._twist
+
+    def _planned_twist(self) -> Motion:
+        """Return the motion of the twist under way for `AHEAD` seconds at most."""
+        assert self._course is not None
+        (course, begun, seconds), now = self._course, self.now
+        until = min(seconds, now - begun + AHEAD)
+        motion = course.motion(self.position, now, until, now - begun)
+        half = now + AHEAD / 2
+        node = motion.pieces_from(half)[0].begin  # of a spline, whose velocity is exact there
+        again = node if node > now + AHEAD / 4 else half
+        self._extension.set(again if until < seconds else None)
+        return motion
+
+    def _extend_twist(self) -> None:
+        self.drive.extend(self._twist, self._planned_twist)
 
     # Its tasks.
 

@@ -126,7 +126,7 @@ class AmrModel(MachineModel):
         return self.limits.longest_stop
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
-        """Yield what does not fit: footprint, start, places that it can't reach, and rates."""
+        """Yield what does not fit: footprint, and rates."""
         if fault := footprint_fault(self._footprint()):
             yield fault, ("footprint",)
             return
@@ -138,11 +138,12 @@ class AmrModel(MachineModel):
             yield f"must be at most {MOST_RATE:g} Hz, not {self.rate:g}", ("rate",)
         if self.every is not None and self.repeat:
             yield "give every or repeat, not both", ("every",)
-        yield from self._places_out_of_reach(plan)
 
-    def _places_out_of_reach(self, plan: Floorplan) -> Iterator[Fault]:
+    def place_faults(self, name: str, plan: Floorplan) -> Iterator[Fault]:
         """Yield the start and the places that the footprint does not fit, or can't get to."""
-        world = floor_of(self.vehicle, "", plan)
+        if footprint_fault(self._footprint()):
+            return
+        world = floor_of(self.vehicle, name, plan)
         empty = world.as_if(away=[lane.name for lane in plan.lanes])
         planner = VehiclePlanner(empty, self.vehicle.footprint, limits=self.limits)
         here: tuple[float, ...] = self.at

@@ -11,6 +11,7 @@ from typing import Any
 import shapely
 from shapely.geometry import Polygon
 from simpy.events import Event, Process
+from typing_extensions import override
 
 from floorplan import Gantry, Point, UserError
 from navigation import Motion
@@ -123,6 +124,7 @@ class GantryRobot(CommandedMachine, Evading):
     # Its commands.
 
     @commands
+    @override
     def move_to(
         self,
         x: float,
@@ -132,44 +134,15 @@ class GantryRobot(CommandedMachine, Evading):
         speed_share: float = 1.0,
         resume: bool = True,
     ) -> Event:
-        """Start to move to a pose.
-
-        Parameters
-        ----------
-        x, y : float
-            Position in metres.
-        rotation : float, optional
-            Rotation in radians. By default it does not change.
-        speed_share : float, optional
-            Share of the top speeds to use.
-        resume : bool, optional
-            Whether the move continues after the gantry was disabled.
-
-        Returns
-        -------
-        Event
-            Event to yield. It occurs when the move ends or another command replaces it.
-
-        Raises
-        ------
-        ValueError
-            If the pose is outside the range of the gantry.
-        """
         pose = self._sites.at(*target("move_to", x, y, rotation, speed_share))
         move = self.drive.move(pose, speed_share, resume=resume)
         self._interrupts.command_given()
         return move
 
+    @override
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
-        """Return the motion that `move_to` would start now.
-
-        Parameters
-        ----------
-        x, y, rotation, speed_share
-            See `move_to`.
-        """
         pose = self._sites.at(*target("preview", x, y, rotation, speed_share))
         return self.drive.preview(pose, speed_share)
 
@@ -208,21 +181,8 @@ class GantryRobot(CommandedMachine, Evading):
     # Its tasks.
 
     @commands
+    @override
     def do(self, task: Task) -> Process:
-        """Carry out the remaining steps of a task on straight paths.
-
-        An interrupted step is repeated from its begin.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Process
-            Event to yield. Its value is False if another command replaced this one, otherwise True.
-        """
         instance("do(task)", task, Task)
         return self._command(self._do(task, self.drive.begin()))
 
@@ -257,19 +217,8 @@ class GantryRobot(CommandedMachine, Evading):
             poses.append(pose)
         return tuple(poses)
 
+    @override
     def locate(self, task: Task) -> Event:
-        """Start or continue a task, and wait until its next step is in reach.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Event
-            Event to yield. Its value is the pose of the next step.
-        """
         pose = self._sites.pose_for(_next_step(instance("locate(task)", task, Task)))
         if pose is None:
             return self._command(self._find(task))
@@ -278,27 +227,8 @@ class GantryRobot(CommandedMachine, Evading):
         return self._clock.happened(pose)
 
     @commands
+    @override
     def handle(self, task: Task) -> Process:
-        """Carry out the next step of a task at the current pose.
-
-        An interrupted step is repeated from its begin.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Process
-            Event to yield. Its value is False if the gantry is elsewhere or another command
-            replaced this one, otherwise True.
-
-        Raises
-        ------
-        ValueError
-            If the task is done.
-        """
         instance("handle(task)", task, Task)
         if (task.given_up and task.finished) or not self._sites.stands_at(_next_step(task)):
             return self._command(_not_done())
