@@ -34,7 +34,7 @@ UNBOUNDED = (-math.inf, math.inf)
 _Range = tuple[float, float]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class FieldSet:
     """Fields of a machine, and the velocities at which they apply.
 
@@ -76,6 +76,10 @@ class FieldSet:
     theta: tuple[float, float] = UNBOUNDED
     direction: tuple[float, float] | None = None
     load: bool | None = None
+
+    def __repr__(self) -> str:
+        corners = f"{len(self.protective)} and {len(self.warning)} corners"
+        return f"<FieldSet {self.name!r} at {self.linear} m/s, {self.theta} rad/s: {corners}>"
 
     def __post_init__(self) -> None:
         put = object.__setattr__

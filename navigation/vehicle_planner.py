@@ -58,7 +58,7 @@ _THICK = 1.0
 """Metres. Height of boxes for FCL: all that counts is in the plane."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class VehiclePath:
     """A path of a vehicle: straight drives and turns on the spot.
 
@@ -68,6 +68,9 @@ class VehiclePath:
 
     poses: NDArray[np.float64]
     checks: int
+
+    def __repr__(self) -> str:
+        return f"<VehiclePath of {self.length:.3f} m: {len(self.poses)} poses>"
 
     @property
     def length(self) -> float:

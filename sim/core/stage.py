@@ -13,6 +13,7 @@ from shapely.geometry import Polygon
 from typing_extensions import Self
 
 from floorplan import Door, Floorplan, Obstacle, Point
+from floorplan.files.fields import brief
 from floorplan.files.problems import Fault
 from navigation import CollisionWorld, Motion
 from navigation.machines import Stop
@@ -141,6 +142,11 @@ class Bystander(Protocol):
     @property
     def is_recorded(self) -> bool:
         """True of somebody who walks as they were measured: nobody can put them elsewhere."""
+        ...
+
+    @property
+    def started_at(self) -> float | None:
+        """When they started, seconds."""
         ...
 
     @property
@@ -543,6 +549,8 @@ class MachineEntry:
     keys : dict, optional
         Values of the fields of the model.
     """
+
+    __repr__ = brief
 
     kind: str | type[MachineModel]
     keys: dict[str, Any] = field(default_factory=dict)

@@ -14,7 +14,7 @@ from floorplan import Point, UserError
 from navigation import Motion, PlanningError
 from navigation.vehicles import Twist, TwistCourse
 
-from ...core.body import commands
+from ...core.body import OnContact, commands
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted
@@ -57,6 +57,7 @@ class Amr(CommandedMachine, Evading):
         repeat: bool = False,
         priority: int = 0,
         makes_way: bool = True,
+        on_contact: OnContact = "stop",
         controller: Callable[[Amr], Steps],
     ) -> None:
         super().__init__(
@@ -65,6 +66,7 @@ class Amr(CommandedMachine, Evading):
         self.record = self._record_by_name
         self.limits = vehicle.limits
         self.priority = priority
+        self.on_contact = on_contact
         self._makes_way = makes_way
         self._missions = tuple(missions)
         self._located = tuple(replace(one, go=one.goal(stage.floorplan)) for one in missions)
@@ -234,6 +236,11 @@ class Amr(CommandedMachine, Evading):
             # It brakes, and sets out again from there.
             self.drive.hold(True)
             self.drive.hold(False)
+
+    @property
+    def planned_at(self) -> float:
+        """When its planner planned its present motion, or the one from which it stops (s)."""
+        return self.drive.planned_at
 
     @property
     def may_leave(self) -> bool:
