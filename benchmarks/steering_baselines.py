@@ -1,4 +1,4 @@
-"""The built-in steering beside the field's baselines, social force and ORCA, in the same scenes.
+"""The built-in steering beside social force and ORCA of `examples/steering`, in the same scenes.
 
     python benchmarks/steering_baselines.py [--crowds 10] [--patrols 1] [--only STEERING ...]
 
@@ -15,6 +15,7 @@ import itertools
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from avoidance_rules import PATROL
 from random_crowds import Point, nearest, trial as crowd
@@ -24,7 +25,9 @@ import sim
 
 BUILT_IN = "built-in"
 
-STEERINGS = (BUILT_IN, "social_force", "orca")
+STEERINGS = {BUILT_IN: None, "social_force": "social_force:SocialForce", "orca": "orca:Orca"}
+
+EXAMPLES = Path(__file__).parents[1] / "examples" / "steering"
 
 
 @dataclass
@@ -50,7 +53,7 @@ def measured(
     found = Found()
     for scene, times in zip(scenes, free, strict=True):
         begin = time.process_time()
-        run = sim.run(replace(scene, steering=None if steering == BUILT_IN else steering))
+        run = sim.run(replace(scene, steering=STEERINGS[steering], folder=EXAMPLES))
         found.cpu += time.process_time() - begin
         found.overlaps += run.summary["overlaps"]
         found.deepest = max(found.deepest, -nearest(run))
@@ -85,7 +88,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("--crowds", type=int, default=10, help="number of random crowds")
     parser.add_argument("--patrols", type=int, default=1, help="number of patrols")
-    parser.add_argument("--only", nargs="+", choices=STEERINGS, default=STEERINGS)
+    parser.add_argument("--only", nargs="+", choices=STEERINGS, default=[*STEERINGS])
     asked = parser.parse_args()
     crowds = [crowd(number) for number in range(asked.crowds)]
     patrols = [replace(sim.Trial.parse(PATROL), seed=seed) for seed in range(asked.patrols)]

@@ -42,9 +42,10 @@ class FootprintSchema(Strictly):
 
     @model_validator(mode="after")
     def _one_footprint(self) -> "FootprintSchema":
-        keys = ("x", "y", "center", "size", "radius", "polygon")
-        given = {key for key in keys if getattr(self, key) is not None}
-        if given not in ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}):
+        keys = ("x", "y", "center", "size", "radius", "polygon", "mask")
+        given = {key for key in keys if getattr(self, key, None) is not None}
+        forms = ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}, {"mask"})
+        if given not in forms:
             raise UserError(
                 "give the footprint as x and y ranges, as center and size, as center and radius,"
                 f" or as polygon; found {', '.join(sorted(given)) or 'none of them'}"
@@ -72,6 +73,9 @@ class DoorSchema(Strictly):
 class ZoneSchema(FootprintSchema):
     """An area, and the rule that holds in it for some."""
 
+    mask: Name | None = None
+    base: Number = 0.0
+    multiplier: Number | None = None
     max_speed: Positive | None = None
     forbidden: Flag = Zone.forbidden
     one_way: Pair | None = None
@@ -79,9 +83,19 @@ class ZoneSchema(FootprintSchema):
 
     @model_validator(mode="after")
     def _one_rule(self) -> "ZoneSchema":
-        if self.forbidden == (self.max_speed is not None or self.one_way is not None):
+        if self.mask is not None:
+            rules = [self.forbidden, self.max_speed is not None, self.multiplier is not None]
+            if self.one_way is not None or sum(rules) > 1:
+                raise UserError("a mask is forbidden, or give max_speed, or base and multiplier")
+        elif self.multiplier is not None or self.base:
+            raise UserError("base and multiplier belong to a mask")
+        elif self.forbidden == (self.max_speed is not None or self.one_way is not None):
             raise UserError("give forbidden: true, or max_speed (m/s) and one_way (x, y)")
         return self
+
+
+def _as_zone(value: Any) -> Any:
+    return {"mask": value} if isinstance(value, str) else value
 
 
 class GateSchema(Strictly):
@@ -169,6 +183,12 @@ class GantrySchema(Strictly):
 METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 """Length in metres of each unit that a file may give."""
 
+
+def unit_name(metre: float) -> str:
+    """Return the name of the unit of `metre` metres."""
+    return next((name for name, length in METRE.items() if length == metre), f"{metre:g} m")
+
+
 Unit = Literal["m", "cm", "mm", "in", "ft"]
 
 
@@ -221,7 +241,7 @@ class FloorplanSchema(Strictly):
     agvs: AgvsSchema | None = None
     gantry: GantrySchema | None = None
     doors: dict[str, DoorSchema] = {}
-    zones: dict[str, ZoneSchema] = {}
+    zones: dict[str, Annotated[ZoneSchema, BeforeValidator(_as_zone)]] = {}
     gates: dict[str, GateSchema] = {}
 
     @field_validator("boundary")
@@ -283,6 +303,7 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
                 one_way=one.one_way,
             )
             for name, one in schema.zones.items()
+            if one.mask is None
         ],
         "gates": [
             Gate(name=name, ends=one.between, towards=one.towards, concerns=tuple(one.concerns))

@@ -13,7 +13,7 @@ from shapely.geometry import LineString, Point, Polygon
 from shapely.validation import explain_validity
 
 from .files.fields import LARGEST, SMALLEST
-from .files.problems import Fault, FloorplanError, Place, refuse
+from .files.problems import Fault, FloorplanError, Place, Problem, metres, refuse
 from .files.values import SOUND, range_faults, require, require_fields
 from .model import Floor, Gate, Lane, Obstacle, Zone
 
@@ -54,6 +54,23 @@ def check(plan: Floor, *, file: str = "") -> None:
     require_fields(plan)
     refuse(file or f"floorplan {plan.name!r}", faults(plan), FloorplanError)
     keep_sound(plan)
+
+
+WIDE = 1e4
+"""Metres. A longer floor was probably drawn in another unit."""
+
+
+def size_notices(plan: Floor, unit: str, key: str = "units") -> tuple[Problem, ...]:
+    """Return a notice if the floor is implausibly small or large for lengths in `unit`."""
+    west, south, east, north = plan.boundary.bounds
+    short, long = sorted((east - west, north - south))
+    person = 2 * plan.human.radius
+    if person <= short and long <= WIDE:
+        return ()
+    odd = f"narrower than a person ({person:g} m)" if short < person else "wider than 10 km"
+    size = f"the floor is {metres(east - west)} m × {metres(north - south)} m, {odd}"
+    remedy = f"its unit is {unit}; if that is wrong, `{key}` corrects it"
+    return (Problem(f"{size}: {remedy}", "boundary"),)
 
 
 def keep_sound(plan: Floor) -> None:
@@ -154,7 +171,8 @@ def standing_fault(plan: Floor, at: tuple[float, float], radius: float | None = 
         return ""
     if gap == 0:
         return f"{place} is inside {name}"
-    return f"{place} is {gap:.3f} m from {name}; a person of radius {radius:g} m does not fit"
+    far = metres(gap, radius)
+    return f"{place} is {far} m from {name}; a person of radius {radius:g} m does not fit"
 
 
 def height_fault(obstacle: Obstacle) -> str:
@@ -279,7 +297,7 @@ def _loose_gate_faults(plan: Floor) -> Iterator[Fault]:
                 o.footprint.covers(at) for o in plan.obstacles if o.overlaps(0.0, plan.human.height)
             )
             if gap > ENDS and not inside:
-                message = f"({end[0]:g}, {end[1]:g}) is {gap:.3f} m from the nearest wall;"
+                message = f"({end[0]:g}, {end[1]:g}) is {metres(gap)} m from the nearest wall;"
                 message += " a gate goes from wall to wall, else people walk round its end"
                 if place[0] == "zones":
                     yield message.replace("a gate", "a one-way zone"), (*place, "one_way")

@@ -14,8 +14,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
-from .building import METRE, OF_DRAWINGS, FloorplanSchema, parts
-from .checks import check, faults, keep_sound
+from .building import METRE, OF_DRAWINGS, FloorplanSchema, parts, unit_name
+from .checks import check, faults, keep_sound, size_notices
 from .files.documents import Document, parse_yaml, read_yaml
 from .files.problems import Fault, FloorplanError, Place, Problem, UserError, suggestion
 from .files.reading import is_there
@@ -218,6 +218,7 @@ def laid_over(base: Floorplan, top: Floorplan, given: Iterable[str]) -> Floorpla
     return replace(
         base,
         name=top.name,
+        notices=(*base.notices, *top.notices),
         obstacles=_replaced(base.obstacles, top.obstacles),
         stations=_replaced(base.stations, top.stations),
         doors=_replaced(base.doors, top.doors),
@@ -238,7 +239,7 @@ BUILT_IN = Path(__file__).parent / "data"
 FAR_OUT = 5.0
 """Sizes of a floor. What is farther away from it was probably meant in another unit."""
 
-IMAGES = (".pgm", ".png", ".bmp")
+IMAGES = (".pgm", ".png", ".bmp", ".tif", ".tiff")
 """Suffixes that the image of a ROS map usually has."""
 
 
@@ -328,13 +329,18 @@ def _read(path: Path, drawn: Drawn | None, above: tuple[Path, ...]) -> Floorplan
         if _is_ros_map(document):
             from .formats.ros_map import build_ros_map
 
-            return build_ros_map(document)
+            floor = build_ros_map(document)
+            return replace(floor, notices=size_notices(floor, "metres", "resolution"))
         return _build(document, path.parent, (*above, path.resolve()))
     if suffix in READ:
         from .formats.drawings import AS_IT_IS
 
         read = function(OF_SUFFIX[suffix].reader)
-        plan: Floorplan = read(path, drawn or AS_IT_IS)
+        drawn = drawn or AS_IT_IS
+        plan: Floorplan = read(path, drawn)
+        if drawn.boundary is None and suffix != ".dxf":  # which knows its unit
+            notices = size_notices(plan, unit_name(drawn.metre or 1.0))
+            plan = replace(plan, notices=(*plan.notices, *notices))
         return plan
     if is_there(path):
         known = ", ".join(READ)
@@ -363,6 +369,9 @@ def _build(document: Document, folder: Path, above: tuple[Path, ...], name: str 
         **parts(schema),
     )
     plan = scaled(plan, schema.metre)
+    plan = replace(plan, zones=[*plan.zones, *_masked(schema, folder)])
+    if schema.boundary:
+        plan = replace(plan, notices=size_notices(plan, unit_name(schema.metre)))
     problems: list[Problem] = []
     if schema.base is not None:
         base = _base(schema, plan.boundary if schema.boundary else None, document, folder, above)
@@ -382,6 +391,15 @@ def _build(document: Document, folder: Path, above: tuple[Path, ...], name: str 
         raise FloorplanError(document.file, problems)
     keep_sound(plan)
     return plan
+
+
+def _masked(schema: FloorplanSchema, folder: Path) -> Iterator[Zone]:
+    """Yield the zones of masks, in metres."""
+    for name, zone in schema.zones.items():
+        if zone.mask is not None:
+            from .formats.ros_map import mask_zones
+
+            yield from mask_zones(folder / zone.mask, name, zone)
 
 
 def _is_far_out(plan: Floorplan) -> bool:

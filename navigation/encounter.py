@@ -246,13 +246,10 @@ class Shapes:
         """
         away = places - poses[:, :2]
         c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-        seen = shapely.points(
-            np.column_stack([c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]])
-        )
+        x, y = c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]
         found = np.full(len(places), np.inf)
         for part in self.machine:
-            hull = shapely.MultiPoint(part.corners).convex_hull
-            level = shapely.distance(seen, hull) - part.rounding - self.person.radius
+            level = _distances_to_hull(x, y, part.corners) - part.rounding - self.person.radius
             found = np.minimum(found, np.hypot(np.maximum(level, 0.0), self._above(part)))
         return found
 
@@ -268,6 +265,18 @@ class Shapes:
             case Box():
                 return Gauge(radius, height, part.length / 2, part.width / 2, 0.0)
         return PolygonGauge(radius, height, [c for corner in part.corners for c in corner])
+
+
+def _distances_to_hull(x: Floats, y: Floats, corners: Sequence[Point]) -> Floats:
+    """Return the distances (m) of points from a convex polygon with counterclockwise corners."""
+    square = np.full(len(x), np.inf)
+    inside = np.full(len(x), len(corners) > 2)
+    for (ax, ay), (bx, by) in itertools.pairwise([*corners, corners[0]]):
+        ex, ey, px, py = bx - ax, by - ay, x - ax, y - ay
+        along = np.clip((px * ex + py * ey) / ((ex * ex + ey * ey) or 1.0), 0.0, 1.0)
+        square = np.minimum(square, (px - along * ex) ** 2 + (py - along * ey) ** 2)
+        inside &= ex * py >= ey * px
+    return np.where(inside, 0.0, np.sqrt(square))
 
 
 _ELLIPSE = 7.0

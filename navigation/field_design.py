@@ -141,7 +141,7 @@ class _FieldMaker:
         area, warned = [_turned(corners, spin)], []
         ways = [(angle, speed) for angle, speed in ((0.0, high), (math.pi, -low)) if speed > 0]
         if each.direction is not None:
-            ways = [(angle, high) for angle in directions(*each.direction)]
+            ways = [(angle, high) for angle in directions(self.limits, *each.direction)]
         for angle, speed in ways:
             axis_along = limits_along(self.limits, angle)
             assert axis_along is not None  # a drive that is not holonomic has two ways

@@ -40,9 +40,6 @@ _EXACT = 1e-6
 _POSES = 33
 """Number of poses of a drive on an arc: chords between them are within 1 mm of usual arcs."""
 
-_STARTS = 33
-"""Number of speeds of which the farthest stop is taken."""
-
 
 class Reach(NamedTuple):
     """What a machine covers from a contact to its standstill.
@@ -160,8 +157,22 @@ def stopping_reach(limits: AxisLimits, speed: float, response_time: float) -> Re
     its acceleration adds at a low speed.
     """
     speed = min(speed, limits.max_speed)
-    starts = (speed * k / (_STARTS - 1) for k in range(_STARTS))
+    starts = (speed, min(speed, _worst_start(limits, response_time)))
     return max((_reach(limits, one, response_time) for one in starts), key=lambda r: r.distance)
+
+
+def _worst_start(limits: AxisLimits, response_time: float) -> float:
+    """Return the speed (m/s) from which a machine begins to accelerate less as it brakes.
+
+    Below it, a higher speed gets farther. Above it, less acceleration is left at the brakes.
+    """
+    jerk, top = limits.max_jerk, limits.max_speed
+    most = min(limits.max_acceleration, math.sqrt(jerk * top))
+    builds_up = most**2 / (2 * jerk)  # m/s, and as much to be let off
+    before = response_time - (top - 2 * builds_up) / most
+    if before <= 0:
+        return top - builds_up - most * response_time
+    return max(0.0, most - jerk * before) ** 2 / (2 * jerk)
 
 
 def _reach(limits: AxisLimits, speed: float, response_time: float) -> Reach:
@@ -211,19 +222,33 @@ def short_fields(
     The swept area of straight travel at the highest speed of the set, and of turning on the spot if
     the set applies at rest, must be within the field. So must that of arcs at the ends of the
     ranges of speed and turn rate, on which the machine keeps both until it brakes. Arcs are
-    reported if more is missing than in the other travels of the set. Supplements are not included.
+    reported if more is missing than in the other travels of the set. Velocities at which a set
+    before it applies do not count. Supplements are not included.
     """
     found: list[ShortField] = []
     for each in fields.sets:
         worst: dict[str, ShortField] = {}
         field = Polygon(each.protective).buffer(_EXACT)
-        for way in _swept(each, footprint, limits, fields.response_time):
-            _note(worst, each, field, way)
+        parts = fields.remaining(each.name, *velocities(limits, each))
+        for part in parts:
+            for way in _swept(part, footprint, limits, fields.response_time):
+                _note(worst, each, field, way)
         most = max((one.missing for one in worst.values()), default=0.0)
-        for way in _swept_on_arcs(each, footprint, limits, fields.response_time):
-            _note(worst, each, field, way, most)
+        for part in parts:
+            for way in _swept_on_arcs(part, footprint, limits, fields.response_time):
+                _note(worst, each, field, way, most)
         found += worst.values()
     return tuple(found)
+
+
+def velocities(limits: Limits, each: FieldSet) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the ranges of a machine's speed and turn rate, as a set measures the speed."""
+    if isinstance(limits, AxisLimits):
+        top, turn = limits.max_speed, math.inf
+    else:
+        top = limits.speed if each.direction is None else limits.top_speed
+        turn = limits.turn_speed
+    return (-top if each.direction is None else 0.0, top), (-turn, turn)
 
 
 def _note(
@@ -248,7 +273,7 @@ def _swept(
         if isinstance(limits, VehicleLimits) and limits.holonomic:
             ways += [("sideways", side * math.pi / 2, limits.side_speed) for side in (1, -1)]
     else:
-        ways = [(_travel(angle), angle, high) for angle in directions(*each.direction)]
+        ways = [(_travel(angle), angle, high) for angle in directions(limits, *each.direction)]
     for travel, angle, fastest in ways:
         axis = limits_along(limits, angle)
         if axis is None or fastest <= 0 or (each.direction and low > axis.max_speed):
@@ -282,7 +307,9 @@ def _swept_on_arcs(
         ways = [(0.0, speed) for speed in each.linear]
     else:
         first, last = each.direction
-        ways = [*itertools.product({first, last, *quarters(first, last)}, each.linear)]
+        ways = [
+            *itertools.product({first, last, *main_directions(limits, first, last)}, each.linear)
+        ]
     for (angle, wanted), turn in itertools.product(sorted(ways), sorted(turns)):
         way = angle if wanted >= 0 else angle + math.pi
         axis = limits_along(limits, way)
@@ -331,17 +358,25 @@ def _travel(angle: float) -> str:
     return "ahead" if ahead > 0.7 else "backwards" if ahead < -0.7 else "sideways"
 
 
-def directions(first: float, last: float) -> list[float]:
-    """Return directions from first to last, no more than a step apart, and those of the axes."""
-    count = math.ceil((last - first) / STEP)
+def directions(limits: Limits, first: float, last: float) -> list[float]:
+    """Return directions from first to last, at most a step apart, with all `main_directions`."""
+    count = max(1, math.ceil((last - first) / STEP))
     steps = {first + (last - first) * k / count for k in range(count + 1)}
-    return sorted(steps | quarters(first, last))
+    return sorted(steps | main_directions(limits, first, last))
 
 
-def quarters(first: float, last: float) -> set[float]:
-    """Return the directions of the axes from first to last."""
-    quarter = math.pi / 2
-    return {k * quarter for k in range(math.ceil(first / quarter), math.floor(last / quarter) + 1)}
+def main_directions(limits: Limits, first: float, last: float) -> set[float]:
+    """Return the directions of the axes, and those of highest speed, from first to last."""
+    fastest = 0.0
+    if isinstance(limits, VehicleLimits):
+        fastest = math.atan2(limits.side_speed, limits.speed)
+    return {
+        angle + k * math.pi
+        for angle in (0.0, fastest, math.pi / 2, math.pi - fastest)
+        for k in range(
+            math.ceil((first - angle) / math.pi), math.floor((last - angle) / math.pi) + 1
+        )
+    }
 
 
 def swept_straight(footprint: Polygon, angle: float, distance: float) -> Polygon:

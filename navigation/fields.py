@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
@@ -30,6 +30,8 @@ SPEED_TOLERANCE = 1e-4
 """m/s and rad/s. Limits of sets are met within this: a body on an arc is a spline."""
 
 UNBOUNDED = (-math.inf, math.inf)
+
+_Range = tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,7 +216,10 @@ class ProtectiveFields:
         return tuple(spans)
 
     def gaps(
-        self, linear: tuple[float, float], theta: tuple[float, float] = (0.0, 0.0)
+        self,
+        linear: tuple[float, float],
+        theta: tuple[float, float] = (0.0, 0.0),
+        directions: Sequence[float] | None = None,
     ) -> tuple[FieldGap, ...]:
         """Return the velocities of a machine to which no set applies.
 
@@ -223,36 +228,77 @@ class ProtectiveFields:
         linear, theta : tuple of float
             Ranges of the machine's velocity, in m/s and rad/s. If the sets have a `direction`, the
             speed is that over the floor.
+        directions : sequence of float, optional
+            Directions of travel that the machine has, rad. The default is all.
         """
-        return tuple(itertools.chain(*(self._gaps(linear, theta, on) for on in (False, True))))
+        loads = (False, True)
+        return tuple(gap for on in loads for gap in self._gaps(linear, theta, directions, on))
 
     def _gaps(
-        self, linear: tuple[float, float], theta: tuple[float, float], loaded: bool
+        self, linear: _Range, theta: _Range, directions: Sequence[float] | None, loaded: bool
     ) -> Iterator[FieldGap]:
         sets = self._for(loaded)
         if not sets:
             yield FieldGap(linear, theta, None, loaded)
             return
-        around: list[tuple[float, float] | None] = [None]
-        if self.sets[0].direction is not None:
+        around: list[_Range | None] = [None]
+        if self.sets[0].direction is not None and linear != (0.0, 0.0):
             turns = [a % math.tau for each in sets for a in each.direction or ()]
             # What rounding of directions leaves between two sets is none.
             parts = _parts((0.0, math.tau), turns)
             around = [part for part in parts if part[1] - part[0] > SPEED_TOLERANCE]
+            if directions is not None:
+                around = [(angle, angle) for angle in directions]
         for way in around:
             for turn in _parts(theta, [limit for each in sets for limit in each.theta]):
-                latest: FieldGap | None = None
-                for part in _parts(linear, [limit for each in sets for limit in each.linear]):
-                    if any(_covers(each, part, turn, way) for each in sets):
-                        if latest is not None:
-                            yield latest
-                        latest = None
-                    elif latest is None:
-                        latest = FieldGap(part, turn, way, loaded)
-                    else:
-                        latest = latest._replace(linear=(latest.linear[0], part[1]))
-                if latest is not None:
-                    yield latest
+                for part in _untaken(linear, turn, way, sets):
+                    yield FieldGap(part, turn, way, loaded)
+
+    def remaining(
+        self,
+        name: str,
+        linear: tuple[float, float] = UNBOUNDED,
+        theta: tuple[float, float] = UNBOUNDED,
+        loads: Sequence[bool] = (False, True),
+    ) -> tuple[FieldSet, ...]:
+        """Return parts of a set to which it applies, because no set before it fits.
+
+        Parameters
+        ----------
+        name : str
+            Name of the set.
+        linear, theta : tuple of float, optional
+            Ranges of the machine's velocity: see `gaps`.
+        loads : sequence of bool, optional
+            Whether the machine may be loaded, and whether it may not be.
+
+        Returns
+        -------
+        tuple of FieldSet
+            The set with smaller ranges. None of them if the set never applies.
+        """
+        k = next(k for k, each in enumerate(self.sets) if each.name == name)
+        each = self.sets[k]
+        found: list[FieldSet] = []
+        linear, theta = _shared(each.linear, linear), _shared(each.theta, theta)
+        if linear[0] > linear[1] or theta[0] > theta[1]:
+            return ()
+        for loaded in filter(each.fits_load, loads):
+            sets = [one for one in self.sets[:k] if one.fits_load(loaded)]
+            sets = [one for one in sets if _meets(one.linear, linear) and _meets(one.theta, theta)]
+            around: Sequence[_Range | None] = [None]
+            if each.direction is not None:
+                first = each.direction[0]
+                turns = [a for one in sets for a in one.direction or ()]
+                cuts = [first + (a - first) % math.tau for a in turns]
+                around = _parts(each.direction, cuts)
+            for way in around:
+                for turn in _parts(theta, [limit for one in sets for limit in one.theta]):
+                    found += [
+                        replace(each, linear=part, theta=turn, direction=way)
+                        for part in _untaken(linear, turn, way, sets)
+                    ]
+        return tuple(dict.fromkeys(found))
 
     def _for(self, loaded: bool) -> tuple[FieldSet, ...]:
         return self._with_load[loaded][0]
@@ -324,19 +370,39 @@ def _directions(given: Sequence[float], name: str) -> tuple[float, float]:
     return low, high
 
 
-def _parts(whole: tuple[float, float], cuts: Sequence[float]) -> list[tuple[float, float]]:
+def _shared(one: _Range, other: _Range) -> _Range:
+    """Return what two ranges share, which ends before it begins if that is nothing."""
+    return max(one[0], other[0]), min(one[1], other[1])
+
+
+def _meets(one: _Range, other: _Range) -> bool:
+    low, high = _shared(one, other)
+    return low <= high + SPEED_TOLERANCE
+
+
+def _untaken(
+    linear: _Range, theta: _Range, way: _Range | None, sets: Sequence[FieldSet]
+) -> Iterator[_Range]:
+    """Yield the ranges of speed to which none of some sets applies."""
+
+    def is_free(part: _Range) -> bool:
+        return not any(_covers(each, part, theta, way) for each in sets)
+
+    parts = _parts(linear, [limit for each in sets for limit in each.linear])
+    for free, group in itertools.groupby(parts, is_free):
+        if free:
+            run = [*group]
+            yield run[0][0], run[-1][1]
+
+
+def _parts(whole: _Range, cuts: Sequence[float]) -> list[_Range]:
     """Return the parts into which `cuts` divide a range; a range of no length is one part."""
     low, high = whole
     ends = sorted({low, *(cut for cut in cuts if low < cut < high), high})
     return [*itertools.pairwise(ends)] or [whole]
 
 
-def _covers(
-    each: FieldSet,
-    linear: tuple[float, float],
-    theta: tuple[float, float],
-    way: tuple[float, float] | None,
-) -> bool:
+def _covers(each: FieldSet, linear: _Range, theta: _Range, way: _Range | None) -> bool:
     """Return whether a set applies to all velocities of a part."""
     for part, whole in ((linear, each.linear), (theta, each.theta)):
         if part[0] < whole[0] - SPEED_TOLERANCE or part[1] > whole[1] + SPEED_TOLERANCE:

@@ -377,21 +377,21 @@ def nearest_pair(
     top_speeds: Sequence[float],
     begin: float,
     end: float,
-    spans: Sequence[tuple[float, float]] | None = None,
+    spans: Sequence[Sequence[tuple[float, float]]] | None = None,
 ) -> Nearest | None:
     """Return the nearest that two of several discs came from `begin` to `end` (seconds).
 
     `motions` are those of their centres, `radii` in metres, `top_speeds` in m/s, which none of them
-    exceeds but where it is put elsewhere. With `spans` each is there only from one instant to
-    another (seconds). None if no two are there at once. Exact as `minimum_separation`: between two
+    exceeds but where it is put elsewhere. With `spans` each is there only in some intervals
+    (seconds). None if no two are there at once. Exact as `minimum_separation`: between two
     instants that are looked at, a pair comes no nearer than its distance at both and its speeds
     allow; wherever that is nearer than the nearest pair known, the kernel says whether it comes
     nearer, and if so it is solved for.
     """
     if spans is not None:
         motions = [
-            _present(motion, max(since, begin), min(until, end), begin, end, AWAY * (k + 1))
-            for k, (motion, (since, until)) in enumerate(zip(motions, spans, strict=True))
+            _present(motion, stays, begin, end, AWAY * (k + 1))
+            for k, (motion, stays) in enumerate(zip(motions, spans, strict=True))
         ]
     if len(motions) < 2:
         return None
@@ -430,19 +430,24 @@ def nearest_pair(
 
 
 def _present(
-    motion: Motion, since: float, until: float, begin: float, end: float, away: float
+    motion: Motion, stays: Sequence[tuple[float, float]], begin: float, end: float, away: float
 ) -> Motion:
-    """Return a motion from `begin` to `end` that is `away` metres off but from `since` to `until`.
+    """Return a motion from `begin` to `end` that is `away` metres off except in `stays`.
 
-    All instants are in seconds.
+    All times are in seconds.
     """
-    if since <= begin and until >= end:
-        return motion
-    off = (away, away)
-    there = [motion.cut(since, until)] if since < until else []
-    before = [standing(off, start=begin)] if since > begin or not there else []
-    after = [standing(off, start=until)] if there and until < end else []
-    return join([*before, *there, *after], end=end)
+    parts: list[Motion] = []
+    off, absent = (away, away), begin
+    for since, until in ((max(a, begin), min(b, end)) for a, b in stays):
+        if since <= begin and until >= end:
+            return motion
+        if since < until:
+            parts += [standing(off, start=absent)] if since > absent else []
+            parts.append(motion.cut(since, until))
+            absent = until
+    if absent < end or not parts:
+        parts.append(standing(off, start=absent))
+    return join(parts, end=end)
 
 
 def _reaching_back(motion: Motion, begin: float) -> Motion:

@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from floorplan import Floorplan, Point, UserError
+from floorplan.files.problems import metres
 from floorplan.files.values import require
 
 from .bodies import Disc
@@ -42,7 +43,7 @@ def blocked_place(world: CollisionWorld, place: Point, end: str, radius: float) 
     if gap == 0:
         return f"{at} is inside {name}"
     what = "the boundary" if name == "boundary" else name
-    return f"{at} is {gap:.3f} m from {what}; a radius of {radius:g} m does not fit"
+    return f"{at} is {metres(gap, radius)} m from {what}; a radius of {radius:g} m does not fit"
 
 
 def explain_cut_off(

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import partial, wraps
 from itertools import takewhile
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from shapely.geometry import Polygon
 
@@ -20,7 +20,7 @@ from navigation import CollisionWorld
 
 from .core.body import Body
 from .core.clock import MOMENT, Clock, InProgress, Turn
-from .core.custom_code import supervised
+from .core.custom_code import Imports, supervised
 from .core.entries import Blackout, Command, Start
 from .core.events import (
     BlackoutBegan,
@@ -39,11 +39,11 @@ from .machines.kinds import made_by, models_of
 from .machines.traffic.traffic import Traffic
 from .people.person import Person, speed_of, with_figures
 from .people.population import Population
-from .people.tracks.recorded_walks import RecordedWalk, recorded_walks
+from .people.tracks.recorded_walks import RecordedWalk, recorded_walks, with_everybody
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
-from .safety.laws import own_laws
+from .safety.laws import own_laws, with_new_laws
 from .safety.proximity import Collisions
 from .safety.referee import Referee
 from .trials.checks import check, check_own_events
@@ -150,6 +150,25 @@ MOST_NAMED = 5
 """Number of kinds of events that are named where simulated time stands still."""
 
 
+_Given = ParamSpec("_Given")
+_Returned = TypeVar("_Returned")
+
+
+def _in_run(
+    method: Callable[Concatenate[Simulation, _Given], _Returned],
+) -> Callable[Concatenate[Simulation, _Given], _Returned]:
+    """Let a method use the modules of its run, and name the lines of errors in them."""
+
+    @wraps(method)
+    def guarded(
+        simulation: Simulation, /, *given: _Given.args, **terms: _Given.kwargs
+    ) -> _Returned:
+        with simulation._imports.active(), supervised(simulation.clock):
+            return method(simulation, *given, **terms)
+
+    return guarded
+
+
 class Simulation(InProgress):
     """Simulation of one trial, run step by step.
 
@@ -182,15 +201,20 @@ class Simulation(InProgress):
     10.0
     """
 
-    @supervised()
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
-        require(trial, Trial, "sim.Trial.load")
-        check(trial)
-        for law in own_laws(trial.rules):
-            law.load()
-        self.trial = trial
+        self._imports = Imports()
         self.clock = Clock(busy=self._busy)
+        self._assemble(trial, listeners)
+
+    @_in_run
+    def _assemble(self, trial: Trial, listeners: Iterable[Listener]) -> None:
+        require(trial, Trial, "sim.Trial.load")
+        trial = with_everybody(trial)
+        check(trial)
+        if any(own_laws(trial.rules)):
+            trial = replace(trial, rules=with_new_laws(trial.rules))
+        self.trial = trial
         self.events: list[Event] = []
         triggers = Triggers(self.clock)
         self._listener = Listeners(_Keeper(self.events), *listeners, _Reactor(triggers))
@@ -231,7 +255,7 @@ class Simulation(InProgress):
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
 
-    @supervised()
+    @_in_run
     def start(self) -> None:
         """Start the trial unless it has started."""
         if self._started:
@@ -300,13 +324,16 @@ class Simulation(InProgress):
         names = [person.name for person in self.people]
         raise UserError(f"there is no person {name!r}; {suggestion(name, names)}")
 
-    def advance(self, until: float) -> None:
+    @_in_run
+    def advance(self, until: float, *, enough: Callable[[], bool] = lambda: False) -> None:
         """Simulate all events before a time.
 
         Parameters
         ----------
         until : float
             Time in seconds. Nothing happens if it is past.
+        enough : callable, optional
+            Function that is called after each event, and ends the advance if it returns True.
 
         Raises
         ------
@@ -319,8 +346,7 @@ class Simulation(InProgress):
             raise UserError("a simulation can't be advanced to nan: give seconds")
         self.start()
         if until > self.clock.now and not self.over:
-            with supervised(self.clock):
-                self.clock.run(min(until, self.trial.duration))
+            self.clock.advance(min(float(until), self.trial.duration), enough)
 
     def command(self, command: Command) -> None:
         """Schedule an external command and record it.
@@ -359,7 +385,7 @@ class Simulation(InProgress):
         """Whether `stop` was called."""
         return self.clock.stopped
 
-    @supervised()
+    @_in_run
     def finish(self) -> Run:
         """Return the run up to the current time."""
         self.start()

@@ -48,6 +48,7 @@ OF_THE_LIBRARY = {
         "carried",
         "catalog",
         "encounter",
+        "field_lengths",
         "fields",
         "freespace",
         "kernels",

@@ -90,7 +90,7 @@ class Literal:
     functor : str
         Name.
     args : tuple of Term, optional
-        Arguments. Numbers of any type become floats.
+        Arguments. Numbers of any type become floats, and Python lists and tuples become lists.
     annots : tuple of Term, optional
         Annotations in standard order, without duplicates.
     negated : bool, optional
@@ -147,8 +147,8 @@ class Literal:
         try:
             self._weigh(self.args)
         except AttributeError:
-            # An argument is a number of another type: an int, or one of NumPy's.
-            self.args = tuple(map(_term, self.args))
+            # An argument is a list, or a number of another type: an int, or one of NumPy's.
+            self.args = tuple(map(make_term, self.args))
             self.size, self.depth, self.ground = 1, 0, True
             self._weigh(self.args)
 
@@ -532,27 +532,21 @@ def make_list(elements: Iterable[Term], tail: Term = EMPTY) -> Term:
     return result
 
 
-def _term(value: object) -> Term:
-    if isinstance(value, Real):
-        return float(value)
-    if not isinstance(value, str) and not hasattr(value, "ground"):
-        raise TypeError(f"an argument must be a number, a text or a term, not {value!r}")
-    return value  # type: ignore[return-value]
-
-
 def make_term(value: object) -> Term:
     """Return the term for a Python value: a number, str, list, tuple, or a term itself."""
-    if isinstance(value, Literal | Cons | str) or value.__class__ is float:
+    if isinstance(value, Literal | Cons) or value.__class__ in _PLAIN:
         return cast(Term, value)
+    if isinstance(value, str):
+        return str(value)
     if isinstance(value, bool):
         return TRUE if value else FALSE
-    if isinstance(value, int | float):
+    if isinstance(value, Real):
         return float(value)
     if isinstance(value, list | tuple):
         return make_list(make_term(element) for element in value)
-    if isinstance(value, str) or hasattr(value, "depth"):  # as all other terms have
+    if hasattr(value, "depth"):  # as all other terms have
         return cast(Term, value)
-    raise TypeError(f"{type(value).__name__} cannot be converted to a term: {value!r}")
+    raise TypeError(f"a term must be a number, a text, a list or a term, not {value!r}")
 
 
 # ---- printing

@@ -7,6 +7,7 @@ the intention; what called the goal for which there is one goes on (Bordini, Hü
 
 from __future__ import annotations
 
+from ..errors import EndlessProgramError, ProgramProblem
 from ..language.body import Achieve, Act, Constraint, Place, Test, Update
 from ..language.substitution import rename, sorted_annots, substitute
 from ..language.terms import Literal, Term, Var
@@ -16,6 +17,9 @@ from .state import AgentState
 
 SEARCH_COST = 10
 """Cost, in goals, of one step of the search through the goals of an intention."""
+
+SEARCHED = 20
+"""Number of plans in the stack that are searched in the time of one failure."""
 
 
 def find_failure_event(
@@ -122,7 +126,7 @@ def fail(
         agent.warn(f"no plan for the failure of {goal}{at}: {why}", intention)
         end(agent, intention)
         return
-    event.literal = annotated(agent, event.literal, annots, code, place)
+    event.literal = annotated(agent, event, annots, code, place)
     agent.circumstance.post(event)
 
 
@@ -145,7 +149,7 @@ def fail_event(agent: AgentState, event: Event, annots: tuple[Term, ...], why: s
     if event.intention is not None and event.intention.stack:
         step = event.intention.top.step
         place = None if step is None else step.formula.place
-    failure.literal = annotated(agent, failure.literal, annots, event.literal, place)
+    failure.literal = annotated(agent, failure, annots, event.literal, place)
     agent.circumstance.post(failure)
 
 
@@ -207,9 +211,21 @@ def _summary(annot: Term) -> str:
 
 
 def annotated(
-    agent: AgentState, literal: Literal, annots: tuple[Term, ...], code: Term, place: Place | None
+    agent: AgentState, failure: Event, annots: tuple[Term, ...], code: Term, place: Place | None
 ) -> Literal:
-    """Return the literal of a failure event, annotated with what went wrong and where."""
+    """Return the literal of a failure event, annotated with what went wrong and where.
+
+    Raises `EndlessProgramError` if too many goals have failed at one instant.
+    """
+    literal, logic, intention = failure.literal, agent.logic, failure.intention
+    # Each failure searches the stack, which grows if failure plans do not end.
+    logic.failures_left -= 1 if intention is None else 1 + len(intention.stack) // SEARCHED
+    if logic.failures_left < 0:
+        goal = literal.without_annots()
+        message = f"goals fail again and again at {agent.now:g} s, at last {goal}"
+        message += ": this plan does not end"
+        source = ProgramProblem(file=agent.program.source, message=message)
+        raise EndlessProgramError([source if place is None else place.problem(message)])
     added: list[Term] = [*literal.annots, *annots]
     if place is not None:
         added.append(Literal("code_src", (place.name,)))

@@ -52,6 +52,9 @@ MAX_CHOICES = 250_000
 CYCLES = 20
 """Number of cycles of one instant that may each try the most goals a cycle may try."""
 
+MOST_FAILURES = 10_000
+"""Maximum number of goals that may fail at one instant; each takes 0.1 to 0.3 ms."""
+
 
 class _Commit:
     """End of a negated formula: it holds, so the negation fails."""
@@ -120,11 +123,13 @@ class Logic:
         """Number of internal actions that have failed in queries."""
         self.max_goals = max_goals
         self._left_at_this_instant = CYCLES * max_goals
+        self.failures_left = MOST_FAILURES
         self._allowed = self.goals_left = max_goals
 
     def begin_instant(self) -> None:
-        """Renew the budget of an instant."""
+        """Renew the budgets of an instant."""
         self._left_at_this_instant = CYCLES * self.max_goals
+        self.failures_left = MOST_FAILURES
 
     def begin_cycle(self) -> None:
         """Renew the budget of a cycle, as far as that of the instant allows."""

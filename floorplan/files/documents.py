@@ -62,6 +62,10 @@ def too_many() -> str:
     return f"it has more than {MOST_VALUES:,} values"
 
 
+class _Resolver(Resolver):
+    """Takes -.5 for a number, too, as YAML 1.1 does."""
+
+
 class _Constructor(SafeConstructor):
     """Constructs values; errors have the line of the value."""
 
@@ -99,25 +103,25 @@ for _tag, _construct in SafeConstructor.yaml_constructors.items():
     _Constructor.add_constructor(_tag, _placed(_decimal(_construct) if _is_number else _construct))
 
 
-class _Plain(Reader, Scanner, Parser, _Counting, _Constructor, Resolver):
+class _Plain(Reader, Scanner, Parser, _Counting, _Constructor, _Resolver):
     def __init__(self, text: str) -> None:
         Reader.__init__(self, text)
         Scanner.__init__(self)
         Parser.__init__(self)
         _Counting.__init__(self)
         _Constructor.__init__(self)
-        Resolver.__init__(self)
+        _Resolver.__init__(self)
 
 
 if yaml.__with_libyaml__:
     from yaml._yaml import CParser
 
-    class _WithLibYaml(_Counting, CParser, _Constructor, Resolver):
+    class _WithLibYaml(_Counting, CParser, _Constructor, _Resolver):
         def __init__(self, text: str) -> None:
             CParser.__init__(self, text)
             _Counting.__init__(self)
             _Constructor.__init__(self)
-            Resolver.__init__(self)
+            _Resolver.__init__(self)
 
 
 MOST_TEXT = 4_000_000
@@ -206,6 +210,8 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     except yaml.MarkedYAMLError as why:
         mark = why.problem_mark or why.context_mark
         reason = " ".join(part for part in (why.problem, why.context) if part)
+        if mark and re.match(r"[ -]*\t", "".join(text.splitlines()[mark.line : mark.line + 1])):
+            reason = "a tab begins this line; indent it by spaces"
         if "maximum nesting depth" in reason:  # LibYAML 0.2.6 has a limit of its own
             reason = "it is nested too deeply"
         # LibYAML marks the end of a text as the line after the last.
@@ -278,3 +284,8 @@ class _Dumper(yaml.SafeDumper):
         node: Any = self.represent_data(data)
         node.flow_style = False
         self.serialize(node)
+
+
+_SIGNED = re.compile(r"[-+]\.[0-9][0-9_]*(?:[eE][-+][0-9]+)?$")
+for _kind_of in (_Resolver, _Dumper):
+    _kind_of.add_implicit_resolver("tag:yaml.org,2002:float", _SIGNED, ["-", "+"])

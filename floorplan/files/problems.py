@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+import math
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -54,6 +55,13 @@ def clipped(text: str, most: int = LONGEST) -> str:
 def shown(value: object) -> str:
     """Return `value` as a message shows it."""
     return clipped(repr(value), 60)
+
+
+def metres(value: float, below: float = math.inf) -> str:
+    """Return a length with three decimals, or more if it is small or only just `below` another."""
+    texts = (f"{value:.{decimals}f}" for decimals in range(3, 18))
+    fit = (t for t in texts if abs(float(t) - value) <= 5e-3 * abs(value) and float(t) < below)
+    return next(fit, f"{value:g}")
 
 
 class UserError(ValueError):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import TypeAlias
@@ -16,7 +17,7 @@ from shapely.geometry import Polygon
 
 from ..checks import polygon_fault
 from ..files.fields import LARGEST, are_figures, is_figure
-from ..files.problems import Problem, suggestion
+from ..files.problems import Problem, metres, suggestion
 from ..model import DEFAULT_HEIGHT, Obstacle, Point
 
 BOUNDARY = "boundary"
@@ -47,13 +48,14 @@ class Drawn:
     """How a drawing is read, where the drawing itself leaves it open.
 
     `metre` is the length of its unit (metres), None for the unit that it gives itself. Without
-    `groups` every layer is one. Ends of lines within `snap` metres of each other meet. Shapes are
-    left out by their handles. A `boundary` (metres) takes the place of the drawn one.
+    `groups` every layer is one. Ends of lines within `snap` metres of each other meet, by default
+    those that meet no other within `SNAP`. Shapes are left out by their handles. A `boundary`
+    (metres) takes the place of the drawn one.
     """
 
     metre: float | None = None
     groups: Mapping[str, LayerGroup] | None = None
-    snap: float = 1e-6
+    snap: float | None = None
     leave_out: frozenset[str] = frozenset()
     boundary: Polygon | None = None
 
@@ -109,22 +111,20 @@ def _joined(lines: Sequence[Floats]) -> tuple[Floats, NDArray[np.intp]]:
     return np.concatenate(lines), np.repeat(np.arange(len(lines)), [len(line) for line in lines])
 
 
-def enclosed(lines: Sequence[Floats], snap: float) -> tuple[list[Polygon], list[Loose]]:
+def enclosed(lines: Sequence[Floats], snap: float | None) -> tuple[list[Polygon], list[Loose]]:
     """Return the areas that `lines` (each of (N, 2), metres) enclose, and the loose ones of them.
 
-    Ends within `snap` metres of each other count as one. Of two lines that are the same, one
-    counts.
+    Ends within `snap` metres of each other count as one; see `Drawn`. Of two lines that are the
+    same, one counts.
     """
     corners, of = _joined(lines)
     edges = np.searchsorted(of, np.arange(len(lines) + 1))
     ends = np.column_stack([edges[:-1], edges[1:] - 1]).ravel()
-    places = _met(corners[ends], snap)
+    once = _first_of_each(shapely.linestrings(corners, indices=of)).values()
+    places = _met(corners[ends], snap, np.repeat(np.isin(np.arange(len(lines)), [*once]), 2))
     corners[ends] = places
     met = shapely.linestrings(corners, indices=of)
-    keys = _keys(met)
-    first: dict[bytes, int] = {}
-    for k in np.flatnonzero(shapely.length(met) > 0).tolist():
-        first.setdefault(keys[k], k)
+    first = _first_of_each(met)
     kept = met[np.array([*first.values()], int)]
     # Cuts are lines with the same area on both sides, dangles those with a loose end: both enclose
     # nothing.
@@ -183,27 +183,61 @@ def pieces_of(areas: Sequence[shapely.Geometry]) -> tuple[NDArray[np.object_], N
         pieces[halved] = shapely.intersection(pieces[halved], halves)
 
 
-def _keys(geometries: Sequence[shapely.Geometry]) -> list[bytes]:
+def _keys(geometries: Sequence[shapely.Geometry] | NDArray[np.object_]) -> list[bytes]:
     """Return a key for each of `geometries`: those that are the same have the same."""
     keys: list[bytes] = shapely.to_wkb(shapely.normalize(geometries)).tolist()
     return keys
 
 
-def _met(ends: Floats, snap: float) -> Floats:
-    """Return the `ends` with those that are within `snap` of each other in one place."""
+def _first_of_each(lines: NDArray[np.object_]) -> dict[bytes, int]:
+    """Return the index of the first of all `lines` that are the same, by their keys."""
+    keys = _keys(lines)
+    first: dict[bytes, int] = {}
+    for k in np.flatnonzero(shapely.length(lines) > 0).tolist():
+        first.setdefault(keys[k], k)
+    return first
+
+
+SNAP = 1e-3
+"""Metres. Usual reach of a loose end: coordinates and angles are often written with 3 decimals."""
+
+_SAME = 1e-6
+"""Metres. Ends that are closer are one place."""
+
+
+def _met(ends: Floats, snap: float | None, counted: NDArray[np.bool_]) -> Floats:
+    """Return the `ends` with those that meet in one place.
+
+    Loose are those of the `counted` ends that meet no other one.
+    """
     points = shapely.points(ends)
-    one, other = shapely.STRtree(points).query(points, predicate="dwithin", distance=snap)
-    # Each takes the place of the first that it can be reached from, step by step. Following the
-    # first of one's first halves what is left of a long chain in each round: Y. Shiloach and
-    # U. Vishkin, An O(log n) parallel connectivity algorithm, Journal of Algorithms 3, 1982.
-    first = np.arange(len(ends))
+    tree = shapely.STRtree(points)
+    one, other = tree.query(points, predicate="dwithin", distance=_SAME if snap is None else snap)
+    first = _connected(len(ends), one, other)
+    # Loose ends meet what is nearest, step by step: a curve in many short lines stays a curve.
+    for reach in (10 * _SAME, 100 * _SAME, SNAP) if snap is None else ():
+        loose = np.flatnonzero(np.bincount(first, counted, len(ends))[first] == 1)
+        if not len(loose):
+            break
+        index, near = tree.query(points[loose], predicate="dwithin", distance=reach)
+        one, other = np.append(one, (loose[index], near)), np.append(other, (near, loose[index]))
+        first = _connected(len(ends), one, other)
+    places: Floats = ends[first]
+    return places
+
+
+def _connected(count: int, one: NDArray[np.intp], other: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return for each of `count` the first that it can be reached from over pairs of indices."""
+    # Following the first of one's first halves what is left of a long chain in each round:
+    # Y. Shiloach and U. Vishkin, An O(log n) parallel connectivity algorithm, Journal of
+    # Algorithms 3, 1982.
+    first = np.arange(count)
     while True:
         before = first.copy()
         np.minimum.at(first, one, first[other])
         first = first[first]
         if (first == before).all():
-            places: Floats = ends[first]
-            return places
+            return first
 
 
 def _loose(loose: list[int], lines: list[int], places: Floats) -> list[Loose]:
@@ -244,8 +278,8 @@ TOUCHING = 1e-9
 class Polyline:
     """Line of an entity on `layer`, in metres: `corners` is (N, 2).
 
-    A `closed` line bounds an area; a hatched entity has its `area`. `bottom` and `thickness` are
-    heights.
+    A `closed` line bounds an area; a hatched entity has its `area`. `covered` is the area of a line
+    that is drawn with a width. `bottom` and `thickness` are heights.
     """
 
     layer: str
@@ -255,6 +289,7 @@ class Polyline:
     bottom: float
     thickness: float
     area: Polygon | None = None
+    covered: shapely.Geometry | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,7 +305,14 @@ class Unread:
 Shape: TypeAlias = Polyline | Unread
 
 
-def line(layer: str, name: Name, corners: Floats, closed: bool, thickness: float) -> Shape:
+def line(
+    layer: str,
+    name: Name,
+    corners: Floats,
+    closed: bool,
+    thickness: float,
+    covered: shapely.Geometry | None = None,
+) -> Shape:
     """Return an entity with these corners (N, 3), in metres; it is closed if its ends meet."""
     if not (are_figures(corners).all() and is_figure(thickness)):
         return Unread(layer, name, OUTSIZED)
@@ -280,8 +322,17 @@ def line(layer: str, name: Name, corners: Floats, closed: bool, thickness: float
         if closed and (apart < TOUCHING).all():
             corners = corners[:-1]
     if closed and len(corners) < 3:
-        return Unread(layer, name, "has fewer than three corners")
-    return Polyline(layer, name, corners[:, :2], closed, float(corners[:, 2].min()), thickness)
+        if covered is None:
+            return Unread(layer, name, "has fewer than three corners")
+        closed = False
+    bottom = float(corners[:, 2].min())
+    return Polyline(layer, name, corners[:, :2], closed, bottom, thickness, None, covered)
+
+
+def wall(corners: Floats, closed: bool, width: float, ends: str) -> shapely.Geometry:
+    """Return the area of a line (N, 2) of this width, whose `ends` are "flat" or "square"."""
+    line = shapely.linestrings(np.append(corners, corners[:1], axis=0) if closed else corners)
+    return line.buffer(width / 2, cap_style=ends, join_style="mitre")
 
 
 def hatched(layer: str, name: Name, outlines: Sequence[Floats]) -> Iterator[Shape]:
@@ -308,7 +359,12 @@ def place_of(found: Shape) -> str:
     return f"layer {found.layer!r}, {found.name()}"
 
 
-def areas_in(name: str, shapes: list[Polyline], drawn: Drawn) -> Iterator[Obstacle | Problem]:
+_FILLED = "its inside is filled, too, unless its group is `hollow`"
+
+
+def areas_in(
+    name: str, shapes: list[Polyline], drawn: Drawn
+) -> Iterator[Obstacle | Problem | Unread]:
     """Yield the areas of a group, closed outlines first, in the order of the drawing."""
 
     def area(polygon: Polygon, at: Heights) -> Obstacle:
@@ -329,11 +385,17 @@ def areas_in(name: str, shapes: list[Polyline], drawn: Drawn) -> Iterator[Obstac
             continue
         polygon, whole = next(bounded) if shape.closed else (None, False)
         if group.line_width is not None:
-            ring = shape.corners if polygon is None else polygon.exterior
-            wall = shapely.LineString(ring).buffer(
-                group.line_width / 2, cap_style="square", join_style="mitre"
-            )
-            filled.append((at, wall))
+            filled.append((at, wall(shape.corners, shape.closed, group.line_width, "square")))
+        elif shape.covered is not None and (polygon is None or group.hollow):
+            filled.append((at, shape.covered))
+        elif shape.covered is not None and polygon is not None and whole:
+            inside = polygon.difference(shape.covered)
+            bounds = name == BOUNDARY
+            filled.append((at, inside if bounds else polygon.union(shape.covered)))
+            if inside.area:
+                reads = "the floor ends at its inner edge" if bounds else _FILLED
+                why = f"is drawn {metres(shape.covered.area / polygon.length)} m wide: {reads}"
+                yield Unread(shape.layer, shape.name, why, False)
         elif polygon is None:
             lines.setdefault(at, []).append(shape)
         elif not whole:
@@ -366,18 +428,57 @@ def _open(loose: Loose) -> str:
         return "is open; it encloses nothing together with the lines that it meets"
     near = f"is open; close it: no line meets its end at ({x:.3f}, {y:.3f}) m"
     if loose.gap < 0.1:
-        return f"{near}, the nearest is {loose.gap:.4f} m away; a `snap` of that closes it"
+        # Rounded up, so that it reaches.
+        digits = 1 - math.floor(math.log10(loose.gap))
+        snap = metres(math.ceil(loose.gap * 10**digits - 1e-6) / 10**digits)
+        return f"{near}, the nearest is {metres(loose.gap)} m away; `snap: {snap}` closes it"
     return near
 
 
-def boundary_problem(count: int, areas: list[Obstacle], drawn: Drawn) -> Problem:
-    """Return the problem of a drawing with `count` outlines of the floor."""
-    groups = ", ".join(sorted({area.name for area in areas})) or "none"
+MOST_DETAILS = 5
+"""Problems that are shown of a drawing without a boundary: most vanish once it has one."""
+
+
+def boundary_problems(
+    areas: Collection[Obstacle], layers: Collection[str], drawn: Drawn, problems: list[Problem]
+) -> list[Problem]:
+    """Return the `problems` of a drawing, and that its boundary is missing or drawn twice.
+
+    `layers` are those with shapes on them.
+    """
+    count = sum(area.name == BOUNDARY for area in areas)
+    if drawn.boundary is not None or count == 1:
+        return problems
+    if BOUNDARY in map(drawn.group_of, layers):
+        if problems:
+            return problems
+        groups = ", ".join(sorted({area.name for area in areas})) or "none"
+        of = "on the layer" if drawn.groups is None else "in the group of `layers`"
+        message = f"expected one outline {of} {BOUNDARY!r}, found {count} (layers with outlines:"
+        return [Problem(f"{message} {groups})")]
+    known = ", ".join(map(repr, sorted(layers))) or "none"
     if drawn.groups is None:
-        where = f"on the layer {BOUNDARY!r}, found {count} (layers with outlines: {groups})"
+        message = f"no layer is called {BOUNDARY!r}; the layers are {known}; choose from them with"
+        message = f"{message} `layers` in a YAML floor that has this drawing as its `base`"
     else:
-        where = f"in the group {BOUNDARY!r} of `layers`, found {count} (with outlines: {groups})"
-    return Problem(f"expected one outline {where}")
+        message = f"no layer is in a group {BOUNDARY!r} of `layers`; the layers are {known};"
+        message = f"{message} add this group or a `boundary`"
+    if len(problems) > MOST_DETAILS:
+        message = f"{message}. There are {len(problems):,} more problems, such as:"
+    return [Problem(message), *problems[:MOST_DETAILS]]
+
+
+def notices_of(unread: Iterable[Unread]) -> Iterator[Problem]:
+    """Yield a notice for all of a layer that are not read for the same reason."""
+    reasons: dict[tuple[str, str], list[Unread]] = {}
+    for one in unread:
+        reasons.setdefault((one.layer, one.why), []).append(one)
+    for (layer, why), alike in reasons.items():
+        if len(alike) == 1:
+            yield Problem(why, place_of(alike[0]))
+        else:
+            are = f"are {why[3:]}" if why.startswith("is ") else f": each {why}"
+            yield Problem(f"{len(alike):,} shapes {are}", f"layer {layer!r}")
 
 
 def numbered(areas: list[Obstacle]) -> tuple[Obstacle, ...]:

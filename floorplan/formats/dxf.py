@@ -11,41 +11,48 @@ from __future__ import annotations
 import io
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
-from itertools import chain
-from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+import shapely
 
-from ..checks import WIDEST
-from ..files.fields import are_figures
+from ..building import unit_name
+from ..checks import size_notices
 from ..files.problems import FloorplanError, Problem, UserError
 from ..files.reading import no_garbage, require_readable
 from ..model import Obstacle
 from ..plan import Floorplan
+from .curves import (
+    POLYLINES,
+    SAGITTA,
+    SPLINES,
+    Floats,
+    corners_of,
+    covered,
+    hatch_outlines,
+    vertices,
+)
 from .drawings import (
     BOUNDARY,
-    OUTSIZED,
     Drawn,
     Name,
     Polyline,
     Shape,
     Unread,
     areas_in,
-    boundary_problem,
+    boundary_problems,
     hatched,
     line,
+    notices_of,
     numbered,
     place_of,
 )
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
-    from ezdxf.math import Matrix44, Vec3
 
 
 LARGEST_FILE = 64_000_000
@@ -132,9 +139,6 @@ def _kept(codes: list[int], values: list[str]) -> tuple[list[int], list[str]]:
     return read
 
 
-SAGITTA = 1e-3
-"""Metres. How far a drawn arc may be from the corners that stand for it."""
-
 MOST_COPIES = 10_000
 """Copies of a block that one insert puts in rows and columns."""
 
@@ -147,10 +151,9 @@ SILENT = frozenset(
 )
 """Kinds of entities that are about shapes, but are none."""
 
-LINES = frozenset(("LINE", "ARC", "ELLIPSE", "SPLINE", "HELIX"))
-OUTLINES = frozenset(("LWPOLYLINE", "POLYLINE", "CIRCLE", "SOLID", "TRACE", "3DFACE"))
+LINES = SPLINES | {"LINE", "ARC", "ELLIPSE"}
+OUTLINES = POLYLINES | {"CIRCLE", "SOLID", "TRACE", "3DFACE"}
 HATCHES = frozenset(("HATCH", "MPOLYGON"))
-STRAIGHT = frozenset(("LINE", "LWPOLYLINE"))
 PARTED = frozenset(("MLINE",))
 """Kinds that are drawn as several lines."""
 
@@ -163,10 +166,11 @@ class _Entity:
         self.kind: str = entity.dxftype()
         known = entity.dxf.is_supported("layer")  # not for kinds that ezdxf does not know
         self.layer = str(entity.dxf.get("layer", "0")) if known else "0"
+        self._drawn: dict[float, tuple[list[Floats], shapely.Geometry | None]] = {}
 
     @cached_property
     def handle(self) -> str:
-        """Its handle, or that of the entity in a block that it is a copy of."""
+        """Its handle, or that of the entity that it is a part of."""
         entity = self.entity
         source = entity if entity.dxf.handle else entity.source_of_copy
         return str(getattr(getattr(source, "dxf", None), "handle", None) or "")
@@ -174,72 +178,115 @@ class _Entity:
     @property
     def closed(self) -> bool:
         """Whether it is drawn as a closed line, wherever its ends are."""
-        if self.kind in ("LWPOLYLINE", "POLYLINE"):
+        if self.kind in POLYLINES:
             return bool(self.entity.is_closed)
+        if self.kind == "SPLINE":
+            return bool(self.entity.closed)
         return self.kind in ("CIRCLE", "SOLID", "TRACE", "3DFACE")
 
     @property
-    def thickness(self) -> float:
-        """How high it is drawn, in units of the drawing."""
+    def thickness(self) -> Floats:
+        """The way (3,) that it is drawn out, in units of the drawing."""
         dxf = self.entity.dxf
-        return float(dxf.get("thickness", 0.0)) if dxf.is_supported("thickness") else 0.0
+        if not dxf.is_supported("thickness") or not dxf.get("thickness", 0.0):
+            return np.zeros(3)
+        return float(dxf.thickness) * np.array((*dxf.get("extrusion", (0, 0, 1)),))
 
-    @cached_property
-    def straight(self) -> NDArray[np.float64] | None:
+    def drawn(self, distance: float) -> tuple[list[Floats], shapely.Geometry | None]:
+        """Return its outlines (N, 3) in units of the drawing, and the area that its width covers.
+
+        Curves are drawn out within `distance`; errors as those of `corners_of`.
+        """
+        if distance not in self._drawn:
+            entity = self.entity
+            if self.kind in HATCHES:
+                self._drawn[distance] = hatch_outlines(entity, distance), None
+            else:
+                straight = self._straight
+                corners = corners_of(entity, distance) if straight is None else straight
+                flat = self.kind == "LWPOLYLINE" or (
+                    self.kind == "POLYLINE" and entity.is_2d_polyline
+                )
+                area = covered(entity, corners, distance) if flat else None
+                self._drawn[distance] = [corners], area
+        return self._drawn[distance]
+
+    @property
+    def _straight(self) -> Floats | None:
         """Corners (N, 3) of a line, or of a level polyline of lines only; None of others."""
-        if self.kind not in STRAIGHT:
-            return None
         dxf = self.entity.dxf
         if self.kind == "LINE":
             return np.array((dxf.start.xyz, dxf.end.xyz))
+        if self.kind != "LWPOLYLINE":
+            return None
         if dxf.hasattr("extrusion") and tuple(dxf.extrusion) != (0.0, 0.0, 1.0):
             return None
-        # x, y and bulge; where any of these is not 0 the side is an arc.
-        points = np.array(self.entity.get_points("xyb"), float).reshape(-1, 3)
-        if len(points) < 2 or points[:, 2].any():
+        points = vertices(self.entity)
+        if len(points) < 2 or points[:, 4].any():
             return None
         points[:, 2] = dxf.elevation
-        return points
+        return points[:, :3]
 
     @cached_property
-    def steps(self) -> list[tuple[Matrix44, NDArray[np.float64]]]:
-        """The transforms, also as (4, 4), that put the block of an insert into its place."""
+    def steps(self) -> list[Floats]:
+        """The transforms (4, 4) that put the block of an insert into its places."""
         insert = self.entity
         several = insert.multi_insert() if insert.mcount > 1 else (insert,)
-        steps = [one.matrix44() for one in several]
-        return [(step, np.array([*step]).reshape(4, 4)) for step in steps]
+        return [np.array([*one.matrix44()]).reshape(4, 4) for one in several]
 
 
 @dataclass(frozen=True)
 class _Inserted:
     """A block that is read where it stands, inside others: `blocks` are their names.
 
-    What it has on the layer 0 is on `layer`, `within` names its place. `steps` put it there, the
-    innermost first, and so does the matrix `at` (4, 4) at once; None for the model space.
+    What it has on the layer 0 is on `layer`, `within` names its place. The matrix `at` (4, 4) puts
+    it there; None for the model space.
     """
 
     layer: str | None = None
     within: str = ""
     blocks: frozenset[str] = frozenset()
-    steps: tuple[Matrix44, ...] = ()
-    at: NDArray[np.float64] | None = None
+    at: Floats | None = None
 
     def named(self, one: _Entity) -> str:
         """Return the name of an entity in the block."""
         name = f"{one.kind} {one.handle}".rstrip()
         return f"{self.within}, {name}" if self.within else name
 
-    def block(
-        self, name: str, layer: str, within: str, step: Matrix44, matrix: NDArray[np.float64]
-    ) -> _Inserted:
-        """Return the block of this name, which `step`, the `matrix` (4, 4), puts into this one."""
-        at = matrix if self.at is None else matrix @ self.at
-        blocks = self.blocks | {name.casefold()}
-        return _Inserted(layer, within, blocks, (step, *self.steps), at)
+    def block(self, name: str, layer: str, within: str, step: Floats) -> _Inserted:
+        """Return the block of this name, which the matrix `step` (4, 4) puts into this one."""
+        at = step if self.at is None else step @ self.at
+        return _Inserted(layer, within, self.blocks | {name.casefold()}, at)
+
+    @cached_property
+    def stretch(self) -> float:
+        """By how much it is enlarged, at most."""
+        if self.at is None:
+            return 1.0
+        # Rounded, so that blocks which are only turned share what is drawn out.
+        return max(float(f"{np.linalg.norm(self.at[:3, :3], 2):.9g}"), 1e-9)
+
+    def put(self, points: Floats) -> Floats:
+        """Return where `points` (N, 2 or 3) of the block are."""
+        if self.at is None:
+            return points
+        # ezdxf's matrices act on rows from the right, with the translation in the last row.
+        size = points.shape[1]
+        placed: Floats = points @ self.at[:size, :size] + self.at[3, :size]
+        return placed
+
+    def put_area(self, area: shapely.Geometry | None, metre: float) -> shapely.Geometry | None:
+        """Return in metres where an area of the block is."""
+        if area is None:
+            return None
+        return shapely.transform(area, lambda points: self.put(points) * metre)
+
+    def rise(self, thickness: Floats) -> float:
+        """Return how high something is in the drawing, which is drawn out by `thickness` (3,)."""
+        return float((thickness if self.at is None else thickness @ self.at[:3, :3])[2])
 
 
 _MODEL_SPACE = _Inserted()
-_XYZ = attrgetter("xyz")
 
 
 class Reader:
@@ -284,14 +331,11 @@ class Reader:
             self.layers.add(layer)
             if self.group_of(layer) is None:
                 yield Unread(layer, name, "is on a layer that no group has", False)
-            elif block.at is None:
-                yield from self._traced(one, layer, name)
-            elif one.straight is not None and not one.thickness:
-                # ezdxf's matrices act on rows from the right, with the translation in the last row.
-                corners = one.straight @ block.at[:3, :3] + block.at[3, :3]
-                yield line(layer, name, corners * self._metre, one.closed, 0.0)
+            elif kind in PARTED:
+                for part in one.entity.virtual_entities():
+                    yield from self._traced(_Entity(part), layer, name, block)
             else:
-                yield from self._put(one.entity, layer, name, block)
+                yield from self._traced(one, layer, name, block)
 
     def _insert(self, one: _Entity, layer: str, within: _Inserted) -> Iterator[Shape]:
         insert = one.entity
@@ -314,89 +358,42 @@ class Reader:
             yield refuse(f"puts {insert.mcount:,} copies of a block, more than {MOST_COPIES:,}")
             return
         place = f"{within.named(one)} ({name})"
-        for step, matrix in one.steps:
-            inserted = within.block(name, layer, place, step, matrix)
+        for step in one.steps:
+            inserted = within.block(name, layer, place, step)
             yield from self._read(self._blocks[name], inserted)
 
-    def _put(self, entity: Any, layer: str, name: Name, block: _Inserted) -> Iterator[Shape]:
-        """Yield what a curve of a block is where the block stands: drawn out at its size there."""
-        from ezdxf.transform import copies
+    def _traced(self, one: _Entity, layer: str, name: Name, block: _Inserted) -> Iterator[Shape]:
+        """Yield the shapes of an entity in a block."""
+        from ezdxf.lldxf.const import DXFError
 
-        parts = [entity]
-        # One after the other: each keeps right angles, together they may not.
-        for step in block.steps:
-            try:
-                log, parts = copies(parts, step)
-                why = log[0].error.name.lower().replace("_", " ") if len(log) else ""
-            except ValueError as damage:
-                why = str(damage)
-            if why:
-                yield Unread(layer, name, f"can't be put where its block is: {why}")
-                return
-        for part in parts:
-            yield from self._traced(_Entity(part), layer, name)
-
-    def _traced(self, one: _Entity, layer: str, name: Name) -> Iterator[Shape]:
-        if one.kind in PARTED:
-            for part in one.entity.virtual_entities():
-                yield self._line(_Entity(part), layer, name)
-        elif one.kind in HATCHES:
-            yield from self._hatch(one.entity, layer, name)
-        else:
-            yield self._line(one, layer, name)
-
-    def _line(self, one: _Entity, layer: str, name: Name) -> Shape:
-        kind, entity = one.kind, one.entity
+        kind, metre = one.kind, self._metre
         refuse = partial(Unread, layer, name)
-        if kind not in LINES | OUTLINES:
-            return refuse(why="can't be read as an outline: draw polylines, lines or circles")
-        if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
-            return refuse(why="is a mesh; only plain outlines can be read")
-        corners = one.straight
-        if corners is None:
-            from ezdxf.path import make_path
-
-            path = make_path(entity)
-            if why := self._unfit(path):
-                return refuse(why=why)
-            corners = self._flat(path)
-        if len(corners) < 2:
-            return refuse(why="has no length")
-        metre = self._metre
-        return line(layer, name, corners * metre, one.closed, one.thickness * metre)
-
-    def _hatch(self, hatch: Any, layer: str, name: Name) -> Iterator[Shape]:
-        if self._drawn.groups is None:
-            why = "hatches are read only from layers that `layers` names"
-            yield Unread(layer, name, why, False)
+        if kind in HATCHES and self._drawn.groups is None:
+            yield refuse("is hatched, which is read only from layers that `layers` names", False)
             return
-        from ezdxf.path import from_hatch
-
-        paths = [*from_hatch(hatch)]
-        if why := next(filter(None, map(self._unfit, paths)), ""):
-            yield Unread(layer, name, why)
+        if kind not in LINES | OUTLINES | HATCHES:
+            yield refuse("can't be read as an outline: draw polylines, lines or circles")
             return
-        outlines = [outline * self._metre for outline in map(self._flat, paths)]
-        yield from hatched(layer, name, [one for one in outlines if len(one) >= 3])
-
-    def _unfit(self, path: Any) -> str:
-        """Return why a path of ezdxf's can't be drawn out, which takes for ever at any size.
-
-        A curve stays within its control points.
-        """
-        points = map(_XYZ, path.control_vertices())
-        places = np.fromiter(chain.from_iterable(points), float).reshape(-1, 3) * self._metre
-        if not are_figures(places).all():
-            return OUTSIZED
-        if len(places) and np.ptp(places, axis=0).max() > WIDEST:
-            return f"is more than {WIDEST:,.0f} m long"
-        return ""
-
-    def _flat(self, path: Any) -> NDArray[np.float64]:
-        """Return the corners (N, 3) that stand for a path of ezdxf's, in units of the drawing."""
-        # ezdxf flattens arcs, bulges and splines to within this distance.
-        corners: Iterable[Vec3] = path.flattening(SAGITTA / self._metre)
-        return np.fromiter(chain.from_iterable(map(_XYZ, corners)), float).reshape(-1, 3)
+        if kind == "POLYLINE" and not (one.entity.is_2d_polyline or one.entity.is_3d_polyline):
+            yield refuse("is a mesh; only plain outlines can be read")
+            return
+        try:
+            outlines, area = one.drawn(SAGITTA / metre / block.stretch)
+        except UserError as why:
+            yield refuse(str(why))
+            return
+        except (DXFError, *DAMAGED) as why:
+            yield refuse(f"is damaged: {why}")
+            return
+        placed = [block.put(outline) * metre for outline in outlines]
+        if kind in HATCHES:
+            yield from hatched(layer, name, [outline for outline in placed if len(outline) >= 3])
+        elif len(placed[0]) < 2:
+            yield refuse("has no length")
+        else:
+            height = block.rise(one.thickness) * metre
+            area = block.put_area(area, metre)
+            yield line(layer, name, placed[0], one.closed, height, area)
 
 
 @no_garbage()
@@ -405,44 +402,47 @@ def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     file = str(path)
     drawing = open_drawing(path)
     notices: list[Problem] = []
-    metre = _metre(drawing, drawn, file, notices)
+    metre, unit = _metre(drawing, drawn, file, notices)
     reader = Reader(drawing, metre, drawn)
     shapes: dict[str, list[Polyline]] = {}
-    problems: list[Problem] = []
+    unread: list[Unread] = []
     try:
         with np.errstate(all="ignore"):  # figures that nothing comes of are refused
             for found in reader.shapes():
                 if isinstance(found, Polyline):
                     shapes.setdefault(str(reader.group_of(found.layer)), []).append(found)
                 else:
-                    to = problems if found.wanted else notices
-                    to.append(Problem(found.why, place_of(found)))
+                    unread.append(found)
     except DAMAGED as why:
         raise FloorplanError.of(path, f"has a damaged entity: {why}") from None
+    problems = [Problem(one.why, place_of(one)) for one in unread if one.wanted]
     areas: list[Obstacle] = []
     for name, held in shapes.items():
         for area in areas_in(name, held, drawn):
-            if isinstance(area, Problem):
-                problems.append(area)
-            else:
+            if isinstance(area, Obstacle):
                 areas.append(area)
+            elif isinstance(area, Unread):
+                unread.append(area)
+            else:
+                problems.append(area)
     problems += drawn.unmatched(reader.layers)
-    bounding = [area for area in areas if area.name == BOUNDARY]
-    if drawn.boundary is None and len(bounding) != 1 and not problems:
-        problems.append(boundary_problem(len(bounding), areas, drawn))
+    problems = boundary_problems(areas, reader.layers, drawn, problems)
     if problems:
         raise FloorplanError(file, problems)
-    return Floorplan(
+    bounding = [area.footprint for area in areas if area.name == BOUNDARY]
+    plan = Floorplan(
         name=path.stem,
         source=f"{path.name} (DXF)",
-        boundary=bounding[0].footprint if drawn.boundary is None else drawn.boundary,
+        boundary=bounding[0] if drawn.boundary is None else drawn.boundary,
         obstacles=numbered([area for area in areas if area.name != BOUNDARY]),
-        notices=tuple(notices),
     )
+    if drawn.boundary is None:
+        notices += size_notices(plan, unit)
+    return replace(plan, notices=(*notices, *notices_of(one for one in unread if not one.wanted)))
 
 
-def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) -> float:
-    """Return the length of a unit of the drawing in metres; notice where there is a doubt."""
+def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) -> tuple[float, str]:
+    """Return the length of a unit of the drawing in metres, and its name; notice a doubt."""
     from ezdxf.enums import InsertUnits
     from ezdxf.units import conversion_factor
 
@@ -452,15 +452,15 @@ def _metre(drawing: Drawing, drawn: Drawn, file: str, notices: list[Problem]) ->
         own = float(conversion_factor(unit, InsertUnits.Meters)) if named else 1.0
     except (ValueError, TypeError):
         if drawn.metre is not None:
-            return drawn.metre
+            return drawn.metre, unit_name(drawn.metre)
         message = f"its unit ($INSUNITS = {drawing.units}) is not known; use metres"
         raise FloorplanError.of(file, message) from None
     if drawn.metre is None:
         if not named:
             message = "the drawing gives no unit ($INSUNITS), metres are assumed"
             notices.append(Problem(f"{message}; a floor on top of it can give `units`"))
-        return own
+        return own, f"{unit.name.lower()} ($INSUNITS)" if named else "metres, which are assumed"
     if named and abs(own - drawn.metre) > 1e-9:
         message = f"the drawing gives {unit.name.lower()} as its unit ($INSUNITS)"
         notices.append(Problem(f"{message}; the `units` of the floor on top of it count"))
-    return drawn.metre
+    return drawn.metre, unit_name(drawn.metre)

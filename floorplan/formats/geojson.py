@@ -8,7 +8,7 @@ group that it is in, as in drawings; `name`, `bottom`, `top` and `heading` are r
 import itertools
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,16 +17,26 @@ import shapely
 from pydantic import BaseModel, ConfigDict, ValidationError
 from shapely.geometry import Point, Polygon, mapping, shape as shape_of
 
+from ..building import METRE
 from ..checks import polygon_fault
-from ..files.fields import Angle, Number, are_figures
+from ..files.fields import Angle, Number, Positive, are_figures
 from ..files.problems import FloorplanError, Problem, field_name, misfits, shown
 from ..files.reading import read_text
 from ..model import DEFAULT_HEIGHT, Floor, Obstacle, SafeZone, Station
 from ..plan import Floorplan
-from .drawings import BOUNDARY, OUTSIZED, Drawn, pieces_of
+from .drawings import (
+    BOUNDARY,
+    MOST_DETAILS,
+    OUTSIZED,
+    Drawn,
+    Floats,
+    Unread,
+    notices_of,
+    pieces_of,
+)
 from .wkt import joined
 
-DEGREES = ("CRS84", "4326")
+DEGREES = ("CRS84", "CRS83", "CRS27", "4326", "4258", "4267", "4269", "4283", "4490", "4979")
 """Parts of the names of systems whose coordinates are degrees."""
 
 KINDS = ("boundary", "obstacle", "station", "safe_zone")
@@ -43,6 +53,7 @@ class Properties(BaseModel):
     bottom: Number | None = None
     top: Number | None = None
     heading: Angle = 0.0
+    line_width: Positive | None = None
 
 
 @dataclass
@@ -50,11 +61,14 @@ class _Parts:
     """The floor as far as it is read."""
 
     boundary: list[Polygon] = field(default_factory=list)
+    bounding: int = 0
+    """Features that are the boundary, or should be."""
     obstacles: list[tuple[str, str | None, Polygon, float, float]] = field(default_factory=list)
     stations: list[Station] = field(default_factory=list)
     safe_zones: list[SafeZone] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
-    notices: list[Problem] = field(default_factory=list)
+    unread: list[Unread] = field(default_factory=list)
+    corners: list[Floats] = field(default_factory=list)
 
 
 def load_geojson(path: Path, drawn: Drawn) -> Floorplan:
@@ -73,20 +87,37 @@ def load_geojson(path: Path, drawn: Drawn) -> Floorplan:
     if any(mark in json.dumps(data.get("crs")) for mark in DEGREES):
         message = "its coordinates are degrees (crs); project it to metres"
         raise FloorplanError.of(file, message)
+    units = data.get("units")
+    if units is not None and (not isinstance(units, str) or units not in METRE):
+        raise FloorplanError.of(file, f"units: expected {', '.join(METRE)}, found {shown(units)}")
+    in_metres = drawn.metre is not None or units is not None or data.get("crs") is not None
+    drawn = replace(drawn, metre=drawn.metre or METRE[units or "m"])
     if data.get("type") == "FeatureCollection":
         features = data.get("features")
         if not isinstance(features, list):
             raise FloorplanError.of(file, "features: expected a list of features")
-        return _collection(features, file, drawn)
+        return _collection(features, file, drawn, in_metres)
     geometry = data.get("geometry") if data.get("type") == "Feature" else data
     found = _geometry(geometry, drawn)
     if isinstance(found, str):
         raise FloorplanError.of(file, found)
+    if not in_metres and _may_be_degrees(shapely.get_coordinates(found)):
+        raise FloorplanError.of(file, _NO_CRS)
     source = f"{Path(file).name} (GeoJSON)"
     return Floorplan.of_area(Path(file).stem, source, joined(found, file))
 
 
-def _collection(features: list[Any], file: str, drawn: Drawn) -> Floorplan:
+_NO_CRS = (
+    "has no crs, so its coordinates are degrees of longitude and latitude (RFC 7946); project"
+    ' them to metres, or add "units": "m" beside "type" (or `units: m` in a floor on top of it)'
+)
+
+
+def _may_be_degrees(corners: Floats) -> bool:
+    return len(corners) > 0 and bool((np.abs(corners) <= (180, 90)).all())
+
+
+def _collection(features: list[Any], file: str, drawn: Drawn, in_metres: bool) -> Floorplan:
     parts = _Parts()
     layers: set[str] = set()
     for k, feature in enumerate(features):
@@ -109,9 +140,12 @@ def _collection(features: list[Any], file: str, drawn: Drawn) -> Floorplan:
             parts.problems.append(Problem(fault, place))
     parts.problems += drawn.unmatched(layers)
     count = len(parts.boundary)
-    if drawn.boundary is None and count != 1 and not parts.problems:
-        message = f"expected one polygon of the kind (or layer) {BOUNDARY!r}, found {count}"
-        parts.problems.append(Problem(message))
+    if drawn.boundary is None and count != 1 and not (parts.problems and parts.bounding):
+        known = f" (the layers are {', '.join(sorted(layers))})" if layers else ""
+        message = f"expected one polygon of the kind (or layer) {BOUNDARY!r}, found {count}{known}"
+        parts.problems = [Problem(message), *parts.problems[: None if count else MOST_DETAILS]]
+    if not in_metres and _may_be_degrees(np.concatenate([*parts.corners, np.empty((0, 2))])):
+        parts.problems.insert(0, Problem(_NO_CRS))
     if len(parts.safe_zones) > 1:
         parts.problems.append(Problem(f"{len(parts.safe_zones)} safe zones; a floor has one"))
     if parts.problems:
@@ -123,7 +157,7 @@ def _collection(features: list[Any], file: str, drawn: Drawn) -> Floorplan:
         obstacles=[*_named(parts)],
         stations=parts.stations,
         safe_zone=parts.safe_zones[0] if parts.safe_zones else None,
-        notices=tuple(parts.notices),
+        notices=tuple(notices_of(parts.unread)),
     )
 
 
@@ -136,20 +170,22 @@ def _feature(
     if kind is None and layer is not None:
         group = drawn.group_of(layer)
         if group is None:
-            where = f"{place}, layer {layer!r}"
-            parts.notices.append(Problem("is on a layer that no group has", where))
+            why = "is on a layer that no group has"
+            parts.unread.append(Unread(layer, lambda: place, why, False))
             return None
         kind = BOUNDARY if group == BOUNDARY else "obstacle"
     if kind not in KINDS:
         found = "neither kind nor layer" if kind is None else f"the kind {kind!r}"
         return f"has {found}; the kinds are {', '.join(KINDS)}"
+    parts.bounding += kind == BOUNDARY
     shape = _geometry(geometry, drawn)
     if isinstance(shape, str):
         return shape
     metre = drawn.metre or 1.0
+    parts.corners.append(shapely.get_coordinates(shape) / metre)
     if kind in ("station", "safe_zone"):
         if shape.geom_type != "Point":
-            return f"a {kind} is a Point, not a {shape.geom_type}"
+            return f"expected a Point, found a {shape.geom_type}"
         if kind == "safe_zone":
             parts.safe_zones.append(SafeZone((shape.x, shape.y), properties.heading))
         elif properties.name is None:
@@ -157,8 +193,12 @@ def _feature(
         else:
             parts.stations.append(Station(properties.name, (shape.x, shape.y)))
         return None
+    width = properties.line_width or (drawn.group(group).line_width if group else None)
+    if width is not None and shape.geom_type in ("LineString", "MultiLineString"):
+        shape = shape.buffer(width / 2, cap_style="square", join_style="mitre")
     if shape.geom_type not in ("Polygon", "MultiPolygon"):
-        return f"a {kind} is a Polygon, not a {shape.geom_type}: it encloses no area"
+        wide = ", and it has no line_width" if "Line" in shape.geom_type else ""
+        return f"expected a Polygon, found a {shape.geom_type}: it encloses no area{wide}"
     polygons = [*shapely.get_parts(shape)]
     for polygon in polygons:
         if fault := polygon_fault(polygon):
@@ -216,7 +256,7 @@ def write_geojson(plan: Floor, path: Path) -> None:
         for properties, shape in _features(plan)
     ]
     lines = ",\n".join(features)
-    text = f'{{"type": "FeatureCollection", "features": [\n{lines}\n]}}\n'
+    text = f'{{"type": "FeatureCollection", "units": "m", "features": [\n{lines}\n]}}\n'
     path.write_text(text, encoding="utf-8", newline="\n")
 
 

@@ -95,6 +95,8 @@ def _plain_numbers(body: bytes, count: int, top: int, path: Path) -> NDArray[np.
 
 
 def _read_other(data: bytes, path: Path) -> GreyImage:
+    if data[:4] in (b"II*\0", b"MM\0*"):
+        raise FloorplanError.of(path, "is a TIFF, which is not supported: convert it to PNG or PGM")
     try:
         from PIL import Image, UnidentifiedImageError
     except ImportError:

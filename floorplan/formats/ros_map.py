@@ -3,10 +3,11 @@
 Free cells are floor, all others (occupied, unknown, transparent) are not. The floor is the largest
 connected free area; cells that touch only at a corner are not connected. As in
 map_server, the thresholds decide alone: the grey (205) of unknown cells is below a free_thresh of
-0.25 and so counts as free; 0.196 leaves it out.
+0.25 and so counts as free; 0.196 leaves it out. Masks of Nav2's costmap filters are zones.
 """
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,10 +17,11 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
 from shapely.geometry import Polygon
 
-from ..files.documents import Document, yaml_text
-from ..files.fields import Angle, Number
+from ..building import ZoneSchema
+from ..files.documents import Document, read_yaml, yaml_text
+from ..files.fields import SMALLEST, Angle, Number
 from ..files.problems import FloorplanError, UserError, shown
-from ..model import Floor
+from ..model import Floor, Zone
 from ..plan import Floorplan
 from .raster import MOST_CELLS, GreyImage, IntricateError, read_image, trace
 from .wkt import walkable
@@ -90,13 +92,69 @@ def _free_cells(image: GreyImage, schema: RosMapSchema) -> NDArray[np.bool_]:
     levels = np.arange(image.top + 1)
     if schema.mode == "raw":
         # Values up to 100 are percentages of being occupied, others mean unknown.
-        is_free = (levels <= 100) & (levels < schema.free_thresh * 100)
+        is_free = (levels <= 100) & (levels <= schema.free_thresh * 100)
     else:
-        # Dark is occupied, unless negated: map_server's own formula.
-        occupied = (levels if schema.negate else image.top - levels) / image.top
-        is_free = occupied < schema.free_thresh
+        is_free = _darkness(image, schema) <= schema.free_thresh
     free: NDArray[np.bool_] = is_free[image.levels]
     return free if image.opaque is None else free & image.opaque
+
+
+def _darkness(image: GreyImage, schema: RosMapSchema) -> NDArray[np.float64]:
+    """Return how far each level is from what is free, 0 to 1: map_server's own formula."""
+    levels = np.arange(image.top + 1)
+    return (levels if schema.negate else image.top - levels) / image.top
+
+
+MOST_ZONES = 1_000
+
+
+def mask_zones(path: Path, name: str, rule: ZoneSchema) -> Iterator[Zone]:
+    """Yield the zones of a mask of Nav2's keepout or speed filter, in metres.
+
+    They are called `name`, and numbered if there are several. `FloorplanError` if there are none.
+    """
+    document = read_yaml(path, FloorplanError)
+    schema = document.checked(RosMapSchema, FloorplanError)
+    image = read_image(path.parent / schema.image)
+    values = _values(image, schema)[image.levels]
+    if image.opaque is not None:
+        values[~image.opaque] = -1
+    limits = {100: rule.max_speed}
+    if rule.multiplier is not None:
+        limits = {k: rule.base + rule.multiplier * k for k in np.unique(values).tolist() if k > 0}
+    found: list[tuple[float | None, Polygon]] = []
+    for value, limit in limits.items():
+        if limit is not None and limit < SMALLEST:
+            message = (
+                f"the limit of cells of value {value} is {limit:g} m/s: check base, multiplier"
+            )
+            raise FloorplanError.of(path, message)
+        pieces = shapely.get_parts(trace(values == value, TOLERANCE))
+        found += [(limit, _in_metres(piece, len(values), schema)) for piece in pieces]
+    if not 0 < len(found) <= MOST_ZONES:
+        message = f"{schema.image} has {len(found):,} zones, expected 1 to {MOST_ZONES:,}"
+        raise FloorplanError.of(path, message)
+    for k, (limit, area) in enumerate(found, start=1):
+        yield Zone(
+            name=name if len(found) == 1 else f"{name}{k}",
+            area=area,
+            max_speed=limit,
+            forbidden=limit is None,
+            concerns=tuple(rule.concerns),
+        )
+
+
+def _values(image: GreyImage, schema: RosMapSchema) -> NDArray[np.int_]:
+    """Return the value of each level in an occupancy grid: 0 to 100, -1 for unknown."""
+    levels = np.arange(image.top + 1)
+    if schema.mode == "raw":
+        return np.where(levels <= 100, levels, -1)
+    low, high = schema.free_thresh, schema.occupied_thresh
+    dark = _darkness(image, schema)
+    between = np.full(len(levels), -1)
+    if schema.mode == "scale" and low < high:
+        between = np.rint((dark - low) / (high - low) * 100).astype(int)
+    return np.where(dark >= high, 100, np.where(dark <= low, 0, between))
 
 
 def _in_metres(area: Polygon, rows: int, schema: RosMapSchema) -> Polygon:

@@ -11,13 +11,11 @@ from collections.abc import Callable
 from functools import partial
 
 import shapely
-from simpy.core import StopSimulation
 
 import bdi
 from floorplan import UserError
 
 from ..core.body import Body
-from ..core.clock import Turn
 from ..core.recorder import Event, Listener
 from ..people.actions import MindError
 from ..people.minds import Outside
@@ -285,19 +283,9 @@ class Workcell(Listener):
         Stop as soon as the person outside has something to decide on, and then return True; the
         percepts wait for `publish_percepts`.
         """
-        clock = self.simulation.clock
-        until = min(until, self.simulation.trial.duration)
-        clock.begin_moment()
-        try:
-            while not self._asked and not self.simulation.over and clock.peek() < until:
-                clock.step()
-            if not self._asked and not self.simulation.over and clock.now < until:
-                # Before all else at that instant, which is left for the next call.
-                arrival = clock.at(until, Turn.VIOLATION)
-                while not arrival.processed:
-                    clock.step()
-        except StopSimulation:
-            pass  # the trial has come to its end
+        simulation = self.simulation
+        simulation.clock.begin_moment()
+        simulation.advance(until, enough=lambda: self._asked or simulation.over)
         return self._asked
 
     def admit(self, command: str) -> None:

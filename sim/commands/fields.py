@@ -118,20 +118,20 @@ class _Section:
         self.name = name
         self.footprint = model.shape(name, plan).footprint((0.0, 0.0), 0.0)
         self.limits = limits
-        self.fastest = _fastest(limits)
         self.response_time = response_time
         self.supplements = supplements
 
     def lines(self, steps: Sequence[float] | None, warning_time: float) -> Iterator[str]:
         """Yield the lines of the machine in the section `fields`."""
         from floorplan import UserError
-        from navigation import needed_fields
+        from navigation import VehicleLimits, needed_fields
 
-        top = self.fastest.max_speed
+        limits = self.limits
+        top = limits.top_speed if isinstance(limits, VehicleLimits) else limits.max_speed
         speeds = steps or [round(share * top / 3, 2) for share in (1, 2)] + [top]
         needed = needed_fields(
             self.footprint,
-            self.limits,
+            limits,
             speeds,
             response_time=self.response_time,
             supplements=self.supplements,
@@ -141,23 +141,41 @@ class _Section:
             raise UserError(f"{self.name}: {speeds[-1]:g} m/s is above its top speed, {top:g} m/s")
         if speeds[-1] < top:
             say(f"{self.name}: no set applies above {speeds[-1]:g} m/s", err=True)
-        yield from self._table(speeds)
+        yield from self._table(needed)
         yield from self._sets(needed)
 
-    def _table(self, speeds: Sequence[float]) -> Iterator[str]:
-        """Yield the lengths as comments."""
-        from navigation import stopping_reach
+    def _table(self, needed: ProtectiveFields) -> Iterator[str]:
+        """Yield the length of each set as comments, as the sum of its terms."""
+        yield f"  # {self.name}: length of the protective fields from the edge of the machine, m"
+        heads = "response", "braking", "person", "Z", "side", "outline", "length"
+        yield "  #   m/s           " + "".join(f"{head:>8}" for head in heads)
+        for each in needed.sets:
+            speed = each.linear[1] if each.linear[1] > 0 else each.linear[0]
+            kind = "turning" if each.name.endswith("turning") else "straight"
+            terms = "".join(f"{term:8.3f}" for term in self._terms(each, speed))
+            yield f"  # {speed:5.2f} {kind:10}{terms}"
 
-        yield f"  # {self.name}: way from a contact to standstill, and length of the field"
-        yield "  # speed  response  braking  time  supplement  length"
-        yield "  #   m/s         m        m     s           m       m"
-        for speed in speeds:
-            reach = stopping_reach(self.fastest, speed, self.response_time)
-            more = self.supplements.length(reach)
-            yield (
-                f"  # {speed:5.2f}  {reach.response:8.2f}  {reach.braking:7.2f}  {reach.time:4.2f}"
-                f"  {more:10.2f}  {reach.distance + more:6.2f}"
-            )
+    def _terms(self, each: FieldSet, speed: float) -> Iterator[float]:
+        """Yield the terms of the length of a field in the direction of travel, and the length."""
+        from navigation import VehicleLimits, stopping_reach
+        from navigation.field_lengths import limits_along
+
+        limits, sizes = self.limits, self.supplements
+        angle = 0.0 if speed > 0 else math.pi
+        if isinstance(limits, VehicleLimits) and speed > limits.speed:
+            angle = math.atan2(limits.side_speed, limits.speed)
+        axis = limits_along(limits, angle)
+        assert axis is not None  # a drive that is not holonomic has two directions
+        reach = stopping_reach(axis, abs(speed), self.response_time)
+        person = sizes.approach_speed * reach.time
+        z = sizes.length(reach) - person
+        terms = [round(term, 3) for term in (*reach[:2], person, z, sizes.side)]
+        field, edge = (
+            max(x * math.cos(angle) + y * math.sin(angle) for x, y in corners)
+            for corners in (each.protective, self.footprint.exterior.coords)
+        )
+        length = round(field - edge, 3)
+        yield from (*terms, length - sum(terms), length)
 
     def _sets(self, needed: ProtectiveFields) -> Iterator[str]:
         """Yield the section of the machine."""
@@ -179,16 +197,6 @@ class _Section:
                     break_on_hyphens=False,
                 )
                 yield from (line.replace("_", " ") for line in wrapped)
-
-
-def _fastest(limits: VehicleLimits | AxisLimits) -> AxisLimits:
-    """Return the limits in the direction in which a machine is fastest."""
-    from navigation import VehicleLimits
-
-    if isinstance(limits, VehicleLimits):
-        angle = math.atan2(limits.side_speed, limits.speed)
-        return limits.along(math.cos(angle), math.sin(angle))
-    return limits
 
 
 def _ranges(each: FieldSet) -> Iterator[tuple[str, tuple[float, float]]]:

@@ -6,7 +6,7 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace
 from itertools import takewhile
@@ -52,9 +52,10 @@ def run(
     trial: TrialName = "ariac2023",
     personality: Personality = None,
     controller: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
-            help="Controller of the gantry: a name or package.module:name.",
+            help="Controller of gantries and vehicles: a name or package.module:name."
+            " MACHINE=NAME is that of one machine. Repeat it for others.",
             autocompletion=complete_controller,
         ),
     ] = None,
@@ -104,7 +105,7 @@ def run(
     if speed is not None and not (math.isfinite(speed) and speed > 0):
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
     given = Trial.load(trial, own_code=not no_own_code)
-    chosen = changed(given, personality, duration, seed, rules, controller, planner, commands)
+    chosen = changed(given, personality, duration, seed, rules, controller or (), planner, commands)
     count_floor_notices(chosen.floorplan, str(trial))
     print_notices(chosen)
     _warn_of_external(chosen)
@@ -168,7 +169,7 @@ def changed(
     duration: float | None,
     seed: int | None,
     rules: str | None,
-    controller: str | None = None,
+    controllers: Iterable[str] = (),
     planner: str | None = None,
     commands: Path | None = None,
 ) -> Trial:
@@ -176,7 +177,7 @@ def changed(
     from floorplan.files.reading import is_file
 
     from ..core.custom_code import CodeFolder
-    from ..machines.gantry.controllers import controller_source
+    from ..machines.kinds import with_controller
     from ..people.programs import with_planner
     from ..trials.building import lasting
     from ..trials.checks import check
@@ -186,9 +187,9 @@ def changed(
     if personality is not None:
         path = Path(personality)
         trial = trial.with_personality(str(path.resolve()) if is_file(path) else personality)
-    if controller is not None:
-        controller_source(controller, trial.code_folder)
-        trial = replace(trial, gantry=replace(trial.gantry, controller=controller))
+    for one in controllers:
+        machine, _, controller = one.rpartition("=")
+        trial = with_controller(trial, controller, machine)
     if planner is not None:
         trial = with_planner(trial, planner)
     if duration is not None:

@@ -113,7 +113,7 @@ def _wanted(study: Study, given: dict[str, Any]) -> WorstCaseSearch:
 def _carried_out(
     wanted: WorstCaseSearch, out: Path | None, jobs: int | None, backend: str
 ) -> SearchResults:
-    """Run a search, with a progress bar and the least value so far on a terminal."""
+    """Run a search, with its progress and the least value so far: a bar on a terminal, or lines."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
     from ..searches import SearchProgress, run_search
@@ -128,14 +128,21 @@ def _carried_out(
     )
     with progress_bars(*shown) as bars:
         name = visible(wanted.study.name)
-        bar = bars.add_task(name, total=wanted.evaluations, best="")
+        total, shown_tenth = wanted.evaluations, 0
+        bar = bars.add_task(name, total=total, best="")
 
         def progress(now: SearchProgress) -> None:
+            nonlocal shown_tenth
             if now.minimising:
                 bars.update(bar, description=f"{name}: minimising")
+                if bars.disable:
+                    say(f"{name}: minimising", err=True)
                 return
             best = "" if now.best is None else f"least {_value(now.best)}"
             bars.update(bar, completed=now.done, best=best)
+            if bars.disable and 10 * now.done // total > shown_tenth:
+                shown_tenth = 10 * now.done // total
+                say(f"{name}: {now.done:,} of {total:,} evaluations {best}".rstrip(), err=True)
 
         return run_search(wanted, out, jobs=jobs, backend=backend, progress=progress)
 

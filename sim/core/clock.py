@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from enum import IntEnum
 from heapq import heappush
 from operator import attrgetter
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol, SupportsIndex
 
 import simpy
 from simpy.core import StopSimulation
-from simpy.events import Event, EventPriority
+from simpy.events import NORMAL, URGENT, Event
 
 from floorplan import UserError
 
@@ -26,6 +27,8 @@ class Turn(IntEnum):
     ----------
     VIOLATION
         Start or end of a violation. The law sees the speeds before any motion changes.
+    OUTSIDE
+        Commands of programs that advance the simulation: as soon as it gets there.
     MOTION_ENDS
         End of a motion.
     NOTICE
@@ -35,19 +38,20 @@ class Turn(IntEnum):
     INSISTENCE
         Enforcement of rules, after programs could obey them.
     COMMAND
-        External commands. The order in which they were issued has no effect on other events.
+        Scheduled commands. The order in which they were issued has no effect on other events.
     """
 
     VIOLATION = 0
-    MOTION_ENDS = 1
-    NOTICE = 2
-    THOUGHT = 3
-    INSISTENCE = 4
-    COMMAND = 5
+    OUTSIDE = 1
+    MOTION_ENDS = 2
+    NOTICE = 3
+    THOUGHT = 4
+    INSISTENCE = 5
+    COMMAND = 6
 
 
-_PRIORITY = [EventPriority(turn) for turn in Turn]
-"""The turns as SimPy's priorities."""
+_PRIORITY: list[Any] = [URGENT, (URGENT + NORMAL) / 2, *range(NORMAL, len(Turn) - 1)]
+"""The turns as SimPy's priorities. SimPy gives URGENT to new processes, and NORMAL to outcomes."""
 
 MOMENT = 1e-3
 """Seconds. Nothing on a factory floor happens more than a few times within one."""
@@ -116,6 +120,16 @@ class Clock(InProgress, simpy.Environment):
                 f"time stands still at t = {self.now:.9g} s: more than {self.most:,} things have"
                 f" happened within a millisecond: {self._busy()}"
             )
+
+    def advance(self, until: float, enough: Callable[[], bool] = lambda: False) -> None:
+        """Let happen what comes before the outside at `until` (s), or until it is `enough()`."""
+        with suppress(StopSimulation):  # the trial has come to its end, or was stopped
+            while not enough() and self.peek() < until:
+                self.step()
+            if not enough():
+                arrival = self.at(until, Turn.OUTSIDE)
+                while not arrival.processed:
+                    self.step()
 
     def at(self, t: float, turn: Turn = Turn.MOTION_ENDS) -> Event:
         """Return an event that happens at `t` (seconds, not before now)."""

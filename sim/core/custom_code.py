@@ -9,9 +9,11 @@ import keyword
 import sys
 import traceback
 import warnings
-from collections.abc import Callable, Container, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Container, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from types import FrameType, ModuleType
 from typing import Any, TypeAlias
@@ -84,10 +86,13 @@ class CustomCode:
             raise self._fault(f"can't be read{place}: {in_words(why)}") from why
 
     def load(self) -> Any:
-        """Import the module, and return it or the object with the name `attribute` there."""
+        """Import the module, and return it or the object with the name `attribute` there.
+
+        It is imported once for the run under way. Outside of a run, each call imports it again.
+        """
         try:
-            with _importing_from(self.folder, self.module.partition(".")[0]):
-                module = importlib.import_module(self.module)
+            with importing() as imports:
+                module = imports.module(self.folder, self.module)
         except (Exception, SystemExit) as why:
             place = line_in(why, {str(self.file)})
             raise self._fault(f"can't be imported{place}: {in_words(why)}") from why
@@ -203,45 +208,117 @@ def _defined(body: list[ast.stmt]) -> Iterator[Definition]:
             yield from _defined(handler.body)
 
 
-_imported: dict[Path, dict[str, ModuleType]] = {}
-"""Modules imported from the folders of trials, by their names there."""
+FLOORWALKER = ("floorplan", "navigation", "bdi", "sim")
+"""The packages of Floorwalker."""
+
+_IMPORTS: ContextVar[Imports | None] = ContextVar("imports", default=None)
+"""The modules of the run under way."""
+
+_left: dict[str, ModuleType] = {}
+"""Modules of the last run that are still loaded."""
+
+_files: set[str | None] = set()
+"""Files of all custom code that was imported."""
+
+
+class Imports:
+    """Modules that one run imports from the folders of its custom code.
+
+    Each run imports them again, because modules may keep state. They are in `sys.modules` while the
+    run is `active`, under their plain names, and afterwards until the next run is. Modules of the
+    same names that the program around the runs has imported are set aside meanwhile.
+    """
+
+    def __init__(self) -> None:
+        self._modules: dict[Path, dict[str, ModuleType]] = {}
+        self._before: dict[Path, set[str]] = {}
+        """Names of the modules that were loaded before code of a folder was."""
+        self._context = ExitStack()
+
+    @contextmanager
+    def active(self) -> Iterator[None]:
+        """Import custom code for this run in this context."""
+        if _IMPORTS.get() is self:
+            yield
+            return
+        token = _IMPORTS.set(self)
+        for name, module in _left.items():
+            if sys.modules.get(name) is module:
+                del sys.modules[name]
+        _left.clear()
+        try:
+            with ExitStack() as self._context:
+                for folder in self._modules:
+                    self._context.enter_context(self._looking_in(folder, ()))
+                yield
+        finally:
+            _IMPORTS.reset(token)
+
+    def module(self, folder: Path, name: str) -> ModuleType:
+        """Return a module right in `folder`, or in a package there."""
+        if is_known := folder in self._modules:
+            self._take(folder)
+        own = self._modules.setdefault(folder, {})
+        others = {*_others_in(folder, name.partition(".")[0])} - own.keys()
+        if others or not is_known:
+            self._context.enter_context(self._looking_in(folder, others))
+        importlib.invalidate_caches()
+        try:
+            return importlib.import_module(name)
+        finally:
+            self._take(folder)
+
+    @contextmanager
+    def _looking_in(self, folder: Path, others: Collection[str]) -> Iterator[None]:
+        """Import from `folder` first in this context, and set `others` aside meanwhile."""
+        own = self._modules[folder]
+        aside = {name: sys.modules.pop(name) for name in {*own, *others} if name in sys.modules}
+        sys.modules.update(own)
+        self._before[folder] = {*sys.modules}
+        # Compiled code in __pycache__ is valid for any source of the same second and size.
+        compiled, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+        sys.path.insert(0, str(folder))
+        try:
+            yield
+        finally:
+            sys.path.remove(str(folder))
+            sys.dont_write_bytecode = compiled
+            self._take(folder)
+            taken = {name.partition(".")[0] for name in aside}
+            for name, module in own.items():
+                if name.partition(".")[0] in taken:
+                    sys.modules.pop(name, None)
+                else:
+                    _left[name] = module
+            sys.modules.update(aside)
+
+    def _take(self, folder: Path) -> None:
+        """Add what was imported from `folder` in the meantime to the modules of this run."""
+        for name in {*sys.modules} - self._before[folder]:
+            if _stands_in(folder, name.partition(".")[0]):
+                self._modules[folder][name] = sys.modules[name]
+                _files.add(sys.modules[name].__file__)
 
 
 @contextmanager
-def _importing_from(folder: Path, top: str) -> Iterator[None]:
-    """Let `import` look into `folder` first, and forget modules of the folders of other trials.
-
-    They keep their plain names, by which other processes find the classes of pickled objects.
-    A module or package `top` that was imported from elsewhere is set aside meanwhile.
-    """
-    for modules in _imported.values():
-        for name, module in modules.items():
-            if sys.modules.get(name) is module:
-                del sys.modules[name]
-    elsewhere = {} if _stands_in(folder, top) else _modules_of(top)
-    for name in elsewhere:
-        del sys.modules[name]
-    own = _imported.setdefault(folder, {})
-    sys.modules.update({name: own[name] for name in own if name not in sys.modules})
-    before = {*sys.modules}
-    sys.path.insert(0, str(folder))
-    importlib.invalidate_caches()
-    try:
-        yield
-    finally:
-        sys.path.remove(str(folder))
-        for name in {*sys.modules} - before:
-            if _stands_in(folder, name.partition(".")[0]):
-                own[name] = sys.modules[name]
-        if elsewhere:
-            for name in _modules_of(top):
-                del sys.modules[name]
-            sys.modules.update(elsewhere)
+def importing() -> Iterator[Imports]:
+    """Import custom code for the run under way in this context, or for itself."""
+    imports = _IMPORTS.get()
+    if imports is not None:
+        yield imports
+        return
+    imports = Imports()
+    with imports.active():
+        yield imports
 
 
-def _modules_of(top: str) -> dict[str, ModuleType]:
-    """Return the loaded module or package `top` and what is loaded of it, by their names."""
-    return {name: module for name, module in sys.modules.items() if name.partition(".")[0] == top}
+def _others_in(folder: Path, top: str) -> Iterator[str]:
+    """Yield the loaded modules in `folder`, and all of a module or package `top` from elsewhere."""
+    there = {path.stem for path in folder.iterdir()} - {*FLOORWALKER}
+    standing = {name for name in there & sys.modules.keys() if _stands_in(folder, name)}
+    for name in [*sys.modules]:
+        if name.partition(".")[0] in standing | ({top} - {*FLOORWALKER}):
+            yield name
 
 
 def _stands_in(folder: Path, top: str) -> bool:
@@ -249,6 +326,22 @@ def _stands_in(folder: Path, top: str) -> bool:
     module = sys.modules.get(top)
     places = (*getattr(module, "__path__", ()), getattr(module, "__file__", None))
     return any(place and Path(place).parent.resolve() == folder for place in places)
+
+
+def code_of(code: Any) -> Any:
+    """Return the function or class behind a partial or decorated function, or an object."""
+    while isinstance(code, partial):
+        code = code.func
+    return inspect.unwrap(code) if inspect.isroutine(code) or inspect.isclass(code) else type(code)
+
+
+def file_of(code: Any) -> Path | None:
+    """Return the file that defines a function, a class, or that of an object; None if unknown."""
+    try:
+        file = inspect.getsourcefile(code_of(code))
+    except TypeError:  # it is built in
+        return None
+    return None if file is None else Path(file)
 
 
 # ---- errors of custom code
@@ -259,9 +352,9 @@ def in_words(why: BaseException) -> str:
     return f"{type(why).__name__}: {why}".removesuffix(": ")
 
 
-def is_ours(why: BaseException) -> bool:
-    """Return True if an error is of one of Floorwalker's own kinds."""
-    return type(why).__module__.partition(".")[0] in ("floorplan", "navigation", "bdi", "sim")
+def is_ours(made: object) -> bool:
+    """Return True if an error, or another object, is of one of Floorwalker's own classes."""
+    return type(made).__module__.partition(".")[0] in FLOORWALKER
 
 
 def line_in(why: BaseException, files: Container[str | None]) -> str:
@@ -277,9 +370,12 @@ def line_in(why: BaseException, files: Container[str | None]) -> str:
     return f" ({Path(inside[-1][0]).name}, line {inside[-1][1]})" if inside else ""
 
 
-def own_line(why: BaseException) -> str:
-    """Return the innermost line of custom code in which an error arose, as of `line_in`."""
-    return line_in(why, _own_files())
+def own_line(why: BaseException, *others: str | None) -> str:
+    """Return the innermost line of custom code, or of other files, where an error arose.
+
+    As of `line_in`.
+    """
+    return line_in(why, _files.union(others))
 
 
 @contextmanager
@@ -313,13 +409,8 @@ def broken_off() -> Iterator[None]:
 
 def is_under_way(frame: FrameType | None) -> bool:
     """Return True if custom code runs in `frame`, or waits for what it called."""
-    files = _own_files()
     while frame is not None:
-        if frame.f_code.co_filename in files:
+        if frame.f_code.co_filename in _files:
             return True
         frame = frame.f_back
     return False
-
-
-def _own_files() -> set[str | None]:
-    return {module.__file__ for own in _imported.values() for module in own.values()}

@@ -234,7 +234,7 @@ def _as_name(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class RecordedTrack(Keyed):
-    """Measured track of a body in a file.
+    """Measured track of a body in a file, or of all its bodies.
 
     Parameters
     ----------
@@ -249,7 +249,15 @@ class RecordedTrack(Keyed):
     top_speed : float, optional
         Maximum speed in m/s between two samples.
     frame_rate : float, optional
-        Frames per second, for files that count frames without giving a rate.
+        Frames per second, for files that count frames. By default the file's.
+    unit : {"m", "cm", "mm"}, optional
+        Unit of positions. By default the file's.
+    while_tracked : bool, optional
+        Whether the person is absent before the first sample, after the last one, and in gaps longer
+        than `longest_gap`.
+    everybody : bool, optional
+        Whether the entry adds all bodies of the file, each while it is tracked. Their names are the
+        name of the entry with the name or number of the body.
     """
 
     file: Annotated[str, Field(min_length=1)]
@@ -259,6 +267,9 @@ class RecordedTrack(Keyed):
     longest_gap: Positive = 1.0
     top_speed: Positive = 4.0
     frame_rate: Positive | None = None
+    unit: Literal["m", "cm", "mm"] | None = None
+    while_tracked: Flag = False
+    everybody: Flag = False
 
     @model_validator(mode="before")
     @classmethod

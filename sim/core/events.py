@@ -286,7 +286,7 @@ class Entered(EventKind):
 
 
 class Left(EventKind):
-    """A person leaves the floor permanently."""
+    """A person leaves the floor. Only recorded people may enter again."""
 
     person: _Person
     at: Point
@@ -472,7 +472,7 @@ class AgvBlocked(EventKind):
 
 
 class MachineBlocked(EventKind):
-    """A vehicle has no free path to its goal, for the reason in `message`, and waits for one."""
+    """A vehicle has no free path to its goal, for the reason in `message`."""
 
     machine: _Machine
     goal: Point

@@ -11,7 +11,7 @@ from pathlib import Path
 from random import Random
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, WrapValidator, model_validator
 from typing_extensions import Self
 
 import bdi
@@ -86,7 +86,7 @@ class TrialError(InputError):
     """Error of a trial that cannot be run."""
 
 
-NAME = r"[A-Za-z][A-Za-z0-9_-]*"
+NAME = r"[^\W\d_][\w-]*"
 """Regular expression of the names of people, machines and work lists."""
 
 Name = Annotated[str, Field(pattern=f"^{NAME}$")]
@@ -400,6 +400,23 @@ class JobKeys(Keyed):
 _WrittenJob = Annotated[JobKeys, AfterValidator(JobKeys.value)]
 
 
+def _or_callable(value: Any, read: Callable[[Any], str]) -> Any:
+    return value if callable(value) else read(value)
+
+
+Controller = Annotated[
+    str | Callable[[Any], Any], Written(Annotated[str, WrapValidator(_or_callable)])
+]
+"""Controller of a machine: a built-in name, `package.module:name`, or a function or class."""
+
+
+def controller_name(controller: str | Callable[[Any], Any]) -> str:
+    """Return the name of a controller, or the qualified name of a function or class."""
+    if isinstance(controller, str):
+        return controller
+    return str(getattr(controller, "__qualname__", type(controller).__qualname__))
+
+
 @dataclass(frozen=True)
 class GantryEntry(Keyed):
     """Gantry of a trial.
@@ -419,7 +436,7 @@ class GantryEntry(Keyed):
         Parts that the gripper drops.
     """
 
-    controller: Annotated[str | Callable[[Any], Any], Written(str)] = "parked"
+    controller: Controller = "parked"
     _: KW_ONLY
     at: Pose | None = None
     jobs: tuple[Annotated[Job, Written(_WrittenJob)], ...] = ()
@@ -429,9 +446,7 @@ class GantryEntry(Keyed):
     @property
     def controller_name(self) -> str:
         """Name of the controller, or the qualified name of the function or class."""
-        if isinstance(self.controller, str):
-            return self.controller
-        return str(getattr(self.controller, "__qualname__", type(self.controller).__qualname__))
+        return controller_name(self.controller)
 
 
 @dataclass(frozen=True)
@@ -533,7 +548,12 @@ class Scenario:
     @property
     def has_traffic(self) -> bool:
         """Whether people enter or leave the floor."""
-        return any(person.source or person.sink for person in self.people)
+        return any(
+            person.source
+            or person.sink
+            or (isinstance(person.recorded, RecordedTrack) and person.recorded.while_tracked)
+            for person in self.people
+        )
 
     @property
     def every_blackout(self) -> tuple[Blackout, ...]:

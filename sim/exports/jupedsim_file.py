@@ -14,6 +14,7 @@ import zlib
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -86,12 +87,11 @@ def _write(run: Outcome, database: sqlite3.Connection, rate: float) -> None:
 def _agents(run: Outcome) -> Iterator[RecordedAgent]:
     number = 0
     for person in run.scene.people:
-        first, last = run.presence[person.name]
-        jumps = sorted(t for t in run.motions[person.name].jumps if first < t < last)
-        ends = [*jumps, last] if first < run.duration else []
-        for begin, end in zip([first, *jumps], ends, strict=False):
-            number += 1
-            yield RecordedAgent(number, person.name, begin, end)
+        for first, last in run.stays[person.name]:
+            jumps = sorted(t for t in run.motions[person.name].jumps if first < t < last)
+            for begin, end in pairwise([first, *jumps, last]):
+                number += 1
+                yield RecordedAgent(number, person.name, begin, end)
 
 
 def _rows(

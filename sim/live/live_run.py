@@ -21,6 +21,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from pydantic import ValidationError
+from typing_extensions import override
 
 from floorplan import UserError
 from navigation import Motion, standing
@@ -174,14 +175,8 @@ class LiveRun(InProgress, Listener):
         """Simulated seconds per second of real time, unless the run is paused."""
         return self._tempo.speed
 
+    @override
     def begin(self, scene: Scene) -> None:
-        """Create the page.
-
-        Parameters
-        ----------
-        scene : Scene
-            Initial state.
-        """
         people = [person.name for person in scene.people]
         machines = [name for name in scene.starts if name not in people]
         nothing = Recorded(
@@ -197,24 +192,12 @@ class LiveRun(InProgress, Listener):
         )
         self._page = render(replay_data(nothing), stream="stream", speed=self.speed)
 
+    @override
     def event(self, event: Event) -> None:
-        """Send an event to the page.
-
-        Parameters
-        ----------
-        event : dict
-            Event as in recordings.
-        """
         self._send(event=event)
 
+    @override
     def thought(self, thought: Thought) -> None:
-        """Send a thought of a person to the page.
-
-        Parameters
-        ----------
-        thought : dict
-            Thought as in recordings.
-        """
         self._send(thought=thought)
 
     def advance(self, simulation: Simulation) -> None:

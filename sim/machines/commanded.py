@@ -6,8 +6,10 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 from simpy.events import Event, Process
+from typing_extensions import override
 
 from floorplan import UserError
 from navigation import Motion
@@ -20,6 +22,7 @@ from ..core.events import EventKind
 from ..core.recorder import Record
 from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
+from .arguments import instance, number
 from .commanding import Drive, Interruption, Interrupts, Steps
 from .tasks import Task, Tasks
 
@@ -51,6 +54,17 @@ class CommandedMachine(Machine):
     """
 
     record: Record
+
+    FOR_CONTROLLERS: ClassVar[frozenset[str]] = frozenset(
+        {"name", "now", "state", "position", "disabled", "rules", "human_speed", "record"}
+        | {"look", "interrupt_on", "move_to", "preview", "follow", "stop", "resume", "stopping"}
+        | {"wait", "until", "open_tasks", "next_task", "do", "locate", "handle"}
+    )
+    """Names for controllers. All others are for the simulation."""
+
+    def __dir__(self) -> list[str]:
+        """Return the names for controllers, so that completion offers them alone."""
+        return [*self.FOR_CONTROLLERS]
 
     def __init__(self, stage: Stage, shape: MachineShape, drive: Drive) -> None:
         self.rules = stage.rules
@@ -108,8 +122,7 @@ class CommandedMachine(Machine):
         ValueError
             If the delay is negative or infinite.
         """
-        if not 0 <= after < math.inf:
-            raise UserError(f"can't wait {after} s")
+        after = number("look(after)", after, 0.0)
         self._interrupts.command_given()
         earliest = (self.now + after) * OBSERVATION_RATE
         at = math.ceil(earliest - 1e-9) / OBSERVATION_RATE
@@ -208,7 +221,7 @@ class CommandedMachine(Machine):
         ValueError
             If the machine is stopped.
         """
-        return self._follow(motion)
+        return self._follow(instance("follow(motion)", motion, Motion))
 
     def stop(self) -> Process:
         """Start the fastest stop, and discard the current command.
@@ -279,7 +292,7 @@ class CommandedMachine(Machine):
             Event to yield.
         """
         self._interrupts.command_given()
-        return self._clock.at(t, Turn.NOTICE)
+        return self._clock.at(number("until(t)", t), Turn.NOTICE)
 
     # Its tasks.
 
@@ -376,14 +389,8 @@ class CommandedMachine(Machine):
         """
         self._interrupts.happened(reason)
 
+    @override
     def hold(self, stands: bool) -> None:
-        """Start or end a protective stop.
-
-        Parameters
-        ----------
-        stands : bool
-            True to brake and stay stationary, False to continue.
-        """
         self.drive.hold(stands)
 
     def limit_speed(self, speed: float | None) -> bool:
@@ -401,6 +408,8 @@ class CommandedMachine(Machine):
         bool
             True.
         """
+        if speed is not None and not number("limit_speed(speed)", speed) > 0:
+            raise UserError(f"limit_speed(speed) must be more than 0, not {speed}")
         self.drive.limit_speed(speed)
         return True
 

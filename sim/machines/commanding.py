@@ -21,6 +21,7 @@ from navigation.motion import State
 from ..core.body import ROUNDING, Body
 from ..core.clock import Clock, Turn, then
 from ..core.entries import Pose
+from .arguments import number
 
 Steps = Generator[Event, Any, Any]
 """Steps of a controller: a generator of events to wait for, in SimPy's manner."""
@@ -54,13 +55,12 @@ class Drive(ABC):
         self._too_fast = False
         """Whether it stands because it can't follow a motion at the limit of its speed."""
         self._commands = 0
-        self._last: Move | None = None
-        """The move that began last."""
+        self._move: Move | None = None
+        """The move under way."""
         self.target: Pose | None = None
         """Target of the last move."""
         self.last_move: tuple[Pose, float] | None = None
         """Target and share of the top speeds of the last command, if that was a move."""
-        self._moves: dict[Move, None] = {}
         self._replaced = clock.event()
         self._braking = clock.event()
 
@@ -74,6 +74,10 @@ class Drive(ABC):
     def resumed(self, target: Pose, speed_share: float) -> Motion:
         """Return the motion with which a move goes on after the machine was made to stand."""
         return self.preview(target, speed_share)
+
+    def try_again(self) -> Event | None:
+        """Return the event at which a move that came to rest early goes on, if it may."""
+        return None
 
     @abstractmethod
     def stopping(self, state: State, t: float) -> Motion:
@@ -89,9 +93,16 @@ class Drive(ABC):
         """The event that it is made to stand no longer; None while it isn't."""
         return self._enabled
 
+    @property
+    def replaced(self) -> Event:
+        """The event that another command replaces the one under way."""
+        return self._replaced
+
     def begin(self) -> int:
         """Begin a command, which takes the place of the one under way; return its number."""
         self._commands += 1
+        if self._move is not None:
+            self._move.end()
         if self._replaced.callbacks:
             # A new event first: who is woken by the old one may wait for the next replacement at
             # once.
@@ -116,20 +127,21 @@ class Drive(ABC):
         See `GantryRobot.move_to`.
         """
         motion = self.preview(target, speed_share)
-        number = self.begin() if command is None else command
+        if command is None:
+            self.begin()
         self.last_move = (target, speed_share) if command is None else None
         self.target = target
+
+        def resumed() -> Motion:
+            return self.resumed(target, speed_share)
+
+        move = self._move = Move(self, resumed if resume else None, resumed)
         if not self.disabled:
-            self.body.follow(motion)
-
-        def set_out() -> None:
-            self.body.follow(self.resumed(target, speed_share))
-
-        move = self._last = Move(self, number, set_out if resume else None, set_out)
+            move.follow(motion)
         if command is None:
             self._begin_soon(move)
         else:
-            move.begin()
+            move.go_on()
         return move
 
     def follow(self, motion: Motion, again: Callable[[], Motion] | None = None) -> Event:
@@ -141,20 +153,20 @@ class Drive(ABC):
         if self.disabled:
             raise UserError(f"the {self.body.kind} is disabled")
 
-        def adapt() -> None:
+        def slower() -> Motion | None:
             if again is not None:
-                self.body.follow(again())
-            elif self._is_too_fast(self.body.motion):
-                self._too_fast = True
-                self._stand()
+                return again()
+            if self._is_too_fast(self.body.motion):
+                self._stand_too_fast()
+            return None
 
+        self.begin()
         self.last_move = self.target = None
-        move = self._last = Move(self, self.begin(), None, adapt)
+        move = self._move = Move(self, None, slower)
         if again is None and self._is_too_fast(motion):
-            self._too_fast = True
-            self._stand()
+            self._stand_too_fast()
         else:
-            self.body.follow(motion)
+            move.follow(motion)
         self._begin_soon(move)
         return move
 
@@ -167,8 +179,12 @@ class Drive(ABC):
         if self._too_fast:
             self._too_fast = False
             self._go_on()
-        elif not self.disabled and self._last is not None:
-            self._last.adapt()
+        elif not self.disabled and self._move is not None:
+            self._move.adapt()
+
+    def _stand_too_fast(self) -> None:
+        self._too_fast = True
+        self._stand()
 
     def _allowed(self, speed_share: float) -> float:
         """Return a share of the top speeds, or the share that the limit of the speed leaves."""
@@ -187,17 +203,18 @@ class Drive(ABC):
         self.begin()
         if not self.disabled:
             self._brake()
-        return self._rest()
+        return self._until(self.body.motion.end)
 
     def wait(self, seconds: float) -> Steps:
         """Let `seconds` go by in which it is not disabled."""
-        if not 0 <= seconds < math.inf:
-            raise UserError(f"can't wait {seconds} s")
-        return self._enabled_for(seconds, None)
+        return self._enabled_for(number("wait(seconds)", seconds, 0.0), None)
 
-    def work(self, seconds: float, command: int) -> Steps:
-        """Work for `seconds` as a part of `command`; the value is True unless it was replaced."""
-        return self._enabled_for(seconds, command)
+    def work(self, seconds: float, command: int, *, stays: bool = False) -> Steps:
+        """Work for `seconds` as a part of `command`; the value is True unless it was replaced.
+
+        If the machine `stays` where it is anyway, it need not be free to move.
+        """
+        return self._enabled_for(seconds, command, stays=stays)
 
     def hold(self, stands: bool) -> None:
         """Brake and stand until `hold(False)`: a protective stop."""
@@ -235,43 +252,46 @@ class Drive(ABC):
 
     def _brake(self) -> None:
         self.body.follow(self.stopping(self.body.state, self._clock.now))
-        moves, self._moves = self._moves, {}
-        if moves or self._braking.callbacks:
+        if self._move is not None:
+            self._move.broken_off()
+        if self._braking.callbacks:
             braking, self._braking = self._braking, self._clock.event()
             braking.succeed()
-            for move in moves:
-                then(braking, move.broken_off)
 
     def _begin_soon(self, move: Move) -> None:
         """Let a command of its own begin, once its controller has said all it says at once."""
-        self._clock.call_at(self._clock.now, move.begin, Turn.VIOLATION)
+        self._clock.call_at(self._clock.now, move.go_on, Turn.VIOLATION)
 
-    def await_arrival(self, move: Move) -> Event:
-        """Return the arrival of the motion under way; `move` is broken off if it brakes before."""
-        self._moves[move] = None
-        arrival = self._clock.at(self.body.motion.end)
-        then(arrival, move.arrived)
-        return arrival
+    def is_move(self, move: Move) -> bool:
+        """Return whether this is the move under way."""
+        return move is self._move
 
-    def ended(self, move: Move) -> None:
-        """Take note that a move is over."""
-        self._moves.pop(move, None)
+    def ended(self) -> None:
+        """Handle the end of the move under way."""
+        self._move = None
 
-    def _rest(self) -> Steps:
-        yield self._clock.at(self.body.motion.end)
+    def _until(self, t: float) -> Steps:
+        yield self._clock.at(t)
 
-    def _enabled_for(self, seconds: float, command: int | None) -> Steps:
-        """Let `seconds` go by in which it is not disabled, unless `command` is replaced before."""
+    def _enabled_for(self, seconds: float, command: int | None, *, stays: bool = False) -> Steps:
+        """Let `seconds` go by in which it is not disabled, unless `command` is replaced before.
+
+        All seconds count if it `stays`.
+        """
         while seconds > 0 and command in (None, self._commands):
-            if self._enabled is not None:
-                yield self._enabled
+            enabled = self._enabled
+            change = self._braking if enabled is None else enabled
+            if command is not None:
+                change = change | self._replaced
+            if enabled is not None and not stays:
+                yield change
                 continue
             begun = self._clock.now
             done = self._clock.at(begun + seconds)
             # Until it is done, or something breaks it off: time goes on counting from what is left.
-            yield done | (self._braking if command is None else self._braking | self._replaced)
+            yield done | change
             elapsed = self._clock.now - begun
-            if command is not None:
+            if command is not None and enabled is None:
                 self.working_time += elapsed
             seconds = 0.0 if done.processed else seconds - elapsed
         return command in (None, self._commands)
@@ -280,72 +300,90 @@ class Drive(ABC):
 class Move(Event):
     """The end of a move: it happens at the arrival, or where the move is given up.
 
-    Broken off where the gantry is made to stand, it sets out again by `set_out` afterwards; without
-    that it is over. Nor does it go on once another command has taken the place of its `command`.
-    When the limit of the speed changes, `change` lets the machine go on with another motion.
+    A move that is broken off, because the machine is made to stand, goes on with the motion of
+    `resumed` as soon as the machine is free. Without `resumed` it ends. It also ends when another
+    command replaces it. When the limit of the speed changes, it goes on with the motion of
+    `adapted`, if there is one.
     """
 
     def __init__(
         self,
         drive: Drive,
-        command: int,
-        set_out: Callable[[], None] | None,
-        change: Callable[[], None],
+        resumed: Callable[[], Motion] | None,
+        adapted: Callable[[], Motion | None],
     ) -> None:
         super().__init__(drive.body.clock)
         self._drive = drive
-        self._command = command
-        self._set_out = set_out
-        self._change = change
+        self._resumed = resumed
+        self._adapted = adapted
+        self._motion: Motion | None = None
+        """The motion that it follows, unless the machine brakes or stands."""
         self._arrival: Event | None = None
 
-    def begin(self) -> None:
-        """Wait for the arrival, once the gantry is free to move."""
+    def follow(self, motion: Motion) -> None:
+        """Follow a motion that begins here and now."""
+        self._motion = motion
+        self._drive.body.follow(motion)
+
+    def go_on(self, _: Event | None = None) -> None:
+        """Wait for the arrival, or until the machine is free to move."""
         drive = self._drive
-        if not drive.is_under_way(self._command):
-            self._end()
-        elif drive.enabled is not None:
-            then(drive.enabled, self._go_on)
-        else:
-            self._arrival = drive.await_arrival(self)
+        if not drive.is_move(self):
+            return
+        if drive.enabled is not None:
+            then(drive.enabled, self.go_on)
+            return
+        if self._motion is None:
+            if self._resumed is None:
+                self.end()
+                return
+            self.follow(self._resumed())
+        self._await_arrival()
 
     def adapt(self) -> None:
-        """Go on with the motion that the limit of the speed allows, if this is still under way."""
-        drive = self._drive
-        if drive.is_under_way(self._command) and drive.body.motion.end > drive.body.clock.now:
-            self._change()
-            if self._arrival is not None and not drive.disabled:
-                self._arrival = drive.await_arrival(self)
+        """Go on with the motion that the limit of the speed allows."""
+        if self._motion is not None and self._motion.end > self._drive.body.clock.now:
+            motion = self._adapted()
+            if motion is not None:
+                self.follow(motion)
+                if self._arrival is not None:
+                    self._await_arrival()
 
-    def arrived(self, arrival: Event) -> None:
-        """Be over, if this is the arrival that it waits for."""
-        if arrival is self._arrival:
-            self._end()
-
-    def broken_off(self, _: Event) -> None:
-        """Wait to go on, if it may."""
+    def broken_off(self) -> None:
+        """Go on once the machine is free, if it may. One that has not begun waits to begin."""
+        self._motion = None
         if self._arrival is not None:
             self._arrival = None
-            if self._set_out is None:
-                self._end()
+            if self._resumed is None:
+                self.end()
             else:
-                self.begin()
+                self.go_on()
 
-    def _go_on(self, _: Event) -> None:
-        if self._set_out is None or not self._drive.is_under_way(self._command):
-            self._end()
-        else:
-            self._set_out()
-            self._arrival = self._drive.await_arrival(self)
-
-    def _end(self) -> None:
+    def end(self) -> None:
+        """End the move, whether it has arrived or is given up."""
         self._arrival = None
-        self._drive.ended(self)
+        self._drive.ended()
         if self.callbacks:
             self.succeed()
         else:  # nobody waits for it: it has happened
             self._ok, self._value = True, None
             self.callbacks = None  # type: ignore[assignment]
+
+    def _await_arrival(self) -> None:
+        # A machine that is made to stand as it sets out has broken the move off again.
+        if self._motion is not None:
+            self._arrival = self._drive.body.clock.at(self._motion.end)
+            then(self._arrival, self._arrived)
+
+    def _arrived(self, arrival: Event) -> None:
+        if arrival is not self._arrival:
+            return
+        again = self._drive.try_again()
+        if again is None or self._resumed is None:
+            self.end()
+        else:
+            self._arrival = self._motion = None
+            then(again, self.go_on)
 
 
 Interruption = Literal["person_close", "disabled", "enabled", "part_dropped"]
@@ -384,8 +422,8 @@ class Interrupts:
             hint = suggestion(str(reason), REASONS)
             raise UserError(f"nothing called {reason!r} interrupts a controller; {hint}")
         if reason == "person_close":
-            if not 0 < distance < math.inf:
-                raise UserError(f"give the distance for person_close in metres, not {distance}")
+            if not number("interrupt_on(distance)", distance) > 0:
+                raise UserError(f"interrupt_on(distance) must be more than 0, not {distance}")
             self.close_distance = distance
         self._wanted.add(reason)
 

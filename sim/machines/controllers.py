@@ -9,7 +9,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Generator
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from simpy.events import Event
@@ -17,7 +16,7 @@ from simpy.exceptions import Interrupt
 
 from floorplan import UserError
 
-from ..core.custom_code import in_words, line_in
+from ..core.custom_code import code_of, file_of, in_words, own_line
 from .commanded import CommandedMachine
 from .commanding import Steps
 
@@ -58,11 +57,13 @@ MOST_AT_ONCE = 1000
 """Number of times a controller may yield at one instant; more count as endless."""
 
 
-def supervised(name: str, controller: Callable[[Any], Steps], machine: CommandedMachine) -> Steps:
+def supervised(
+    name: str, controller: Callable[[Any], Steps], machine: CommandedMachine, code: Any = None
+) -> Steps:
     """Return the steps of `controller`, which a trial names `name`.
 
     `ControllerError` names the fault: it raised something, yielded something that can't be
-    waited for, or is not a generator at all.
+    waited for, or is not a generator at all. `code` is what it calls, if that is something else.
     """
     steps: Any = None
     try:
@@ -73,7 +74,7 @@ def supervised(name: str, controller: Callable[[Any], Steps], machine: Commanded
     except Exception as why:
         raise ControllerError(
             f"the {machine.shape.kind} controller {name!r} failed at t = {machine.now:g} s"
-            f"{_place(why, controller, steps)}: {_fault(why)}"
+            f"{_place(why, controller if code is None else code, steps)}: {_fault(why)}"
         ) from why
 
 
@@ -85,8 +86,10 @@ def _fault(why: Exception) -> str:
 
 
 def _iterated(steps: Any) -> Steps:
-    if not hasattr(steps, "__iter__"):
-        raise TypeError(f"what it returned, {steps!r}, is not a generator")
+    if isinstance(steps, tuple) or not hasattr(steps, "__iter__"):
+        raise TypeError(
+            f"what it returned, {steps!r}, is not a generator; if that is a twist, give a rate"
+        )
     yield from steps
 
 
@@ -114,15 +117,16 @@ def _checked(steps: Steps, machine: CommandedMachine) -> Steps:
             go_on = partial(steps.throw, why)
 
 
-def _place(why: Exception, controller: Callable[[Any], Steps], steps: Any) -> str:
-    """Return file and line of the controller at which it failed, in brackets, where known."""
-    try:
-        source = inspect.getsourcefile(controller)
-    except TypeError:
+def _place(why: Exception, code: Any, steps: Any) -> str:
+    """Return file and line of the code at which it failed, in brackets, where known."""
+    source = file_of(code)
+    if source is None:
         return ""
-    if place := line_in(why, {source}):
+    if place := own_line(why, str(source)):
         return place
     frame = getattr(steps, "gi_frame", None)  # what it yielded is judged outside of it
-    if source is None or frame is None or frame.f_code.co_filename != source:
-        return ""
-    return f" ({Path(source).name}, line {frame.f_lineno})"
+    if frame is not None and frame.f_code.co_filename == str(source):
+        return f" ({source.name}, line {frame.f_lineno})"
+    found = code_of(code)  # and so is what a function returned
+    function = code_of(found.__call__) if inspect.isclass(found) else found
+    return f" ({source.name}, line {inspect.getsourcelines(function)[1]})"

@@ -4,30 +4,37 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, is_dataclass
+from dataclasses import dataclass, is_dataclass, replace
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Gantry, UserError
 from floorplan.files.problems import Fault, Place, field_name, form_keys, misfits, shown
-from navigation import IntegralLaw, SeparationLaw
+from navigation import ApproachLaw, IntegralLaw, SeparationLaw
+from navigation.machines import Stop
 from navigation.separation import required_at_speeds
 
 from ..core.body import Category, Machine, MachineShape
-from ..core.custom_code import CodeFolder, CustomCode, Kind
+from ..core.custom_code import CodeFolder, CustomCode, Kind, importing
 from ..core.scenario import AgvMove, GantryEntry, Scenario
 from ..core.stage import MachineEntry, MachineModel, Stage
 from ..safety.laws import OwnLaw
 from .agv.model import AgvModel
+from .amr.controllers import VEHICLE_CONTROLLERS
 from .amr.model import AmrModel, overlaps
+from .gantry.controllers import controller_source
 from .gantry.model import GantryModel
 from .gantry.robot import GANTRY
 
 KINDS: dict[str, type[MachineModel]] = {"gantry": GantryModel, "agv": AgvModel, "amr": AmrModel}
 """The kinds of machines by name. A package adds its own by `KINDS["tugger"] = TuggerModel`."""
+
+
+_Scenario = TypeVar("_Scenario", bound=Scenario)
 
 
 class MachineError(UserError):
@@ -50,6 +57,7 @@ MODEL = Kind(
 """The kind of class that a trial names as the kind of a machine."""
 
 
+@importing()
 def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel]:
     """Return the machines of a trial by name: the floor's gantry and AGVs, then its `machines`.
 
@@ -64,11 +72,11 @@ def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel
         kind = _kind(name, entry, scenario)
         try:
             models[name] = kind.read(name, entry.keys)
-            faults = (
-                [*models[name].faults(scenario.floorplan, _vehicles(scenario))]
-                if is_own(entry)
-                else []
-            )
+            faults: list[Fault] = []
+            if is_own(entry):
+                plan = scenario.floorplan
+                faults += models[name].faults(plan, _vehicles(scenario))
+                faults += models[name].place_faults(name, plan)
         except ValidationError as why:
             faults = misfits(why, kind.key_schema or kind, entry.keys)
         if faults:
@@ -136,6 +144,31 @@ def keys_of(entry: MachineEntry, scenario: Scenario) -> list[str] | None:
     return [name for name, _ in form_keys(kind.key_schema or kind)]
 
 
+def with_controller(
+    scenario: _Scenario, controller: str | Callable[[Any], Any], machine: str = ""
+) -> _Scenario:
+    """Return the scenario with this controller of one machine, or of each gantry and vehicle.
+
+    A built-in controller has no `rate`. `MachineError` if there is no such machine, and
+    `ControllerError` if there is no such controller.
+    """
+    machines, found = {**scenario.machines}, False
+    for name, entry in scenario.machines.items():
+        keys = keys_of(entry, scenario) or (["controller"] if name == machine else [])
+        if machine in ("", name) and "controller" in keys:
+            given = {**entry.keys, "controller": controller}
+            if controller in VEHICLE_CONTROLLERS:
+                given.pop("rate", None)
+            machines[name], found = replace(entry, keys=given), True
+    changed = replace(scenario, machines=machines)
+    if machine in ("", GANTRY) and (scenario.floorplan.gantry is not None or not found):
+        controller_source(controller, scenario.code_folder)
+        return replace(changed, gantry=replace(scenario.gantry, controller=controller))
+    if not found:
+        raise MachineError(f"no machine with a controller is called {machine!r}")
+    return changed
+
+
 def may_be(category: Category, entry: MachineEntry) -> bool:
     """Return True if a machine may be of a category; no code of the user's own is run for that."""
     kind = entry.kind if isinstance(entry.kind, type) else KINDS.get(entry.kind)
@@ -169,9 +202,11 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
             for message, place in misfits(why, kind.key_schema or kind, entry.keys):
                 yield message, (name, *place)
         else:
-            found = (*model.faults(plan, vehicles), *model.code_faults(scenario.code_folder))
-            for message, place in found:
-                yield message, (name, *place)
+            yield from (
+                (message, (name, *place)) for message, place in model.faults(plan, vehicles)
+            )
+            found = (*model.place_faults(name, plan), *model.code_faults(scenario.code_folder))
+            yield from ((message, (name, *place)) for message, place in found)
             if (area := model.stands_at_start(name, plan)) is not None:
                 stand[name] = area
     lanes = {lane.name: lane.footprint(lane.locations[lane.start]) for lane in plan.lanes}
@@ -240,7 +275,8 @@ _ROUNDING = 1e-9
 class ShortLaw:
     """A law that states a shorter stop than its machine may take, in seconds and metres.
 
-    `law` is its key in the rule set; `stopping` is None where the law computes it from `t2`.
+    `law` is its key in the rule set; `stopping` is None where the law computes it from `t2`. Of
+    ISO 13855, `t2` is its time.
     """
 
     machine: str
@@ -251,31 +287,66 @@ class ShortLaw:
     needed_stopping: float
 
 
-def short_laws(trial: Scenario) -> tuple[ShortLaw, ...]:
+@dataclass(frozen=True, kw_only=True)
+class ShortDistance:
+    """A law that requires less than a machine and a walking person cover while the machine stops.
+
+    Distances are in metres, at the top speeds of both.
+    """
+
+    machine: str
+    law: str
+    distance: float
+    needed_distance: float
+
+
+def short_laws(trial: Scenario, *, own_laws: bool = False) -> tuple[ShortLaw | ShortDistance, ...]:
     """Return the machines of `trial` for which the law states too short a stop.
 
-    Only the two forms of ISO/TS 15066 state one, as `t2` and `stopping`: others are not judged.
+    Laws that state no stop are not judged of machines with protective fields, which stop these.
+    Custom laws are judged only with `own_laws`, because their code is run.
     """
     plan, rules = trial.floorplan, trial.rules
     found = []
     for name, model in models_of(trial, own=False).items():
-        key, law = rules.law_and_key_of(model.shape(name, plan))
-        stop = model.longest_stop(plan)
-        if stop is not None and isinstance(law, SeparationLaw | IntegralLaw):
-            time, distance = stop
-            stated = math.inf if law.stopping is None else law.stopping
-            if time > law.t2 + _ROUNDING or distance > stated + _ROUNDING:
-                found.append(
-                    ShortLaw(
-                        machine=name,
-                        law=key,
-                        t2=law.t2,
-                        needed_t2=time,
-                        stopping=law.stopping,
-                        needed_stopping=distance,
-                    )
+        shape = model.shape(name, plan)
+        key, law = rules.law_and_key_of(shape)
+        if (stop := model.longest_stop(plan)) is None:
+            continue
+        short: ShortLaw | ShortDistance | None = None
+        if isinstance(law, SeparationLaw | IntegralLaw | ApproachLaw):
+            short = _short_law(name, key, law, stop)
+        elif name not in trial.fields and (own_laws or not isinstance(law, OwnLaw)):
+            walking = plan.human.max_speed
+            needed = walking * stop.time + stop.distance
+            distance = required_at_speeds(law, walking, shape.top_speed)
+            if needed > distance + _ROUNDING:
+                short = ShortDistance(
+                    machine=name, law=key, distance=distance, needed_distance=needed
                 )
+        if short is not None:
+            found.append(short)
     return tuple(found)
+
+
+def _short_law(
+    name: str, key: str, law: SeparationLaw | IntegralLaw | ApproachLaw, stop: Stop
+) -> ShortLaw | None:
+    """Return that a law states a shorter stop than `stop`, if it does."""
+    stated: tuple[float, float | None]
+    stated = (law.time, None) if isinstance(law, ApproachLaw) else (law.t2, law.stopping)
+    t2, stopping = stated
+    metres = math.inf if stopping is None else stopping
+    if stop.time <= t2 + _ROUNDING and stop.distance <= metres + _ROUNDING:
+        return None
+    return ShortLaw(
+        machine=name,
+        law=key,
+        t2=t2,
+        needed_t2=stop.time,
+        stopping=stopping,
+        needed_stopping=stop.distance,
+    )
 
 
 def far_laws(trial: Scenario) -> dict[str, float]:
@@ -299,12 +370,15 @@ def far_laws(trial: Scenario) -> dict[str, float]:
     return {key: metres for key, metres in asked.items() if metres > room}
 
 
-def in_words(found: Iterable[ShortLaw]) -> str:
+def in_words(found: Iterable[ShortLaw | ShortDistance]) -> str:
     """Return the stops that the laws state and those the machines need, rounded up to 0.01."""
     machines: dict[str, list[str]] = {}
     for short in found:
-        stated = _stop(short.t2, short.stopping)
-        needed = _stop(_rounded_up(short.needed_t2), _rounded_up(short.needed_stopping))
+        if isinstance(short, ShortDistance):
+            stated, needed = f"{short.distance:g} m", f"{_rounded_up(short.needed_distance):g} m"
+        else:
+            stated = _stop(short.t2, short.stopping)
+            needed = _stop(_rounded_up(short.needed_t2), _rounded_up(short.needed_stopping))
         machines.setdefault(f"{stated} (up to {needed} needed)", []).append(short.machine)
     return "; ".join(f"{', '.join(names)} {figures}" for figures, names in machines.items())
 

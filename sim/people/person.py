@@ -165,14 +165,15 @@ class Person:
         self.name = entry.name
         self.personality = entry.personality_name
         self.started_at: float | None = None
-        self.left_at: float | None = None
-        self.away = entry.source is not None
-        """Whether they are not on the floor: not yet, or not any more."""
-        self.has_source = entry.source is not None
+        enters_at = entry.entrance_on(stage.floorplan) if walk is None else walk.enters_at
+        self._entrance = enters_at or at
+        self.stays: list[tuple[float, float]] = [] if enters_at else [(0.0, math.inf)]
+        """Intervals (s) on the floor. The last one is infinite until they leave."""
+        self.is_awaited = enters_at is not None
+        """Whether they are not on the floor at the start."""
         self._index = index
         self._seed = seed
         self._sink = entry.sink_on(stage.floorplan)
-        self._entrance = entry.entrance_on(stage.floorplan) or at
         self.walker = Walker(
             stage,
             entry.name,
@@ -193,7 +194,9 @@ class Person:
         self._clock = stage.clock
         self._entry = entry
         self._playback = (
-            None if walk is None else Playback(stage, self.walker.traveller, walk, crowd)
+            None
+            if walk is None
+            else Playback(stage, self.walker.traveller, walk, crowd, self._come_or_go)
         )
         self._referee = referee
         self._entrances = entrances
@@ -235,10 +238,11 @@ class Person:
     def begin(self) -> None:
         """Wait for what lets them start, and for what changes their personality."""
         triggers, entry = self._stage.triggers, self._entry
+        if self.is_awaited:
+            self._stage.record(Awaited(person=self.name, at=self._entrance))
         if entry.source is None:
             triggers.add(entry.start, self.start, who=self.name)
         else:
-            self._stage.record(Awaited(person=self.name, at=self._entrance))
             join = partial(self._entrances.join, self._entrance, self._enter)
             self._clock.call_at(entry.source.time(self._seed), join, Turn.NOTICE)
         for change in entry.changes:
@@ -254,11 +258,30 @@ class Person:
             at = None
         if at is None or math.dist(at, entrance) > AT_THE_DOOR:
             return False
-        self.away = False
-        self._stage.record(Entered(person=self.name, at=at))
+        self._come_or_go(True, at)
         self.walker.put(at, 0.0)
         self.start()
         return True
+
+    def _come_or_go(self, is_there: bool, at: Point | None = None) -> None:
+        """Be on the floor from now on, or not any more."""
+        now, kind = self._clock.now, Entered if is_there else Left
+        if is_there:
+            self.stays.append((now, math.inf))
+        else:
+            self.stays[-1] = (self.stays[-1][0], now)
+        self._stage.record(kind(person=self.name, at=at or self.body.motion.state_before(now).at))
+
+    @property
+    def away(self) -> bool:
+        """Whether they are not on the floor: not yet, or not any more."""
+        return not self.stays or self.left_at is not None
+
+    @property
+    def left_at(self) -> float | None:
+        """When they left the floor (s), None if they have not, or have come again."""
+        left = self.stays[-1][1] if self.stays else math.inf
+        return None if left == math.inf else left
 
     def _arrived(self, goal: Point) -> None:
         """Take note that a goal is reached; at their sink people leave the floor."""
@@ -275,8 +298,7 @@ class Person:
             self._clock.call_at(self._clock.now + LOOKS_AGAIN, self._leave, Turn.NOTICE)
             return
         self.give_up()
-        self.away, self.left_at = True, self._clock.now
-        self._stage.record(Left(person=self.name, at=at))
+        self._come_or_go(False, at)
         self.walker.put(wings(self._stage.floorplan, self._index), 0.0)
 
     @property

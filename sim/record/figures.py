@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -544,7 +545,7 @@ FIGURES: dict[str, SummaryFigure] = {
         SummaryFigure(
             path="law_audit",
             form="parts",
-            of=lambda run: [{**vars(short)} for short in short_laws(run.trial)],
+            of=lambda run: [{**vars(short)} for short in short_laws(run.trial, own_laws=True)],
             label="stopping underestimated for",
             meaning="machines that may stop later than their law assumes",
             words=words.short_laws,
@@ -646,18 +647,18 @@ FIGURES: dict[str, SummaryFigure] = {
         ),
         _of_traffic(
             path="entered",
-            of=lambda run: sum(p.has_source and p.started_at is not None for p in run.people),
+            of=lambda run: sum(len(p.stays) - (not p.is_awaited) for p in run.people),
             label="people entered",
-            meaning="people who entered at a source",
+            meaning="entries of people at a source, or of recorded people",
             words=words.plain,
             events=(events.Entered, {}),
             measure="plain",
         ),
         _of_traffic(
             path="left",
-            of=lambda run: sum(person.left_at is not None for person in run.people),
+            of=lambda run: sum(end < math.inf for p in run.people for _, end in p.stays),
             label="people left",
-            meaning="people who left at a sink",
+            meaning="exits of people at a sink, or of recorded people",
             words=words.plain,
             events=(events.Left, {}),
             measure="plain",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -206,22 +207,27 @@ class Finished:
         also does while it turns on the spot, if `turning` or the rules say so.
         """
         turning = turning or self._turning_counts
-        started = {p.name: p.started_at for p in self.people}
-        left = {p.name: self.duration if p.left_at is None else p.left_at for p in self.people}
+        stays = {person.name: self._stays(person) for person in self.people}
         drives: dict[str, list[tuple[float, float]]] = {}
         for watch in self.referee.watches:
             person, machine = watch.pair.person.name, watch.pair.machine
-            begin, end = started[person], left[person]
-            if machine.shape.category != category or begin is None:
+            if machine.shape.category != category or not stays[person]:
                 continue
-            spans = [(begin, end)]
+            spans = stays[person]
             if category == "vehicle":
                 if machine.name not in drives:
                     motion = self.motions[machine.name]
                     drives[machine.name] = moving_spans(motion, turning=turning)
-                cut = [(max(a, begin), min(b, end)) for a, b in drives[machine.name]]
+                pairs = itertools.product(spans, drives[machine.name])
+                cut = [(max(a, begin), min(b, end)) for (begin, end), (a, b) in pairs]
                 spans = [(a, b) for a, b in cut if a < b]
             yield watch, self.motions[person], self.motions[machine.name], spans
+
+    def _stays(self, person: Person) -> list[tuple[float, float]]:
+        """Return when a person was on the floor after the start, s."""
+        since = math.inf if person.started_at is None else person.started_at
+        cut = ((max(begin, since), min(end, self.duration)) for begin, end in person.stays)
+        return [(begin, end) for begin, end in cut if begin <= end]
 
     @cached_property
     def among_people(self) -> Nearest | None:
@@ -232,7 +238,7 @@ class Finished:
             [person.walker.human.max_speed for person in self.people],
             0.0,
             self.duration,
-            self._presence() if self.trial.has_traffic else None,
+            [person.stays for person in self.people],
         )
 
     @property
@@ -252,22 +258,13 @@ class Finished:
         """Number of pairs of people whose bodies overlapped."""
         return 0 if self.among_people is None else self.among_people.overlaps
 
-    def _presence(self) -> list[tuple[float, float]]:
-        """Return from when to when each person was on the floor (s): never, if that is no time."""
-        found = []
-        for person, entry in zip(self.people, self.trial.people, strict=True):
-            came = 0.0 if entry.source is None else person.started_at
-            left = self.duration if person.left_at is None else person.left_at
-            found.append((left if came is None else came, left))
-        return found
-
     @property
     def zones(self) -> dict[str, dict[str, float]]:
         """The exposure of people in each zone of the floor, by its name."""
         stays = [
             Stay(
                 self.motions[person.name],
-                (person.started_at, self.duration if person.left_at is None else person.left_at),
+                span,
                 [
                     interval
                     for watch in self.referee.watches
@@ -276,7 +273,7 @@ class Finished:
                 ],
             )
             for person in self.people
-            if person.started_at is not None
+            for span in self._stays(person)
         ]
         return zone_exposures(self.trial.floorplan.zones, stays)
 
@@ -327,10 +324,11 @@ class Finished:
         return {person.name: self._walked_and_stood(person) for person in self.people}
 
     def _walked_and_stood(self, person: Person) -> tuple[float, float]:
-        if (begin := person.started_at) is None:
+        stays, motion = self._stays(person), self.motions[person.name]
+        if not stays:
             return 0.0, 0.0
-        motion, left = self.motions[person.name], person.left_at
-        walked, stood = walked_and_stood(motion.table, begin, math.inf if left is None else left)
+        walked = walked_and_stood(motion.table, stays[0][0], math.inf)[0]
+        stood = sum(walked_and_stood(motion.table, *stay)[1] for stay in stays)
         if person.is_recorded:
             # The pieces of those who were measured are curved: their speed is integrated.
             walked = Odometer(motion).reading(self.duration)

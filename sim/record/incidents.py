@@ -245,7 +245,7 @@ def time_too_close(run: Outcome) -> float:
 def time_on_floor(run: Outcome) -> float:
     """Return for how long (seconds) people were on the floor, all of them together."""
     return math.fsum(
-        max(0.0, end - begin) for begin, end in (run.presence[p.name] for p in run.scene.people)
+        end - begin for person in run.scene.people for begin, end in run.stays[person.name]
     )
 
 

@@ -18,7 +18,7 @@ from navigation.separation import is_of_speeds
 from ..core.body import PERSON
 from ..core.recorder import Event, Scene, Thought
 from ..safety.laws import Curve, is_of_speeds_alone
-from .sampling import Array, Span, blocks_of_instants, instants, presence, sample_all
+from .sampling import Array, Span, blocks_of_instants, instants, sample_all, stays
 from .social_metrics import metrics
 
 
@@ -154,12 +154,23 @@ class Outcome:
         return {pair[1]: some for pair, some in self.violations.items() if pair[0] == person}
 
     @cached_property
-    def presence(self) -> dict[str, tuple[float, float]]:
-        """Times (begin, end) in seconds between which each body is on the floor.
+    def stays(self) -> dict[str, tuple[tuple[float, float], ...]]:
+        """Intervals (begin, end) in seconds in which each body is on the floor.
 
-        Before and after, its motion is far outside.
+        Otherwise its motion is far outside.
         """
-        return presence(self.motions, self.events, self.duration)
+        return stays(self.motions, self.events, self.duration)
+
+    @cached_property
+    def presence(self) -> dict[str, tuple[float, float]]:
+        """First entry and last exit of each body in seconds.
+
+        Both are the end of the run for a body that is never on the floor.
+        """
+        return {
+            name: (mine[0][0], mine[-1][1]) if mine else (self.duration, self.duration)
+            for name, mine in self.stays.items()
+        }
 
     def is_present(self, body: str, times: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return whether a body is on the floor.
@@ -171,9 +182,11 @@ class Outcome:
         times : ndarray, shape (N,)
             Times in seconds.
         """
-        begin, end = self.presence[body]
-        until = times <= end if end == self.duration else times < end
-        return np.asarray((times >= begin) & until & (begin < self.duration))
+        there = np.zeros(times.shape, dtype=bool)
+        for begin, end in self.stays[body]:
+            until = times <= end if end == self.duration else times < end
+            there |= (times >= begin) & until & (begin < self.duration)
+        return there
 
     @cached_property
     def metrics(self) -> dict[str, Any]:
@@ -335,8 +348,9 @@ def write_trajectory(run: Outcome, file: TextIO, rate: float) -> None:
 
 def _jumps(run: Outcome, body: str) -> Array:
     """Return the times around those at which a present body jumps to another position."""
-    begin, end = run.presence[body]
-    jumps = [t for t in run.motions[body].jumps if begin < t < end]
+    jumps = [
+        t for t in run.motions[body].jumps for begin, end in run.stays[body] if begin < t < end
+    ]
     return np.array(sorted({*(t - NANOSECOND for t in jumps), *jumps}), dtype=float)
 
 

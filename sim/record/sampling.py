@@ -22,26 +22,26 @@ ROUNDING = 1e-8
 """Seconds. Instants of events are rounded to less than this."""
 
 
-def presence(
+def stays(
     motions: Mapping[str, Motion], events: Iterable[Event], duration: float
-) -> dict[str, Span]:
-    """Return when each body of a run is on the floor; nobody comes twice.
+) -> dict[str, tuple[Span, ...]]:
+    """Return the intervals in which each body of a run is on the floor.
 
-    Those who are awaited are not before they have entered, and who has left is not any more. The
-    instants are those of the motions, to which events are rounded.
+    Their times are those of the motions, to which events are rounded.
     """
-    spans = dict.fromkeys(motions, (0.0, duration))
+    spans: dict[str, tuple[Span, ...]] = dict.fromkeys(motions, ((0.0, duration),))
     for event in events:
         kind, person = event["kind"], event.get("person")
         if kind not in ("awaited", "entered", "left") or person not in spans:
             continue
-        begin, end = spans[person]
         if kind == "awaited":
-            spans[person] = (duration, duration)
-        elif kind == "entered":
-            spans[person] = (_exact(motions[person], event["t"]), end)
-        else:
-            spans[person] = (begin, _exact(motions[person], event["t"]))
+            spans[person] = ()
+            continue
+        t, before = _exact(motions[person], event["t"]), spans[person]
+        if kind == "entered":
+            spans[person] = (*before, (t, duration))
+        elif before:
+            spans[person] = (*before[:-1], (before[-1][0], t))
     return spans
 
 

@@ -27,10 +27,12 @@ class AfterWarmUp(Outcome):
     since: float
 
     @cached_property
-    def presence(self) -> dict[str, Span]:
-        """Times (s) between which each body is on the floor after the warm-up."""
-        spans = super().presence
-        return {name: (max(begin, self.since), end) for name, (begin, end) in spans.items()}
+    def stays(self) -> dict[str, tuple[Span, ...]]:
+        """Intervals (s) in which each body is on the floor after the warm-up."""
+        return {
+            name: tuple((max(begin, self.since), end) for begin, end in spans if end > self.since)
+            for name, spans in super().stays.items()
+        }
 
 
 def after_warm_up(run: Outcome, since: float) -> Outcome:
@@ -61,14 +63,14 @@ def started(run: Outcome) -> dict[str, float]:
 def zones_of(run: Outcome) -> dict[str, dict[str, float]]:
     """Return the exposure of people in each zone, by its name."""
     starts = started(run)
-    spans = {name: run.presence[name] for name in starts}
     stays = [
         Stay(
             run.motions[name],
-            (max(begin, starts[name]), end),
+            (max(begin, start), end),
             [span for mine in run.violations_of(name).values() for span in mine],
         )
-        for name, (begin, end) in spans.items()
+        for name, start in starts.items()
+        for begin, end in run.stays[name]
     ]
     return zone_exposures(run.floorplan.zones, stays)
 

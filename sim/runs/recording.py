@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Annotated, Any, TextIO
 
 from pydantic import Field, TypeAdapter, ValidationError
-from typing_extensions import NotRequired, TypedDict
+from typing_extensions import NotRequired, TypedDict, override
 
 from floorplan import InputError, Problem, UserError
 from floorplan.files.fields import LARGEST
@@ -159,14 +159,8 @@ class Recording(InProgress, Listener):
             if (self.folder / name).exists():
                 raise self._taken(name)
 
+    @override
     def begin(self, scene: Scene) -> None:
-        """Create the folder and write the scene.
-
-        Parameters
-        ----------
-        scene : Scene
-            Initial state.
-        """
         try:
             if self._numbered:
                 self.folder = _made(self.folder)
@@ -182,14 +176,8 @@ class Recording(InProgress, Listener):
         with self._whole("scene.json") as file:
             file.write(write_scene(scene))
 
+    @override
     def event(self, event: Event) -> None:
-        """Write an event as one line.
-
-        Parameters
-        ----------
-        event : dict
-            Event.
-        """
         self._add("events.jsonl", json.dumps(event, ensure_ascii=False))
         if event["kind"] == Commanded.kind:
             self._command(event)
@@ -201,16 +189,8 @@ class Recording(InProgress, Listener):
         command = json.dumps(written_command(event), ensure_ascii=False)
         self._add(COMMANDS, f"  - {command}")
 
+    @override
     def motion(self, body: Body, motion: Motion) -> None:
-        """Write a finished motion as one line with the coefficients of its cubics.
-
-        Parameters
-        ----------
-        body : Body
-            Person or machine.
-        motion : Motion
-            Motion that was carried out.
-        """
         line: MotionLine = {
             "body": body.name,
             "kind": body.kind,
@@ -220,14 +200,8 @@ class Recording(InProgress, Listener):
         }
         self._add("motions.jsonl", json.dumps(line))
 
+    @override
     def thought(self, thought: Thought) -> None:
-        """Write a thought of a person as one line.
-
-        Parameters
-        ----------
-        thought : dict
-            Thought.
-        """
         self._add("thoughts.jsonl", json.dumps(thought, ensure_ascii=False))
 
     def close(self) -> None:

@@ -7,8 +7,7 @@ machine does later: it moves towards the person while the violation lasts.
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
@@ -36,6 +35,9 @@ SLOWEST = 1e-5
 
 HALVINGS = 30
 """Number of times that the ends of an approach between surfaces are bisected."""
+
+BATCH = 64
+"""Number of pieces of motions that are sampled in one array."""
 
 Floats = NDArray[np.float64]
 
@@ -98,28 +100,42 @@ def _surface_towards(
     def approach(t: Floats) -> Floats:
         return _surface_rate(shapes, walk, machine, t)
 
-    found: list[Span] = []
-    for since, until in itertools.pairwise(_cuts(walk, machine, begin, end)):
-        pace = _fastest(machine, shapes.reach, since, until)
-        if pace == 0.0:
-            continue
-        t = np.linspace(since, until, math.ceil((until - since) * pace / LEAST) + 2)
-        inner = t[1:-1] if len(t) > 2 else t[:-1]
-        nearer = approach(inner) > SLOWEST
-        change = np.flatnonzero(nearer[1:] != nearer[:-1])
-        low, high = inner[change].copy(), inner[change + 1].copy()
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            same = (approach(middle) > SLOWEST) == nearer[change]
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
-        ends = [since, *((low + high) / 2).tolist(), until]
-        found += [
-            span for k, span in enumerate(itertools.pairwise(ends)) if bool(nearer[0]) ^ bool(k % 2)
-        ]
+    cuts = np.array(_cuts(walk, machine, begin, end))
+    pace = _fastest(machine, shapes.reach, cuts[:-1], cuts[1:])
+    pieces = np.column_stack([cuts[:-1], cuts[1:], np.ceil(np.diff(cuts) * pace / LEAST)])
+    pieces = pieces[pace > 0.0]
+    found = [
+        span
+        for k in range(0, len(pieces), BATCH)
+        for span in _sampled_spans(approach, *pieces[k : k + BATCH].T)
+    ]
     for since, until in _joined(found):
         t = since + (until - since) * (np.arange(PARTS) + 0.5) / PARTS
         if float(approach(t).mean() * (until - since)) > LEAST:
             yield since, until
+
+
+def _sampled_spans(
+    approach: Callable[[Floats], Floats], begin: Floats, end: Floats, samples: Floats
+) -> Iterator[Span]:
+    """Yield the spans of some pieces in which the surface comes nearer, by samples of each."""
+    count = samples.astype(int)
+    last = count.cumsum() - 1
+    first = last + 1 - count
+    piece = np.repeat(np.arange(len(count)), count)
+    inner = np.arange(len(piece)) - first[piece] + 1
+    t = begin[piece] + (end - begin)[piece] * inner / (count + 1)[piece]
+    nearer = approach(t) > SLOWEST
+    change = np.flatnonzero((nearer[1:] != nearer[:-1]) & (piece[1:] == piece[:-1]))
+    before, low, high = nearer[change], t[change], t[change + 1]
+    for _ in range(HALVINGS if len(change) else 0):
+        middle = (low + high) / 2
+        same = (approach(middle) > SLOWEST) == before
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    turns = (low + high) / 2
+    begins = np.sort(np.concatenate([begin[nearer[first]], turns[~before]]))
+    ends = np.sort(np.concatenate([end[nearer[last]], turns[before]]))
+    yield from zip(begins.tolist(), ends.tolist(), strict=True)
 
 
 def _surface_rate(shapes: Shapes, walk: Motion, machine: Motion, t: Floats) -> Floats:
@@ -129,12 +145,13 @@ def _surface_rate(shapes: Shapes, walk: Motion, machine: Motion, t: Floats) -> F
     return (now - shapes.distances(places, poses[..., 0] + MOMENT * poses[..., 1])) / MOMENT
 
 
-def _fastest(machine: Motion, reach: float, begin: float, end: float) -> float:
-    """Return a bound on the speed (m/s) of all points within `reach` of the axis on one piece."""
-    _, v, a, j = np.abs(machine.cubics(np.array([begin]))[0]).T
-    u = end - begin
-    x, y, turn = v + 2 * a * u + 3 * j * u * u
-    return float(math.hypot(x, y) + reach * turn)
+def _fastest(machine: Motion, reach: float, begin: Floats, end: Floats) -> Floats:
+    """Return bounds on the speed (m/s) of all points within `reach` of the axis on each piece."""
+    _, v, a, j = np.moveaxis(np.abs(machine.cubics(begin)), 2, 0)
+    u = (end - begin)[:, np.newaxis]
+    velocity = v + 2 * a * u + 3 * j * u * u
+    bound: Floats = np.linalg.norm(velocity[:, :2], axis=1) + reach * velocity[:, 2]
+    return bound
 
 
 def _cuts(walk: Motion, machine: Motion, begin: float, end: float) -> list[float]:

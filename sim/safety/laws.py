@@ -6,6 +6,7 @@ import inspect
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -152,13 +153,37 @@ class OwnLaw:
             raise LawError(f"the law is invalid: {why}") from why
 
 
-def own_laws(rules: RuleSet) -> Iterator[OwnLaw]:
-    """Yield the laws of the user's own in `rules`, also those that another one scales."""
+def with_new_laws(rules: RuleSet) -> RuleSet:
+    """Return `rules` with new laws of the user's own, imported, made and tried for this run."""
+    made = {law: OwnLaw(law.name, law.terms, law.folder, law.place) for law in own_laws(rules)}
+    for law in made.values():
+        law.load()
+
+    def new(law: Any) -> Any:
+        if isinstance(law, Scaled):
+            return replace(law, law=new(law.law))
+        return made[law] if isinstance(law, OwnLaw) else law
+
+    return replace(
+        rules,
+        gantry_law=new(rules.gantry_law),
+        agv_law=new(rules.agv_law),
+        notice=replace(rules.notice, law=new(rules.notice.law)),
+        laws={name: new(law) for name, law in rules.laws.items()},
+    )
+
+
+def laws_in(rules: RuleSet) -> Iterator[AnyLaw]:
+    """Yield the laws in `rules`, also those that another one scales."""
     for law in (rules.gantry_law, rules.agv_law, rules.notice.law, *rules.laws.values()):
         while isinstance(law, Scaled):
             law = law.law
-        if isinstance(law, OwnLaw):
-            yield law
+        yield law
+
+
+def own_laws(rules: RuleSet) -> Iterator[OwnLaw]:
+    """Yield the laws that `rules` name as the user's own."""
+    return (law for law in laws_in(rules) if isinstance(law, OwnLaw))
 
 
 Curve = tuple[tuple[float, float], ...]

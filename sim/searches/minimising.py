@@ -16,7 +16,8 @@ from typing import Any, TypeVar
 from floorplan import Point, UserError
 
 from ..core.entries import Start, is_number
-from ..core.scenario import Job, PersonEntry
+from ..core.scenario import Job, PersonEntry, Scenario
+from ..core.stage import MachineEntry
 from ..machines.gantry.robot import GANTRY
 from ..runs.run import Run
 from ..simulation import run
@@ -25,11 +26,20 @@ from ..trials.building import lasting
 from ..trials.trial import Trial
 from .objective import Objective, Situation, makes_no_trial
 
-MOST_RUNS = 100
+MOST_RUNS = 200
 """Number of runs that the minimisation of one trial takes at most."""
 
 AFTER = 1.0
 """Seconds that a minimised trial lasts beyond the instant at which it is worst."""
+
+TESTED = ("controller", "rate")
+"""Keys of a machine that make up what is tested."""
+
+OF_A_PERSON = ("personality", "start", "at", "recorded", "source")
+"""Keys of a person without which people differ most from those that broke the objective."""
+
+LISTS = ("missions", "moves")
+"""Keys of machines that are lists of entries."""
 
 _Entry = TypeVar("_Entry")
 
@@ -61,6 +71,8 @@ class Minimiser:
         self._best = objective.expected(trial)
         self._value: float | None = None
         self._situation = Situation()
+        self._failed: list[Trial] = []
+        """Trials that do not break it."""
         self._run: Run | None = None
         """The run of the smallest trial so far, unless it raised an error."""
 
@@ -68,14 +80,18 @@ class Minimiser:
         """Return the smallest trial found that still breaks the objective; None if it does not."""
         if not self._breaks(self._best, first=True):
             return None
-        self._end_early()
-        self._people()
-        self._machines()
-        if not self._proves_nothing:
-            self._jobs()
-        self._events()
-        self._of_people()
-        self._end_early()
+        before: Candidate = None
+        while self._best != before and self.runs < self._most:
+            before = self._best
+            self._end_early()
+            self._events()
+            self._people()
+            self._machines()
+            if not self._proves_nothing:
+                self._jobs()
+            self._keys_of_people()
+            self._keys_of_machines()
+            self._others()
         for digits in (0, 1, 2):
             self._round(digits)
         if self._best.seed:
@@ -85,10 +101,20 @@ class Minimiser:
 
     def _try(self, candidate: Candidate) -> bool:
         """Take a candidate if it still breaks the objective."""
-        if candidate is None or candidate == self._best or not self._breaks(candidate):
+        if candidate is None or candidate == self._best or candidate in self._failed:
+            return False
+        if not self._breaks(candidate):
+            self._failed.append(candidate)
             return False
         self._best = candidate
         return True
+
+    def _try_with(self, **entries: Any) -> bool:
+        """Take the trial with other entries, if it is one and still breaks the objective."""
+        try:
+            return self._try(replace(self._best, **entries))
+        except (UserError, ValueError, TypeError):
+            return False
 
     def _breaks(self, trial: Trial, *, first: bool = False) -> bool:
         """Return whether a trial breaks the objective as the first one did, and note its value."""
@@ -126,20 +152,20 @@ class Minimiser:
         return found
 
     def _end_early(self) -> None:
-        """Let the trial end soon after it is worst, if it says when that is."""
-        time = self._situation.time
-        if time is None:
-            self._halve_duration()
+        """Let the trial end soon after it breaks: at one of the times that its run says, if any."""
+        if self._proves_nothing:
             return
-        seconds = float(math.ceil(time + AFTER))
-        if seconds < self._best.duration and not self._proves_nothing:
-            self._try(lasting(self._best, seconds))
-
-    def _halve_duration(self) -> None:
-        """Let the trial end earlier by halves where it raised an error."""
-        while self._error and self._best.duration > 1.0:
-            if not self._try(lasting(self._best, float(math.ceil(self._best.duration / 2)))):
-                return
+        times = [] if self._run is None else self._objective.instants(self._run)
+        ends = sorted({float(math.ceil(time + AFTER)) for time in times})
+        ends = ends or [float(k) for k in range(1, math.ceil(self._best.duration))]
+        low, high = 0, len(ends)
+        while low < high:
+            middle = (low + high) // 2
+            seconds = ends[middle]
+            if seconds >= self._best.duration or self._try(lasting(self._best, seconds)):
+                high = middle
+            else:
+                low = middle + 1
 
     def _people(self) -> None:
         everybody = self._best.people
@@ -155,7 +181,8 @@ class Minimiser:
         for name in [*self._best.agvs]:
             self._remove_moves(name)
         for name in [*self._best.machines]:
-            self._try(replace(self._best, machines=_without(self._best.machines, name)))
+            fields = _without(self._best.fields, name)
+            self._try_with(machines=_without(self._best.machines, name), fields=fields)
 
     def _jobs(self) -> None:
         gantry = self._best.gantry
@@ -203,23 +230,47 @@ class Minimiser:
         for name in [*self._best.doors]:
             self._try(replace(self._best, doors=_without(self._best.doors, name)))
 
-    def _of_people(self) -> None:
-        """Leave out what makes the people left differ from everybody else."""
+    def _keys_of_people(self) -> None:
+        """Leave out keys of people: all but those that matter most, or else one by one."""
         for k, person in enumerate(self._best.people):
-            plain = PersonEntry(
-                name=person.name,
-                personality=person.personality,
-                at=person.at,
-                start=person.start,
-                recorded=person.recorded,
-                source=person.source,
-            )
-            if self._try(_with_person(self._best, k, plain)):
-                continue
-            for key in ("max_speed", "changes", "beliefs", "schedule", "breaks", "noticing"):
-                one = self._best.people[k]
-                changed = replace(one, **{key: getattr(plain, key)})
-                self._try(_with_person(self._best, k, changed))
+            plain = PersonEntry(name=person.name)
+            kept = {key: getattr(person, key) for key in OF_A_PERSON}
+            self._try(_with_person(self._best, k, replace(plain, **kept)))
+            for key in vars(plain):
+                changed = replace(self._best.people[k], **{key: getattr(plain, key)})
+                self._try_with(people=_with_person(self._best, k, changed).people)
+
+    def _keys_of_machines(self) -> None:
+        """Leave out keys of machines, and entries of their lists, but for what is tested."""
+        for name, entry in self._best.machines.items():
+            for key in [key for key in entry.keys if key not in TESTED]:
+                keys = self._best.machines[name].keys
+                if self._try_with(machines=self._machines_with(name, _without(keys, key))):
+                    continue
+                if key in LISTS:
+                    self._remove_from_list(name, key)
+
+    def _remove_from_list(self, name: str, key: str) -> None:
+        """Leave out entries of a list of a machine."""
+
+        def having(trial: Trial, kept: Sequence[Any]) -> Trial:
+            keys = {**trial.machines[name].keys, key: [*kept]}
+            return replace(trial, machines=self._machines_with(name, keys))
+
+        self._remove(lambda trial: trial.machines[name].keys[key], having)
+
+    def _machines_with(self, name: str, keys: Mapping[str, Any]) -> dict[str, MachineEntry]:
+        machines = self._best.machines
+        return {**machines, name: replace(machines[name], keys=dict(keys))}
+
+    def _others(self) -> None:
+        """Leave out the other keys of the trial and of the gantry."""
+        for name in ("work", "sources"):
+            self._try_with(**{name: {}})
+        self._try_with(workload=None)
+        self._try_with(warm_up=0.0)
+        self._try_with(planner=Scenario(self._best.floorplan).planner)
+        self._try_with(gantry=replace(self._best.gantry, at=None))
 
     def _remove_moves(self, agv: str) -> None:
         self._remove(

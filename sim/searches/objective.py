@@ -117,6 +117,19 @@ class Objective:
         x, y = run.motions[person].state_before(time).at
         return Situation(person, machine, time, round(x, 3), round(y, 3))
 
+    def instants(self, run: Run) -> list[float]:
+        """Return when what breaks it happened in a run, seconds, as far as that is known.
+
+        Of a figure that is made small this is the time of its value, and of an expectation, of a
+        count for example, these are the times of all that counts.
+        """
+        field = summary_fields(run.trial).get(self.slack) if self.slack else self._field(run.trial)
+        found = [] if field is None else field.instants(run)
+        if not self.slack:
+            return found[-1:]
+        time = self._verdict(run).time
+        return found or ([] if time is None else [time])
+
     def expected(self, trial: Trial) -> Trial:
         """Return `trial` that expects this objective alone, so that it fails by itself."""
         if self.minimise:

@@ -45,11 +45,11 @@ SMALL = 0.001
 WIDTH, HEIGHT = 8.0, 3.2
 """Inches of the chart of the objective."""
 
-PANEL = 1.5
-"""Inches of one pair in the grid of the coverage."""
+FEWEST_COLUMNS = 4
+"""Number of columns in the grid of the coverage, at least, so that letters keep their size."""
 
-LABEL = 11
-"""Points of the names in the coverage."""
+VALUES = 8
+"""Size of the values at the axes of the coverage, points."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def coverage_chart(results: SearchResults, pairs: list[CoveredPair]) -> str | No
 
     def draw(drawn: Figure) -> None:
         side = len(names) - 1
-        panels = drawn.subplots(side, side, squeeze=False)
+        panels = drawn.subplots(side, max(side, FEWEST_COLUMNS), squeeze=False)
         for axes in panels.flat:
             axes.set_axis_off()
         for pair in pairs:
@@ -149,15 +149,30 @@ def coverage_chart(results: SearchResults, pairs: list[CoveredPair]) -> str | No
             )
             x, y = np.nonzero(pair.least < below)
             axes.plot(x, y, "x", color=VERMILION, markersize=6, markeredgewidth=1.5)
-            axes.set_xticks([])
-            axes.set_yticks([])
+            axes.set_xticks([], [])
+            axes.set_yticks([], [])
             if row == side - 1:
-                axes.set_xlabel(pair.one.name, fontsize=LABEL)
+                axes.set_xticks(*_ticks(pair.one), fontsize=VALUES, rotation=90)
+                axes.set_xlabel(_in_lines(pair.one.name))
             if column == 0:
-                axes.set_ylabel(pair.other.name, fontsize=LABEL)
+                axes.set_yticks(*_ticks(pair.other), fontsize=VALUES)
+                axes.set_ylabel(_in_lines(pair.other.name))
 
-    side = PANEL * max(len(names) - 1, 1)
-    return page_chart("coverage", (side + 0.4, side + 0.4), draw) if pairs else None
+    side = max(len(names) - 1, 1)
+    height = side * WIDTH / max(side, FEWEST_COLUMNS) + 1.0
+    return page_chart("coverage", (WIDTH, height), draw) if pairs else None
+
+
+def _ticks(one: Dimension) -> tuple[list[float], list[str]]:
+    """Return places and labels at an axis: all values of a choice, or both ends of a range."""
+    if one.values:
+        return [*map(float, range(len(one.values)))], [short(value) for value in one.values]
+    return [-0.5, BINS - 0.5], [short(one.low), short(one.high)]
+
+
+def _in_lines(name: str) -> str:
+    """Return the name of a dimension with each part of its path on a line."""
+    return name.replace(".", ".\n")
 
 
 def write_report(results: SearchResults, path: Path) -> None:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from floorplan import UserError
@@ -152,17 +150,6 @@ def find_sampler(given: str | MakesSampler, folder: CodeFolder) -> MakesSampler:
         return SAMPLERS[given]
     found: MakesSampler = folder.find(given, SAMPLER).load()
     return found
-
-
-def source_of(sampler: MakesSampler) -> str:
-    """Return the text of the file that defines a sampler, so that a change is noticed."""
-    if sampler in SAMPLERS.values():
-        return ""
-    try:
-        file = inspect.getsourcefile(sampler)
-    except TypeError:  # an object that can be called
-        return ""
-    return Path(file).read_text(encoding="utf-8") if file else ""
 
 
 class Checked:

@@ -17,6 +17,7 @@ from ..core.custom_code import CodeFolder
 from ..record.output import folder_for, write_whole
 from ..runs.run import Run
 from ..simulation import Simulation
+from ..studies.code_files import digest_of_code, digest_of_source
 from ..studies.design import Study, derived_seed
 from ..studies.folder import RESULTS, StudyFolder, read_table, writing_to
 from ..studies.running import WorkerError, backend_of, left_of, without_noise
@@ -37,9 +38,9 @@ from .evaluations import (
 )
 from .minimising import Minimised, Minimiser
 from .objective import Objective
-from .report import shown, write_report
+from .report import rounded, shown, write_report
 from .results import Case, SearchProgress, SearchResults, least
-from .samplers import Checked, MakesSampler, find_sampler, source_of, told
+from .samplers import SAMPLER, SAMPLERS, Checked, MakesSampler, find_sampler, told
 from .space import Point, Space
 
 if TYPE_CHECKING:
@@ -109,12 +110,22 @@ class WorstCaseSearch:
                 raise UserError(f"cases of {trial.name!r} can't be saved in {path}: {fault}")
         return path
 
-    def identity(self, make: MakesSampler) -> dict[str, str]:
+    @property
+    def code(self) -> CodeFolder:
+        """The folder of the study's code."""
+        allowed = all(trial.own_code for trial in self.study.trials)
+        return CodeFolder(self.study.folder, allowed)
+
+    def identity(self) -> dict[str, str]:
         """Return the texts that decide the evaluations beside the study."""
         terms = [self.objective.minimise, self.objective.slack, self.sampler_name, self.batch]
-        text = json.dumps([*terms, self.random_share, STARTUP])
-        source = source_of(make)
-        return {"the search": text} | ({"the sampler": source} if source else {})
+        known = {"the search": json.dumps([*terms, self.random_share, STARTUP])}
+        if not isinstance(self.sampler, str):
+            return known | {"the sampler": digest_of_code(self.sampler)}
+        if self.sampler not in SAMPLERS:
+            source = self.code.find(self.sampler, SAMPLER)
+            return known | {"the sampler": digest_of_source(source)}
+        return known
 
 
 def search(
@@ -204,17 +215,17 @@ def run_search(
     progress: Report = lambda _: None,
 ) -> SearchResults:
     """Run a search; see `search`."""
-    code = CodeFolder(wanted.study.folder, all(trial.own_code for trial in wanted.study.trials))
-    make = find_sampler(wanted.sampler, code)
+    make = find_sampler(wanted.sampler, wanted.code)
     path = wanted.folder(out)
-    with StudyFolder(path, wanted.study, wanted.identity(make)) as folder:
+    with StudyFolder(path, wanted.study, wanted.identity()) as folder:
         tried: list[Evaluation] = []
         cases: tuple[Case, ...] = ()
         interrupted = False
         with backend_of(backend, jobs or os.cpu_count() or 1) as parallel:
             try:
                 tried.extend(_evaluated(wanted, make, folder, parallel, progress))
-                progress(SearchProgress(done=len(tried), best=least(tried), minimising=True))
+                if _worst(wanted, tried):
+                    progress(SearchProgress(done=len(tried), best=least(tried), minimising=True))
                 cases = _minimised(wanted, tried, path, parallel)
             except KeyboardInterrupt:
                 interrupted = True
@@ -436,9 +447,13 @@ def _saved(
 def _origin(wanted: WorstCaseSearch, case: Case) -> str:
     """Return comments that say where a minimised trial comes from, and how to see it."""
     evaluation = case.evaluation
-    what = evaluation.situation.error or f"{wanted.objective} {shown(evaluation)}"
+    assert case.minimised is not None and case.replay is not None
+    value = case.minimised.value
+    if value is None:
+        what = evaluation.situation.error
+    else:
+        what = f"{wanted.objective} {rounded(value)}, before minimising {shown(evaluation)}"
     found = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
-    assert case.replay is not None
     seen = f"Replay: {case.replay.name}. Film: {case.film}"
     return f"# Minimised from {found}:\n# {what}\n# {seen}\n"
 

@@ -219,7 +219,7 @@ class Comparison:
 
     def label_of(self, line: int) -> str:
         """Return the label of the group of a line of the table."""
-        return next((group.label for group in self.groups if line in group.rows), "identical")
+        return next(group.label for group in self.groups if line in group.rows)
 
 
 def factors(study: Study) -> list[str]:

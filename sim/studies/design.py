@@ -179,12 +179,12 @@ class Combination:
 class Design:
     """Trials × everything in the grid × `repeat`, with what is drawn at random for each.
 
-    A row's seed comes from the study's seed and the row's own parameters: neither the order of
-    rows nor what else is in the study matters. What is drawn depends on the repetition only, so
-    that all combinations meet the same draws and can be compared pair by pair (common random
-    numbers). With `metrics`, rows have those of social navigation as well. Files named in `grid`
-    and `random` are seen from `folder`. `search` are the keys of its worst-case search, if it has
-    any.
+    A row's seed comes from the study's seed and the row's own parameters but controllers: neither
+    the order of rows nor what else is in the study matters. What is drawn depends on the repetition
+    only, so that all combinations meet the same draws and can be compared pair by pair (common
+    random numbers), controllers in the same runs. With `metrics`, rows have those of social
+    navigation as well. Files named in `grid` and `random` are seen from `folder`. `search` are the
+    keys of its worst-case search, if it has any.
     """
 
     name: str
@@ -238,7 +238,9 @@ class Design:
         combination = self.combinations[index]
         chosen: dict[str, Value] = {"trial": combination.trial.name}
         chosen |= {what.name: one for what, one in zip(self.grid, combination.values, strict=True)}
-        seed = derived_seed("run", self.seed, list(chosen.items()), repetition)
+        compared = {what.name for what in self.grid if what.is_controller}
+        decisive = [(name, one) for name, one in chosen.items() if name not in compared]
+        seed = derived_seed("run", self.seed, decisive, repetition)
         trial = replace(combination.trial, seed=seed)
         drawn: dict[str, Value] = {}
         for what, distribution in self.random.items():

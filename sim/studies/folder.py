@@ -1,115 +1,27 @@
-"""Folder of a study: its definition, and its table of results with digests."""
+"""Folder of a study: its table of results with digests."""
 
 from __future__ import annotations
 
 import csv
 import errno
 import hashlib
-import inspect
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
 from functools import partial
-from importlib.metadata import version
 from itertools import takewhile
 from pathlib import Path
 from typing import IO, Any
 
-from shapely.geometry.base import BaseGeometry
-
 from floorplan import InputError, UserError
 from floorplan.files.reading import read_text
-from floorplan.model import LEFT_OUT_IF_EMPTY
 
-from ..core.entries import RecordedTrack
-from ..core.scenario import PersonalityChange, PersonEntry
-from ..machines.gantry.controllers import controller_source, find_controller
-from ..machines.kinds import is_own, own_kind
-from ..people.crowd.custom_steering import BASELINES, STEERING
-from ..people.programs import load_program, modules_of, planner_of, planner_source, sources_of
-from ..people.tracks.recorded_walks import files_of
 from ..record.outcome import csv_line
 from ..record.output import OutputError, replacing, write_whole, writing
 from ..record.scene_file import LARGEST_OF_ALL, parse_json
-from ..trials.trial import Trial
 from .design import Study
-
-
-def identity(study: Study) -> dict[str, str]:
-    """Digests of all that decides the results of `study`, by what it is."""
-    found = {"floorwalker": version("floorwalker"), "the study": _digest(_definition(study))}
-    for trial in study.trials:
-        found[f"the trial {trial.name}"] = _digest(trial.to_yaml(trial.folder))
-    for combination in study.combinations:
-        found |= dict(_parts(combination.trial))
-    return found
-
-
-def _definition(study: Study) -> str:
-    parts = [
-        [trial.name for trial in study.trials],
-        [[what.name, values] for what, values in study.grid.items()],
-        [[what.name, repr(distribution)] for what, distribution in study.random.items()],
-        study.repeat,
-        study.seed,
-        study.metrics,
-    ]
-    return json.dumps(parts)
-
-
-def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
-    """Return what a trial names and doesn't contain: floorplan, programs, orders, controller."""
-    plan = trial.floorplan
-    empty = {name for name in LEFT_OUT_IF_EMPTY if not getattr(plan, name)}
-    facts = {k: value for k, value in asdict(plan).items() if k not in {"notices", *empty}}
-    yield f"the floorplan {plan.name}", _digest(json.dumps(facts, default=_wkt))
-    for person in trial.people:
-        modules = modules_of(person.actions, trial.actions)
-        named: list[PersonEntry | PersonalityChange] = [person, *person.changes]
-        for one in named:
-            program = load_program(one.personality, trial.code_folder, modules)
-            yield f"the program {one.personality_name}", _digest(str(program))
-            if program is not None:
-                for module in sources_of(program, modules, trial.code_folder):
-                    text = module.file.read_text(encoding="utf-8")
-                    yield f"the actions {module.module}", _digest(text)
-        if isinstance(person.recorded, RecordedTrack):
-            track = hashlib.sha256()
-            for part in files_of(trial.folder / person.recorded.file):
-                track.update(part.read_bytes())
-            yield f"the track {person.recorded.file}", track.hexdigest()[:16]
-        choice = planner_of(person, trial)
-        source = planner_source(choice, trial.code_folder)
-        if source is not None:
-            yield f"the planner {choice.name}", _digest(source.file.read_text(encoding="utf-8"))
-    if trial.steering is not None and trial.steering not in BASELINES:
-        source = trial.code_folder.find(trial.steering, STEERING)
-        yield f"the steering {trial.steering}", _digest(source.file.read_text(encoding="utf-8"))
-    if trial.workload is not None:
-        yield f"the orders of {trial.name}", _digest(repr(trial.workload))
-    controller = trial.gantry.controller
-    folder = trial.code_folder
-    own = controller_source(controller, folder)
-    file = own.file if own else inspect.getsourcefile(find_controller(controller, folder))
-    if file is not None:
-        name = trial.gantry.controller_name
-        yield f"the controller {name}", _digest(Path(file).read_text(encoding="utf-8"))
-    for name, entry in trial.machines.items():
-        if is_own(entry):
-            kind = own_kind(entry, trial.code_folder).file.read_text(encoding="utf-8")
-            yield f"the machine {name}", _digest(kind)
-
-
-def _digest(text: str) -> str:
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _wkt(value: object) -> str:
-    assert isinstance(value, BaseGeometry)  # all else in a floorplan is plain
-    return str(value.wkt)
-
+from .identity import digest, identity
 
 RESULTS = "results.csv"
 """One line for each row."""
@@ -133,7 +45,7 @@ class StudyFolder:
     ) -> None:
         self.path = Path(path)
         self._study = study
-        self._others = {name: _digest(text) for name, text in (others or {}).items()}
+        self._others = {name: digest(text) for name, text in (others or {}).items()}
         self._lock: IO[bytes] | None = None
 
     def __enter__(self) -> StudyFolder:

@@ -218,6 +218,7 @@ def write_report(results: StudyResults, path: Path) -> None:
 def measures_shown(compared: Comparison) -> dict[str, Any]:
     """Return what `measures.html` shows: what varies, with its digits, what not, and contrasts."""
     constant = {measure: compared.constant(measure) for measure in compared.spreads}
+    with_effects = (one for one in contrasts(compared) if any(one.effects.values()))
     return {
         "compared": compared,
         "varying": {
@@ -230,7 +231,7 @@ def measures_shown(compared: Comparison) -> dict[str, Any]:
             for measure, value in constant.items()
             if value is not None
         ],
-        "contrasts": [*itertools.islice(contrasts(compared), MOST_CONTRASTS)],
+        "contrasts": [*itertools.islice(with_effects, MOST_CONTRASTS)],
         "most_contrasts": MOST_CONTRASTS,
     }
 
@@ -248,12 +249,13 @@ def _remarkable(
 ) -> Iterator[Remarkable]:
     """Yield the rows with extreme values, each once."""
     named: set[int] = set()
+    counted = {k for group in compared.groups for k in group.rows}  # no identical repeats
     for measure in compared.spreads:
         values = measure.values(columns)
         if not measure.worst or values is None or compared.constant(measure) is not None:
             continue
         order = np.argsort(measure.worst * values, kind="stable")
-        fresh = [k for k in order.tolist() if k not in named and values[k] == values[k]]
+        fresh = [k for k in order.tolist() if k in counted - named and values[k] == values[k]]
         for k in fresh[:STANDING_OUT]:
             named.add(k)
             unit = f" {measure.unit}" if measure.unit else ""

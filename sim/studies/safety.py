@@ -9,8 +9,10 @@ import math
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +59,8 @@ from ..views.safety_page import (
 from ..views.safety_run_report import about, laws_of, run_report, software
 from .comparison import Comparison, Measure, StudyResults, Trend, sensitivities, spread
 from .design import Study
-from .folder import RESULTS, identity
+from .folder import RESULTS
+from .identity import digest, identity, parts
 from .report import measures_shown, sensitivity_chart
 from .running import of_rows
 
@@ -199,6 +202,7 @@ def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
         "on_floor": math.fsum(one.on_floor for one in rows),
         "near": math.fsum(one.near for one in rows),
         "count": count,
+        "contacts": sum(int(n) for n in results.columns.get("contacts", ()) if n is not None),
         "share_with_violation": _interval([float(one.count > 0) for one in rows]),
         "worst": found.worst,
         "expects": any(trial.expect for trial in study.trials),
@@ -416,11 +420,9 @@ def _of_run(source: Recorded, warm_up: float | None, sign_off: SignOff) -> dict[
     if not isinstance(source, Run):
         return run_report(source, None, digests=digests, warm_up=warm_up, sign_off=sign_off)
     trial = source.trial
-    try:
-        known = identity(Study(trial.name, (trial,)))
-    except ValueError:  # put together in Python, from what came from no file
-        known = {}
-    digests = {what: known[what] for what in known if what != "the study"} | digests
+    with suppress(ValueError):  # put together in Python, from what came from no file
+        digests = {f"the trial {trial.name}": digest(trial.to_yaml(trial.folder))} | digests
+    digests = {"floorwalker": version("floorwalker")} | parts([trial]) | digests
     verdicts = [(_with_slack(one), one.met) for one in source.verdicts]
     return run_report(
         source, trial, digests=digests, verdicts=verdicts, warm_up=warm_up, sign_off=sign_off

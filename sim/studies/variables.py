@@ -18,8 +18,7 @@ from ..core.custom_code import CodeFolder
 from ..core.entries import Start, is_number
 from ..core.scenario import Job, PersonEntry
 from ..core.stage import MachineEntry
-from ..machines.gantry.controllers import controller_source
-from ..machines.kinds import keys_of
+from ..machines.kinds import keys_of, with_controller
 from ..people.programs import planner_source
 from ..trials.building import lasting
 from ..trials.rules_file import find_rules
@@ -140,6 +139,11 @@ class Variable:
     kind: str
     whose: str = ""
 
+    @property
+    def is_controller(self) -> bool:
+        """Whether its values are controllers."""
+        return self.kind == "controller" or self.whose.endswith(".controller")
+
     def put(
         self, trial: Trial, value: Value, folder: Path, others: Iterable[Variable] = ()
     ) -> Trial:
@@ -201,8 +205,7 @@ def _start_time(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
 
 
 def _controller(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
-    controller_source(_text(value), trial.code_folder)
-    return replace(trial, gantry=replace(trial.gantry, controller=value))
+    return with_controller(trial, _text(value))
 
 
 def _gantry_at(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:

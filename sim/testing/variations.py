@@ -17,6 +17,7 @@ from floorplan import UserError
 from ..core.custom_code import CodeFolder
 from ..core.rules import RULE_SETS, RuleSet
 from ..machines.gantry.controllers import CONTROLLERS, controller_source
+from ..machines.kinds import with_controller
 from ..people.programs import EXTERNAL, find_program
 from ..trials.rules_file import find_rules
 from ..trials.trial import Trial, builtin_trials
@@ -168,7 +169,7 @@ def _controller(value: Any, place: CodeFolder) -> Change:
     def change(trial: Trial) -> Trial:
         # One that is named is looked up beside the test, as trials look beside themselves.
         home = trial.folder if callable(given) or given in CONTROLLERS else place.path
-        return replace(trial, folder=home, gantry=replace(trial.gantry, controller=given))
+        return with_controller(replace(trial, folder=home), given)
 
     return change
 

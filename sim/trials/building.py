@@ -25,12 +25,13 @@ from ..machines.controllers import ControllerError
 from ..machines.gantry.controllers import controller_source
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
-from ..people.crowd.custom_steering import BASELINES
 from ..people.programs import load_program, modules_of
+from ..people.tracks.recorded_walks import bodies_of
 from .checks import faults
 from .feasibility import people_fault
 from .field_checks import field_slips
 from .keys import TrialKeys, begins_in, commanded
+from .reachability import unreachable_stations
 from .rules_file import build_rules
 from .writing import out_of_reach
 
@@ -91,8 +92,9 @@ def likely_slips(trial: Scenario, document: Document) -> tuple[Problem, ...]:
     """
     faults = [*_laws(trial, document.data.get("rules")), *_places(trial, document.data)]
     entries = document.data.get("people") or ()
-    faults += [*_sinks(trial, entries), *_speeds(entries), *_far_laws(trial), *_sampling(trial)]
+    faults += [*_sinks(trial, entries), *_speeds(entries), *_far_laws(trial)]
     faults += [(message, ("fields", *place)) for message, place in field_slips(trial)]
+    faults += unreachable_stations(trial)
     return tuple(document.problem(message, *place) for message, place in faults)
 
 
@@ -123,13 +125,6 @@ def _far_laws(trial: Scenario) -> Iterator[Fault]:
     for key, metres in far_laws(trial).items():
         message = f"{key} asks for {metres:,.0f} m, far more than the floor is long"
         yield f"{message}; its terms are in seconds and metres", ("rules", *key.split("."))
-
-
-def _sampling(trial: Scenario) -> Iterator[Fault]:
-    """Yield that a baseline is sampled, if the trial has one."""
-    if trial.steering in BASELINES:
-        message = "is sampled at a fixed step, not exact: people may overlap"
-        yield f"{trial.steering} {message}", ("steering",)
 
 
 def _sinks(trial: Scenario, entries: Iterable[dict[str, Any]]) -> Iterator[Fault]:
@@ -179,6 +174,7 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
     moves = sum(number_of(agv.moves, schema.duration) for agv in schema.agvs.values())
     if moves > MOST_MOVES:
         lanes = {}  # so that they stay as given, to be refused
+    people = people_of(schema, folder)
     rules, rule_problems = build_rules(schema.rules, document, replace(code, path=folder), "rules")
     alike = {key.name for key in fields(Scenario)} & TrialKeys.model_fields.keys()
     given: dict[str, Any] = {name: getattr(schema, name) for name in alike}
@@ -186,7 +182,7 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
         "floorplan": plan,
         "name": name,
         "rules": rules,
-        "people": people_of(schema, folder),
+        "people": tuple(person for many in people for person in many),
         "agvs": {
             name: agv.moves_until(schema.duration, lanes.get(name))
             for name, agv in schema.agvs.items()
@@ -204,7 +200,8 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
         trial = _with_orders(trial, schema, schema.ariac, document)
     if isinstance(schema.commands, str):
         trial = commanded(trial, _named_file(folder, schema.commands, document, "commands"))
-    problems = [*rule_problems, *_problems(trial, document)]
+    owners = [k for k, many in enumerate(people) for _ in many]
+    problems = [*rule_problems, *_problems(trial, document, owners)]
     if fault := out_of_reach(trial, code.path):
         problems.append(document.problem(fault, "folder"))
     if problems:
@@ -261,12 +258,15 @@ def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document)
     )
 
 
-def people_of(schema: TrialKeys, folder: Path) -> tuple[PersonEntry, ...]:
-    """Return the people, with the programs found from `folder`; one that isn't there is left open.
+def people_of(schema: TrialKeys, folder: Path) -> list[list[PersonEntry]]:
+    """Return the people of each entry, with programs from `folder`; a missing one is left open.
 
     Each program is read once, however many people run it.
     """
-    people = tuple(person for keys in schema.people for person in keys.values())
+    people = [
+        [one for person in keys.values() for one in bodies_of(person, folder)]
+        for keys in schema.people
+    ]
     named = [
         (personality, keys.actions)
         for keys in schema.people
@@ -308,9 +308,14 @@ def _floorplan(
     return floorplan.load(path)
 
 
-def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
-    """Yield what keys and types can't show: that something a trial names isn't there."""
-    found = (document.problem(text, *_in_file(at, document.data)) for text, at in faults(trial))
+def _problems(trial: Scenario, document: Document, owners: list[int]) -> Iterator[Problem]:
+    """Yield what keys and types can't show: that something a trial names isn't there.
+
+    `owners` are the numbers of the entries of people in the file.
+    """
+    found = (
+        document.problem(text, *_in_file(at, document.data, owners)) for text, at in faults(trial)
+    )
     yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
     if trial.floorplan.gantry is not None:
         try:
@@ -319,7 +324,7 @@ def _problems(trial: Scenario, document: Document) -> Iterator[Problem]:
             yield document.problem(str(why), "gantry", "controller")
 
 
-def _in_file(place: Place, data: Any) -> Place:
+def _in_file(place: Place, data: Any, owners: list[int]) -> Place:
     """Return the place in the file: moves and tasks may have a key, and an entry be many people."""
     match place:
         case ("agvs", name, int(k), key) if not isinstance(data["agvs"][name], list):
@@ -327,10 +332,5 @@ def _in_file(place: Place, data: Any) -> Place:
         case ("work", name, "tasks", *key) if isinstance(data["work"][name], list):
             return ("work", name, *key)
         case ("people", int(k), *key) if isinstance(data.get("people"), list):
-            counts = [
-                entry.get("count") or (entry.get("source") or {}).get("count") or 1
-                for entry in data["people"]
-            ]
-            owners = [n for n, count in enumerate(counts) for _ in range(count)]
             return ("people", owners[k], *key)
     return place

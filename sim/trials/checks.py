@@ -33,9 +33,9 @@ from ..core.scenario import (
 from ..machines.gantry.model import GantryModel
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import machine_faults, on_floor
-from ..people.crowd.custom_steering import BASELINES, STEERING, SteeringError
+from ..people.crowd.custom_steering import STEERING, SteeringError
 from ..people.programs import EXTERNAL, find_program, modules_of, planner_source, sources_of
-from ..people.tracks.recorded_walks import track_faults
+from ..people.tracks.recorded_walks import track_faults, with_everybody
 from .expectations import expectation_problems
 from .feasibility import (
     budget_faults,
@@ -58,6 +58,7 @@ from .names import (
     people,
     stations,
 )
+from .reachability import unreachable_goals
 
 LARGEST_SEED = 2**63 - 1
 """Seeds of 63 bits are what studies draw, and what every table and recording can hold."""
@@ -102,11 +103,13 @@ def faults(trial: Scenario) -> Iterator[Fault]:
     """Yield everything about `trial` that can't be; its controller is not looked for.
 
     That it asks for too much of something comes alone: with so much of it, all else would take
-    long.
+    long. Goals out of reach are proved on a floor and with names that are correct.
     """
-    if over := [*budget_faults(trial)]:
-        yield from over
-        return
+    yield from [*budget_faults(trial)] or [*_entry_faults(trial)] or unreachable_goals(trial)
+
+
+def _entry_faults(trial: Scenario) -> Iterator[Fault]:
+    """Yield what can't be about the entries of a trial."""
     if fault := name_fault(trial.name):
         yield fault, ("name",)
     yield from _size(trial.duration, "duration")
@@ -125,7 +128,8 @@ def faults(trial: Scenario) -> Iterator[Fault]:
         if person.name in taken:
             yield f"another body is called {person.name!r} already", ("people", k, "name")
         taken.add(person.name)
-    if trial.steering is not None and trial.steering not in BASELINES:
+    yield from track_faults(with_everybody(trial))
+    if trial.steering is not None:
         try:
             trial.code_folder.find(trial.steering, STEERING)
         except SteeringError as why:
@@ -189,8 +193,6 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
     yield from range_faults(person)
     if person.recorded is None:
         yield from _place_faults(person, trial)
-    for message in track_faults(person, trial):
-        yield message, ("recorded",)
     yield from _coming_faults(person, trial)
     if person.agent_lag is not None and person.personality == EXTERNAL:
         message = "a person controlled from outside has no agent; omit it"
@@ -276,7 +278,7 @@ def _group_faults(trial: Scenario) -> Iterator[Fault]:
 
 def _crowding(trial: Scenario) -> Iterator[Fault]:
     """Yield that there are more people than the floor has room for."""
-    there = [person for person in trial.people if person.source is None]
+    there = [one for one in trial.people if one.source is None and one.recorded is None]
     if len(there) < 2:
         return
     plan = trial.floorplan
@@ -368,3 +370,4 @@ def _floor_faults(trial: Scenario) -> Iterator[Fault]:
     for name, model in models.items():
         place = (GANTRY,) if name == GANTRY else ("agvs", name)
         yield from _below(model.faults(plan, vehicles), *place)
+        yield from _below(model.place_faults(name, plan), *place)

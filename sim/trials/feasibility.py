@@ -21,7 +21,6 @@ from ..core.entries import COMMANDS, Command
 from ..core.scenario import PersonEntry, Scenario, spot
 from ..core.schedule import ClockTime, Interval, WorkTask, as_given, times_until
 from ..core.stage import Closures
-from ..machines.agv.agv import last_before, part_behind, part_within
 from ..machines.agv.model import MOST_MOVES, number_of
 from ..machines.kinds import moves_of
 from .names import checked_name, machines, people, stations
@@ -182,7 +181,7 @@ def _interval_faults(spans: Sequence[Interval], trial: Scenario) -> Iterator[tup
 
 
 def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield who starts where nobody can be then, or would never get where they are to go."""
+    """Yield who starts where nobody can be then."""
     plan = trial.floorplan
     height = plan.human.height
     there = Closures(plan, trial.doors, trial.obstacles).at(0.0).values()
@@ -195,26 +194,6 @@ def closed_place_faults(trial: Scenario) -> Iterator[Fault]:
         for one in there:
             if one.overlaps(0.0, height) and one.footprint.distance(at) < radius:
                 yield f"{place} is in {one.name}, which is there then", ("people", k, "at")
-    for lane in plan.lanes:
-        at_q = lane.locations.get(lane.start, 0.0)
-        for k, move in enumerate(trial.agvs.get(lane.name, ())):
-            try:
-                to = lane.lane_position(move.to)
-            except UserError:
-                break  # told already; where the lane goes on from is not known
-            for zone in plan.zones:
-                if not (zone.forbidden and zone.is_about(lane.name)):
-                    continue
-                part = part_within(lane, zone.area)
-                if part is not None and last_before(part, at_q, to) is not None:
-                    message = f"leads into the zone {zone.name!r}, forbidden to {lane.name}"
-                    yield message, ("agvs", lane.name, k, "to")
-            for gate in plan.one_ways:
-                part = part_behind(lane, gate, at_q, to) if gate.is_about(lane.name) else None
-                if part is not None and last_before(part, at_q, to) is not None:
-                    message = f"leads through the gate {gate.name!r} against its direction"
-                    yield message, ("agvs", lane.name, k, "to")
-            at_q = to
 
 
 def command_faults(trial: Scenario) -> Iterator[Fault]:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import NamedTuple
 
 from shapely.geometry import Polygon
 
 from floorplan import UserError
 from floorplan.files.problems import Fault
 from floorplan.files.values import range_faults
-from navigation import FieldGap, ProtectiveFields, short_fields
+from navigation import FieldGap, ProtectiveFields, VehicleLimits, short_fields
+from navigation.field_lengths import directions, limits_along, velocities
+from navigation.machines import AxisLimits
 
 from ..core.fields import MachineFields
 from ..core.scenario import Scenario
@@ -61,52 +66,84 @@ def field_slips(trial: Scenario) -> Iterator[Fault]:
     """
     models = models_of(trial, own=False) if trial.fields else {}
     for name, fields in trial.fields.items():
-        if name in models:
-            yield from ((said, (name, "sets")) for said in _gaps(fields, models[name], trial, name))
-            yield from (
-                (said, (name, *at)) for said, at in _short(fields, models[name], trial, name)
-            )
-
-
-def _gaps(fields: MachineFields, model: MachineModel, trial: Scenario, name: str) -> Iterator[str]:
-    """Yield the speeds to which no field set applies, in words."""
-    top = model.shape(name, trial.floorplan).top_speed
-    has_directions = fields.sets[0].direction is not None
-    linear = (0.0 if has_directions else -top, top)
-    for loaded in _loads(model):
-        sets = [one for one in fields.sets if one.fits_load(loaded)]
-        of_load = " with load" if loaded else ""
-        if not sets:
-            yield f"no field set applies{of_load or ' without load'}, so the machine never moves"
+        if name not in models or (limits := field_limits(models[name], trial.floorplan)) is None:
             continue
-        known = ProtectiveFields(sets=tuple(sets))
-        gaps = [gap for gap in known.gaps(linear) if gap.loaded == loaded]
-        if isinstance(model, AmrModel):
-            turn = model.limits.turn_speed
-            on_the_spot = known.gaps(AT_REST, (-turn, turn))
-            gaps += [gap for gap in on_the_spot if gap.loaded == loaded and gap not in gaps]
-        for gap in gaps:
-            yield f"no field set applies to {_words(gap)}{of_load}, so the machine stops there"
+        model, shape = models[name], models[name].shape(name, trial.floorplan)
+        # A gantry drives along the axes of the floor, so that its heading may be any diagonal.
+        top = shape.top_speed if isinstance(model, GantryModel) else None
+        machine = _Machine(model, limits, shape.footprint((0.0, 0.0), 0.0), top)
+        for said, place in (*machine.gaps(fields), *machine.faulty_sets(fields)):
+            yield said, (name, "sets", *place)
 
 
-def _short(
-    fields: MachineFields, model: MachineModel, trial: Scenario, name: str
-) -> Iterator[Fault]:
-    """Yield the field sets that do not reach as far as the machine gets before it stands."""
-    limits = field_limits(model, trial.floorplan)
-    if limits is None:
-        return
-    footprint = model.shape(name, trial.floorplan).footprint((0.0, 0.0), 0.0)
-    places = {one.name: k for k, one in enumerate(fields.sets)}
-    for short in short_fields(fields.protective, footprint, limits):
-        yield str(short), ("sets", places[short.set], "protective")
+class _Machine(NamedTuple):
+    """A machine with fields: `diagonal` is its top speed (m/s) if it has that in any direction."""
 
+    model: MachineModel
+    limits: VehicleLimits | AxisLimits
+    footprint: Polygon
+    diagonal: float | None
 
-def _loads(model: MachineModel) -> tuple[bool, ...]:
-    """Return whether a machine may be loaded, and whether it may not be."""
-    if isinstance(model, AmrModel):
-        return (model.load is not None,)
-    return (False, True) if isinstance(model, GantryModel) else (False,)
+    @property
+    def loads(self) -> tuple[bool, ...]:
+        """Whether the machine may be loaded, and whether it may not be."""
+        if isinstance(self.model, AmrModel):
+            return (self.model.load is not None,)
+        return (False, True) if isinstance(self.model, GantryModel) else (False,)
+
+    @property
+    def directions(self) -> tuple[float, ...] | None:
+        """The directions of travel, rad, or None for all."""
+        holonomic = isinstance(self.limits, VehicleLimits) and self.limits.holonomic
+        return None if holonomic else (0.0, math.pi)
+
+    def ranges(self, fields: MachineFields) -> tuple[Range, Range]:
+        """Return the machine's speeds and turn rates, as the field sets measure them."""
+        (low, high), theta = velocities(self.limits, fields.sets[0])
+        if self.diagonal is not None:
+            low, high = math.copysign(self.diagonal, low) if low else 0.0, self.diagonal
+        return (low, high), theta
+
+    def gaps(self, fields: MachineFields) -> Iterator[Fault]:
+        """Yield the velocities to which no field set applies, in words."""
+        linear, theta = self.ranges(fields)
+        for loaded in self.loads:
+            sets = [one for one in fields.sets if one.fits_load(loaded)]
+            of_load = " with load" if loaded else ""
+            if not sets:
+                words = of_load or " without load"
+                yield f"no field set applies{words}, so the machine never moves", ()
+                continue
+            known = ProtectiveFields(sets=tuple(sets))
+            gaps = [*known.gaps(linear, directions=self.directions)]
+            if isinstance(self.model, AmrModel):
+                gaps += [gap for gap in known.gaps(AT_REST, theta) if gap not in gaps]
+            for gap in map(self.possible, gaps):
+                if gap is not None and gap.loaded == loaded:
+                    words = _words(gap) + of_load
+                    yield f"no field set applies to {words}, so the machine stops there", ()
+
+    def possible(self, gap: FieldGap) -> FieldGap | None:
+        """Return the velocities of a gap that the machine has in its directions, if any."""
+        if gap.direction is None or self.diagonal is not None:
+            return gap
+        axes = [limits_along(self.limits, a) for a in directions(self.limits, *gap.direction)]
+        top = max((axis.max_speed for axis in axes if axis is not None), default=0.0)
+        (low, high) = gap.linear
+        return None if low >= top else gap._replace(linear=(low, min(high, top)))
+
+    def faulty_sets(self, fields: MachineFields) -> Iterator[Fault]:
+        """Yield the sets that never apply, and those too short for the machine's stops."""
+        ranges = self.ranges(fields)
+        for k, each in enumerate(fields.sets):
+            alone = ProtectiveFields(sets=(each,)).remaining(each.name, *ranges, self.loads)
+            if alone and not fields.protective.remaining(each.name, *ranges, self.loads):
+                yield f"the set {each.name!r} never applies: sets before it fit first", (k,)
+        sets = {each.name: k for k, each in enumerate(fields.sets)}
+        fit = tuple(one for one in fields.sets if any(map(one.fits_load, self.loads)))
+        known = replace(fields.protective, sets=fit) if fit else None
+        for short in short_fields(known, self.footprint, self.limits) if known else ():
+            yield str(short), (sets[short.set], "protective")
 
 
 def _words(gap: FieldGap) -> str:
@@ -115,5 +152,7 @@ def _words(gap: FieldGap) -> str:
     if gap.theta != AT_REST:
         speed += f" at {gap.theta[0]:g} to {gap.theta[1]:g} rad/s"
     if gap.direction is not None:
-        speed += f" in directions from {gap.direction[0]:.3g} to {gap.direction[1]:.3g}"
+        first, last = gap.direction
+        among = f"s from {first:.3g} to {last:.3g}" if first < last else f" {first:.3g}"
+        speed += f" in direction{among}"
     return speed

@@ -152,6 +152,9 @@ class PersonKeys(PersonEntry):
     @model_validator(mode="wrap")
     @classmethod
     def _fit_together(cls, keys: Any, read: Any) -> Any:
+        recorded = keys.get("recorded") if isinstance(keys, dict) else None
+        if isinstance(recorded, dict) and recorded.get("everybody"):
+            keys = {"name": "person", **keys}
         made = read(keys)
         if not isinstance(keys, dict):
             return made

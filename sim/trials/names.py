@@ -16,7 +16,6 @@ from ..core.scenario import Scenario
 from ..machines.gantry.controllers import CONTROLLERS
 from ..machines.gantry.tasks import fixed_places
 from ..machines.kinds import KINDS, is_own, kind_name, on_floor
-from ..people.crowd.custom_steering import BASELINES
 from ..safety.laws import own_laws
 
 MOST_NAMED = 12
@@ -151,7 +150,7 @@ def own_names(trial: Scenario) -> Iterator[str]:
         yield trial.gantry.controller_name
     planners = (trial.planner, *(person.planner for person in trial.people))
     yield from dict.fromkeys(one.name for one in planners if one is not None and one.is_own)
-    if trial.steering is not None and trial.steering not in BASELINES:
+    if trial.steering is not None:
         yield trial.steering
     modules = (trial.actions, *(person.actions for person in trial.people))
     yield from dict.fromkeys(name for name in modules if name is not None)

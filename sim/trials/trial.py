@@ -53,7 +53,7 @@ class Trial(Scenario):
     yielding : frozenset of str, optional
         Names of the AGVs that yield to people.
     steering : str, optional
-        Steering of all people: `social_force`, `orca`, or a custom one as `module:Class`.
+        Custom steering of all people as `module:Class`.
     actions : str, optional
         Module beside the trial with internal actions for all people.
     machines : dict of str to MachineEntry, optional

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,17 @@ from navigation.catalog import PlannerChoice
 
 from ..core.entries import Command, Start, Workload
 from ..core.fields import keys_of_set
-from ..core.scenario import USUAL_PLANNER, Job, PersonalityChange, PersonEntry, Scenario
+from ..core.scenario import (
+    USUAL_PLANNER,
+    Job,
+    PersonalityChange,
+    PersonEntry,
+    Scenario,
+    controller_name,
+)
 from ..core.schedule import Duration, TimedObstacle
 from ..core.stage import MachineEntry
+from ..machines.amr.controllers import VEHICLE_CONTROLLERS
 from ..machines.gantry.controllers import CONTROLLERS
 from ..machines.kinds import KINDS
 from ..people.programs import written_personality
@@ -65,12 +73,18 @@ def _trial(trial: Scenario) -> Data:
         "floorplan": _floorplan(trial),
         "rules": written_rules(trial.rules),
         "planner": None if trial.planner == USUAL_PLANNER else _value(trial.planner, trial),
-        "gantry": _value(replace(trial.gantry, controller=_controller(trial)), trial),
+        "gantry": _value(
+            replace(
+                trial.gantry,
+                controller=_controller(trial.gantry.controller, "gantry", trial),
+            ),
+            trial,
+        ),
         "agvs": {
             name: _agv(trial, name)
             for name in (*trial.agvs, *sorted(trial.yielding - {*trial.agvs}))
         },
-        "machines": {name: _machine(name, entry) for name, entry in trial.machines.items()},
+        "machines": {name: _machine(name, entry, trial) for name, entry in trial.machines.items()},
         "until_submitted": trial.until_submitted or None,
         "obstacles": {one.obstacle.name: _value(one, trial) for one in trial.obstacles},
         "warm_up": trial.warm_up or None,
@@ -168,11 +182,14 @@ def _agv(trial: Scenario, name: str) -> Any:
     return {"yield": True, "moves": moves} if name in trial.yielding else moves
 
 
-def _machine(name: str, entry: MachineEntry) -> Data:
+def _machine(name: str, entry: MachineEntry, trial: Scenario) -> Data:
     known = [kind for kind, model in KINDS.items() if entry.kind in (kind, model)]
     if not (known or isinstance(entry.kind, str)):
         raise UserError(f"the machine {name!r} can't be written: give its kind by name")
-    return {"kind": known[0] if known else entry.kind, **entry.keys}
+    keys = dict(entry.keys)
+    if callable(keys.get("controller")):
+        keys["controller"] = _controller(keys["controller"], "vehicle", trial)
+    return {"kind": known[0] if known else entry.kind, **keys}
 
 
 def _planner(choice: PlannerChoice, trial: Scenario) -> Any:
@@ -182,15 +199,14 @@ def _planner(choice: PlannerChoice, trial: Scenario) -> Any:
     return {"name": name, **dict(choice.parameters)} if choice.parameters else name
 
 
-def _controller(trial: Scenario) -> str:
-    """Return the name of the controller in a file. Raises `ValueError` if it has none."""
-    controller = trial.gantry.controller
+def _controller(controller: str | Callable[[Any], Any], whose: str, trial: Scenario) -> str:
+    """Return the name of a controller in a file. Raises `ValueError` if it has none."""
     if isinstance(controller, str):
         return controller
-    builtin = [name for name, known in CONTROLLERS.items() if known is controller]
-    if builtin:
-        return builtin[0]
-    return _found_again(controller, trial.gantry.controller_name, "gantry controller", trial)
+    for name, builtin in (*CONTROLLERS.items(), *VEHICLE_CONTROLLERS.items()):
+        if builtin is controller:
+            return name
+    return _found_again(controller, controller_name(controller), f"{whose} controller", trial)
 
 
 def _found_again(made: Any, name: str, kind: str, trial: Scenario) -> str:

@@ -127,6 +127,7 @@ def _write(path: Path, template: str, values: Mapping[str, Any]) -> None:
         "incident_rows": incident_rows,
         "kind": lambda law: type(law).__name__,
         "metres": metres,
+        "minus_signs": _minus_signs,
         "signed": signed,
     }
     shared = {"titles": [], "infinity": math.inf, "moment": MOMENT, "cell": CELL}
@@ -136,6 +137,11 @@ def _write(path: Path, template: str, values: Mapping[str, Any]) -> None:
 def _anchor(title: str) -> str:
     """Return the name of a section in links."""
     return re.sub(r"\W+", "-", title.lower()).strip("-")
+
+
+def _minus_signs(cell: Any) -> Any:
+    """Return a text with a minus sign before each negative number. Other values stay the same."""
+    return re.sub(r"(?<![\w-])-(?=[\d.])", "−", cell) if type(cell) is str else cell
 
 
 def _in_css(text: str) -> str:

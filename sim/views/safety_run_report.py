@@ -33,7 +33,7 @@ from ..record.incidents import (
 from ..record.outcome import Outcome
 from ..record.stops import MachineTimes, machine_times
 from ..record.summary import figures_in_words
-from ..record.warm_up import after_warm_up, zones_of
+from ..record.warm_up import after_warm_up, contacts_of, zones_of
 from .report_page import minus
 from .safety_fields import field_tables
 from .safety_findings import (
@@ -96,6 +96,7 @@ def about(scene: Scene, scenario: Scenario | None) -> dict[str, Any]:
         "sources": [(name, text or NO_SOURCE) for name, text in sources.items()],
         "without_source": [name for name, text in sources.items() if not text],
         "short_stops": in_words(short) if (short := short_laws(scenario)) else "",
+        "notices": [notice.message for notice in scenario.notices],
         "has_recorded": any(one.recorded is not None for one in scenario.people),
     }
 
@@ -406,11 +407,13 @@ def run_report(
         "on_floor": there,
         "near": near,
         "worst": worst,
+        "contacts": contacts_of(run),
         "most_incidents": MOST_INCIDENTS,
         "led_to": together(worst),
         "verdicts": [("met" if met else "not met", words) for words, met in verdicts],
         "about": described,
         "trials": [described] if scenario else [],
+        "notices": [] if scenario else [e["text"] for e in whole.events if e["kind"] == "notice"],
         "held": laws_of(scene.rules, scene.machines),
         **_summary(run),
         "maps": risk_pictures(run.floorplan, scene.machines, maps),

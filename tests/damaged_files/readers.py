@@ -10,6 +10,9 @@ import shutil
 from pathlib import Path
 from zlib import crc32
 
+import h5py
+import numpy as np
+
 import bdi
 import floorplan
 import sim
@@ -22,7 +25,7 @@ from sim.bridge.remote_agent import RemotePerson
 from sim.commands.agent import read_percepts
 from sim.core.clock import StandstillError
 from sim.people.tracks.recorded_walks import read_bag_tracks
-from sim.people.tracks.tables import read_jupedsim_tracks, read_parquet_tracks
+from sim.people.tracks.tables import read_hdf5_tracks, read_jupedsim_tracks, read_parquet_tracks
 from sim.studies.comparison import StudyResults
 from sim.studies.folder import StudyFolder, read_table
 from sim.studies.report import write_report
@@ -56,6 +59,10 @@ def prepare(folder):
     sim.run_study(sim.Study.load(folder / "one.study.yaml"), folder / "results", jobs=1)
     for name in ("bag", "track.mcap", "track.parquet", "track.sqlite"):
         sim.export(sim.load_run(folder / "run"), folder / name, rate=2.0)
+    kinds = [("id", "i8"), ("frame", "i8"), ("x", "f8"), ("y", "f8")]
+    with h5py.File(folder / "track.h5", "w") as file:
+        rows = np.array([(1, k, 0.1 * k, 2.0) for k in range(9)], dtype=kinds)
+        file.create_dataset("trajectory", data=rows).attrs["fps"] = 2.0
 
 
 def trial(path):
@@ -217,6 +224,7 @@ READERS = {
     "to_agent.jsonl": to_agent,
     "bag/bag.db3": bag,
     "bag/metadata.yaml": bag,
+    "track.h5": read_hdf5_tracks,
     "track.mcap": read_bag_tracks,
     "track.parquet": read_parquet_tracks,
     "track.sqlite": read_jupedsim_tracks,

@@ -20,6 +20,7 @@ TEXT = {"nan": "nan", "inf": "-inf", "1e300": "1e300", "digits": DIGITS}
 GEOJSON = json.dumps(
     {
         "type": "FeatureCollection",
+        "units": "m",
         "features": [
             {
                 "type": "Feature",

@@ -1,6 +1,6 @@
 """Random trials, and what must hold of each run: `python -m tests.random_trials --trials 1000`.
 
-A trial follows from its number alone; there are four families of them (`--family`). What must hold
+A trial follows from its number alone; there are five families of them (`--family`). What must hold
 is worked out again from the motions and events of the finished run, with shapely, NumPy and FCL,
 and without the parts that made them.
 """
@@ -12,10 +12,12 @@ from .fcl_judge import judge_faults
 from .floors import random_floor
 from .guarded import field_faults, random_trial_with_fields
 from .movement import movement_faults
+from .oracle import vehicle_faults
 from .rules import rule_faults
 from .separation import separation_faults
 from .tracks import tracked_trial
 from .trials import random_trial, random_trial_with_doors
+from .vehicles import random_trial_of_vehicles
 
 CHECKS = (
     movement_faults,
@@ -49,7 +51,9 @@ __all__ = [
     "faults",
     "random_floor",
     "random_trial",
+    "random_trial_of_vehicles",
     "random_trial_with_doors",
     "random_trial_with_fields",
     "tracked_trial",
+    "vehicle_faults",
 ]

@@ -10,9 +10,11 @@ import sim
 from . import (
     faults,
     random_trial,
+    random_trial_of_vehicles,
     random_trial_with_doors,
     random_trial_with_fields,
     tracked_trial,
+    vehicle_faults,
 )
 
 FAMILIES = {
@@ -20,6 +22,7 @@ FAMILIES = {
     "doors": random_trial_with_doors,
     "tracks": tracked_trial,
     "fields": random_trial_with_fields,
+    "vehicles": random_trial_of_vehicles,
 }
 
 
@@ -48,7 +51,8 @@ def main():
 def tried(make, number):
     """Return the faults of the trial that is made of this number, in words; an error is one."""
     try:
-        return faults(sim.run(make(number)))
+        judge = vehicle_faults if make is random_trial_of_vehicles else faults
+        return [*judge(sim.run(make(number)))]
     except Exception as why:
         return [f"{type(why).__name__}: {why}"]
 

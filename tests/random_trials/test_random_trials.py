@@ -1,6 +1,7 @@
 """Random trials: clearance, limits, intervals, rules and the verdicts of FCL all hold."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -11,9 +12,11 @@ from floorplan import Door
 from . import (
     faults,
     random_trial,
+    random_trial_of_vehicles,
     random_trial_with_doors,
     random_trial_with_fields,
     tracked_trial,
+    vehicle_faults,
 )
 
 
@@ -36,6 +39,65 @@ def test_nothing_is_broken_by_doors_and_vehicles(number):
 @pytest.mark.parametrize("number", range(4))
 def test_no_vehicle_with_fields_touches_anybody(number):
     assert faults(sim.run(random_trial_with_fields(number))) == []
+
+
+@pytest.mark.parametrize("number", [5, 13, 14, 17])
+def test_vehicles_of_all_kinds_break_nothing(number):
+    assert [*vehicle_faults(sim.run(random_trial_of_vehicles(number)))] == []
+
+
+def tampered_run(run, name, motion=None, **changed):
+    """The run with another motion of a vehicle, or other events or figures."""
+    motions = run.motions | ({} if motion is None else {name: motion})
+    return SimpleNamespace(
+        **{
+            "trial": run.trial,
+            "duration": run.duration,
+            "motions": motions,
+            "events": run.events,
+            "summary": run.summary,
+            **changed,
+        }
+    )
+
+
+def test_what_vehicles_break_is_found():
+    """A vehicle among people, whose motion, events and figures are then changed."""
+    trials = map(random_trial_of_vehicles, range(50))
+    trial = next(one for one in trials if len(one.people) > 1 and len(one.machines) > 1)
+    run = sim.run(trial)
+    one, other = [*run.trial.machines][:2]
+    end = run.duration
+    wall = run.floorplan.boundary.exterior.coords[0]
+    there = run.motions[other].position(end - 5.0)
+    person = run.motions[run.trial.people[0].name].position(end - 5.0)
+    turned = float(run.motions[one].rotation(0.0))
+
+    def to(place, seconds=4.0):
+        """A motion that goes to a place from 3 m away, and stays there."""
+        places = [(place[0] - 3.0, place[1]), (place[0] - 3.0, place[1]), place, place]
+        times = [0.0, end - 5.0 - seconds, end - 5.0, end]
+        return navigation.Motion.from_samples(times, places, [turned] * 4)
+
+    gone = tuple(event for event in run.events if event["kind"] != "job_done")
+    figures = {key: value + 1 for key, value in run.summary.items() if key == "collisions"}
+    expected = {
+        "walls": tampered_run(run, one, to(wall)),
+        "machines": tampered_run(run, one, to(there)),
+        "people": tampered_run(run, one, to(person)),
+        "limits": tampered_run(run, one, to((wall[0] + 5.0, wall[1] + 5.0), 0.5)),
+        "events": tampered_run(run, one, summary=run.summary | figures, events=gone),
+    }
+    for row, changed in expected.items():
+        assert any(fault.startswith(f"{row}: ") for fault in vehicle_faults(changed)), row
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(100, 140, 5))
+def test_vehicles_of_all_kinds_break_nothing_in_many_more(first):
+    numbers = range(first, first + 5)
+    found = {n: [*vehicle_faults(sim.run(random_trial_of_vehicles(n)))] for n in numbers}
+    assert {number: wrong for number, wrong in found.items() if wrong} == {}
 
 
 @pytest.mark.slow

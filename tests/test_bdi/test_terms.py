@@ -270,3 +270,29 @@ def test_contexts_have_the_answers_of_the_search(seed: int) -> None:
             assert [text for text in compiled if "_" not in text] == plain
             assert len(compiled) == len(searched)
             assert first == [*searched, "none"][0] or "_" in first
+
+
+def test_lists_are_arguments_of_literals_and_read_by_iteration():
+    seen = []
+    program = bdi.parse("+path(L) <- .print(L); .send_on(L).".replace(".send_on", "send_on"))
+    printed = []
+    agent = bdi.Agent(
+        program, act=lambda action: bool(seen.append(action)) or True, print=printed.append
+    )
+    agent.add_percept(bdi.Literal("path", ([1, 2.5, "a", (bdi.Literal("b"), [])],)))
+    agent.advance(0.0)
+    assert printed == ['[1,2.5,"a",[b,[]]]']
+    (items,) = seen[0].args
+    first, second, third, last = items
+    assert (first, second, third) == (1.0, 2.5, "a") and len(items) == 4
+    assert list(last) == [bdi.Literal("b"), next(iter(bdi.Literal("p", ([],)).args))]
+
+
+def test_a_literal_with_a_list_equals_the_one_that_is_parsed():
+    assert bdi.Literal("p", ([1, ["x"]],)) == bdi.parse_literal('p([1,["x"]])')
+
+
+@pytest.mark.parametrize("value", [None, {"a": 1}, object()])
+def test_what_is_no_term_is_refused_as_an_argument(value):
+    with pytest.raises(TypeError, match="a term must be"):
+        bdi.Literal("p", ([value],))

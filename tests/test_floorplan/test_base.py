@@ -150,6 +150,7 @@ def collection(*features):
     return json.dumps(
         {
             "type": "FeatureCollection",
+            "units": "m",
             "features": [
                 {"type": "Feature", "properties": p, "geometry": {"type": t, "coordinates": c}}
                 for p, t, c in features
@@ -175,9 +176,11 @@ def test_geojson(lay, tmp_path):
     assert plan.free(0, 1).area == pytest.approx(60 - 8 - 2)
     assert {o.top for o in plan.obstacles} == {2.5, 3.0}
     assert plan.stations["gate"].position == (9, 5)
-    assert [p.field for p in plan.notices] == ["features[3], layer 'notes'"]
+    assert [p.field for p in plan.notices] == ["layer 'notes', features[3]"]
     (tmp_path / "one.geojson").write_text(
-        json.dumps({"type": "Polygon", "coordinates": [ring(0, 0, 10, 6), ring(2, 2, 3, 3)]})
+        json.dumps(
+            {"type": "Polygon", "units": "m", "coordinates": [ring(0, 0, 10, 6), ring(2, 2, 3, 3)]}
+        )
     )
     assert floorplan.load(tmp_path / "one.geojson").obstacles["obstacle1"].footprint.area == 1
 
@@ -208,4 +211,64 @@ def test_wrong_geojson(tmp_path):
         "features[0]: has neither kind nor layer; the kinds are boundary, obstacle, station,"
         " safe_zone",
         "features[1]: has the kind 'desk'; the kinds are boundary, obstacle, station, safe_zone",
+    ]
+
+
+def test_geojson_lines_have_a_width(lay, tmp_path):
+    lines = ([[1, 1], [4, 1], [4, 4]], [[[6, 1], [8, 1]], [[6, 4], [8, 4]]])
+    drawing = collection(
+        ({"layer": "boundary"}, "Polygon", [ring(0, 0, 10, 6)]),
+        ({"layer": "fence", "name": "east"}, "LineString", lines[0]),
+        ({"layer": "fence"}, "MultiLineString", lines[1]),
+        ({"kind": "obstacle", "name": "rail", "line_width": 0.2}, "LineString", [[1, 5], [9, 5]]),
+    )
+    text = "units: m\nlayers: {boundary: [boundary], fences: {layers: [fence], line_width: 0.1}}"
+    plan = lay(text, drawing, "hall.geojson")
+    assert plan.obstacles["east"].footprint.area == pytest.approx(6.1 * 0.1)
+    assert [o.name for o in plan.obstacles] == ["east", "fences1", "fences2", "rail"]
+    assert plan.obstacles["rail"].footprint.bounds == pytest.approx((0.9, 4.9, 9.1, 5.1))
+    found = problems(lay, "units: m\n", drawing, "hall.geojson")
+    assert "LineString" in found[0] and "line_width" in found[0]
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_geojson_without_a_crs_is_in_degrees_unless_it_says_metres(lay, tmp_path, whole):
+    area = {"type": "Polygon", "coordinates": [ring(8.404, 49.013, 8.4042, 49.0132)]}
+    data = area if whole else json.loads(collection(({"kind": "boundary"}, "Polygon", [[]])))
+    if not whole:
+        data["features"][0]["geometry"] = area
+        del data["units"]
+
+    def load(**more):
+        (tmp_path / "a.geojson").write_text(json.dumps({**data, **more}))
+        return floorplan.load(tmp_path / "a.geojson")
+
+    (found,) = problems(load)
+    assert "degrees" in found and '"units": "m"' in found
+    assert load(units="m").boundary.bounds[1] == 49.013
+    assert load(units="cm").boundary.bounds[1] == pytest.approx(0.49013)
+    assert load(crs={"type": "name", "properties": {"name": "EPSG:25832"}}).boundary
+    (found,) = problems(lambda: load(units="pc"))
+    assert "units" in found and "mm" in found
+    assert lay("units: m", json.dumps(data), "b.geojson").boundary.bounds[1] == 49.013
+
+
+def test_a_floor_of_a_wrong_unit_is_noticed(lay, tmp_path):
+    wkt = "POLYGON ((0 0, 20 0, 20 12, 0 12, 0 0))"
+    (notice,) = lay("units: mm", wkt, "hall.wkt").notices
+    assert "unit is mm" in notice.message and "`units`" in notice.message
+    assert "person" in notice.message
+    assert lay("units: m", wkt, "hall.wkt").notices == ()
+    (tmp_path / "hall.wkt").write_text(wkt.replace("20", "20000").replace("12", "12000"))
+    assert "10 km" in floorplan.load(tmp_path / "hall.wkt").notices[0].message
+    (notice,) = floorplan.parse("boundary: [[0, 0], [20000, 0], [20000, 12000]]").notices
+    assert "unit is m;" in notice.message
+
+
+def test_one_notice_for_all_features_of_an_ignored_layer(lay):
+    shapes = [({"layer": "notes"}, "Point", [k, 1]) for k in range(9)]
+    drawing = collection(({"layer": "hall"}, "Polygon", [ring(0, 0, 200, 6)]), *shapes)
+    plan = lay("layers: {boundary: [hall]}", drawing, "hall.geojson")
+    assert [str(one) for one in plan.notices] == [
+        "layer 'notes': 9 shapes are on a layer that no group has"
     ]

@@ -202,3 +202,17 @@ def test_floorplan_imports_none_of_the_other_packages():
     code = "import sys, floorplan; print({'navigation', 'bdi', 'sim'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
+
+
+@pytest.mark.parametrize("text", ["-.5", "+.5", "-.5e+0", "-0.5"])
+def test_numbers_need_no_digit_before_the_point(text):
+    plan = floorplan.parse(f"boundary: [[-1, -1], [9, -1], [9, 9]]\nsafe_zone: {{at: [4, {text}]}}")
+    assert abs(plan.safe_zone.position[1]) == 0.5
+
+
+@pytest.mark.parametrize("text", ["\tat: 1\n", "stations:\n\tdock: [1, 1]\n", "patrol:\n  - \ta\n"])
+def test_a_tab_is_called_a_tab(text):
+    if "patrol" in text:
+        text += "\t- b\n"
+    with pytest.raises(floorplan.FloorplanError, match="a tab"):
+        floorplan.parse(text)

@@ -256,3 +256,72 @@ def test_large_maps_load(load):
     assert plan.boundary.area == pytest.approx(200 * 200, rel=0.02)
     assert len(plan.obstacles) > 200
     assert math.isclose(plan.free(0, 1).area, (pixels == FREE).sum() * 0.05**2, rel_tol=1e-3)
+
+
+def test_a_cell_at_the_threshold_is_free(load):
+    white = np.where(room() == FREE, 255, OCCUPIED)
+    assert load(white, YAML.replace("free_thresh: 0.196", "free_thresh: 0.0")).boundary.area == 15
+    raw = np.where(room() == FREE, 20, 100)
+    text = YAML.replace("free_thresh: 0.196", "free_thresh: 0.2") + "mode: raw\n"
+    assert load(raw, text).boundary.area == 15
+
+
+@pytest.fixture
+def masked(tmp_path):
+    def masked(pixels, zones, text=YAML + "mode: scale\n", units="m"):
+        pgm(tmp_path / "map.pgm", pixels)
+        (tmp_path / "keepout.yaml").write_text(text)
+        k = 1000 if units == "mm" else 1
+        corners = [[-1 * k, 2 * k], [5 * k, 2 * k], [5 * k, 6 * k], [-1 * k, 6 * k]]
+        floor = f"units: {units}\nboundary: {corners}\nzones: {zones}\n"
+        return floorplan.parse(floor, file=str(tmp_path / "floor.yaml")).zones
+
+    return masked
+
+
+@pytest.mark.parametrize("units", ["m", "mm"])
+def test_a_keepout_mask_is_a_forbidden_zone(masked, units):
+    pixels = np.full((8, 12), 255)
+    pixels[1:3, 1:3] = pixels[5, 6:9] = 0
+    pixels[6, 1:5] = 128  # costly, but not forbidden
+    zones = masked(pixels, "{mask: keepout.yaml}", units=units)
+    assert [(zone.name, zone.forbidden) for zone in zones] == [("mask1", True), ("mask2", True)]
+    assert zones[0].area.bounds == pytest.approx((-0.5, 4.5, 0.5, 5.5))
+    (zone,) = masked(pixels[:4], "{aisle: {mask: keepout.yaml, max_speed: 0.3, concerns: [agv*]}}")
+    assert (zone.name, zone.max_speed, zone.concerns) == ("aisle", 0.3, ("agv*",))
+
+
+def test_a_speed_mask_gives_limits_by_the_values_of_cells(masked):
+    pixels = np.full((8, 12), 255)
+    pixels[1:3, 1:3] = 255 - 25
+    pixels[5, 6:9] = 255 - 50
+    raw = YAML + "mode: raw\n"
+    pixels = np.where(pixels == 255, 0, 255 - pixels)  # percentages
+    zones = masked(pixels, "{slow: {mask: keepout.yaml, base: 1.0, multiplier: -0.01}}", raw)
+    assert {zone.max_speed: zone.area.area for zone in zones} == pytest.approx(
+        {0.75: 1.0, 0.5: 0.75}
+    )
+    with pytest.raises(floorplan.FloorplanError, match="value 50"):
+        masked(pixels, "{slow: {mask: keepout.yaml, base: 0.5, multiplier: -0.01}}", raw)
+
+
+@pytest.mark.parametrize(
+    ("zone", "word"),
+    [
+        ("{mask: none.yaml}", "no such file"),
+        ("{a: {mask: keepout.yaml, x: [0, 1], y: [0, 1]}}", "footprint"),
+        ("{a: {mask: keepout.yaml, one_way: [1, 0]}}", "mask"),
+        ("{a: {x: [0, 1], y: [0, 1], max_speed: 1, multiplier: 1}}", "mask"),
+        ("{mask: keepout.yaml}", "0 zones"),
+    ],
+)
+def test_a_mask_that_is_no_zone(masked, zone, word):
+    with pytest.raises(floorplan.FloorplanError, match=word):
+        masked(np.full((8, 12), 255), zone)
+
+
+def test_a_tiff_is_named(load, tmp_path):
+    load(room())
+    (tmp_path / "map.pgm").write_bytes(b"II*\0" + bytes(100))
+    with pytest.raises(floorplan.FloorplanError, match="TIFF, which is not supported"):
+        floorplan.load(tmp_path / "map.yaml")

@@ -214,6 +214,40 @@ def test_gaps_of_turn_rates_and_directions_are_reported():
     assert fields_of(around).gaps((0.0, 1.0)) == ()
 
 
+def test_a_set_applies_where_no_set_before_it_fits():
+    slow = FieldSet(name="slow", protective=BOX, linear=(-0.5, 0.5))
+    left = FieldSet(name="left", protective=BOX, theta=(0.0, math.inf))
+    rest = FieldSet(name="rest", protective=BOX, linear=(-1.0, 1.0), theta=(-1.0, 1.0))
+    fields = fields_of(slow, left, rest)
+    parts = {(part.linear, part.theta) for part in fields.remaining("rest")}
+    assert parts == {((-1.0, -0.5), (-1.0, 0.0)), ((0.5, 1.0), (-1.0, 0.0))}
+    assert fields.remaining("rest", (-0.4, 0.4)) == ()
+    assert fields.remaining("slow") == (slow,)
+    assert fields_of(rest, slow).remaining("slow", theta=(-1.0, 1.0)) == ()
+
+
+def test_the_load_and_the_direction_hide_a_set_together():
+    keys = {"protective": BOX}
+    loaded, empty = (FieldSet(name=str(on), load=on, **keys) for on in (True, False))
+    every = FieldSet(name="every", **keys)
+    assert fields_of(loaded, every).remaining("every") == (every,)
+    assert fields_of(loaded, empty, every).remaining("every") == ()
+    half = FieldSet(name="half", direction=(0.0, math.pi), **keys)
+    other = FieldSet(name="other", direction=(-math.pi, 0.0), **keys)
+    around = FieldSet(name="around", direction=(-math.pi, math.pi), **keys)
+    (part,) = fields_of(half, around).remaining("around")
+    assert part.direction == (-math.pi, 0.0)
+    assert fields_of(half, other, around).remaining("around") == ()
+
+
+def test_at_rest_and_in_directions_that_do_not_occur_nothing_is_missing():
+    ahead = FieldSet(name="ahead", protective=BOX, direction=(-0.1, 0.1))
+    assert fields_of(ahead).gaps((0.0, 0.0), (-1.0, 1.0)) == ()
+    assert fields_of(ahead).gaps((0.0, 1.0), directions=(0.0,)) == ()
+    gaps = fields_of(ahead).gaps((0.0, 1.0), directions=(0.0, math.pi))
+    assert {gap.direction for gap in gaps} == {(math.pi, math.pi)}
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
@@ -272,3 +306,139 @@ def test_wrong_fields_are_rejected(keys, message):
     with pytest.raises(UserError) as why:
         ProtectiveFields(**keys)
     assert str(why.value) == message
+
+
+def drive():
+    """A vehicle that accelerates from rest, drives, and stops."""
+    return vehicle_segment((0.0, 0.0, 0.0), (6.0, 0.0), limits=VehicleLimits(jerk=math.inf))
+
+
+SLOW = FieldSet(name="slow", protective=BOX, linear=(-0.1, 0.5))
+FAST = FieldSet(name="fast", protective=BOX, linear=(0.5, 2.0))
+
+
+def test_at_the_instant_of_a_switch_the_next_set_applies():
+    fields, machine = fields_of(SLOW, FAST), drive()
+    _, (begin, _, fast), _ = fields.applying(machine, 0.0, 20.0)
+    assert fields.applying(machine, begin, begin) == ((begin, begin, fast),)
+    assert [s.set.name for s in fields.applying(machine, 0.0, 0.0)] == ["slow"]
+    assert [s.set.name for s in fields.applying(machine, begin - 1e-6, begin)] == ["slow"]
+    assert [s.set.name for s in fields.applying(machine, begin, begin + 1e-6)] == ["fast"]
+
+
+def test_fields_of_different_kinds_are_compared_with_one_motion():
+    machine = drive()
+    for fields, names in (
+        (fields_of(SLOW, FAST), ["slow", "fast", "slow"]),
+        (box(), ["box"]),
+        (fields_of(FAST), [None, "fast", None]),
+        (fields_of(SLOW, FAST), ["slow", "fast", "slow"]),
+    ):
+        spans = fields.applying(machine, 0.0, 20.0)
+        assert [span.set and span.set.name for span in spans] == names
+        assert [a.end == b.begin for a, b in pairwise(spans)] == [True] * (len(names) - 1)
+
+
+def covering(each, loaded, speed, turn, angle):
+    """Whether a set applies at a velocity, by its definition."""
+    if each.load not in (None, loaded):
+        return False
+    if each.direction is not None:
+        first, last = each.direction
+        if not any(first <= angle + k * math.tau <= last for k in (-2, -1, 0, 1, 2)):
+            return False
+    (low, high), (left, right) = each.linear, each.theta
+    return low <= speed <= high and left <= turn <= right
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_gaps_contain_exactly_the_velocities_without_a_set(seed):
+    rng = np.random.default_rng(seed)
+    directed = bool(seed % 2)
+    sets = []
+    for k in range(rng.integers(1, 5)):
+        keys = {
+            "linear": tuple(sorted(rng.choice(np.arange(-6, 7) / 4, 2, replace=False).tolist())),
+            "theta": tuple(sorted(rng.choice(np.arange(-6, 7) / 4, 2, replace=False).tolist())),
+            "load": [None, True, False][rng.integers(3)],
+        }
+        if directed:
+            first = float(rng.uniform(-4, 4))
+            keys["direction"] = (first, first + float(rng.uniform(0.5, math.tau)))
+        sets.append(FieldSet(name=f"s{k}", protective=BOX, **keys))
+    gaps = fields_of(*sets).gaps((-1.0, 1.25), (-0.75, 1.5))
+    for speed, turn, angle in rng.uniform([-1, -0.75, 0], [1.25, 1.5, math.tau], (80, 3)):
+        for loaded in (False, True):
+            inside = [
+                gap
+                for gap in gaps
+                if gap.loaded == loaded
+                and gap.linear[0] <= speed <= gap.linear[1]
+                and gap.theta[0] <= turn <= gap.theta[1]
+                and (gap.direction is None or gap.direction[0] <= angle <= gap.direction[1])
+            ]
+            applies = any(covering(each, loaded, speed, turn, angle) for each in sets)
+            assert len(inside) == (not applies), (speed, turn, angle, loaded)
+
+
+def test_a_gap_is_one_range_of_speeds_however_many_sets_end_within_it():
+    left = FieldSet(name="left", protective=BOX, linear=(0.0, 1.0), theta=(0.0, 1.0))
+    gaps = fields_of(left).gaps((-1.0, 2.0), (-1.0, 1.0))
+    assert [(g.linear, g.theta) for g in gaps if not g.loaded] == [
+        ((-1.0, 2.0), (-1.0, 0.0)),
+        ((-1.0, 0.0), (0.0, 1.0)),
+        ((1.0, 2.0), (0.0, 1.0)),
+    ]
+
+
+@pytest.mark.parametrize(("between", "count"), [(0.0, 0), (1e-9, 0), (5e-5, 0), (2e-3, 2)])
+def test_rounding_between_two_directions_is_no_gap(between, count):
+    one = FieldSet(name="one", protective=BOX, direction=(0.0, 2.0))
+    other = FieldSet(name="other", protective=BOX, direction=(2.0 + between, math.tau))
+    assert len(fields_of(one, other).gaps((0.0, 1.0))) == count
+
+
+def test_gaps_tolerate_the_rounding_of_limits():
+    rounded = FieldSet(name="rounded", protective=BOX, linear=(-0.99995, 0.99995))
+    assert fields_of(rounded).gaps((-1.0, 1.0)) == ()
+    short = FieldSet(name="short", protective=BOX, linear=(-0.9, 0.9998))
+    assert [g.linear for g in fields_of(short).gaps((-1.0, 1.0)) if g.loaded] == [
+        (-1.0, -0.9),
+        (0.9998, 1.0),
+    ]
+
+
+def test_the_reach_is_the_farthest_corner_of_any_field():
+    wide = FieldSet(name="wide", protective=BOX, warning=[(3.0, -4.0), (3.0, 4.0), (-1.0, 0.0)])
+    assert fields_of(FieldSet(name="box", protective=BOX), wide).reach == pytest.approx(5.0)
+    assert box().reach == pytest.approx(math.hypot(2.0, 0.5))
+
+
+def test_a_set_may_cover_all_directions_and_repeat_its_first_corner():
+    around = FieldSet(name="all", protective=[*BOX, BOX[0]], direction=(0.0, math.tau))
+    assert around.protective == BOX
+    for wrong in ((1.0, 1.0), (0.0, math.tau + 0.01)):
+        with pytest.raises(UserError, match="direction"):
+            FieldSet(name="all", protective=BOX, direction=wrong)
+    with pytest.raises(UserError, match="response_time"):
+        ProtectiveFields(sets=[around], response_time=math.inf)
+
+
+class Asked:
+    """A motion that counts how often its pieces are read."""
+
+    def __init__(self, motion):
+        self.start, self.end, self._table, self.count = motion.start, motion.end, motion.table, 0
+
+    @property
+    def table(self):
+        self.count += 1
+        return self._table
+
+
+def test_the_switches_of_a_motion_are_computed_once_for_all_people_beside_it():
+    fields, machine = fields_of(SLOW, FAST), Asked(drive())
+    spans = [fields.applying(machine, 0.0, 20.0) for _ in range(3)]
+    assert spans[0] == spans[1] == spans[2] and machine.count == 1
+    fields.applying(machine, 0.0, 20.0, loaded=True)
+    assert machine.count == 2

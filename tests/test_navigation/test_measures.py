@@ -289,16 +289,17 @@ def test_those_who_are_not_there_are_near_nobody():
     for _ in range(40):
         count = int(rng.integers(2, 6))
         motions = [wandering(rng, 6.0, jumps=True, length=20.0) for _ in range(count)]
-        spans = [tuple(np.sort(rng.uniform(-5.0, 25.0, 2)).tolist()) for _ in range(count)]
-        spans[0] = (9.0, 9.0)
+        spans = [np.sort(rng.uniform(-5.0, 25.0, 4)).reshape(2, 2).tolist() for _ in range(count)]
+        spans[0] = [(9.0, 9.0)]
         args = (motions, [0.0] * count, [1.5] * count, 0.0, 20.0)
         found = nearest_pair(*args, spans)
         apart = {}
         for i, j in itertools.combinations(range(count), 2):
-            begin, end = max(spans[i][0], spans[j][0], 0.0), min(spans[i][1], spans[j][1], 20.0)
-            if begin < end:
-                both = navigation.minimum_separation(motions[i], motions[j], begin, end)
-                apart[i, j] = both[1]
+            for one, other in itertools.product(spans[i], spans[j]):
+                begin, end = max(one[0], other[0], 0.0), min(one[1], other[1], 20.0)
+                if begin < end:
+                    both = navigation.minimum_separation(motions[i], motions[j], begin, end)
+                    apart[i, j] = min(both[1], apart.get((i, j), math.inf))
         together += bool(apart)
         if not apart:
             assert found is None

@@ -134,3 +134,127 @@ def test_footprints_that_can_not_be(world):
     ):
         with pytest.raises(ValueError, match=message):
             VehiclePlanner(world, footprint)
+
+
+def hall(*gates, obstacles=()):
+    """A hall of 20 × 10 m."""
+    plan = floorplan.Floorplan(
+        name="hall", boundary=box(0, 0, 20, 10), gates=gates, obstacles=obstacles
+    )
+    return CollisionWorld(plan, gates=gates)
+
+
+def test_a_turn_takes_the_long_way_if_the_short_one_is_blocked():
+    world = hall()
+    mast = box(-0.3, -0.3, 1.5, 0.3)
+    planner = VehiclePlanner(world, mast)
+    assert planner.plan((10, 5, 0.0), (10, 5, 2.5)).turned == pytest.approx(2.5)
+    world.place("post", Disc((10 + 1.2 * math.cos(1.2), 5 + 1.2 * math.sin(1.2)), 0.1))
+    path = planner.plan((10, 5, 0.0), (10, 5, 2.5))
+    assert path.turned == pytest.approx(math.tau - 2.5) and path.length == 0.0
+    assert covers(world, mast, path, VehicleLimits()) < 1e-9
+    assert planner.plan((10, 5, 2.5), (10, 5, 0.0)).turned == pytest.approx(math.tau - 2.5)
+
+
+def walled_hall(towards):
+    """A hall in two halves with a passage in the north and a gate in the south."""
+    gate = floorplan.Gate(name="gate", ends=((10.0, 1.0), (10.0, 3.0)), towards=(towards, 2.0))
+    wall = [
+        floorplan.Obstacle(
+            name=f"wall{k}", footprint=box(9.9, low, 10.1, high), bottom=0.0, top=3.0
+        )
+        for k, (low, high) in enumerate(((0, 1), (3, 7), (9, 10)))
+    ]
+    return hall(gate, obstacles=wall)
+
+
+def crosses_gate(path):
+    """Whether a path leads through the gate."""
+    line = shapely.LineString([(10.0, 1.0), (10.0, 3.0)])
+    return bool(shapely.LineString(path.poses[:, :2]).intersects(line))
+
+
+@pytest.mark.parametrize("footprint", [box(-0.5, -0.3, 0.5, 0.3), LONG])
+def test_vehicles_drive_through_one_way_gates_in_their_direction_only(footprint):
+    east, west = (6.0, 2.0, 0.0), (14.0, 2.0, 0.0)
+    planner = VehiclePlanner(walled_hall(11.0), footprint)
+    through, around = planner.plan(east, west), planner.plan(west, east)
+    assert crosses_gate(through) and through.length == pytest.approx(8.0)
+    assert not crosses_gate(around) and around.length > 12.0
+    assert planner.free_along([east, west]) and not planner.free_along([west, east])
+
+
+@pytest.mark.parametrize("rotation", [0.0, 0.7, math.pi])
+@pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -0.8])
+def test_drives_end_a_millimetre_before_a_wall_and_pass_it_at_that_distance(rotation, heading):
+    limits = VehicleLimits(side_speed=1.0)
+    turn = rotation - heading  # of the vehicle, from its way
+    corners = shapely.get_coordinates(affinity.rotate(WEDGE, turn, (0, 0), use_radians=True))
+    front, left, back = corners[:, 0].max(), corners[:, 1].max(), -corners[:, 0].min()
+    for gap, free in ((0.5e-3, False), (1.5e-3, True)):
+        for wall, (begin, end) in (
+            (box(3 + front + gap, -5, 9, 5), (0.0, 3.0)),
+            (box(-9, -5, -back - gap, 5), (0.0, 3.0)),
+            (box(-5, left + gap, 9, 5), (0.0, 3.0)),
+        ):
+            world = hall()
+            turned = affinity.rotate(wall, heading, (0, 0), use_radians=True)
+            world.place("wall", affinity.translate(turned, 10, 5))
+            planner = VehiclePlanner(world, WEDGE, limits=limits)
+            c, s = math.cos(heading), math.sin(heading)
+            one, other = ((10 + d * c, 5 + d * s, rotation) for d in (begin, end))
+            assert planner.free_along([one, other]) is free
+            assert planner.fits(one) and planner.fits(other)
+
+
+def test_a_turn_is_free_only_if_every_pose_of_it_is():
+    world = hall()
+    world.place("post", Disc((10 + 0.9, 5 + 0.9), 0.05))
+    planner = VehiclePlanner(world, LONG)
+    assert planner.free_along([(10, 5, 0.0), (10, 5, 0.3)])
+    assert not planner.free_along([(10, 5, 0.0), (10, 5, 1.5)])
+    assert planner.free_along([(10, 5, 0.0), (10, 5, -1.5), (10, 5, -1.5)])
+    assert not planner.free_along([(10, 5, 0.0), (10, 5, -1.5), (10, 5, -2.6)])
+
+
+def test_the_estimate_of_seconds_is_that_of_drives_and_turns_from_rest_to_rest():
+    limits = VehicleLimits(speed=1.0, acceleration=0.5, jerk=1e6, turn_jerk=1e6)
+    planner = VehiclePlanner(hall(), LONG, limits=limits)
+    poses = [(2, 2, 0.0), (8, 2, 0.0), (8, 2, 2.0), (8, 2, 2.0)]
+    path = vehicle_path(poses[0], poses[1:-1], limits=limits)
+    assert planner.seconds(poses) == pytest.approx(path.end, abs=1e-3)
+    assert planner.seconds(poses[:2]) == pytest.approx(6.0 / 1.0 + 1.0 / 0.5)
+
+
+def test_a_path_counts_its_own_queries():
+    planner = VehiclePlanner(hall(), LONG)
+    first, second = (planner.plan((3, 3, 0.0), (9, 5, 1.0)).checks for _ in range(2))
+    assert first == second > 0 and planner.checks == 2 * first
+
+
+def test_a_vehicle_backs_out_of_a_bay_in_which_it_cannot_turn():
+    walls = [
+        floorplan.Obstacle(name=f"wall{k}", footprint=box(0, low, 6, high), bottom=0.0, top=3.0)
+        for k, (low, high) in enumerate(((3.0, 4.4), (5.6, 7.0)))
+    ]
+    world = hall(obstacles=walls)
+    planner = VehiclePlanner(world, LONG)
+    path = planner.plan((1.5, 5.0, 0.0), (1.5, 5.0, math.pi))
+    assert covers(world, LONG, path, VehicleLimits()) < 1e-9
+    assert path.poses[0].tolist() == [1.5, 5.0, 0.0]
+    assert path.poses[:, 0].max() > 6.0
+    with pytest.raises(PlanningError) as why:
+        planner.plan((1.5, 5.0, 0.0), (1.5, 5.0, 1.0))
+    assert why.value.reason == "goal_blocked"
+
+
+def test_a_path_without_turns_that_are_not_needed():
+    planner = VehiclePlanner(hall(), LONG)
+    path = planner.plan((3, 3, 0.2), (12, 7))
+    assert len(path.poses) == 3 and path.length == pytest.approx(math.hypot(9, 4))
+    backwards = planner.plan((12, 5, 0.0), (3, 5))
+    assert backwards.poses.tolist() == [[12, 5, 0], [3, 5, 0]] or backwards.turned == pytest.approx(
+        math.pi
+    )
+    sliding = VehiclePlanner(hall(), LONG, limits=VehicleLimits(side_speed=1.0))
+    assert sliding.plan((3, 3, 0.2), (12, 7)).turned == 0.0

@@ -114,7 +114,7 @@ def test_a_run_counts_the_notices_that_check_lists(tmp_path, floorwalker):
         {"type": "Feature", "properties": {"layer": layer}, "geometry": square}
         for layer in ("hall", "dim", "text")
     ]
-    drawn = {"type": "FeatureCollection", "features": features}
+    drawn = {"type": "FeatureCollection", "units": "m", "features": features}
     (tmp_path / "hall.geojson").write_text(json.dumps(drawn))
     (tmp_path / "hall.yaml").write_text("base: hall.geojson\nlayers: {boundary: [hall]}\n")
     (tmp_path / "a.trial.yaml").write_text("floorplan: hall.yaml\nduration: 1\n")

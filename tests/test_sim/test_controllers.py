@@ -289,10 +289,10 @@ def test_a_controller_that_did_not_ask_is_left_alone(controller, tmp_path):
     ("line", "message"),
     [
         ("gantry.interrupt_on('lunch')", "nothing called 'lunch' interrupts"),
-        ("gantry.interrupt_on('person_close')", "give the distance for person_close"),
+        ("gantry.interrupt_on('person_close')", "must be a finite number, not inf"),
         ("{}['oops']", "KeyError: 'oops'"),
         ("raise LookupError", "LookupError$"),
-        ("yield gantry.look(-1)", "can't wait -1 s"),
+        ("yield gantry.look(-1)", "at least 0, not -1"),
         ("yield gantry.move_to(-5, 0, speed_share=0)", "speed_share must be more than 0"),
     ],
 )

@@ -1,5 +1,8 @@
 """The command `fields`: what it writes is what the library computes."""
 
+import math
+
+import numpy as np
 import pytest
 import yaml
 
@@ -69,6 +72,36 @@ def test_wrong_words_are_rejected(floorwalker, trial, words, message):
     assert done.returncode == 1
     assert done.stderr == f"floorwalker: {message}\n"
     assert done.stdout == ""
+
+
+@pytest.mark.parametrize("source", ["the trial", "ariac2023"])
+@pytest.mark.parametrize("words", [(), ("--side", 0, "--wear", 0), ("--approach-speed", 1.6)])
+def test_the_terms_of_the_table_add_up_to_the_length_of_the_polygon(
+    floorwalker, trial, source, words
+):
+    source = trial if source == "the trial" else source
+    done = floorwalker("fields", source, *words)
+    read = Trial.load(source)
+    models, rows = models_of(read), {}
+    for line in done.stdout.splitlines():
+        if line.startswith("  # ") and line.endswith(", m"):
+            rows[line[4:].split(":")[0]] = table = []
+        elif line.startswith("  # ") and "m/s" not in line:
+            speed, _, *terms = line[4:].split()
+            table.append((float(speed), [float(term) for term in terms]))
+    for name, section in yaml.safe_load(done.stdout)["fields"].items():
+        footprint = models[name].shape(name, read.floorplan).footprint((0.0, 0.0), 0.0)
+        limits = field_limits(models[name], read.floorplan)
+        for (speed, terms), each in zip(rows[name], section["sets"], strict=True):
+            angle = 0.0 if speed > 0 else math.pi
+            if "direction" in each and speed > limits.speed:
+                angle = math.atan2(limits.side_speed, limits.speed)
+            ahead = np.array([math.cos(angle), math.sin(angle)])
+            edge = (np.array(footprint.exterior.coords) @ ahead).max()
+            length = (np.array(each["protective"]) @ ahead).max() - edge
+            assert terms[-1] == pytest.approx(length, abs=1e-3)
+            assert sum(terms[:-1]) == pytest.approx(terms[-1], abs=1e-9)
+            assert min(terms) >= 0
 
 
 def test_a_trial_without_machines_has_no_fields(floorwalker):

@@ -185,7 +185,7 @@ def back_and_forth(gantry):
             "x = 5 is outside the gantry's range",
         ),
         ("def go(gantry):\n    yield 'lunch'\n", "yielded 'lunch'"),
-        ("def go(gantry):\n    yield gantry.wait(-1)\n", "can't wait -1 s"),
+        ("def go(gantry):\n    yield gantry.wait(-1)\n", "at least 0, not -1"),
         (
             "def go(gantry):\n    yield gantry.pick('moon')\n",
             "AGV is called 'moon'",

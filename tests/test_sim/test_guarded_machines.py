@@ -477,3 +477,59 @@ def test_the_replay_has_the_sets_of_a_machine():
     (one,) = fork["fields"]
     assert (one["name"], one["linear"], one["theta"]) == ("all", [-1.0, 1.0], [None, None])
     assert tuple(one["warning"][0]) == (4.5, 0.8)
+
+
+def field_notices(vehicle, sets, **keys):
+    text = f"""
+floorplan: {{boundary: [[0, 0], [40, 0], [40, 40], [0, 40]], stations: {{a: [3, 3]}}}}
+duration: 60
+rules: observe
+machines:
+  cart: {{kind: amr, at: [3, 3, 0], {vehicle}}}
+fields: {{cart: {{sets: {sets}}}}}
+"""
+    notices = sim.Trial.parse(text).notices
+    return [(one.field, one.message) for one in notices if one.field.startswith("fields")]
+
+
+WIDE = "protective: [[4, -4], [4, 4], [-4, 4], [-4, -4]]"
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "sets"),
+    [
+        ("drive: holonomic", f"[{{name: all, linear: [-1.5, 1.5], {WIDE}}}]"),
+        (
+            "drive: holonomic, max_side_speed: 0.3",
+            f"[{{name: all, linear: [0, 1.53], direction: [-1, 1], {WIDE}}},"
+            f" {{name: back, linear: [0, 1.53], direction: [2, 4.3], {WIDE}}},"
+            f" {{name: side, linear: [0, 0.4], direction: [-3.14159, 3.14159], {WIDE}}}]",
+        ),
+        (
+            "max_turn_speed: 0.5",
+            f"[{{name: ahead, linear: [0, 1.5], direction: [-0.1, 0.1], {WIDE}}},"
+            f" {{name: back, linear: [0, 1.5], direction: [3.1, 3.2], {WIDE}}}]",
+        ),
+    ],
+)
+def test_velocities_that_cannot_occur_need_no_set(vehicle, sets):
+    assert field_notices(vehicle, sets) == []
+
+
+def test_a_velocity_of_a_direction_without_a_set_is_a_notice():
+    sets = f"[{{name: ahead, linear: [0, 1.5], direction: [-0.1, 0.1], {WIDE}}}]"
+    ((place, message),) = field_notices("max_turn_speed: 0.5", sets)
+    assert place == "fields.cart.sets"
+    assert "direction 3.14" in message
+
+
+@pytest.mark.parametrize("rest", ["linear: [-2, 2], ", "", "linear: [0.2, 0.4], "])
+def test_a_set_behind_others_never_applies(rest):
+    tight = "protective: [[0.7, 0.5], [0.7, -0.5], [-0.7, -0.5], [-0.7, 0.5]]"
+    sets = (
+        f"[{{name: forward, linear: [0, 2], {WIDE}}}, {{name: backward, linear: [-2, 0], {WIDE}}},"
+        f" {{name: stopped, {rest}{tight}}}]"
+    )
+    ((place, message),) = field_notices("max_speed: 1.5", sets)
+    assert place == "fields.cart.sets[2]"
+    assert "never applies" in message

@@ -43,14 +43,73 @@ def test_the_summary_has_what_the_law_states_and_what_the_machine_needs():
     assert audited(agv_law=sim.PAPER.agv_law).keys() == {"gantry", *(a.name for a in PLAN.lanes)}
 
 
-def test_only_laws_that_state_a_stop_are_judged_and_those_of_the_machine_pass():
+def test_laws_with_the_stop_of_the_machine_pass():
     enough = navigation.SeparationLaw.for_machine(PLAN.gantry, t1=1.0, intrusion=1.0)
     slow = navigation.SeparationLaw.for_machine(PLAN.lanes[0], t1=1.0)
     evenly = navigation.IntegralLaw(t1=1.0, t2=enough.t2)
-    for law in (enough, evenly, navigation.FixedDistance(0.1), navigation.ApproachLaw(time=0.1)):
+    for law in (enough, evenly):
         assert audited(gantry_law=law, agv_law=slow) == {}
     assert audited(gantry_law=replace(evenly, t2=2.0)).keys() == {"gantry"}
     assert audited(gantry_law=replace(enough, stopping=1.0)).keys() == {"gantry"}
+
+
+def test_the_time_of_iso_13855_contains_the_stop():
+    stop = navigation.SeparationLaw.for_machine(PLAN.gantry, t1=0.0)
+    short = audited(gantry_law=navigation.ApproachLaw(time=0.3))
+    assert short["gantry"]["t2"] == 0.3
+    assert short["gantry"]["needed_t2"] == pytest.approx(stop.t2)
+    assert short["gantry"]["stopping"] is None
+    assert audited(gantry_law=navigation.ApproachLaw(time=stop.t2)) == {}
+
+
+class Grows:
+    """A law whose distance grows with the speed of the machine alone."""
+
+    def __init__(self, factor):
+        self.factor = factor
+
+    def distance(self, human_speed, robot_speed):
+        return self.factor * robot_speed
+
+
+def test_a_distance_contains_the_stop_and_the_walk_of_a_person_meanwhile():
+    stop = navigation.SeparationLaw.for_machine(PLAN.gantry, t1=0.0)
+    needed = PLAN.human.max_speed * stop.t2 + stop.stopping
+    top = audited(gantry_law=Grows(1.0))["gantry"]["distance"]
+    for law in (navigation.FixedDistance, lambda metres: Grows(metres / top)):
+        found = audited(gantry_law=law(needed - 0.01))["gantry"]
+        assert found["needed_distance"] == pytest.approx(needed)
+        assert found["distance"] == pytest.approx(needed - 0.01)
+        assert audited(gantry_law=law(needed + 1e-6)) == {}
+
+
+@pytest.mark.parametrize(
+    ("law", "place", "words"),
+    [
+        ("{iso_13855: {time: 0.3}}", "rules.agv_law", "cart 0.3 s (up to 2.61 s"),
+        ("{fixed: 0.5}", "rules.agv_law", "cart 0.5 m (up to"),
+        ("{iso_13855: {time: 2.7}}", "", ""),
+        ("{fixed: 6}", "", ""),
+        ("{grows:Grows: {factor: 0.1}}", "", ""),
+    ],
+)
+def test_check_warns_of_laws_without_a_stop(tmp_path, floorwalker, law, place, words):
+    path = tmp_path / "law.trial.yaml"
+    (tmp_path / "grows.py").write_text("class Grows:\n    factor = distance = None\n")
+    path.write_text(
+        "floorplan: {boundary: [[0, 0], [20, 0], [20, 9], [0, 9]], stations: {a: [3, 3]}}\n"
+        "duration: 5\n"
+        f"rules: {{based_on: observe, agv_law: {law}}}\n"
+        "machines: {cart: {kind: amr, at: [3, 3, 0]}}\n"
+    )
+    done = floorwalker("check", str(path))
+    assert done.returncode == 0
+    assert place in done.stderr and words in done.stderr
+    assert bool(done.stderr) == bool(words)
+
+
+def test_fields_stop_a_machine_whose_law_only_measures(floorwalker):
+    assert floorwalker("check", "vehicles_corridor").stderr == ""
 
 
 def test_check_warns_in_one_line_at_the_law(tmp_path, floorwalker):

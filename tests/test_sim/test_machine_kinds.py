@@ -281,7 +281,10 @@ class Half(sim.MachineModel):
     ("kind", "words"),
     [
         ("Failing", r"code of your own failed at t = 5 s \(own.py, line 14\): KeyError: 'a'"),
-        ("Asking", r"code of your own failed \(own.py, line \d+\): PlanningError: .*goal"),
+        (
+            "Asking",
+            r"code of your own failed at t = 0 s \(own.py, line \d+\): PlanningError: .*goal",
+        ),
         ("Counting", "the figures of the machine 'train': Object of type set"),
         ("Jumping", "the machine 'train' jumps at t = 0 s"),
         ("Rushing", r"'train' is faster at t = 0.48\d* s than the top speed of its shape, 1.2 m/s"),

@@ -8,7 +8,13 @@ import pytest
 
 import navigation
 import sim
-from sim.safety.margins import RecordedRequirement, moving_spans
+from sim.safety.margins import (
+    Encountered,
+    Margin,
+    RecordedRequirement,
+    least_margins,
+    moving_spans,
+)
 from sim.trials import slack
 from sim.trials.timeline import NumberCondition
 
@@ -218,3 +224,99 @@ def test_slack_of_distances_is_in_metres_and_that_of_responses_in_seconds():
     assert of["least_margin"].slack == run.summary["least_margin"]["value"]
     separation = run.summary["minimum_separation"]["distance"]
     assert of["minimum_separation"].slack == pytest.approx(separation - 3, abs=1e-12)
+
+
+def test_a_recorded_requirement_that_jumps_is_that_before_the_jump_until_then():
+    law = RecordedRequirement([(0.0, 1.0), (2.0, 1.0), (2.0, 3.0), (4.0, 3.0), (6.0, 4.0)])
+    assert law.required(None, 0.0, 2.0) == navigation.Enclosure(value=1.0, slope=0.0, slack=0.0)
+    assert law.required(None, 2.0, 4.0) == navigation.Enclosure(value=3.0, slope=0.0, slack=0.0)
+    assert law.required(None, 4.0, 6.0) == navigation.Enclosure(value=3.5, slope=0.5, slack=0.0)
+    assert law.required(None, 2.0, 2.0).value == 3.0
+    for before, after in ((-5.0, 1.0), (9.0, 4.0)):
+        assert law.required(None, before, before).value == after
+
+
+def test_a_machine_that_turns_on_the_spot_moves_if_turning_counts():
+    drive = navigation.vehicle_path((0, 0, 0), [(2, 0, 0), (2, 0, 1.5), (2, 3, 1.5)][:2])
+    (driving,) = moving_spans(drive)
+    (all_of_it,) = moving_spans(drive, turning=True)
+    turn = navigation.vehicle_turn((0, 0, 0), 1.5, 3.0)
+    assert moving_spans(turn) == []
+    assert moving_spans(turn, turning=True) == [(3.0, pytest.approx(turn.end))]
+    assert driving[0] == all_of_it[0] == 0.0
+    assert driving[1] == pytest.approx(navigation.vehicle_segment((0, 0, 0), (2, 0)).end)
+    assert all_of_it[1] == pytest.approx(drive.end)
+    assert moving_spans(drive, 1.0, 2.0) == [(1.0, 2.0)]
+    assert moving_spans(drive, drive.end, 99.0) == []
+
+
+def beside(walk, machine, spans, moving, name="cart"):
+    law = navigation.FixedDistance(1.0)
+    return Encountered("ann", name, law, walk, machine, None, spans, moving)
+
+
+def test_least_margins_are_of_the_spans_that_count():
+    walk = navigation.standing((0.0, 0.0))
+    far = navigation.vehicle_segment((6.0, 0.0, math.pi), (3.0, 0.0))
+    near = navigation.standing((2.0, 0.0))
+    spans = [(0.0, 20.0)]
+    overall, moving = least_margins(
+        [
+            beside(walk, far, spans, moving_spans(far, 0.0, 20.0)),
+            beside(walk, near, spans, [], "near"),
+        ]
+    )
+    assert (overall.value, overall.machine) == (pytest.approx(1.0), "near")
+    assert (moving.value, moving.machine) == (pytest.approx(2.0), "cart")
+    assert least_margins([beside(walk, far, [], [])]) == (None, None)
+    # The least of all is while it stands; while it moves another one is nearer.
+    back = navigation.vehicle_segment((3.0, 0.0, 0.0), (9.0, 0.0), 5.0)
+    other = navigation.vehicle_segment((9.0, 1.0, math.pi), (3.5, 1.0))
+    pair = [
+        beside(walk, back, [(0.0, 20.0)], [(6.5, 12.0)]),
+        beside(walk, other, [(0.0, 20.0)], [(0.0, 20.0)], "other"),
+    ]
+    overall, moving = least_margins(pair)
+    assert overall.machine == "cart" and overall.value == pytest.approx(2.0)
+    exact = float(back.position(6.5)[0]) - 1.0
+    assert moving.value == pytest.approx(min(exact, math.hypot(3.5, 1.0) - 1.0))
+
+
+def test_a_margin_that_is_just_negative_stays_negative_in_the_summary():
+    assert Margin(-1e-15, 1.0, "ann", "cart").figures["value"] == -1e-9
+    assert Margin(-0.5, 1.0, "ann", "cart").figures["value"] == -0.5
+    assert Margin(0.0, 1.0, "ann", "cart").figures == {
+        "value": 0.0,
+        "time": 1.0,
+        "person": "ann",
+        "machine": "cart",
+    }
+
+
+@pytest.mark.parametrize(
+    ("wanted", "found", "amount"),
+    [
+        ("!= 2", 2.0, -math.ulp(2.0)),
+        ("!= 2.5", 2.5, -math.ulp(2.5)),
+        ("!= 2", 2, -1.0),
+        ("> 3.5", 4, 0.5),
+        ("< 3.5", 3, 0.5),
+        ("> 3", 3.0, -math.ulp(3.0)),
+        ("< 3", 3.0, -math.ulp(3.0)),
+        ("== 3", 3, 0.0),
+        ("== 3", 1.5, -1.5),
+        (">= 3", 3, 0.0),
+        ("<= 3", 2, 1.0),
+    ],
+)
+def test_slack_of_whole_and_other_numbers(wanted, found, amount):
+    assert NumberCondition.parse(wanted).slack(found) == pytest.approx(amount, rel=1e-9, abs=0.0)
+
+
+def test_a_slack_has_the_sign_of_its_verdict():
+    assert slack.signed(0.5, met=True) == 0.5 and slack.signed(-0.5, met=False) == -0.5
+    assert slack.signed(-0.5, met=True) == 0.0 and slack.signed(0.5, met=False) == -1e-9
+    assert slack.of_flag(True) == 1.0 and slack.of_flag(False) == -1.0
+    assert slack.of_visits(["a"], ["a", "b"], "exactly") == -1
+    assert slack.of_visits(["a"], ["a", "b"], "begin_with") == -1
+    assert slack.of_visits(["b", "a"], ["a", "b"], "exactly") == -2

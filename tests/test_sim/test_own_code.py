@@ -48,8 +48,6 @@ def test_packages_of_one_name_beside_two_trials(package, regular):
     found = [said("pk.ctl:go", folder) for folder in (ca, cb, ca, cb)]
     assert found == ["ca", "cb", "ca", "cb"]
     assert controller_source("pk.ctl:go", CodeFolder(cb)).file == cb / "pk" / "ctl.py"
-    first, second = (find_controller("pk.ctl:go", CodeFolder(ca)) for _ in range(2))
-    assert first is second
 
 
 def test_a_package_itself_has_what_is_named(package):
@@ -79,7 +77,8 @@ def test_what_others_imported_stays_theirs(package, monkeypatch):
     for _ in range(2):
         assert said("pk.ctl:go", cb) == "cb"
         assert {name: sys.modules[name] for name in theirs} == theirs
-    assert find_controller("pk.ctl:go", CodeFolder(ca)) is pk.ctl.go
+    assert find_controller("pk.ctl:go", CodeFolder(ca)) is not pk.ctl.go
+    assert {name: sys.modules[name] for name in theirs} == theirs
 
 
 def test_what_is_importable_but_stands_elsewhere_is_refused(package, tmp_path, monkeypatch):
@@ -354,3 +353,53 @@ def test_a_law_that_cannot_be_imported_leaves_no_recording(loud, floorwalker):
     assert "law.trial.yaml: line 5, rules.gantry_law: the law 'loud:Law'" in done.stderr
     assert "(loud.py, line 18): ZeroDivisionError" in done.stderr
     assert not (loud / "out").exists()
+
+
+def test_a_module_that_was_changed_at_once_is_read_again(tmp_path):
+    for word in ("one", "two", "six"):
+        (tmp_path / "ctl.py").write_text(f"def go(gantry=None):\n    yield '{word}'\n")
+        assert said("ctl:go", tmp_path) == word
+
+
+COUNTED = """
+import words
+
+
+class Law:
+    def __init__(self):
+        words.COUNT.append(1)
+
+    def distance(self, human_speed, robot_speed):
+        return float(len(words.COUNT))
+
+
+def go(gantry):
+    from words import COUNT
+    yield gantry.move_to(-3.0 - len(COUNT), 0.0)
+"""
+
+COUNTING = """
+floorplan: ariac2023
+duration: 20
+people: [{name: ada}]
+gantry: {controller: "ctl:go"}
+rules: {based_on: observe, gantry_law: {"ctl:Law": {}}}
+"""
+
+
+def test_state_in_a_module_beside_it_does_not_survive_a_run(tmp_path, monkeypatch):
+    (tmp_path / "ctl.py").write_text(COUNTED)
+    (tmp_path / "words.py").write_text("COUNT = []\n")
+    trial = sim.Trial.parse(COUNTING, folder=tmp_path)
+    runs = [sim.run(trial) for _ in range(2)]
+    monkeypatch.syspath_prepend(tmp_path)
+    del sys.modules["words"]
+    import words
+
+    words.COUNT.append(7)
+    runs.append(sim.run(trial))
+    assert words.COUNT == [7]
+    assert sys.modules["words"] is words
+    ends = [run.motions["gantry"].position(20.0)[0] for run in runs]
+    assert ends == pytest.approx([-4.0] * 3)
+    assert runs[0].events == runs[1].events == runs[2].events

@@ -262,7 +262,10 @@ def test_all_that_is_written_of_a_run_can_be_walked_again(put_home, file, rate, 
         jumps = sorted(t for t in first.motions[name].jumps if begin < t < end)
         assert len(jumps) == 2 if name in ("eve", "max") else end < first.duration
         if not file.endswith(".sqlite"):  # has frames only
-            assert sorted(again.motions[name].jumps) == pytest.approx(jumps, abs=1e-9)
+            inside = sorted(t for t in again.motions[name].jumps if begin + 1e-6 < t < end - 1e-6)
+            assert inside == pytest.approx(jumps, abs=1e-9)
+        if file in ("run.mcap", "bag"):  # have the jumps onto the floor and off it
+            assert again.presence[name] == pytest.approx((begin, end), abs=1e-8)
         times = np.arange(0.0, 45.0 + 1e-9, 1 / rate)
         times = times[(times >= begin) & (times < end)]
         apart = sampled(again, name, times) - sampled(first, name, times)
@@ -340,7 +343,7 @@ BAD = {
     ),
     "millimetres": (["0,eve,1000,5000", "1,eve,1001,5000"], "line 2: (1000, 5000) is outside"),
     "another clock": (["1700000000,eve,1,5", "1700000001,eve,2,5"], "line 2: the track begins at"),
-    "nothing": ([], "no body is called 'eve'"),
+    "nothing": ([], "is empty"),
 }
 
 

@@ -265,6 +265,24 @@ def test_another_watch_can_be_chosen(viewer, recording):
     assert viewer.text("[data-shows=required]") == "2.10 m"
 
 
+def test_the_pair_of_the_least_margin_is_shown_first(open_page, recording):
+    for person, machine in (("operator", "agv2"), ("operator", "gantry")):
+        changed = copy.deepcopy(recording)
+        changed["summary"]["least_margin"] = {"person": person, "machine": machine}
+        viewer = open_page(replay.render(changed))
+        assert viewer.page.locator("#watch option:checked").inner_text() == f"{person} – {machine}"
+
+
+def test_a_page_without_width_has_no_errors(open_page, recording, tmp_path):
+    (tmp_path / "replay.html").write_text(replay.render(recording), encoding="utf-8")
+    address = (tmp_path / "replay.html").as_uri()
+    frames = (f'<iframe src="{address}" style="width: {width}px"></iframe>' for width in (0, 60))
+    viewer = open_page("<!DOCTYPE html><title>frames</title>" + "".join(frames))
+    viewer.page.wait_for_load_state("networkidle")
+    viewer.settle()
+    assert viewer.complaints == []
+
+
 def test_two_people_have_a_gap_and_no_required_distance(viewer, recording):
     viewer.seek(101.0)
     viewer.page.locator("#watch").select_option(label="operator – visitor")

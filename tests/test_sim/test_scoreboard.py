@@ -105,3 +105,23 @@ def test_the_command_prints_the_scores(tmp_path, monkeypatch):
     outcome = CliRunner().invoke(app, ["study", "some.study.yaml", "--controller", "parked"])
     assert outcome.exit_code == 2
     assert "is for scoreboard only" in outcome.output
+
+
+def test_the_same_controller_under_two_names_meets_the_same_runs(tmp_path):
+    code = "import sim\n\n\ndef careful(gantry):\n    caution = sim.Caution(gantry)\n"
+    code += "    while (task := (yield gantry.next_task())) is not None:\n"
+    code += "        while task.next_step is not None:\n"
+    code += "            yield from caution.go((yield gantry.locate(task)))\n"
+    code += "            yield gantry.handle(task)\n"
+    (tmp_path / "mine.py").write_text(code)
+    study = scoreboard(["pausing", "mine:careful"], repeat=1, folder=tmp_path)
+    results = sim.run_study(study, tmp_path / "out", jobs=1)
+    one, other = (
+        [
+            {k: v[row] for k, v in results.columns.items() if k not in ("row", "controller")}
+            for row in rows
+        ]
+        for rows in (range(0, 6, 2), range(1, 6, 2))
+    )
+    assert one == other
+    assert paired_tests(results) == []

@@ -3,6 +3,7 @@
 import csv
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from typer.testing import CliRunner
@@ -12,6 +13,8 @@ from sim.cli import app
 from sim.searches import Objective, Space, WorstCaseSearch, run_search
 from sim.searches.evaluations import upper_bound
 from sim.searches.minimising import Minimiser
+from sim.searches.report import write_report
+from sim.searches.results import Case
 
 CELL = """
 name: cell
@@ -250,7 +253,8 @@ def test_the_report_shows_cases_objective_and_coverage(searched):
 
 
 def test_cases_are_distinct_minimised_and_fail_by_themselves(searched):
-    assert len(searched.cases) == 2
+    # Cases of which the same trial is left are one.
+    assert len(searched.cases) in (1, 2)
     for case in searched.cases:
         trial = sim.Trial.load(case.path)
         run = sim.run(trial)
@@ -260,11 +264,11 @@ def test_cases_are_distinct_minimised_and_fail_by_themselves(searched):
         assert len(trial.gantry.jobs) <= 2
         assert not trial.agvs
         assert trial.duration <= case.evaluation.situation.time + 2
-        assert case.minimised.runs <= 100
+        assert case.minimised.runs <= 200
         assert trial.people[0].start.time == round(trial.people[0].start.time, 2)
-    one, other = (case.evaluation.situation for case in searched.cases)
-    alike = (one.person, one.machine) == (other.person, other.machine)
-    assert not alike or math.dist((one.x, one.y), (other.x, other.y)) > 2.0
+    for one, other in pairwise(case.evaluation.situation for case in searched.cases):
+        alike = (one.person, one.machine) == (other.person, other.machine)
+        assert not alike or math.dist((one.x, one.y), (other.x, other.y)) > 2.0
 
 
 def test_a_case_says_where_it_is_from_and_how_to_see_it(searched):
@@ -272,7 +276,8 @@ def test_a_case_says_where_it_is_from_and_how_to_see_it(searched):
     comments = [line for line in case.path.read_text().splitlines() if line.startswith("#")]
     assert comments == [
         f"# Minimised from evaluation {case.evaluation.number} of the search 'worst':",
-        f"# least_margin_moving −{-case.evaluation.value:.3f}",
+        f"# least_margin_moving −{-case.minimised.value:.3f},"
+        f" before minimising −{-case.evaluation.value:.3f}",
         "# Replay: worst-1.html. Film: floorwalker render worst-1.trial.yaml --out worst-1.mp4",
     ]
 
@@ -298,6 +303,64 @@ def test_work_that_is_to_be_done_is_not_minimised_away(cell):
 def test_a_trial_that_breaks_nothing_is_not_minimised(cell):
     trial = sim.Trial.parse(CELL.replace("oblivious", "parked"), folder=cell)
     assert Minimiser(trial, Objective("least_margin_moving")).minimised() is None
+
+
+HALL = """
+floorplan:
+  boundary: [[0, 0], [18, 0], [18, 11], [0, 11]]
+  stations: {a: [2, 5], b: [16, 5]}
+  safe_zone: {at: [9, 5]}
+duration: 60
+seed: 3
+rules: {based_on: observe, between: surfaces, agv_law: {fixed: 4}}
+people:
+  - {name: ann, at: [14, 8], personality: curious, start: {time: 7.5}, beliefs: [pause(3)]}
+  - {name: bob, at: [4, 9], manners: {patience: 4}}
+machines:
+  v: {kind: amr, at: [3, 2, 0], size: [1.6, 0.8], max_turn_speed: 0.8, max_jerk: 2.5,
+      controller: oblivious, missions: [{go: [15, 2.5]}, {go: [14, 8]}, {go: [3, 2]}],
+      repeat: true}
+  w: {kind: amr, at: [16, 9.5, 0], missions: [{wait: 5}]}
+fields: {w: {sets: [{name: all, protective: [[2, 2], [-2, 2], [-2, -2], [2, -2]]}]}}
+work: {}
+expect: {contacts: 0}
+"""
+
+
+def test_every_key_that_a_break_does_not_need_is_left_out():
+    trial = sim.Trial.parse(HALL)
+    small = Minimiser(trial, Objective("least_margin_moving")).minimised()
+    (person,) = small.trial.people
+    assert replace(person, at=None) == sim.PersonEntry(person.name)
+    assert small.trial.machines.keys() == {"v"}
+    keys = small.trial.machines["v"].keys
+    assert keys.keys() == {"at", "controller", "missions"}
+    assert len(keys["missions"]) == 1
+    assert not small.trial.fields and small.trial.seed == 0
+    text = small.trial.to_yaml()
+    again = sim.run(sim.Trial.parse(text))
+    assert again.summary["least_margin_moving"]["value"] == small.value < 0
+
+
+def test_a_trial_with_too_many_contacts_ends_soon_after_the_first():
+    # Whoever stands where the vehicle goes is run over, again and again.
+    text = HALL.replace("people:", "people:\n  - {name: eve, at: [9, 2.2], personality: external}")
+    trial = sim.Trial.parse(text)
+    run = sim.run(trial)
+    assert run.summary["contacts"] > 1
+    small = Minimiser(trial, Objective(slack="contacts")).minimised().trial
+    assert sim.run(small).summary["contacts"] >= 1
+    shorter = replace(small, duration=small.duration - 2.0)
+    assert sim.run(shorter).summary["contacts"] == 0
+
+
+def test_a_case_that_is_not_saved_is_not_listed_as_a_test(searched, tmp_path):
+    unsaved = tuple(Case(case.evaluation) for case in searched.cases)
+    for cases, said in ((searched.cases, True), (unsaved, False)):
+        write_report(replace(searched, cases=cases), tmp_path / "report.html")
+        page = (tmp_path / "report.html").read_text()
+        assert ("in pytest" in page) == said
+        assert ("not saved" in page) != said
 
 
 def test_an_expectation_over_time_is_an_objective(short, tmp_path):

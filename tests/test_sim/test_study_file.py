@@ -348,3 +348,9 @@ def test_keys_of_machines_that_a_trial_leaves_out_are_varied(tmp_path):
     study = sim.Study.parse(grid("tug.carefull"), folder=tmp_path)
     with pytest.raises(ValueError, match="carefull: unknown key; did you mean 'careful'"):
         sim.run(study.row(0).trial)
+
+
+def test_the_seed_of_a_run_does_not_contain_its_controller():
+    study = sim.Study.parse("trials: [ariac2023]\ngrid: {controller: [pausing, avoiding]}\n")
+    assert len({row.trial.seed for row in study.rows()}) == 1
+    assert variable("machines.m.controller").is_controller

@@ -15,6 +15,7 @@ import floorplan
 import sim
 from floorplan.building import ObstacleSchema
 from floorplan.files.problems import form_keys, forms
+from sim.core.entries import RecordedTrack
 from sim.core.fields import Muting
 from sim.core.schedule import DoorTimes
 from sim.machines.gantry.controllers import CONTROLLERS
@@ -170,6 +171,8 @@ people:
     longest_gap: 2.0
     top_speed: 5.0
     frame_rate: 25.0
+    unit: m
+    while_tracked: true
 gantry:
   controller: oblivious
   at: [-5.0, 2.5, 0.0]
@@ -260,6 +263,7 @@ def test_every_key_is_read_and_written(tmp_path):
     elsewhere |= {(TrialKeys, "doors"), (DoorTimes, "closed"), (DoorTimes, "open")}
     elsewhere.add((Muting, "zones"))
     elsewhere |= {(PersonKeys, key) for key in ("count", "actions")}
+    elsewhere.add((RecordedTrack, "everybody"))  # its people are written
     elsewhere |= {(form, "count") for form, key in known if key == "stream"}
     # Moves that come again are written one by one.
     elsewhere |= {(form, "every") for form, key in known if key == "to"} & known

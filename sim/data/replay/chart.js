@@ -85,6 +85,7 @@ class Chart {
   draw(watches, palette) {
     this.surface.fit();
     const context = this.surface.clear();
+    if (this.#width < 1) return;             // the page is hidden, or narrower than the axis
     const height = (this.surface.height - AXIS_HEIGHT) / this.bands.length;
     const highest = Math.max(1, ...watches.filter(Boolean).map(highestOf));
     this.#drawAxis(context, palette);

@@ -1,6 +1,7 @@
 /* The floor: ground, lanes, obstacles, places and their names. */
 
 const SMALL_SCALE = 13;      // pixels a metre below which names are small
+const PARKED = 0.4;       // metres from a location of an AGV that stay free of names of obstacles
 const TALLEST = 2.5;      // metres: obstacles of this height are drawn darkest
 const NEIGHBOUR = 0.3;    // metres between neighbours, at most
 const PERSON_RADIUS = 0.3;
@@ -215,6 +216,8 @@ class FloorLayer {
       return [[px, bottom + 8], [px, top - 8], [px + beside, py], [px - beside, py]]
         .some(([x, y]) => write(words, x, y, look, isFree));
     };
+    const parked = this.plan.lanes.flatMap(({ locations }) => Object.values(locations))
+      .map(([x, y]) => this.#onScreen({ left: x - PARKED, right: x + PARKED, bottom: y - PARKED, top: y + PARKED }, camera));
     const named = new Set();     // the groups that have their name
     const largestFirst = [...this.obstacles].sort((a, b) => area(b.box) - area(a.box));
     for (const obstacle of largestFirst) {
@@ -233,7 +236,8 @@ class FloorLayer {
         taken.push({ left: px - 7, right: px + 7, top: py - length / 2, bottom: py + length / 2 });
       } else if (Math.min(wide, high) >= 12 || group) {
         if (group && named.has(group)) continue;
-        const isFree = place => ![...boxes.values()].some(other => other !== box && overlap(other, place));
+        const others = [...boxes.values(), ...parked].filter(other => other !== box);
+        const isFree = place => !others.some(other => overlap(other, place));
         if (group) named.add(group);
         writeRound(group ? group.words : words, group ? this.#onScreen(group.box, camera) : box, plain, isFree);
       }

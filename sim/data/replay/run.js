@@ -57,12 +57,11 @@ class Run {
     return this.people.length ? this.people : [...this.bodies.values()];
   }
 
-  /** The number of the pair that is shown first: a violation, or without a robot the least margin. */
+  /** The number of the pair that is shown first: the least margin, or else a violation. */
   get firstWatch() {
-    const violated = this.watches.findIndex(watch => watch.violations.length);
-    if (violated >= 0 || this.watches.some(({ other }) => other.category === "robot")) return Math.max(0, violated);
     const { person, machine } = this.recording.summary?.least_margin ?? {};
-    return Math.max(0, this.watches.findIndex(one => one.person.name === person && one.other.name === machine));
+    const least = this.watches.findIndex(one => one.person.name === person && one.other.name === machine);
+    return Math.max(0, least >= 0 ? least : this.watches.findIndex(watch => watch.violations.length));
   }
 
   /** The fields of density and speed of its people. */

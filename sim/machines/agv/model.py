@@ -27,7 +27,7 @@ from ...core.body import MachineShape
 from ...core.scenario import AgvMove
 from ...core.schedule import times_until
 from ...core.stage import MachineModel, Stage
-from .agv import Agv, agv_shape
+from .agv import Agv, agv_shape, last_before, part_behind, part_within
 
 MOST_MOVES = 100_000
 """Moves of all AGVs in a trial; more of them are a slip."""
@@ -147,6 +147,27 @@ class AgvModel(MachineModel):
             if are_in_order and k and move.time < self.moves[k - 1].time:
                 message = f"{move.time:g} s is before the move above it; put moves in order"
                 yield message, (k, "time")
+
+    def place_faults(self, name: str, plan: Floorplan) -> Iterator[Fault]:
+        """Yield moves into a forbidden zone, or through a gate against its direction."""
+        lane = self.lane
+        at = lane.locations.get(lane.start, 0.0)
+        for k, move in enumerate(self.moves):
+            try:
+                to = lane.lane_position(move.to)
+            except UserError:
+                return  # reported already; where the lane goes on from is not known
+            for zone in plan.zones:
+                if zone.forbidden and zone.is_about(name):
+                    part = part_within(lane, zone.area)
+                    if part is not None and last_before(part, at, to) is not None:
+                        yield f"leads into the zone {zone.name!r}, forbidden to {name}", (k, "to")
+            for gate in plan.one_ways:
+                part = part_behind(lane, gate, at, to) if gate.is_about(name) else None
+                if part is not None and last_before(part, at, to) is not None:
+                    message = f"leads through the gate {gate.name!r} against its direction"
+                    yield message, (k, "to")
+            at = to
 
     def stands_at_start(self, name: str, plan: Floorplan) -> Polygon | None:
         """Return the area that it covers at the start."""

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from shapely.geometry import Polygon
 from simpy.events import Event, Process
 
-from floorplan import Point
+from floorplan import Point, UserError
 from navigation import Motion, PlanningError, vehicle_twist
 from navigation.vehicles import Twist
 
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
-from ...core.events import JobDone, JobStarted, MachineBlocked
+from ...core.events import JobDone, JobStarted
 from ...core.stage import Stage
+from ..arguments import instance, number, target
 from ..commanded import CommandedMachine, Sighting
 from ..commanding import Steps
 from ..tasks import Step, Task
@@ -24,9 +26,6 @@ from ..traffic.evading import Evading, Evasion
 from .drive import VehicleDrive
 from .missions import Mission, task_of
 from .shape import Chassis
-
-RETRY = 2.0
-"""Seconds after which a blocked vehicle plans again, if nothing has changed on the floor."""
 
 
 class Amr(CommandedMachine, Evading):
@@ -37,6 +36,10 @@ class Amr(CommandedMachine, Evading):
     """
 
     drive: VehicleDrive
+
+    FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
+        *("people", "missions", "complete", "twist", "twist_now", "turn_to", "limits")
+    }
 
     def __init__(
         self,
@@ -60,6 +63,7 @@ class Amr(CommandedMachine, Evading):
         self.priority = priority
         self._makes_way = makes_way
         self._missions = tuple(missions)
+        self._located = tuple(replace(one, go=one.goal(stage.floorplan)) for one in missions)
         self._every = every
         self._repeat = repeat
         self._controller = controller
@@ -67,7 +71,6 @@ class Amr(CommandedMachine, Evading):
         self._round_began = -math.inf
         self._rest = Alarm(stage.clock, self._comes_to_rest, Turn.MOTION_ENDS)
         self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
-        self._changed = stage.clock.event()
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
 
@@ -82,6 +85,15 @@ class Amr(CommandedMachine, Evading):
     def people(self) -> tuple[Sighting, ...]:
         """The people around, as it sees them now."""
         return self._sightings()
+
+    @property
+    def missions(self) -> tuple[Mission, ...]:
+        """The missions that are left of this round, the current one first.
+
+        `go` is a position (x, y) in metres, with a rotation in radians if the trial gives one.
+        """
+        pairs = zip(self._located, self._round, strict=True)
+        return tuple(mission for mission, task in pairs if not task.finished)
 
     @property
     def twist_now(self) -> Twist:
@@ -105,8 +117,8 @@ class Amr(CommandedMachine, Evading):
 
         See `CommandedMachine.move_to`. `PlanningError` if there is no route.
         """
-        target = self.drive.destination(_target(x, y, rotation))
-        move = self.drive.move(target, speed_share, resume=resume)
+        goal = self.drive.destination(target("move_to", x, y, rotation, speed_share))
+        move = self.drive.move(goal, speed_share, resume=resume)
         self._interrupts.command_given()
         return move
 
@@ -114,11 +126,12 @@ class Amr(CommandedMachine, Evading):
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
         """Return the motion that `move_to` would make from here and now; nothing moves by it."""
-        return self.drive.preview(_target(x, y, rotation), speed_share)
+        return self.drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
 
     def turn_to(self, rotation: float, *, speed_share: float = 1.0) -> Event:
         """Turn on the spot to `rotation` (radians), to be waited for."""
         x, y, _ = self.position
+        rotation = number("turn_to(rotation)", rotation)
         return self.move_to(x, y, rotation, speed_share=speed_share)
 
     def twist(self, twist: Sequence[float], seconds: float) -> Event:
@@ -127,7 +140,8 @@ class Amr(CommandedMachine, Evading):
         The twist is (v, ω), or (vx, vy, ω): m/s forwards and to the left, rad/s. `UserError` if it
         is not finite or too fast.
         """
-        until, wanted = self.now + seconds, Twist.of(twist)
+        seconds, wanted = number("twist(seconds)", seconds, 0.0), Twist.of(twist)
+        until = self.now + seconds
         wanted.check(self.limits)
 
         def motion(left: float) -> Motion:
@@ -141,17 +155,39 @@ class Amr(CommandedMachine, Evading):
 
     def do(self, task: Task) -> Process:
         """Do the steps of a task that are left; see `CommandedMachine.do`."""
+        instance("do(task)", task, Task)
         return self._command(self._do(task, self.drive.begin()))
 
     def locate(self, task: Task) -> Event:
         """Begin the task: the value is the pose of its next step, once there is a route to it."""
-        return self._command(self._find(task))
+        return self._command(self._find(instance("locate(task)", task, Task)))
 
     def handle(self, task: Task) -> Process:
         """Do the work of the task's next step, here. The value is True if it was done."""
+        instance("handle(task)", task, Task)
         return self._command(self._handle(task, self.drive.begin()))
 
+    def complete(self) -> None:
+        """Count the current mission as done. `UserError` if there is none.
+
+        For functions and classes with a rate, which carry out missions themselves.
+        """
+        task = self._current
+        if task is None:
+            raise UserError("there is no mission to complete")
+        self._begin(task)
+        self._advance(task)
+
     # The simulation's side of it.
+
+    def begin_mission(self) -> None:
+        """Record that the current mission is started, unless it was."""
+        if (task := self._current) is not None:
+            self._begin(task)
+
+    @property
+    def _current(self) -> Task | None:
+        return next((task for task in self._round if not task.finished), None)
 
     @property
     def loaded(self) -> bool:
@@ -160,8 +196,7 @@ class Amr(CommandedMachine, Evading):
 
     def floor_changed(self) -> None:
         """Find another way if something stands in the present one now."""
-        changed, self._changed = self._changed, self._clock.event()
-        changed.succeed()
+        self.drive.floor_changed()
         under_way = self.body.motion.end > self.now and not self.disabled
         if under_way and not self.drive.route_is_free():
             self.drive.forget_route()
@@ -217,31 +252,29 @@ class Amr(CommandedMachine, Evading):
         self._begin(task)
         step = task.next_step
         assert step is not None
-        return (yield from self._routed(step))
+        return (yield from self._routed(step, None))
 
-    def _routed(self, step: Step) -> Steps:
-        """Return the pose in which a route to a step ends, once there is one."""
-        told = False
+    def _routed(self, step: Step, command: int | None) -> Steps:
+        """Return the pose in which a route to a step ends, once there is one.
+
+        None if `command` was replaced.
+        """
         goal = self._goal(step)
-        while True:
+        while command is None or self.drive.is_under_way(command):
             try:
                 return self.drive.destination(goal)
             except PlanningError as why:
-                if not told:
-                    told = True
-                    self.record(
-                        MachineBlocked(
-                            machine=self.name, goal=(goal[0], goal[1]), message=why.message
-                        )
-                    )
-            yield self._changed | self._clock.at(self.now + RETRY)
+                self.drive.record_blocked(goal, why)
+            again = self.drive.change_of_floor()
+            yield again if command is None else again | self.drive.replaced
+        return None
 
     def _do(self, task: Task, command: int) -> Steps:
         while self.drive.is_under_way(command) and (step := task.next_step) is not None:
             self._begin(task)
             goal = self._goal(step)
             while self.drive.is_under_way(command) and not self.drive.is_at(goal):
-                pose = yield from self._routed(step)
+                pose = yield from self._routed(step, command)
                 if self.drive.is_under_way(command):
                     yield self.drive.move(pose, command=command)
             if self.drive.is_under_way(command):
@@ -253,15 +286,18 @@ class Amr(CommandedMachine, Evading):
         step = task.next_step
         if step is None or not self.drive.is_at(self._goal(step)):
             return False
-        done: bool = yield from self.drive.work(step.seconds, command)
+        done: bool = yield from self.drive.work(step.seconds, command, stays=step.action == "wait")
         if not done or task.next_step is not step:
             return False
+        self._advance(task)
+        return True
+
+    def _advance(self, task: Task) -> None:
         task.advance()
         if task.finished:
             self.jobs_done += 1
             self.record(JobDone.of({"job": task.kind, **task.fields}))
             self._go_on()
-        return True
 
     def _begin(self, task: Task) -> None:
         if not task.announced:
@@ -285,7 +321,3 @@ class Amr(CommandedMachine, Evading):
         for k, task in enumerate(self._round):
             task.stage = k
         self.tasks.add(self._round)
-
-
-def _target(x: float, y: float, rotation: float | None) -> tuple[float, ...]:
-    return (x, y) if rotation is None else (x, y, rotation)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
 import itertools
 import math
@@ -12,8 +13,9 @@ from typing import Any
 from navigation import PlanningError
 from navigation.vehicles import Twist
 
-from ...core.custom_code import CodeFolder, CustomCode, Kind
+from ...core.custom_code import CodeFolder, CustomCode, Definition, Kind, argument_fault
 from ...core.entries import Pose
+from ...core.scenario import controller_name
 from ..caution import Caution
 from ..commanding import Steps
 from ..controllers import (
@@ -24,7 +26,8 @@ from ..controllers import (
     parked,
     supervised,
 )
-from .amr import RETRY, Amr
+from .amr import Amr
+from .drive import RETRY
 
 ASIDE = 0.5
 """Metres. `avoiding` passes people at this distance from their bodies, if it can."""
@@ -76,22 +79,33 @@ VEHICLE_CONTROLLERS: dict[str, Callable[[Any], Steps]] = {
 """The controllers of vehicles that come with Floorwalker."""
 
 
+NEEDS_RATE = "give rate, at which a function or a class with a method __call__ is called (Hz)"
+
 VEHICLE_CONTROLLER = Kind(
     noun="vehicle controller",
-    words="generator function, nor a class with a method __iter__, as a controller is",
+    words="generator function, nor a class with a method __iter__, as a controller is;"
+    f" {NEEDS_RATE}",
     accepts=is_controller,
     error=ControllerError,
     builtin=VEHICLE_CONTROLLERS,
 )
 """The kind of function or class that a vehicle names as its controller."""
 
+
+def _returns_twists(found: Any) -> bool:
+    if inspect.isclass(found):
+        return any("__call__" in vars(base) for base in found.__mro__)
+    return inspect.isfunction(found) and not inspect.isgeneratorfunction(found)
+
+
 FUNCTION = Kind(
-    noun="function of twists",
-    words="function: with a rate, a controller is a function that returns a twist",
-    accepts=lambda found: inspect.isfunction(found) and not inspect.isgeneratorfunction(found),
+    noun="vehicle controller",
+    words="function that returns a twist, nor a class with a method __call__: with a rate, a"
+    " controller is one of these; omit rate for a generator",
+    accepts=_returns_twists,
     error=ControllerError,
 )
-"""The kind of function that a vehicle names as its controller with a rate."""
+"""The kind of function or class that a vehicle names as its controller with a rate."""
 
 
 def program(
@@ -99,31 +113,51 @@ def program(
 ) -> Callable[[Amr], Steps]:
     """Return the controller of a vehicle by its name, supervised.
 
-    With a `rate` (Hz), it is a function that returns a twist each time. `ControllerError` if there
-    is no such controller.
+    With a `rate` (Hz), it is called each time for a twist. `ControllerError` if there is no such
+    controller.
     """
-    name = given if isinstance(given, str) else getattr(given, "__qualname__", repr(given))
     source = find_program(given, rate, folder)
     found: Any = VEHICLE_CONTROLLERS[given] if isinstance(given, str) and not source else given
     if source is not None:
         found = source.load()
     controller = found if rate is None else partial(_steered, found, rate)
-    return partial(supervised, name, controller)
+    return partial(supervised, controller_name(given), controller, code=found)
 
 
 def find_program(
     given: str | Callable[[Any], Any], rate: float | None, folder: CodeFolder
 ) -> CustomCode | None:
     """Return the source of a custom controller, which is not imported; None for other ones."""
-    if not isinstance(given, str) or (rate is None and given in VEHICLE_CONTROLLERS):
+    if not isinstance(given, str):
         return None
-    return folder.find(given, VEHICLE_CONTROLLER if rate is None else FUNCTION)
+    if given in VEHICLE_CONTROLLERS:
+        if rate is None:
+            return None
+        raise ControllerError(f"the vehicle controller {given!r} has no rate; omit it")
+    source = folder.find(given, VEHICLE_CONTROLLER if rate is None else FUNCTION)
+    if rate is None and _is_plain_function(source.definitions()[source.attribute]):
+        raise ControllerError(f"the vehicle controller {given!r} is no generator; {NEEDS_RATE}")
+    return source
 
 
-def _steered(function: Callable[[Amr], Sequence[float] | None], rate: float, me: Amr) -> Steps:
-    """Call a function `rate` times a second, and drive with the twist that it returns."""
+def _is_plain_function(definition: Definition) -> bool:
+    """Return whether a function certainly yields nothing, or a class is called like one."""
+    if definition.decorator_list or not isinstance(definition, ast.FunctionDef | ast.ClassDef):
+        return False
+    if isinstance(definition, ast.ClassDef):
+        methods = {node.name for node in definition.body if isinstance(node, ast.FunctionDef)}
+        return "__call__" in methods and "__iter__" not in methods and not definition.bases
+    return not any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(definition))
+
+
+def _steered(given: Callable[..., Any], rate: float, me: Amr) -> Steps:
+    """Call a function, or a new object of a class, `rate` times a second for a twist to drive."""
+    function, make = given, given
+    if inspect.isclass(given):
+        function = make(me) if argument_fault(make, {}) else make()
     for k in itertools.count(1):
-        twist = function(me)
+        me.begin_mission()
+        twist: Sequence[float] | None = function(me)
         until = k / rate
         if twist is not None and (me.only_waits or not me.disabled):
             stands = me.body.motion.end <= me.now

@@ -5,9 +5,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 
 import shapely
 from shapely.geometry import Polygon
+from simpy.events import Event
 
 from floorplan import Floorplan, Point
 from navigation import (
@@ -24,10 +26,12 @@ from navigation import (
     vehicle_stop,
 )
 from navigation.motion import State
+from navigation.vehicle_planner import SLACK
 from navigation.vehicles import Twist, stops_of
 
 from ...core.body import Body, is_there
 from ...core.entries import Pose
+from ...core.events import MachineBlocked
 from ...core.stage import Stage
 from ..commanding import Drive
 from ..traffic.evading import Evasion
@@ -40,6 +44,9 @@ LONGER = 15.0
 
 TRIED = 6
 """Number of passing places to which a path is planned."""
+
+RETRY = 2.0
+"""Seconds after which a blocked vehicle plans again, if nothing has changed on the floor."""
 
 ON_ROUTE = 1e-4
 """Metres and radians. A vehicle this close to a leg of its route is on it."""
@@ -80,6 +87,13 @@ class VehicleDrive(Drive):
         self._route: list[Pose] = []
         self._target: tuple[float, ...] = ()
         """Where the route leads: x, y, and the rotation if one was wanted."""
+        self._closed: frozenset[str] = frozenset()
+        """The closures around which the route leads."""
+        self._blocked_from: Point | None = None
+        """The goal to which no path was found last."""
+        self._waits_on: Motion | None = None
+        """The stop of a move that other vehicles keep from its target."""
+        self._floor_changed = stage.clock.event()
         self._previewed_at, self._previewed_on = -1.0, body.motion
         self._previews: dict[tuple[tuple[float, ...], float], Motion] = {}
         """The motions from here and now: a controller asks again before it moves."""
@@ -149,8 +163,35 @@ class VehicleDrive(Drive):
         """Return the motion to `target` after a stop; only a stop where there is no route now."""
         try:
             return self.preview(target, speed_share)
-        except PlanningError:
-            return self.stopping(self.body.state, self._clock.now)
+        except PlanningError as why:
+            self.record_blocked(target, why)
+            stop = self.stopping(self.body.state, self._clock.now)
+            self._look_around(vehicles=False)
+            with suppress(PlanningError):
+                self.planner.plan(stop.state(stop.end).position, target)
+                self._waits_on = stop
+            return stop
+
+    def try_again(self) -> Event | None:
+        """Return the event at which a vehicle that others block plans again."""
+        return self.change_of_floor() if self.body.motion is self._waits_on else None
+
+    def change_of_floor(self) -> Event:
+        """Return the event at which a blocked vehicle plans again: a change, or after `RETRY`."""
+        return self._floor_changed | self._clock.at(self._clock.now + RETRY)
+
+    def floor_changed(self) -> None:
+        """Let blocked vehicles plan again."""
+        changed, self._floor_changed = self._floor_changed, self._clock.event()
+        changed.succeed()
+
+    def record_blocked(self, target: Sequence[float], why: PlanningError) -> None:
+        """Record that there is no path to `target`, once until a path is found."""
+        goal = (float(target[0]), float(target[1]))
+        if goal != self._blocked_from:
+            self._blocked_from = goal
+            name, message = self.body.name, why.message
+            self._stage.record(MachineBlocked(machine=name, goal=goal, message=message))
 
     def slowed(self, twist: Twist) -> Twist:
         """Return a twist with the speed that is allowed now, on the same arc."""
@@ -183,7 +224,7 @@ class VehicleDrive(Drive):
         self._people = {}
         for name, at in people.items():
             # Who is nearer now must not block the start.
-            clear = min(radius, here.distance(shapely.Point(at)) - ON_ROUTE)
+            clear = min(radius, here.distance(shapely.Point(at)) - 2 * SLACK)
             if clear > ON_ROUTE:
                 self._people[f"person {name}"] = Disc(at, clear)
         if self.route_is_free():
@@ -301,6 +342,10 @@ class VehicleDrive(Drive):
 
         A vehicle under way to another place stops first.
         """
+        closed = frozenset(self._stage.active_closures)
+        if closed - self._closed and not self.route_is_free():
+            self.forget_route()
+        self._closed = closed
         left = self._rest_of_route()
         if left is not None and (target == self._target or is_there(left[-1], target, ON_ROUTE)):
             return left
@@ -315,7 +360,7 @@ class VehicleDrive(Drive):
             path = self._plan_with_less(rest, target, why)
         poses = [*map(_pose, path.poses.tolist())]
         self._route = [here, *poses] if _stops_straight(state, rest) else poses
-        self._target = target
+        self._target, self._blocked_from = target, None
         return self._route
 
     def _plan_with_less(

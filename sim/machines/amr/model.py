@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Literal
 
 import shapely
 from shapely.geometry import Polygon
 
 from floorplan import Floorplan, UserError
 from floorplan.files.fields import Flag, Pair, Positive
-from floorplan.files.problems import Fault, Written
+from floorplan.files.problems import Fault
 from navigation import PlanningError, VehicleLimits, VehiclePlanner
 from navigation.machines import Stop
 from navigation.vehicle_planner import footprint_fault
@@ -20,6 +20,7 @@ from navigation.vehicle_planner import footprint_fault
 from ...core.body import MachineShape
 from ...core.custom_code import CodeFolder
 from ...core.entries import Pose
+from ...core.scenario import Controller
 from ...core.stage import MachineModel, Stage
 from ..controllers import STAY, ControllerError
 from .amr import Amr
@@ -49,7 +50,7 @@ class AmrModel(MachineModel):
     max_turn_speed: Positive = 1.0
     max_turn_acceleration: Positive = 1.5
     max_turn_jerk: Positive = 6.0
-    controller: Annotated[str | Callable[[Any], Any], Written(str)] = "oblivious"
+    controller: Controller = "oblivious"
     rate: Positive | None = None
     missions: tuple[Mission, ...] = ()
     every: Positive | None = None
@@ -125,7 +126,7 @@ class AmrModel(MachineModel):
         return self.limits.longest_stop
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
-        """Yield what does not fit: footprint, start, places that it can't reach, and rates."""
+        """Yield what does not fit: footprint, and rates."""
         if fault := footprint_fault(self._footprint()):
             yield fault, ("footprint",)
             return
@@ -137,11 +138,12 @@ class AmrModel(MachineModel):
             yield f"must be at most {MOST_RATE:g} Hz, not {self.rate:g}", ("rate",)
         if self.every is not None and self.repeat:
             yield "give every or repeat, not both", ("every",)
-        yield from self._places_out_of_reach(plan)
 
-    def _places_out_of_reach(self, plan: Floorplan) -> Iterator[Fault]:
+    def place_faults(self, name: str, plan: Floorplan) -> Iterator[Fault]:
         """Yield the start and the places that the footprint does not fit, or can't get to."""
-        world = floor_of(self.vehicle, "", plan)
+        if footprint_fault(self._footprint()):
+            return
+        world = floor_of(self.vehicle, name, plan)
         empty = world.as_if(away=[lane.name for lane in plan.lanes])
         planner = VehiclePlanner(empty, self.vehicle.footprint, limits=self.limits)
         here: tuple[float, ...] = self.at

@@ -11,6 +11,7 @@ from typing import Any
 import shapely
 from shapely.geometry import Polygon
 from simpy.events import Event, Process
+from typing_extensions import override
 
 from floorplan import Gantry, Point, UserError
 from navigation import Motion
@@ -21,6 +22,7 @@ from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted, OrderSubmitted, PartDropped
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
+from ..arguments import instance, target
 from ..commanded import CommandedMachine
 from ..commanding import Steps
 from ..controllers import STAY
@@ -79,6 +81,10 @@ class GantryRobot(CommandedMachine, Evading):
 
     drive: GantryDrive
 
+    FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
+        *("gantry", "floorplan", "law", "pick", "place", "where", "way")
+    }
+
     def __init__(
         self,
         stage: Stage,
@@ -117,6 +123,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     # Its commands.
 
+    @override
     def move_to(
         self,
         x: float,
@@ -126,45 +133,17 @@ class GantryRobot(CommandedMachine, Evading):
         speed_share: float = 1.0,
         resume: bool = True,
     ) -> Event:
-        """Start to move to a pose.
-
-        Parameters
-        ----------
-        x, y : float
-            Position in metres.
-        rotation : float, optional
-            Rotation in radians. By default it does not change.
-        speed_share : float, optional
-            Share of the top speeds to use.
-        resume : bool, optional
-            Whether the move continues after the gantry was disabled.
-
-        Returns
-        -------
-        Event
-            Event to yield. It occurs when the move ends or another command replaces it.
-
-        Raises
-        ------
-        ValueError
-            If the pose is outside the range of the gantry.
-        """
-        target = self._sites.at(x, y, rotation)
-        move = self.drive.move(target, speed_share, resume=resume)
+        pose = self._sites.at(*target("move_to", x, y, rotation, speed_share))
+        move = self.drive.move(pose, speed_share, resume=resume)
         self._interrupts.command_given()
         return move
 
+    @override
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
-        """Return the motion that `move_to` would start now.
-
-        Parameters
-        ----------
-        x, y, rotation, speed_share
-            See `move_to`.
-        """
-        return self.drive.preview(self._sites.at(x, y, rotation), speed_share)
+        pose = self._sites.at(*target("preview", x, y, rotation, speed_share))
+        return self.drive.preview(pose, speed_share)
 
     def pick(self, place: str) -> Process:
         """Move to a place and pick up a part.
@@ -198,21 +177,9 @@ class GantryRobot(CommandedMachine, Evading):
 
     # Its tasks.
 
+    @override
     def do(self, task: Task) -> Process:
-        """Carry out the remaining steps of a task on straight paths.
-
-        An interrupted step is repeated from its begin.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Process
-            Event to yield. Its value is False if another command replaced this one, otherwise True.
-        """
+        instance("do(task)", task, Task)
         return self._command(self._do(task, self.drive.begin()))
 
     def where(self, task: Task) -> Pose | None:
@@ -246,47 +213,18 @@ class GantryRobot(CommandedMachine, Evading):
             poses.append(pose)
         return tuple(poses)
 
+    @override
     def locate(self, task: Task) -> Event:
-        """Start or continue a task, and wait until its next step is in reach.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Event
-            Event to yield. Its value is the pose of the next step.
-        """
-        pose = self._sites.pose_for(_next_step(task))
+        pose = self._sites.pose_for(_next_step(instance("locate(task)", task, Task)))
         if pose is None:
             return self._command(self._find(task))
         self._interrupts.command_given()
         self._begin(task)
         return self._clock.happened(pose)
 
+    @override
     def handle(self, task: Task) -> Process:
-        """Carry out the next step of a task at the current pose.
-
-        An interrupted step is repeated from its begin.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Process
-            Event to yield. Its value is False if the gantry is elsewhere or another command
-            replaced this one, otherwise True.
-
-        Raises
-        ------
-        ValueError
-            If the task is done.
-        """
+        instance("handle(task)", task, Task)
         if (task.given_up and task.finished) or not self._sites.stands_at(_next_step(task)):
             return self._command(_not_done())
         return self._command(self._handle(task, self.drive.begin()))
@@ -414,19 +352,25 @@ class GantryRobot(CommandedMachine, Evading):
             self._begin_again(task)
         return task
 
-    def _reached(self, step: Step, task: Task | None = None) -> Steps:
+    def _reached(self, step: Step, task: Task | None = None, command: int | None = None) -> Steps:
         """Wait until a step can be reached; the value is its pose then.
 
-        None if it is not the next of its task any more.
+        None if it is not the next of its task any more, or `command` was replaced.
         """
         while (pose := self._sites.pose_for(step)) is None and (
             task is None or task.next_step is step
         ):
-            yield self._floor_changed
+            if command is None:
+                yield self._floor_changed
+            elif self.drive.is_under_way(command):
+                yield self._floor_changed | self.drive.replaced
+            else:
+                break
         return pose
 
     def _visit(self, action: str, seconds: float, place: str) -> Process:
         """Go to a place and handle something there, as one command."""
+        instance(f"{action}(place)", place, str)
         step, command = Step(action, seconds=seconds, place=place), self.drive.begin()
 
         def steps() -> Steps:
@@ -437,7 +381,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     def _go_to(self, step: Step, command: int, task: Task | None = None) -> Steps:
         """As a part of `command`, go to where `step` is, once it can be reached."""
-        pose = yield from self._reached(step, task)
+        pose = yield from self._reached(step, task, command)
         if pose is not None and self.drive.is_under_way(command):
             yield self.drive.move(pose, command=command)
 

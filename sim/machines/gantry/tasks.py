@@ -147,7 +147,7 @@ class Worksites:
             return None
         return self.at(at[0] + step.offset[0], at[1] + step.offset[1], rotation)
 
-    def at(self, x: float, y: float, rotation: float | None) -> Pose:
+    def at(self, x: float, y: float, rotation: float | None = None) -> Pose:
         """Return a pose at x, y; `rotation` is kept if not given."""
         return (x, y, self._body.state.position[2] if rotation is None else rotation)
 

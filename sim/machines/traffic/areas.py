@@ -270,8 +270,10 @@ class Part:
         stops = [_stop(machine, motion, t) for t in times]
         if not all(map(is_straight, (*courses, *stops))):
             count = math.ceil((end - now) / BETWEEN_STOPS)
-            times = [now + (end - now) * k / count for k in range(1, count + 1)]
-            stops = [_stop(machine, motion, t) for t in times]
+            stops = [
+                _stop(machine, motion, now + (end - now) * k / count) for k in range(count + 1)
+            ]
+            courses.append([stop[-1] for stop in stops])  # where stops in between end
         return cls(end=end, courses=[*courses, *stops])
 
 

@@ -1,10 +1,14 @@
-"""Steerings by the names that a trial gives: baselines, and those of the user's own."""
+"""Custom steerings by the names that a trial gives."""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
+from functools import partial
 from math import dist
+from typing import Any
+
+import numpy as np
 
 from floorplan import Problem, UserError
 from floorplan.files.values import require
@@ -13,13 +17,11 @@ from navigation import Motion
 from ...core.custom_code import CodeFolder, Kind, argument_fault, in_words, own_line
 from ...core.scenario import TrialError
 from ...core.stage import Stage
-from ..steering_baselines.orca import Orca
-from ..steering_baselines.scene import VelocityModel
-from ..steering_baselines.social_force import SocialForce
 from .crowd import Crowd
 from .observe import Outlook
 from .propose import Steering
 from .sampled import SampledCrowd
+from .sampled_scene import Floats, SampledScene, SampledSteering
 from .traveller import Traveller
 
 NEAR = 1e-6
@@ -28,23 +30,19 @@ NEAR = 1e-6
 ALIKE = 1e-3
 """Maximum difference between the speed of a person and that at which a new motion begins, m/s."""
 
+METHODS = ("replan", "velocities")
+"""Methods of a steering. It needs one of them."""
+
 
 class SteeringError(UserError):
-    """A steering of the user's own goes wrong."""
+    """A custom steering fails."""
 
-
-BASELINES: Mapping[str, Callable[[int], VelocityModel]] = {
-    "orca": lambda seed: Orca(),
-    "social_force": SocialForce,
-}
-"""Sampled baselines of the literature by name. Each is made from the seed of the trial."""
 
 STEERING = Kind(
     noun="steering",
-    words="steering: a steering is a class that has replan(body, neighbours, outlook)",
-    accepts=lambda found: inspect.isclass(found) and callable(getattr(found, "replan", None)),
+    words="steering: a steering has replan(body, neighbours, outlook) or velocities(scene)",
+    accepts=lambda value: inspect.isclass(value) and any(map(partial(_has, value), METHODS)),
     error=SteeringError,
-    builtin=BASELINES,
 )
 """The kind of class that a trial names as its steering."""
 
@@ -56,12 +54,18 @@ def make_crowd(stage: Stage, name: str | None, seed: int) -> Crowd:
     """
     if name is None:
         return Crowd(stage)
-    if name in BASELINES:
-        return SampledCrowd(stage, BASELINES[name](seed))
-    return Crowd(stage, find_steering(name, stage.code_folder))
+    steering = _new_steering(name, stage.code_folder)
+    if _has(steering, "replan"):
+        return Crowd(stage, _Checked(name, steering))
+    return SampledCrowd(stage, _CheckedVelocities(name, steering), seed)
 
 
-def find_steering(name: str, folder: CodeFolder) -> Steering:
+def _has(value: object, method: str) -> bool:
+    """Return whether a class or an object has a method of that name."""
+    return callable(getattr(value, method, None))
+
+
+def _new_steering(name: str, folder: CodeFolder) -> Any:
     """Return a new steering of the class `name`; `TrialError` if there is none."""
     try:
         made = folder.find(name, STEERING).load()
@@ -70,11 +74,11 @@ def find_steering(name: str, folder: CodeFolder) -> Steering:
     if fault := argument_fault(made, {}):
         message = f"the steering {name} can't be made without arguments: {fault}"
         raise TrialError("steering", [Problem(message)])
-    return _Held(name, made())
+    return made()
 
 
-class _Held:
-    """A steering of the user's own, held to what it promises."""
+class _Checked:
+    """Custom steering whose motions are checked."""
 
     def __init__(self, name: str, steering: Steering) -> None:
         self._name = name
@@ -99,3 +103,25 @@ class _Held:
             speeds = f"{state.speed:.3g} m/s, not {begin.speed:.3g} m/s"
             raise SteeringError(f"{where}: its motion must begin at {speeds}")
         return motion
+
+
+class _CheckedVelocities:
+    """Custom steering whose velocities are checked."""
+
+    def __init__(self, name: str, steering: SampledSteering) -> None:
+        self._name = name
+        self._steering = steering
+
+    def velocities(self, scene: SampledScene) -> Floats:
+        """See `SampledSteering`; `SteeringError` if it fails or returns other values."""
+        try:
+            velocity = np.asarray(self._steering.velocities(scene), dtype=float)
+            if velocity.shape != scene.at.shape:
+                raise ValueError(f"it must return shape {scene.at.shape}, not {velocity.shape}")
+            if not np.isfinite(velocity[scene.steered]).all():
+                raise ValueError("it returned a velocity that is not finite")
+        except Exception as why:
+            raise SteeringError(
+                f"the steering {self._name}{own_line(why)}: {in_words(why)}"
+            ) from why
+        return velocity

@@ -1,4 +1,4 @@
-"""Crowd in which a baseline of the literature steers people, sampled at a fixed step.
+"""Crowd in which a custom steering chooses all velocities at a fixed step.
 
 All people under way change their velocity together at each multiple of the step. Between two steps
 each motion is one exact piece of constant velocity. Nobody commits to anything beyond, and no
@@ -21,28 +21,28 @@ from navigation.motion import Piece
 from ...core.clock import Alarm, Turn
 from ...core.events import Blocked
 from ...core.stage import Stage
-from ..steering_baselines.scene import (
+from .crowd import Crowd
+from .parameters import PARAMETERS
+from .sampled_scene import (
     TINY,
     Flags,
     Floats,
     Indices,
     SampledScene,
-    VelocityModel,
+    SampledSteering,
     WallSides,
 )
-from .crowd import Crowd
-from .parameters import PARAMETERS
 from .traveller import Traveller
 
 STEPS_PER_SECOND = 20
 """Rate of the steps, Hz."""
 
 IN_REACH = 0.6
-"""Distance from a goal at which a person has arrived, m. The social force of two walls keeps people
-0.57 m away from a goal in a corner."""
+"""Distance from a goal at which a person has arrived, m. Repulsive forces of two walls, for
+example, keep people 0.57 m away from a goal in a corner."""
 
 WALLS_WITHIN = 2.0
-"""Distance within which walls are observed, m. Both models ignore them farther away."""
+"""Distance within which walls are observed, m. Common models ignore them farther away."""
 
 SLOW = 0.2
 """Share of the top speed below which a person counts as blocked."""
@@ -57,19 +57,22 @@ class _Walls:
 
 
 class SampledCrowd(Crowd):
-    """The people of a stage, steered by a velocity model.
+    """The people of a stage, steered together at each step.
 
     Parameters
     ----------
     stage : Stage
         The stage with clock, world and vehicles.
-    model : VelocityModel
+    model : SampledSteering
         Method that chooses all velocities of a step.
+    seed : int
+        Seed of the trial.
     """
 
-    def __init__(self, stage: Stage, model: VelocityModel) -> None:
+    def __init__(self, stage: Stage, model: SampledSteering, seed: int) -> None:
         super().__init__(stage)
         self._model = model
+        self._seed = seed
         self._tick = -1
         self._stepping = Alarm(stage.clock, self._step, Turn.MOTION_ENDS)
         self._walls: dict[CollisionWorld, _Walls] = {}
@@ -147,6 +150,7 @@ class SampledCrowd(Crowd):
         wall_of, wall_at = self._near_walls(bodies, at, under_way)
         return SampledScene(
             step=1.0 / STEPS_PER_SECOND,
+            seed=self._seed,
             at=at,
             velocity=velocity,
             desired=desired,

@@ -2,34 +2,41 @@
 
 from __future__ import annotations
 
+import math
+import re
 import stat
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from operator import is_
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import shapely
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from floorplan import Floorplan, Problem
-from floorplan.files.problems import suggestion
+from floorplan import Floorplan, Point, Problem
+from floorplan.files.problems import Fault, suggestion
 from floorplan.files.reading import is_there
-from navigation import Motion, Piece, join
+from navigation import Motion, Piece, join, standing
 
 from ...core.clock import Alarm, Turn
 from ...core.entries import RecordedTrack
 from ...core.scenario import PersonEntry, Scenario
 from ...core.stage import Stage
 from ..crowd.crowd import Crowd
+from ..crowd.places import wings
 from ..crowd.traveller import Traveller
 from .tables import (
+    METRE,
     Array,
     Samples,
     TrackError,
     Tracks,
+    read_hdf5_tracks,
     read_jupedsim_tracks,
     read_parquet_tracks,
     read_text_tracks,
@@ -80,6 +87,8 @@ READERS = {
     ".csv": read_text_tracks,
     ".txt": read_text_tracks,
     ".parquet": read_parquet_tracks,
+    ".h5": read_hdf5_tracks,
+    ".hdf5": read_hdf5_tracks,
     ".sqlite": read_jupedsim_tracks,
     ".mcap": read_bag_tracks,
     ".db3": read_bag_tracks,
@@ -95,34 +104,58 @@ SHORTEST = 1e-6
 MOST_AT_ONCE = 3
 """Samples at one time, at most: before and after a jump, and one of a regular series."""
 
+AT_ONCE = MOST_AT_ONCE * SHORTEST
+"""Maximum length of a jump in seconds."""
+
+
+_Made = TypeVar("_Made", bound=Scenario)
+
+Span = tuple[float, float]
+"""Begin and end in seconds."""
+
+ALWAYS = ((-math.inf, math.inf),)
+
 
 @dataclass(frozen=True, eq=False)
 class RecordedWalk:
-    """The motion of somebody since their start (seconds), and a speed (m/s) they never exceed."""
+    """Motion of a recorded person since the start (s), and its top speed (m/s).
+
+    The person is on the floor in the intervals `stays` (s), and otherwise far outside.
+    """
 
     motion: Motion
     top_speed: float
+    stays: tuple[Span, ...] = ALWAYS
 
     @property
-    def at(self) -> tuple[float, float]:
-        """Where they start (x, y in metres)."""
+    def at(self) -> Point:
+        """Position at the start (x, y in metres)."""
         return self.motion.state(0.0).at
+
+    @property
+    def enters_at(self) -> Point | None:
+        """Position of the first entry (x, y in metres), None if the person is there at the start.
+
+        A person who never enters has a position far outside.
+        """
+        enters = self.stays[0][0] if self.stays else 0.0
+        return self.motion.state(enters).at if enters > 0.0 or not self.stays else None
 
 
 def recorded_walks(scenario: Scenario) -> dict[str, RecordedWalk]:
-    """Return the walks of all people of a scenario who were recorded, by name.
+    """Return the walks of all recorded people of a scenario by name.
 
     `TrackError` says in which row of which file a track is unfit.
     """
     return {
-        entry.name: recorded_walk(entry, scenario)
-        for entry in scenario.people
+        entry.name: recorded_walk(entry, scenario, wings(scenario.floorplan, index))
+        for index, entry in enumerate(scenario.people)
         if entry.recorded is not None
     }
 
 
-def recorded_walk(entry: PersonEntry, scenario: Scenario) -> RecordedWalk:
-    """Return the walk of a person of `scenario` who was recorded."""
+def recorded_walk(entry: PersonEntry, scenario: Scenario, away: Point) -> RecordedWalk:
+    """Return the walk of a recorded person, who is at `away` (x, y in metres) while absent."""
     recorded = entry.recorded
     assert recorded is not None
     if isinstance(recorded, Motion):
@@ -130,29 +163,87 @@ def recorded_walk(entry: PersonEntry, scenario: Scenario) -> RecordedWalk:
     tracks, samples = _samples(recorded, entry.name, scenario.folder)
     t = samples.t / (_frame_rate(recorded, tracks) or 1.0) - recorded.since
     k = max(0, int(np.searchsorted(t, 0.0, side="right")) - 1)
-    t, xy = t[k:], np.column_stack([samples.x, samples.y])[k:]
+    t, xy = t[k:], _places(recorded, tracks, samples)[k:]
     turned = None if samples.rotation is None else samples.rotation[k:]
-    parts = []
-    for part in _on_floor(_parts(t), xy, scenario.floorplan):
+    parts = _parts(t, recorded)
+    shown = _on_floor(parts, xy, scenario.floorplan)
+    if recorded.while_tracked:
+        shown = [part for part in shown if t[part[-1]] > 0.0]
+    stays: list[Span] = []
+    motions: list[Motion] = []
+    for part in shown:
+        begin, end = t[part[[0, -1]]].tolist()
+        if not stays or (recorded.while_tracked and begin - stays[-1][1] >= AT_ONCE):
+            motions.append(standing(away, start=stays[-1][1] if stays else 0.0))
+            stays.append((begin, end))
+        stays[-1] = (stays[-1][0], end)
         looks = _headings(t[part], xy[part]) if turned is None else turned[part]
-        parts.append(Motion.from_samples(t[part], xy[part], looks))
-    motion = join(parts)
-    return RecordedWalk(motion, _top_speed(motion))
+        motions.append(Motion.from_samples(t[part], xy[part], looks))
+    motions.append(standing(away, start=stays[-1][1] if stays else 0.0))
+    # Other people stand where their tracks begin and end, unless they jump onto the floor or off.
+    if not recorded.while_tracked and shown[0] is parts[0]:
+        stays[0] = (-math.inf, stays[0][1])
+    if not recorded.while_tracked and shown[-1] is parts[-1]:
+        stays[-1] = (stays[-1][0], math.inf)
+        del motions[-1]
+    if stays and stays[0][0] <= 0.0:
+        del motions[0]
+    motion = join(motions)
+    return RecordedWalk(motion, _top_speed(motion), tuple(stays))
 
 
-def track_faults(entry: PersonEntry, scenario: Scenario) -> Iterator[str]:
-    """Yield what can't be about the track of somebody in a scenario."""
+def with_everybody(scenario: _Made) -> _Made:
+    """Return a scenario with a person for each body of the files whose entries add everybody."""
+    people = tuple(one for entry in scenario.people for one in bodies_of(entry, scenario.folder))
+    is_same = len(people) == len(scenario.people) and all(map(is_, people, scenario.people))
+    return scenario if is_same else replace(scenario, people=people)
+
+
+def bodies_of(entry: PersonEntry, folder: Path) -> list[PersonEntry]:
+    """Return the people of an entry: one for each body of its file if it adds everybody."""
     recorded = entry.recorded
-    if recorded is None or isinstance(recorded, Motion):
-        return
+    if not isinstance(recorded, RecordedTrack) or not recorded.everybody:
+        return [entry]
+    try:
+        bodies = _tracks(recorded, folder).bodies
+    except TrackError:
+        return [entry]  # reported together with everything else that is wrong
+    # Bodies of bags have a long and a short name, the latter last.
+    names = {id(samples): body for body, samples in bodies.items()}
+    return [
+        replace(
+            entry,
+            name=entry.name
+            + ("" if body.isdigit() else "_")
+            + re.sub(r"[^A-Za-z0-9-]+", "_", body),
+            recorded=replace(recorded, body=body, while_tracked=True, everybody=False),
+        )
+        for body in names.values()
+    ]
+
+
+def track_faults(scenario: Scenario) -> Iterator[Fault]:
+    """Yield the faults of all tracks of a scenario. A measured crowd has only its first one."""
+    refused: set[RecordedTrack] = set()
+    for k, entry in enumerate(scenario.people):
+        if not isinstance(entry.recorded, RecordedTrack):
+            continue
+        crowd = replace(entry.recorded, body=None)
+        if crowd not in refused and (fault := _fault(entry, entry.recorded, scenario)):
+            yield fault, ("people", k, "recorded")
+            if crowd.while_tracked:
+                refused.add(crowd)
+
+
+def _fault(entry: PersonEntry, recorded: RecordedTrack, scenario: Scenario) -> str:
+    """Return what cannot be about the track of a person, if anything."""
     try:
         tracks, samples = _samples(recorded, entry.name, scenario.folder)
         problems = list(_problems(recorded, tracks, samples, scenario))
     except TrackError as why:
-        yield str(why)
-        return
-    if problems:
-        yield str(TrackError(recorded.file, problems))
+        return str(why)
+    shown = problems[:1] if recorded.while_tracked else problems
+    return str(TrackError(recorded.file, shown)) if shown else ""
 
 
 def with_places(scenario: Scenario, walks: Mapping[str, RecordedWalk]) -> tuple[PersonEntry, ...]:
@@ -163,8 +254,8 @@ def with_places(scenario: Scenario, walks: Mapping[str, RecordedWalk]) -> tuple[
     )
 
 
-def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, Samples]:
-    """Return the tracks of a file, and the samples of the body that is meant there."""
+def _tracks(recorded: RecordedTrack, folder: Path) -> Tracks:
+    """Return the tracks of a file."""
     path = folder / recorded.file
     try:
         if path.suffix.lower() not in READERS and not path.is_dir():
@@ -176,11 +267,16 @@ def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, 
         if not is_there(path):
             raise TrackError.of(recorded.file, "there is no such file")
         stamps = [(file.stat().st_mtime_ns, file.stat().st_size) for file in files_of(path)]
-        tracks = _read(path, tuple(stamps))
+        return _read(path, tuple(stamps))
     except TrackError as why:
         raise TrackError(recorded.file, why.problems) from None
     except OSError as why:
         raise TrackError.of(recorded.file, f"can't be read: {why.strerror}") from None
+
+
+def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, Samples]:
+    """Return the tracks of a file, and the samples of one body in it."""
+    tracks = _tracks(recorded, folder)
     bodies = tracks.bodies
     wanted = name if recorded.body is None else recorded.body
     if wanted not in bodies and recorded.body is None and len(bodies) == 1:
@@ -196,6 +292,12 @@ def _read(path: Path, stamps: tuple[tuple[int, int], ...]) -> Tracks:
     """Return the tracks at `path`, read anew when the times or sizes of its files have changed."""
     read = read_bag_tracks if path.is_dir() else READERS[path.suffix.lower()]
     return read(path)
+
+
+def _places(recorded: RecordedTrack, tracks: Tracks, samples: Samples) -> Array:
+    """Return the positions (N, 2) in metres."""
+    metre = METRE[recorded.unit] if recorded.unit else tracks.metre
+    return np.column_stack([samples.x, samples.y]) * metre
 
 
 def _frame_rate(recorded: RecordedTrack, tracks: Tracks) -> float | None:
@@ -225,15 +327,17 @@ def _problems(
             before = f"{tracks.row} {samples.rows[k]}"
             yield at(k + 1, f"t = {t[k + 1]:.9g} s is not after the {t[k]:.9g} s of {before}")
         return
-    gaps = np.flatnonzero(steps > recorded.longest_gap * (1 + 1e-9))
-    for k in gaps.tolist():
+    is_gap = _are_gaps(steps, recorded)
+    for k in () if recorded.while_tracked else np.flatnonzero(is_gap).tolist():
         yield at(
             k + 1,
             f"a gap of {steps[k]:.3g} s: there is nothing from t = {t[k]:.9g} s on; mend the"
             f" track, or give a longest_gap of more than {recorded.longest_gap:g} s",
         )
-    gone = np.hypot(np.diff(samples.x), np.diff(samples.y))
-    jumps = np.flatnonzero((gone > recorded.top_speed * steps) & (steps >= SHORTEST))
+    xy = _places(recorded, tracks, samples)
+    gone = np.hypot(*np.diff(xy, axis=0).T)
+    fast = (gone > recorded.top_speed * steps) & (steps >= SHORTEST)
+    jumps = np.flatnonzero(fast & ~(is_gap & recorded.while_tracked))
     for k in jumps.tolist():
         yield at(
             k + 1,
@@ -241,11 +345,10 @@ def _problems(
             f" of more than {recorded.top_speed:g} m/s, or state the jump by two samples at one"
             " time, one before it and one after it",
         )
-    xy = np.column_stack([samples.x, samples.y])
-    shown = _on_floor(_parts(t), xy, scenario.floorplan)
-    yield from (
-        at(k, words) for k, words in _outside(np.concatenate(shown), xy, scenario.floorplan)
-    )
+    shown = np.concatenate([np.arange(0), *_on_floor(_parts(t, recorded), xy, scenario.floorplan)])
+    yield from (at(k, words) for k, words in _outside(shown, xy, scenario.floorplan))
+    if recorded.while_tracked:
+        return
     if t[-1] < recorded.since:
         yield at(len(t) - 1, f"the track ends at t = {t[-1]:.9g} s, before since")
     elif t[0] - recorded.since >= scenario.duration:
@@ -266,11 +369,23 @@ def _late(t: Array) -> NDArray[np.bool_]:
     return late
 
 
-def _parts(t: Array) -> list[NDArray[np.intp]]:
-    """Return the samples between jumps; two samples at one time are the ends of two parts."""
-    parts = np.split(np.arange(len(t)), np.flatnonzero(np.diff(t) < SHORTEST) + 1)
-    # A sample alone between others at its time is where the body is for no time.
-    return [part for k, part in enumerate(parts) if len(part) > 1 or k in (0, len(parts) - 1)]
+def _are_gaps(steps: Array, recorded: RecordedTrack) -> NDArray[np.bool_]:
+    return steps > recorded.longest_gap * (1 + 1e-9)
+
+
+def _parts(t: Array, recorded: RecordedTrack) -> list[NDArray[np.intp]]:
+    """Return the samples between jumps; two samples at one time are the ends of two parts.
+
+    Gaps in which the person is absent also separate parts.
+    """
+    steps = np.diff(t)
+    cuts = steps < SHORTEST
+    if recorded.while_tracked:
+        cuts |= _are_gaps(steps, recorded)
+    parts = np.split(np.arange(len(t)), np.flatnonzero(cuts) + 1)
+    # A body is for no time at a sample alone, except at one end of a track that stands there.
+    ends = () if recorded.while_tracked else (0, len(parts) - 1)
+    return [part for k, part in enumerate(parts) if len(part) > 1 or k in ends]
 
 
 def _on_floor(parts: list[NDArray[np.intp]], xy: Array, plan: Floorplan) -> list[NDArray[np.intp]]:
@@ -338,35 +453,54 @@ class Playback:
     """
 
     def __init__(
-        self, stage: Stage, traveller: Traveller, walk: RecordedWalk, crowd: Crowd
+        self,
+        stage: Stage,
+        traveller: Traveller,
+        walk: RecordedWalk,
+        crowd: Crowd,
+        notify: Callable[[bool], None],
     ) -> None:
         self._clock = stage.clock
         self._traveller = traveller
-        self._walk = walk
+        self._stays = walk.stays
+        x, y, heading = walk.motion.state(0.0).position
+        self._motion = join([standing((x, y), heading=heading, start=0.0), walk.motion])
         self._crowd = crowd
+        self._notify = notify
         self._begun_at = 0.0
-        self._begins = [piece.begin for piece in walk.motion.pieces]
+        self._begins = [piece.begin for piece in self._motion.pieces]
         self._next = Alarm(stage.clock, self._go_on, Turn.MOTION_ENDS)
 
     def begin(self) -> None:
-        """Walk from now on."""
-        self._begun_at = self._clock.now
+        """Walk from now on, and notify of later entries (True) and exits (False)."""
+        self._begun_at = now = self._clock.now
         self._go_on()
+        for stay in self._stays:
+            for t, on_floor in zip(stay, (True, False), strict=True):
+                if 0.0 < t < math.inf:
+                    change = partial(self._come_or_go, on_floor)
+                    self._clock.call_at(now + t, change, Turn.MOTION_ENDS)
+
+    def _come_or_go(self, on_floor: bool) -> None:
+        self._go_on()
+        for jumped in self._traveller.body.on_jump:
+            jumped()
+        self._notify(on_floor)
 
     def _go_on(self) -> None:
         now = self._clock.now
         self._traveller.body.follow(self._part(now, now + AHEAD))
         self._crowd.make_way_for(self._traveller)
-        if self._begun_at + self._walk.motion.end > now + EVERY:
+        if self._begun_at + self._motion.end > now + EVERY:
             self._next.set(now + EVERY)
 
     def _part(self, begin: float, end: float) -> Motion:
         """Return the walk between two instants of the clock; it ends earlier if the walk does."""
-        pieces, since = self._walk.motion.pieces, self._begun_at
+        pieces, since = self._motion.pieces, self._begun_at
         first = max(0, bisect_right(self._begins, begin - since) - 1)
         last = bisect_right(self._begins, end - since)
         near = tuple(_later(piece, since) for piece in pieces[first:last])
-        jumps = frozenset(t + since for t in self._walk.motion.jumps)
+        jumps = frozenset(t + since for t in self._motion.jumps)
         part = Motion(near, jumps & {piece.begin for piece in near[1:]})
         return part.cut(begin, max(begin, min(end, part.end)))
 

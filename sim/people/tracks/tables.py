@@ -1,4 +1,4 @@
-"""Tracks in tables: CSV, Parquet, PedPy and PeTrack columns, and JuPedSim's SQLite files.
+"""Tracks in tables: CSV, Parquet, HDF5, columns of numbers, and JuPedSim's SQLite files.
 
 A recording's own `trajectory.csv` is such a file.
 """
@@ -12,7 +12,7 @@ import sqlite3
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Literal
@@ -41,7 +41,7 @@ def frame_rate(given: float, path: Path, line: int | None = None) -> float:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Samples:
-    """One body at N instants: `t` in seconds or frames, `x` and `y` in metres, each (N,).
+    """One body at N instants: `t` in seconds or frames, `x` and `y` in a unit of length, each (N,).
 
     `rotation` is in radians, None where the file has none; `rows` says where in the file each
     sample stands: its line, its frame, or its message of what is called `place`.
@@ -60,24 +60,31 @@ class Tracks:
     """The bodies of a file, by name or number.
 
     Where `t` counts frames, `frame_rate` is how many a second has, None if the file says nothing.
+    `metre` is the length of the unit of `x` and `y`.
     """
 
     bodies: dict[str, Samples]
     _: KW_ONLY
     counts_frames: bool = False
     frame_rate: float | None = None
+    metre: float = 1.0
     row: Literal["line", "row", "frame", "message"] = "line"
 
 
 NAMES = {
     "t": ("t", "time"),
     "frame": ("frame", "fr"),
-    "body": ("name", "body", "person", "id"),
-    "x": ("x",),
-    "y": ("y",),
+    "body": ("name", "body", "person", "id", "pedid"),
+    "x": ("x", "posx"),
+    "y": ("y", "posy"),
     "rotation": ("rotation", "heading"),
 }
-"""Names that a column may have, by what is in it."""
+"""Names that a column may have, by its content."""
+
+FIELDS = ("t", "x", "y", "rotation")
+
+OBSMAT = {"frame": 0, "body": 1, "x": 2, "y": 4}
+"""Columns of a row of 8 numbers, as in `obsmat.txt` of ETH: height and velocities are unused."""
 
 METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
@@ -85,16 +92,10 @@ MOST_PROBLEMS = 20
 """Reading stops after so many rows that can't be read."""
 
 MOST_ROWS = 20_000_000
-"""Rows of a Parquet file, at most: few bytes can stand for many of them."""
+"""Maximum number of rows of a Parquet or HDF5 file, whose few bytes can stand for many rows."""
 
 _UNIT = r"(?i)\bx\s*(?:/|\[|\(|in)\s*(?:in\s+)?(m|cm|mm)\b"
 _RATE = r"(?i)frame\s*rate\s*[:=]?\s*([0-9.]+)"
-
-
-@dataclass
-class _TableTrack:
-    rows: list[int] = field(default_factory=list)
-    figures: list[list[float]] = field(default_factory=list)
 
 
 def read_text_tracks(path: Path) -> Tracks:
@@ -103,45 +104,87 @@ def read_text_tracks(path: Path) -> Tracks:
     metre = 1.0
     split: Callable[[str], list[str]] = str.split
     columns: dict[str, int] = {}
+    has_header = True
     wanted: list[str] = []
-    found: dict[str, _TableTrack] = {}
+    names: list[str] = []
+    rows: list[int] = []
+    figures: list[list[float]] = []
     problems: list[Problem] = []
     for number, line in enumerate(read_lines(path, TrackError), start=1):
         text = line.strip().removeprefix("\ufeff")
         if not text:
             continue
         if text.startswith("#"):
-            if told := re.search(_RATE, text):
-                rate = frame_rate(figure(told[1]), path, number)
-            metre = METRE[told[1].lower()] if (told := re.search(_UNIT, text)) else metre
+            if stated := re.search(_RATE, text):
+                rate = frame_rate(figure(stated[1]), path, number)
+            metre = METRE[stated[1].lower()] if (stated := re.search(_UNIT, text)) else metre
             continue
         if not columns:
             split = _splitting(text)
-            columns, is_header = _columns(split(text), path, number)
-            metre = METRE[told[1].lower()] if (told := re.search(_UNIT, text)) else metre
+            columns, has_header = _columns(split(text), path, number)
+            metre = METRE[stated[1].lower()] if (stated := re.search(_UNIT, text)) else metre
             wanted = _wanted(columns)
-            if is_header:
+            if has_header:
                 continue
         cells = split(text)
+        if not (rows or problems) and len(cells) > columns["x"] and cells[columns["x"]] in METRE:
+            metre = METRE[cells[columns["x"]]]  # a second line of the header, with units
+            continue
         try:
-            figures = [_number(cells, columns[name], name) for name in wanted]
-            body = cells[columns["body"]].strip()
+            values = [_number(cells, columns[name], name) for name in wanted]
+            names.append(cells[columns["body"]].strip())
         except UserError as why:
             problems.append(Problem(str(why), line=number))
             if len(problems) == MOST_PROBLEMS:
                 break
             continue
-        track = found.get(body)
-        if track is None:
-            track = found[body] = _TableTrack()
-        track.rows.append(number)
-        track.figures.append(figures)
-    if not columns:
+        rows.append(number)
+        figures.append(values)
+    if not rows and not problems:
         problems.append(Problem("is empty: there are no rows"))
     if problems:
         raise TrackError(str(path), problems)
-    bodies = {name: _samples(track, metre) for name, track in found.items()}
-    return Tracks(bodies, counts_frames="t" not in columns, frame_rate=rate)
+    table = np.array(figures)
+    if not has_header:
+        first = np.array([figure(name) for name in names])
+        if columns is not OBSMAT and _begins_with_frames(first, table):
+            first, table[:, 0] = table[:, 0].copy(), first
+        names = [f"{body:.15g}" for body in first.tolist()]
+    known = {name: code for code, name in enumerate(dict.fromkeys(names))}
+    codes = np.array([known[name] for name in names])
+    bodies = _bodies([*known], codes, table, np.array(rows))
+    return Tracks(bodies, counts_frames="t" not in columns, frame_rate=rate, metre=metre)
+
+
+def _begins_with_frames(first: Array, table: Array) -> bool:
+    """Return whether the first column counts frames, and the first one of `table` has bodies.
+
+    With the columns exchanged, a body would be at the places of all people in a frame.
+    """
+    frames, places = table[:, 0], table[:, 1:3]
+
+    def roughness(bodies: Array, times: Array) -> float:
+        # Mean length of steps and of their changes: people may walk in a regular row.
+        order = np.lexsort((times, bodies))
+        same = bodies[order][2:] == bodies[order][:-2]
+        steps = np.diff(places[order], axis=0)
+        changes = (steps[1:][same], np.diff(steps, axis=0)[same])
+        return sum(float(np.hypot(*one.T).mean()) for one in changes) if same.any() else math.inf
+
+    return roughness(frames, first) < roughness(first, frames)
+
+
+def _bodies(
+    names: Sequence[object], codes: NDArray[np.integer], figures: Array, rows: NDArray[np.int64]
+) -> dict[str, Samples]:
+    """Return samples by body: row k has the `figures` of the body called `names[codes[k]]`."""
+    order = np.argsort(codes, kind="stable")
+    ends = np.searchsorted(codes[order], np.arange(1, len(names)))
+    bodies = {}
+    for name, mine in zip(names, np.split(order, ends), strict=True):
+        values = dict(zip(FIELDS, figures[mine].T, strict=False))
+        bodies[f"{name}"] = Samples(rows=rows[mine], **values)
+    return bodies
 
 
 def read_parquet_tracks(path: Path) -> Tracks:
@@ -160,38 +203,74 @@ def read_parquet_tracks(path: Path) -> Tracks:
         with ParquetFile(path) as file:
             names = file.schema_arrow.names
             columns, _ = _columns(names, path, None)
-            if file.metadata.num_rows > MOST_ROWS:
-                message = f"has more than {MOST_ROWS:,} rows: {file.metadata.num_rows:,}"
-                raise TrackError.of(path, message)
+            _require_rows(file.metadata.num_rows, path)
             table = file.read([names[column] for column in columns.values()])
         body = compute.dictionary_encode(table[names[columns["body"]]]).combine_chunks()
         wanted = [names[columns[name]] for name in _wanted(columns)]
-        fields = ["t", "x", "y", "rotation"][: len(wanted)]
         figures = np.column_stack([np.asarray(table[name], dtype=float) for name in wanted])
     except TrackError:
         raise
     except (ArrowException, OSError, TypeError, ValueError) as why:
         raise TrackError.of(path, f"is no Parquet file that can be read: {why}") from None
-    if (unfit := np.flatnonzero(~np.isfinite(figures).all(axis=1))).size:
-        raise TrackError.of(path, f"row {unfit[0]} has a figure that is not finite")
-    codes = np.asarray(body.indices)
-    bodies = {}
-    for code, name in enumerate(body.dictionary.to_pylist()):
-        rows = np.flatnonzero(codes == code)
-        bodies[f"{name}"] = Samples(rows=rows, **dict(zip(fields, figures[rows].T, strict=True)))
+    _require_finite(figures, path)
+    bodies = _bodies(
+        body.dictionary.to_pylist(), np.asarray(body.indices), figures, _count(figures)
+    )
     return Tracks(bodies, counts_frames="t" not in columns, row="row")
+
+
+TRAJECTORY = "trajectory"
+"""Name of the dataset in an HDF5 file of the Pedestrian Dynamics Data Archive."""
+
+
+def read_hdf5_tracks(path: Path) -> Tracks:
+    """Return the tracks in the HDF5 file at `path`; `TrackError` says why it can't be read."""
+    require_readable(path, TrackError, LARGEST_RECORDED)
+    try:
+        import h5py
+    except ModuleNotFoundError:
+        message = "h5py reads HDF5 and is missing: pip install 'floorwalker[tracks]'"
+        raise TrackError.of(path, message) from None
+    try:
+        with h5py.File(path) as file:
+            data = file[TRAJECTORY]
+            names = data.dtype.names or ()
+            columns, _ = _columns([*names], path, None)
+            _require_rows(len(data), path)
+            rate = data.attrs.get("fps")
+            rate = None if rate is None else frame_rate(float(rate), path)
+            table = data[:]
+        known, codes = np.unique(table[names[columns["body"]]], return_inverse=True)
+        wanted = [names[columns[name]] for name in _wanted(columns)]
+        figures = np.column_stack([table[name].astype(float) for name in wanted])
+    except TrackError:
+        raise
+    except Exception as why:  # the library raises many things of what is damaged
+        raise TrackError.of(path, f"is no HDF5 file with a table {TRAJECTORY!r}: {why}") from None
+    _require_finite(figures, path)
+    bodies = _bodies(known.tolist(), codes, figures, _count(figures))
+    return Tracks(bodies, counts_frames="t" not in columns, frame_rate=rate, row="row")
+
+
+def _require_rows(count: int, path: Path) -> None:
+    if not 0 < count <= MOST_ROWS:
+        message = f"must have from 1 to {MOST_ROWS:,} rows, found {count:,}"
+        raise TrackError.of(path, message)
+
+
+def _require_finite(figures: Array, path: Path) -> None:
+    if (unfit := np.flatnonzero(~are_figures(figures).all(axis=1))).size:
+        raise TrackError.of(path, f"row {unfit[0]} has a figure that is not within ±{LARGEST:g}")
+
+
+def _count(figures: Array) -> NDArray[np.int64]:
+    return np.arange(len(figures))
 
 
 def _wanted(columns: dict[str, int]) -> list[str]:
     """Return what is read of each sample, in the order of `Samples`."""
     time = "t" if "t" in columns else "frame"
     return [time, "x", "y", *(["rotation"] if "rotation" in columns else [])]
-
-
-def _samples(track: _TableTrack, metre: float) -> Samples:
-    t, x, y, *rotation = np.array(track.figures).T
-    turned = rotation[0] if rotation else None
-    return Samples(rows=np.array(track.rows), t=t, x=x * metre, y=y * metre, rotation=turned)
 
 
 def _splitting(line: str) -> Callable[[str], list[str]]:
@@ -208,7 +287,7 @@ def _columns(cells: list[str], path: Path, line: int | None) -> tuple[dict[str, 
         if len(cells) < 4:
             message = f"expected a header, or the columns id, frame, x, y; found {len(cells)}"
             raise TrackError.of(path, message, line)
-        return {"body": 0, "frame": 1, "x": 2, "y": 3}, False
+        return OBSMAT if len(cells) == 8 else {"body": 0, "frame": 1, "x": 2, "y": 3}, False
     plain = [re.split(r"[\s/\[(]", cell.strip().lower())[0] for cell in cells]
     columns = {
         name: plain.index(known[0])

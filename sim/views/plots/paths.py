@@ -275,7 +275,9 @@ def _draw_path(
     there = while_present(run, body, span)
     if there is None:
         return np.empty((0, 2))
-    path = motion.position(instants([motion], *there))
+    t = instants([motion], *there)
+    path = motion.position(t)
+    path[~run.is_present(body, t)] = np.nan
     people = [person.name for person in run.scene.people]
     if body in people:
         index = people.index(body)

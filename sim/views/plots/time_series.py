@@ -375,7 +375,7 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
     if there is None:
         return
     t = instants([motion], *there)
-    at = motion.position(t)[:, axis]
+    at = np.where(run.is_present(body, t), motion.position(t)[:, axis], np.nan)
     dashes = _dashes(run, body)
     people = [person.name for person in run.scene.people]
     if body in people:

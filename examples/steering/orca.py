@@ -17,9 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .scene import TINY, Floats, SampledScene
-
 Vector = tuple[float, float]
+
+TINY = 1e-9
+"""Length below which a vector has no direction, m or m/s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,10 +57,10 @@ class Orca:
     """
 
     def __init__(self, parameters: OrcaParameters | None = None) -> None:
-        self._given = OrcaParameters() if parameters is None else parameters
+        self._parameters = OrcaParameters() if parameters is None else parameters
 
-    def velocities(self, scene: SampledScene) -> Floats:
-        """See `VelocityModel`."""
+    def velocities(self, scene) -> np.ndarray:
+        """Return the velocities of all people until the next step, shape (N, 2), m/s."""
         found = scene.velocity.copy()
         for k in np.flatnonzero(scene.steered).tolist():
             walls, people = self._of_walls(scene, k), self._of_people(scene, k)
@@ -67,29 +68,29 @@ class Orca:
             found[k] = nearest_permitted(walls, people, desired, fastest)
         return found
 
-    def _of_people(self, scene: SampledScene, k: int) -> list[HalfPlane]:
+    def _of_people(self, scene, k: int) -> list[HalfPlane]:
         """Return the half-planes of the nearest neighbours of a person."""
-        given, apart = self._given, scene.at - scene.at[k]
+        parameters, apart = self._parameters, scene.at - scene.at[k]
         square = (apart * apart).sum(axis=1)
-        reach = 2 * float(scene.max_speed.max()) * given.horizon
+        reach = 2 * float(scene.max_speed.max()) * parameters.horizon
         limit = (reach + scene.radius + scene.radius[k]) ** 2
         nearest = np.argsort(square, kind="stable")
         near = [j for j in nearest.tolist() if j != k and square[j] < limit[j]]
         mine = _vector(scene.velocity[k])
         planes = []
-        for j in near[: given.neighbours]:
+        for j in near[: parameters.neighbours]:
             theirs = _vector(scene.velocity[j])
             relative = (mine[0] - theirs[0], mine[1] - theirs[1])
             radius = float(scene.radius[k] + scene.radius[j])
             (ux, uy), normal = least_change(
-                _vector(apart[j]), relative, radius, given.horizon, scene.step
+                _vector(apart[j]), relative, radius, parameters.horizon, scene.step
             )
             # People who do not take half of the change leave all of it to this one.
             share = 0.5 if scene.steered[j] else 1.0
             planes.append(HalfPlane((mine[0] + share * ux, mine[1] + share * uy), normal))
         return planes
 
-    def _of_walls(self, scene: SampledScene, k: int) -> list[HalfPlane]:
+    def _of_walls(self, scene, k: int) -> list[HalfPlane]:
         """Return the half-planes that do not reach the nearest walls within their horizon."""
         first, last = np.searchsorted(scene.wall_of, [k, k + 1])
         planes = []
@@ -99,7 +100,7 @@ class Orca:
                 continue
             normal = (x / distance, y / distance)
             gap = distance - float(scene.radius[k])
-            speed = gap / (self._given.walls_horizon if gap > 0.0 else scene.step)
+            speed = gap / (self._parameters.walls_horizon if gap > 0.0 else scene.step)
             planes.append(HalfPlane((-speed * normal[0], -speed * normal[1]), normal))
         return planes
 
@@ -273,5 +274,5 @@ def _violated_alike(one: HalfPlane, other: HalfPlane) -> HalfPlane | None:
     return HalfPlane((offset * nx, offset * ny), (nx, ny))
 
 
-def _vector(values: Floats) -> Vector:
+def _vector(values: np.ndarray) -> Vector:
     return float(values[0]), float(values[1])

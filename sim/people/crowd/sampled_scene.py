@@ -1,4 +1,4 @@
-"""What a sampled steering knows at one step: people as arrays, and the walls near them."""
+"""Input of a sampled steering at one step: people as arrays, and the walls near them."""
 
 from __future__ import annotations
 
@@ -25,6 +25,8 @@ class SampledScene:
     ----------
     step : float
         Time until the next step, s.
+    seed : int
+        Seed of the trial.
     at, velocity : ndarray, shape (N, 2)
         Positions, m, and velocities of the last step, m/s.
     desired : ndarray, shape (N, 2)
@@ -40,6 +42,7 @@ class SampledScene:
     """
 
     step: float
+    seed: int
     at: Floats
     velocity: Floats
     desired: Floats
@@ -50,8 +53,8 @@ class SampledScene:
     wall_at: Floats
 
 
-class VelocityModel(Protocol):
-    """Interface of a sampled steering."""
+class SampledSteering(Protocol):
+    """Interface of a custom steering that chooses all velocities of a step together."""
 
     def velocities(self, scene: SampledScene) -> Floats:
         """Return the velocity of each body until the next step, shape (N, 2), m/s.
@@ -116,17 +119,3 @@ class WallSides:
         is_near = away[..., 0] ** 2 + away[..., 1] ** 2 <= within**2
         who, which = np.nonzero((on_side | on_corner) & is_near)
         return who, points[who, which]
-
-
-def unit(vectors: Floats) -> Floats:
-    """Return the directions of vectors, shape (N, 2). That of a tiny vector is zero."""
-    length = lengths(vectors)
-    known = length > TINY
-    return np.where(known[:, None], vectors / np.where(known, length, 1.0)[:, None], 0.0)
-
-
-def lengths(vectors: Floats) -> Floats:
-    """Return the lengths of vectors, shape (..., 2)."""
-    x, y = vectors[..., 0], vectors[..., 1]
-    # Unlike hypot, this is rounded alike on all machines.
-    return np.asarray(np.sqrt(x * x + y * y))

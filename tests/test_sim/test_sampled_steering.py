@@ -1,10 +1,14 @@
-"""The field's baselines: closed forms, brute force, and whole trials."""
+"""Sampled steerings, with ORCA and social force as examples: closed forms and whole trials."""
 
 from __future__ import annotations
 
+import importlib.util
 import itertools
 import math
+import shutil
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +16,26 @@ import shapely
 
 import navigation
 import sim
-from sim.people.steering_baselines.orca import HalfPlane, Orca, least_change, nearest_permitted
-from sim.people.steering_baselines.scene import SampledScene, WallSides
-from sim.people.steering_baselines.social_force import SocialForce, SocialForceParameters
+from sim.people.crowd.sampled_scene import SampledScene, WallSides
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "steering"
+
+
+def example(name: str):
+    """Import an example, as no package contains it."""
+    spec = importlib.util.spec_from_file_location(
+        f"steering_example_{name}", EXAMPLES / f"{name}.py"
+    )
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+_orca, _social_force = example("orca"), example("social_force")
+HalfPlane, Orca = _orca.HalfPlane, _orca.Orca
+least_change, nearest_permitted = _orca.least_change, _orca.nearest_permitted
+SocialForce, SocialForceParameters = _social_force.SocialForce, _social_force.SocialForceParameters
 
 HALL = """
 floorplan: {boundary: [[0, 0], [12, 0], [12, 6], [0, 6]]}
@@ -24,7 +45,9 @@ rules: observe
 
 CALM = SocialForceParameters(fluctuation=0.0)
 
-MODELS = {"orca": lambda: Orca(), "social_force": lambda: SocialForce(0, CALM)}
+MODELS = {"orca": Orca, "social_force": lambda: SocialForce(CALM)}
+
+NAMES = {"orca": "orca:Orca", "social_force": "social_force:SocialForce"}
 
 
 def scene(at, velocity, desired, *, steered=None, walls=()) -> SampledScene:
@@ -32,6 +55,7 @@ def scene(at, velocity, desired, *, steered=None, walls=()) -> SampledScene:
     count = len(at)
     return SampledScene(
         step=0.05,
+        seed=0,
         at=np.array(at, dtype=float),
         velocity=np.array(velocity, dtype=float),
         desired=np.array(desired, dtype=float),
@@ -44,12 +68,15 @@ def scene(at, velocity, desired, *, steered=None, walls=()) -> SampledScene:
 
 
 def text(steering: str, *people: str) -> str:
-    return f"{HALL}steering: {steering}\npeople:\n" + "\n".join(f"  - {one}" for one in people)
+    return f"{HALL}steering: {NAMES.get(steering, steering)}\npeople:\n" + "\n".join(
+        f"  - {one}" for one in people
+    )
 
 
 def trial(tmp_path, steering: str, *walkers: tuple[str, str, str]) -> sim.Trial:
     """A trial in the hall: names, starts and goals."""
     people = []
+    shutil.copytree(EXAMPLES, tmp_path, dirs_exist_ok=True)
     for name, at, goal in walkers:
         (tmp_path / f"{name}.asl").write_text(f"+human_start <- move({goal}, 0).")
         people.append(f"{{name: {name}, at: [{at}], personality: {name}.asl}}")
@@ -63,7 +90,7 @@ def test_person_alone_keeps_the_desired_velocity(model):
 
 
 def test_social_force_relaxes_exponentially():
-    model, v = SocialForce(0, CALM), np.zeros((1, 2))
+    model, v = SocialForce(CALM), np.zeros((1, 2))
     for k in range(1, 41):
         v = model.velocities(scene([(0, 0)], v, [(1, 0)]))
         assert v[0] == pytest.approx((1 - (1 - 0.05 / 0.5) ** k, 0.0), abs=1e-12)
@@ -75,7 +102,7 @@ def test_social_force_of_a_person_who_stands_has_its_closed_form():
         given = scene([(0, 0), (x, 0)], [(1, 0), (0, 0)], [(1, 0), (0, 0)], steered=[True, False])
         push = weight * 2.1 / 0.3 * math.exp(-0.9 / 0.3)
         expected = min(1.0 - math.copysign(0.05 * push, x), 1.0)
-        assert SocialForce(0, CALM).velocities(given)[0] == pytest.approx((expected, 0.0))
+        assert SocialForce(CALM).velocities(given)[0] == pytest.approx((expected, 0.0))
 
 
 def test_social_force_is_the_gradient_of_the_elliptical_potential():
@@ -93,14 +120,14 @@ def test_social_force_is_the_gradient_of_the_elliptical_potential():
     given = scene([(0, 0), other], [(0.5, 0), (-1, 0)], [(0.5, 0), (-1, 0)])
     given = replace(given, max_speed=np.full(2, 9.0))
     parameters = replace(CALM, faster=9.0)
-    change = SocialForce(0, parameters).velocities(given)[0] - (0.5, 0.0)
+    change = SocialForce(parameters).velocities(given)[0] - (0.5, 0.0)
     assert change / 0.05 == pytest.approx(-np.array(slope), rel=1e-5)
 
 
 def test_social_force_of_a_wall_has_its_closed_form():
     given = scene([(0, 0)], [(0, 0)], [(1, 0)], walls=[(0.0, -0.8)])
     push = 10.0 / 0.2 * math.exp(-0.8 / 0.2)
-    assert SocialForce(0, CALM).velocities(given)[0] == pytest.approx((0.1, 0.05 * push))
+    assert SocialForce(CALM).velocities(given)[0] == pytest.approx((0.1, 0.05 * push))
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -232,15 +259,23 @@ def test_a_trial_of_people_who_cross_is_the_same_again(tmp_path, steering):
 
 
 @pytest.mark.parametrize("steering", MODELS)
-def test_a_baseline_is_noted_as_sampled_and_written_again(tmp_path, steering):
+def test_a_sampled_steering_is_written_again(tmp_path, steering):
     given = trial(tmp_path, steering, ("a", "1, 3", "11, 3"))
-    (notice,) = given.notices
-    assert "sampled" in notice.message and notice.field == "steering"
-    assert f"steering: {steering}" in given.to_yaml(folder=tmp_path)
-    refused = sim.Trial.parse(text(steering, "{name: a, at: [1, 1]}"), own_code=False)
-    assert refused.steering == steering
+    assert f"steering: {NAMES[steering]}" in given.to_yaml(folder=tmp_path)
 
 
-def test_an_unknown_baseline_is_rejected():
-    with pytest.raises(sim.TrialError, match=r"steering: no steering is called 'orka'.*orca"):
+def test_a_steering_without_a_module_is_rejected():
+    with pytest.raises(sim.TrialError, match="line 5, steering"):
         sim.Trial.parse(text("orka", "{name: a, at: [1, 1]}"))
+
+
+@pytest.mark.parametrize(
+    ("result", "word"),
+    [("scene.velocity * float('nan')", "finite"), ("[0.0]", "shape"), ("1 / 0", "division")],
+)
+def test_wrong_velocities_end_the_run_with_the_name_of_the_steering(tmp_path, result, word):
+    code = f"class Broken:\n    def velocities(self, scene):\n        return {result}\n"
+    (tmp_path / "mine.py").write_text(code)
+    given = trial(tmp_path, "mine:Broken", ("a", "1, 3", "11, 3"))
+    with pytest.raises(ValueError, match=rf"mine:Broken.*{word}"):
+        sim.run(given)

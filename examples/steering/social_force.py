@@ -13,7 +13,8 @@ from random import Random
 
 import numpy as np
 
-from .scene import Floats, SampledScene, lengths, unit
+TINY = 1e-9
+"""Length below which a vector has no direction, m or m/s."""
 
 REACH = 12.0
 """Number of ranges σ or R beyond which a potential is ignored. It has then decayed to 6e-6."""
@@ -53,35 +54,36 @@ class SocialForce:
 
     Parameters
     ----------
-    seed : int
-        Seed of the fluctuations.
     parameters : SocialForceParameters, optional
         By default those of the paper.
     """
 
-    def __init__(self, seed: int, parameters: SocialForceParameters | None = None) -> None:
-        self._given = SocialForceParameters() if parameters is None else parameters
-        self._chance = Random(seed)
+    def __init__(self, parameters: SocialForceParameters | None = None) -> None:
+        self._parameters = SocialForceParameters() if parameters is None else parameters
+        self._random: Random | None = None
 
-    def velocities(self, scene: SampledScene) -> Floats:
-        """See `VelocityModel`. The step is that of the semi-implicit Euler method."""
-        given = self._given
-        force = (scene.desired - scene.velocity) / given.relaxation
+    def velocities(self, scene) -> np.ndarray:
+        """Return the velocities of all people until the next step, shape (N, 2), m/s.
+
+        The step is that of the semi-implicit Euler method.
+        """
+        parameters = self._parameters
+        force = (scene.desired - scene.velocity) / parameters.relaxation
         self._add_people(force, scene)
         self._add_walls(force, scene)
         self._add_fluctuations(force, scene)
         velocity = scene.velocity + scene.step * force
-        fastest = np.minimum(given.faster * lengths(scene.desired), scene.max_speed)
+        fastest = np.minimum(parameters.faster * lengths(scene.desired), scene.max_speed)
         speed = lengths(velocity)
         too_fast = speed > fastest
         share = np.where(too_fast, fastest / np.where(too_fast, speed, 1.0), 1.0)
         return np.asarray(velocity * share[:, None])
 
-    def _add_people(self, force: Floats, scene: SampledScene) -> None:
+    def _add_people(self, force: np.ndarray, scene) -> None:
         """Add the repulsion between people, eqs. 3, 4 and 8 of the paper."""
-        given = self._given
+        parameters = self._parameters
         desired = unit(scene.desired)
-        step = given.step_time * lengths(scene.velocity)[:, None] * _heading(scene)
+        step = parameters.step_time * lengths(scene.velocity)[:, None] * _heading(scene)
         apart = scene.at[:, None, :] - scene.at
         beyond = apart - step
         distance = np.maximum(lengths(apart), NEAREST)
@@ -89,39 +91,59 @@ class SocialForce:
         both, axis = distance + other_distance, lengths(step)
         semi_minor = np.sqrt(np.maximum(both * both - axis * axis, 0.0)) / 2
         np.maximum(semi_minor, NEAREST, out=semi_minor)
-        acts = (semi_minor < REACH * given.people_range) & scene.steered[:, None]
+        acts = (semi_minor < REACH * parameters.people_range) & scene.steered[:, None]
         np.fill_diagonal(acts, val=False)
         who, _ = np.nonzero(acts)
         slope = apart[acts] / distance[acts][:, None] + beyond[acts] / other_distance[acts][:, None]
         slope *= (both[acts] / (4 * semi_minor[acts]))[:, None]
-        push = given.people_strength / given.people_range
-        pushes = slope * (push * _decay(semi_minor[acts], given.people_range))[:, None]
+        push = parameters.people_strength / parameters.people_range
+        pushes = slope * (push * _decay(semi_minor[acts], parameters.people_range))[:, None]
         toward = -(desired[who] * pushes).sum(axis=1)
-        seen = toward >= lengths(pushes) * math.cos(given.sight / 2)
-        pushes *= np.where(seen, 1.0, given.unseen)[:, None]
+        seen = toward >= lengths(pushes) * math.cos(parameters.sight / 2)
+        pushes *= np.where(seen, 1.0, parameters.unseen)[:, None]
         np.add.at(force, who, pushes)
 
-    def _add_walls(self, force: Floats, scene: SampledScene) -> None:
+    def _add_walls(self, force: np.ndarray, scene) -> None:
         """Add the repulsion of walls, eq. 5 of the paper."""
-        given = self._given
+        parameters = self._parameters
         away = scene.at[scene.wall_of] - scene.wall_at
         distance = np.maximum(lengths(away), NEAREST)
-        push = given.walls_strength / given.walls_range * _decay(distance, given.walls_range)
+        push = (
+            parameters.walls_strength
+            / parameters.walls_range
+            * _decay(distance, parameters.walls_range)
+        )
         np.add.at(force, scene.wall_of, away * (push / distance)[:, None])
 
-    def _add_fluctuations(self, force: Floats, scene: SampledScene) -> None:
+    def _add_fluctuations(self, force: np.ndarray, scene) -> None:
         """Add the fluctuations. Without them two people who meet head-on never pass."""
-        width = self._given.fluctuation
+        width = self._parameters.fluctuation
+        if self._random is None:
+            self._random = Random(scene.seed)
         if width > 0.0:
             for k in np.flatnonzero(scene.steered):
-                force[k] += self._chance.gauss(0.0, width), self._chance.gauss(0.0, width)
+                force[k] += self._random.gauss(0.0, width), self._random.gauss(0.0, width)
 
 
-def _heading(scene: SampledScene) -> Floats:
+def _heading(scene) -> np.ndarray:
     """Return the desired directions, and the directions of motion of those who have no goal."""
     return np.where(scene.steered[:, None], unit(scene.desired), unit(scene.velocity))
 
 
-def _decay(distance: Floats, within: float) -> Floats:
+def _decay(distance: np.ndarray, within: float) -> np.ndarray:
     """Return exp(-distance / within), by the same function of C for all lengths of arrays."""
     return np.array([math.exp(-d / within) for d in distance.tolist()])
+
+
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Return the directions of vectors, shape (N, 2). That of a tiny vector is zero."""
+    length = lengths(vectors)
+    known = length > TINY
+    return np.where(known[:, None], vectors / np.where(known, length, 1.0)[:, None], 0.0)
+
+
+def lengths(vectors: np.ndarray) -> np.ndarray:
+    """Return the lengths of vectors, shape (..., 2)."""
+    x, y = vectors[..., 0], vectors[..., 1]
+    # Unlike hypot, this is rounded alike on all machines.
+    return np.asarray(np.sqrt(x * x + y * y))

@@ -1,0 +1,35 @@
+"""Checks of the arguments of commands, whose errors name the argument."""
+
+from __future__ import annotations
+
+import math
+from typing import TypeVar
+
+from floorplan import UserError
+
+T = TypeVar("T")
+
+
+def number(name: str, value: object, low: float = -math.inf) -> float:
+    """Return an argument as a float; `UserError` unless it is finite and at least `low`."""
+    found = float(value) if hasattr(value, "__float__") else math.nan
+    if math.isfinite(found) and found >= low:
+        return found
+    least = "" if low == -math.inf else f" of at least {low:g}"
+    raise UserError(f"{name} must be a finite number{least}, not {value!r}")
+
+
+def target(
+    command: str, x: float, y: float, rotation: float | None, speed_share: float
+) -> tuple[float, ...]:
+    """Return x, y and the rotation, if there is one, to which a command leads."""
+    number(f"{command}(speed_share)", speed_share)
+    place = number(f"{command}(x)", x), number(f"{command}(y)", y)
+    return place if rotation is None else (*place, number(f"{command}(rotation)", rotation))
+
+
+def instance(name: str, value: object, kind: type[T]) -> T:
+    """Return an argument of a kind; `UserError` for another."""
+    if not isinstance(value, kind):
+        raise UserError(f"{name} must be a {kind.__name__}, not {value!r}")
+    return value

@@ -1,1 +1,0 @@
-"""Baselines of the literature for the steering of people: social force and ORCA."""

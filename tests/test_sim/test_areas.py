@@ -1,0 +1,207 @@
+"""Areas that machines sweep: they contain all that is covered, and little more."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from traffic_parts import LIMITS, Floor, area_of
+
+import navigation
+import sim
+from navigation.motion import Motion, Piece
+from sim.machines.traffic.areas import CLEAR, Area, Footprint, Part, is_straight, may_meet
+
+SHAPE = sim.MachineShape(
+    name="cart", kind="amr", category="vehicle", length=1.6, width=0.8, top=0.4, top_speed=1.5
+)
+STILL = (0.0, 0.0, 0.0, 0.0)
+
+
+def covered(shape, motion, begin, end):
+    """The area that a machine covers on a motion, by samples."""
+    states = [motion.state(float(t)) for t in np.linspace(begin, end, 120)]
+    return shapely.union_all([shape.footprint(one.at, one.position[2]) for one in states])
+
+
+def one_piece(x, y, seconds, rotation=STILL):
+    return Motion((Piece(0.0, seconds, x, y, rotation),))
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        one_piece((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 0.8, 0.0), 2.0),  # a parabola
+        one_piece((0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.5), 2.0),
+        one_piece((0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 0.5), 2.0),
+        one_piece((0.0, 2.0, -1.0, 0.0), STILL, 3.0),  # forth and back on a line
+        one_piece((0.0, 2.0, -1.0, 0.0), (0.0, 1.0, -0.5, 0.0), 3.0),
+        one_piece((0.0, 1.0, 0.0, 0.0), STILL, 2.0, (0.0, 0.8, 0.0, 0.0)),
+        one_piece(STILL, STILL, 2.0, (0.0, 2.0, -1.0, 0.0)),
+        one_piece(STILL, STILL, 3.0, (0.0, 0.0, 0.0, 0.3)),
+    ],
+)
+def test_a_sweep_of_a_curve_contains_all_that_is_covered_and_little_more(motion):
+    for begin, end in ((0.0, motion.end), (0.3, 1.7), (1.0, motion.end)):
+        exact = covered(SHAPE, motion, begin, end)
+        area = area_of(Footprint(SHAPE, CLEAR).swept(motion, begin, end))
+        assert area.covers(exact)
+        assert area.within(exact.buffer(0.12))
+
+
+def test_the_sweep_of_a_straight_drive_is_exact():
+    drive = navigation.vehicle_segment(
+        (1.0, 2.0, 0.4), (1 + 5 * math.cos(0.4), 2 + 5 * math.sin(0.4))
+    )
+    for begin, end in ((0.0, drive.end), (1.0, 3.0)):
+        area = Footprint(SHAPE, 0.0).swept(drive, begin, end)
+        exact = covered(SHAPE, drive, begin, end).convex_hull
+        assert area_of(area).symmetric_difference(exact).area < 1e-6
+        assert len(area.polygons) == 1
+
+
+def test_the_sweep_of_what_stands_is_its_footprint_with_the_clearance():
+    footprint = Footprint(SHAPE, CLEAR)
+    stands = navigation.standing((3.0, 4.0), heading=0.7)
+    exact = SHAPE.footprint((3.0, 4.0), 0.7).buffer(CLEAR, join_style="mitre")
+    for area in (footprint.swept(stands, 2.0, 9.0), footprint.at((3.0, 4.0, 0.7))):
+        assert area_of(area).symmetric_difference(exact).area < 1e-9
+        assert area.bounds == pytest.approx(exact.bounds)
+
+
+def test_a_footprint_beside_its_axis_turns_about_the_axis():
+    beside = sim.MachineShape(
+        name="arm",
+        kind="amr",
+        category="vehicle",
+        length=1.0,
+        width=1.0,
+        top=0.4,
+        top_speed=1.0,
+        outline=((1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 1.0)),
+    )
+    motion = navigation.vehicle_turn((0.0, 0.0, 0.0), 2.5)
+    exact = covered(beside, motion, 0.0, motion.end)
+    area = area_of(Footprint(beside, CLEAR).swept(motion, 0.0, motion.end))
+    assert area.covers(exact) and area.within(exact.buffer(0.1))
+
+
+def test_areas_meet_exactly_where_their_polygons_do():
+    rng = np.random.default_rng(1)
+    met = 0
+    for x, y, turn in rng.uniform([-2.5, -2.5, -3], [2.5, 2.5, 3], (200, 3)).tolist():
+        one, other = (
+            Footprint(SHAPE, 0.0).at((0.0, 0.0, 0.3)),
+            Footprint(SHAPE, 0.0).at((x, y, turn)),
+        )
+        exact = SHAPE.footprint((0.0, 0.0), 0.3).intersects(SHAPE.footprint((x, y), turn))
+        assert one.meets(other) == other.meets(one) == exact
+        met += exact
+        boxes = [shapely.box(*area.bounds) for area in (one, other)]
+        assert one.gap(other) == pytest.approx(boxes[0].distance(boxes[1]))
+    assert 20 < met < 180
+
+
+def test_the_union_of_areas_has_the_bounds_of_all():
+    footprint = Footprint(SHAPE, 0.0)
+    poses = [(0.0, 0.0, 0.0), (-4.0, 7.0, 0.0), (5.0, -3.0, 0.0)]
+    union = Area.of([footprint.at(pose) for pose in poses])
+    assert union.bounds == pytest.approx((-4.8, -3.4, 5.8, 7.4))
+    for pose in poses:
+        assert union.meets(footprint.at(pose))
+    assert not union.meets(footprint.at((0.0, 4.0, 0.0)))
+
+
+def shape(name="one", **keys):
+    return sim.MachineShape(
+        **{
+            "name": name,
+            "kind": "agv",
+            "category": "vehicle",
+            "length": 1.2,
+            "width": 0.8,
+            "top": 0.5,
+            "top_speed": 1.0,
+            **keys,
+        }
+    )
+
+
+def test_machines_may_meet_unless_their_heights_or_lanes_are_apart():
+    east = shape(course=((0.0, 0.0), (9.0, 0.0)), direction=(1.0, 0.0))
+    for y, meets in ((0.5, True), (0.81, True), (0.83, False), (3.0, False)):
+        other = shape("other", course=((5.0, y), (20.0, y)), direction=(1.0, 0.0))
+        assert may_meet(east, other) is may_meet(other, east) is meets
+    north = shape("north", course=((4.0, -5.0), (4.0, 5.0)), direction=(0.0, 1.0))
+    beyond = shape("beyond", course=((12.0, -5.0), (12.0, 5.0)), direction=(0.0, 1.0))
+    assert may_meet(east, north) and not may_meet(east, beyond)
+    free = shape("free", kind="amr")
+    assert may_meet(east, free) and may_meet(beyond, free)
+    assert not may_meet(shape("high", kind="amr", bottom=0.6, top=2.0), free)
+    assert may_meet(shape("high", kind="amr", bottom=0.4, top=2.0), free)
+
+
+def braked(cart, motion, t):
+    """What a machine covers that brakes at an instant of a motion."""
+    stop = cart.stopping(motion.state(t), t)
+    return covered(cart.shape, stop, t, stop.end)
+
+
+DRIVES = {
+    "straight": lambda cart: navigation.vehicle_segment((0, 0, 0), (12, 0), limits=LIMITS),
+    "turn": lambda cart: navigation.vehicle_turn((0, 0, 0), 3.0, limits=LIMITS),
+    "arc": lambda cart: navigation.vehicle_twist((0, 0, 0), (1.2, 0.6), seconds=8, limits=LIMITS),
+    "back": lambda cart: navigation.vehicle_twist(
+        (0, 0, 1), (-0.6, -0.9), seconds=8, limits=LIMITS
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DRIVES)
+@pytest.mark.parametrize("now", [0.0, 1.3, 2.5])
+def test_a_part_contains_the_motion_and_every_stop_on_it(name, now):
+    cart = Floor().cart("one", 0.0)
+    motion = DRIVES[name](cart)
+    part = Part.of(cart, motion, now, 1.0)
+    footprint = Footprint(cart.shape, CLEAR)
+    area = area_of(Area.of([footprint.along(poses) for poses in part.courses]))
+    assert now < part.end <= now + 1.5
+    assert area.covers(covered(cart.shape, motion, now, part.end))
+    for t in np.linspace(now, part.end, 12).tolist():
+        # Within 2 cm, because stops from in between are not computed.
+        assert area.buffer(0.02).covers(braked(cart, motion, t))
+    last = braked(cart, motion, part.end)
+    assert area.within(last.union(covered(cart.shape, motion, now, part.end)).buffer(0.3))
+
+
+@pytest.mark.parametrize(
+    ("rest", "end"), [(0.6, 0.6), (1.0, 1.0), (1.4, 1.4), (1.6, 1.0), (9.0, 1.0)]
+)
+def test_a_part_ends_where_the_machine_rests_or_after_its_time(rest, end):
+    cart = Floor().cart("one", 0.0)
+    # From rest to rest in a given time: 3 s² - 2 s³ of a metre.
+    first = Piece(0.0, rest, (0.0, 0.0, 3 / rest**2, -2 / rest**3), STILL, STILL)
+    second = Piece(rest, rest + 3.0, (1.0, 0.0, 3 / 9, -2 / 27), STILL, STILL)
+    motion = Motion((first, second))
+    assert Part.of(cart, motion, 0.0, 1.0).end == pytest.approx(end)
+    only = Motion((first,))
+    assert Part.of(cart, only, 0.0, 20.0).end == pytest.approx(rest)
+
+
+def test_a_part_of_a_machine_whose_stop_is_unknown_is_the_motion_alone():
+    cart = Floor().cart("one", 0.0)
+    cart.stopping = lambda state, t: None
+    motion = navigation.vehicle_segment((0, 0, 0), (12, 0), limits=LIMITS)
+    part = Part.of(cart, motion, 0.0, 3.0)
+    footprint = Footprint(cart.shape, 0.0)
+    area = area_of(Area.of([footprint.along(poses) for poses in part.courses]))
+    exact = covered(cart.shape, motion, 0.0, part.end)
+    assert part.end == 3.0 and area.symmetric_difference(exact).area < 1e-6
+
+
+def test_straight_poses_are_a_line_or_a_turn_on_the_spot():
+    assert is_straight([(0, 0, 0), (1, 1, 0), (3, 3, 0)])
+    assert is_straight([(0, 0, 0), (0, 0, 1), (0, 0, 3)])
+    assert is_straight([(0, 0, 0), (1, 2, 3)])
+    assert not is_straight([(0, 0, 0), (1, 0, 0), (2, 1e-3, 0)])
+    assert not is_straight([(0, 0, 0), (1, 0, 0.1), (2, 0, 0)])
