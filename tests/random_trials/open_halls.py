@@ -1,7 +1,7 @@
 """Random one-minute trials of people and moving vehicles without fields, in an empty hall.
 
-`python -m tests.random_trials.open_halls FIRST COUNT` prints each contact, and each person who
-turned to and fro. Faults are avoidable contacts, and long waits for a vehicle far away.
+`python -m tests.random_trials.open_halls FIRST COUNT` prints each contact, each long wait for a
+vehicle far away, and each person who turns to and fro. Contacts are faults if they are avoidable.
 """
 
 import random
@@ -126,7 +126,7 @@ def faults_in_hall(number):
         if way_out is not None:
             wrong.append(f"{noted[-1]}, who could have left at {way_out}")
     for name, t, duration in long_waits(run):
-        wrong.append(f"{number}: {name} waits {duration:.1f} s until t = {t:.2f} s")
+        noted.append(f"{number}: {name} waits {duration:.1f} s until t = {t:.2f} s")
     for name, t, count in dithering(run):
         noted.append(f"{number}: {name} turns {count} times from t = {t:.2f} s on")
     return wrong, noted

@@ -172,6 +172,7 @@ class Request:
         self._refusing = bytearray(len(indices))
         if manner.alone:
             self._refusing = bytearray(b"\1" * len(indices))
+            self._left = len(ESCAPES)
         for disc in discs:
             moving.move(indices[disc], disc.swath)
         return self._step(indices[me], course, 0, lead, manner)

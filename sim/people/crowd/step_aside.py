@@ -23,7 +23,7 @@ class StepsAside:
 
     A person who walks there decides again at once. `PARAMETERS.alarm` seconds before the vehicle
     comes, a person who is still in the way walks to the nearest free place off its course, and
-    tries again every `PARAMETERS.apart` seconds if there is none.
+    tries again every `PARAMETERS.early` seconds if there is none.
 
     `people` are all people of the crowd, `decide(me)` lets a person decide again, and
     `struck(me, motion)` returns whether a vehicle strikes a person who follows `motion`.
@@ -81,7 +81,7 @@ class StepsAside:
         if not self._discs or me.recorded:
             return
         t = self._met(me, me.swath)
-        due = max(t - PARAMETERS.alarm, me.stepped + PARAMETERS.apart, self._clock.now)
+        due = max(t - PARAMETERS.alarm, me.stepped + PARAMETERS.early, self._clock.now)
         if me.arriving.time is not None:  # a person who is about to arrive goes on from there
             due = max(due, min(me.arriving.time + PARAMETERS.early, t - PARAMETERS.hurry))
         me.stepping.set(None if t == math.inf else due)
