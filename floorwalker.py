@@ -1,6 +1,6 @@
 """Entry points of Floorwalker: its command, and its plugin of pytest.
 
-Its packages have short names. Where a file of the user's own hides one of them (a `sim.py` in the
+Its packages have short names. If the user's own file or folder hides one of them (a `sim.py` in the
 folder where Python starts), the command says so, and pytest goes on without the plugin.
 """
 
@@ -22,11 +22,12 @@ def _hidden() -> str:
     """Return the message about a file that hides a package; empty if there is none."""
     for package in PACKAGES:
         spec = find_spec(package)
-        if spec is not None and not spec.submodule_search_locations:
-            return (
-                f"{spec.origin} hides Floorwalker's package {package}:"
-                " rename the file, or start Python elsewhere"
-            )
+        places = [] if spec is None else [spec.origin, *(spec.submodule_search_locations or ())]
+        found = next((Path(place) for place in places if place), None)
+        ours = Path(__file__).resolve().parent / package
+        if found is not None and ours not in (found.resolve(), found.resolve().parent):
+            ours = f"Floorwalker's package {package}"
+            return f"{found} hides {ours}: rename it, or start Python elsewhere"
     return ""
 
 

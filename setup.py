@@ -35,7 +35,9 @@ extensions = cythonize(
 for extension in extensions:
     extension.optional = True  # cythonize leaves this out
     if os.name == "posix":
-        # A multiplication and an addition in one instruction would have other last bits.
-        extension.extra_compile_args += [*OPTIMISED, "-g0", "-ffp-contract=off"]
+        # A multiplication and an addition in one instruction would have other last bits, and so
+        # would one call for sine and cosine.
+        same_bits = ("-ffp-contract=off", "-fno-builtin-sin", "-fno-builtin-cos")
+        extension.extra_compile_args += [*OPTIMISED, "-g0", *same_bits]
 
 setup(ext_modules=extensions, options={"build_ext": {"parallel": os.cpu_count() or 1}})

@@ -58,7 +58,13 @@ def rectangle(centre: Point, direction: Point, length: float, width: float) -> P
     return Polygon(corners)
 
 
-@dataclass(frozen=True, kw_only=True)
+def extent(shape: shapely.Geometry) -> str:
+    """Return the size of a shape in words."""
+    west, south, east, north = shape.bounds or (0, 0, 0, 0)
+    return f"{east - west:.4g} x {north - south:.4g} m"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Obstacle:
     """Obstacle that stands on the floor or hangs above it.
 
@@ -76,6 +82,10 @@ class Obstacle:
     footprint: Polygon
     bottom: float
     top: float
+
+    def __repr__(self) -> str:
+        heights = f"from {self.bottom:g} to {self.top:g} m"
+        return f"<Obstacle {self.name!r}: {extent(self.footprint)}, {heights}>"
 
     def overlaps(self, bottom: float, top: float) -> bool:
         """Return whether the obstacle has heights between `bottom` and `top` (metres)."""
@@ -138,7 +148,7 @@ ALONG = 0.2
 """Sine of the angle (11.5°) within which a side of a one-way zone runs along its direction."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Zone:
     """Area with a rule for some people and AGVs.
 
@@ -165,6 +175,12 @@ class Zone:
     forbidden: bool = False
     concerns: tuple[str, ...] = EVERYBODY
     one_way: Point | None = None
+
+    def __repr__(self) -> str:
+        rule = ["forbidden"] if self.forbidden else []
+        rule += [f"at most {self.max_speed:g} m/s"] if self.max_speed is not None else []
+        rule += ["one-way"] if self.one_way is not None else []
+        return f"<Zone {self.name!r}: {', '.join([extent(self.area), *rule])}>"
 
     def is_about(self, name: str) -> bool:
         """Return whether the rule concerns the person or AGV called `name`."""
@@ -275,7 +291,7 @@ class Human:
     goal_tolerance: Positive = 0.25
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Lane:
     """Straight lane of an AGV.
 
@@ -313,6 +329,10 @@ class Lane:
     max_speed: Positive
     max_acceleration: Positive
     serves: Mapping[str, str] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        low, high = self.limits
+        return f"<Lane {self.name!r} from {low:g} to {high:g} m: {', '.join(self.locations)}>"
 
     @cached_property
     def direction(self) -> Point:
@@ -391,7 +411,7 @@ class Axis:
         return self.low - ROUNDING <= value <= self.high + ROUNDING
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Gantry:
     """Overhead robot: a bridge (x), a trolley (y) and a torso that rotates about z.
 
@@ -421,6 +441,10 @@ class Gantry:
     arm_bottom: Positive
     rail_height: Positive
     tray_height: Positive
+
+    def __repr__(self) -> str:
+        x, y = self.x, self.y
+        return f"<Gantry over x = {x.low:g} … {x.high:g} m, y = {y.low:g} … {y.high:g} m>"
 
     def faults(self, target: tuple[float, float, float]) -> list[str]:
         """Return a message for each of x, y and rotation of `target` that is out of range."""
@@ -489,8 +513,7 @@ class Floor:
         )
 
     def __repr__(self) -> str:
-        west, south, east, north = self.boundary.bounds
-        held = [f"{east - west:g} x {north - south:g} m", f"{len(self.obstacles)} obstacles"]
+        held = [extent(self.boundary), f"{len(self.obstacles)} obstacles"]
         held += [f"{len(self.stations)} stations", f"{len(self.lanes)} lanes"]
         held += ["a gantry"] if self.gantry is not None else []
         return f"<{type(self).__name__} {self.name!r}: {', '.join(held)}>"

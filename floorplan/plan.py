@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from html import escape
 from pathlib import Path
 from typing import Any
 
+import shapely
 from shapely.geometry import Polygon, box
 
 from .checks import check
@@ -161,6 +163,16 @@ def _axis(axis: Axis) -> Data:
     }
 
 
+def _svg_path(polygons: list[Polygon], colour: str, fine: float) -> str:
+    """Return the SVG of polygons, whose edges may move by `fine` metres."""
+    lines = []
+    for polygon in shapely.simplify(polygons, fine).tolist():
+        for ring in (polygon.exterior, *polygon.interiors):
+            corners = " ".join(f"{x:.6g},{y:.6g}" for x, y, *_ in ring.coords[:-1])
+            lines.append(f"M{corners}Z")
+    return f'<path fill="{colour}" fill-rule="evenodd" d="{"".join(lines)}"/>'
+
+
 USUAL = 0.05
 """Metres. Length of a cell where nothing else is asked for."""
 
@@ -219,6 +231,26 @@ class Floorplan(Floor):
     ... )
     <Floorplan 'cell': 10 x 6 m, 1 obstacles, 1 stations, 0 lanes>
     """
+
+    def _repr_html_(self) -> str:
+        """Return a small picture for notebooks."""
+        west, south, east, north = self.boundary.bounds
+        size = max(east - west, north - south) or 1.0
+        fine = size / 1000
+        shapes = [
+            _svg_path([self.boundary], "#fff", fine),
+            _svg_path([zone.area for zone in self.zones], "#fdd", fine),
+            _svg_path([obstacle.footprint for obstacle in self.obstacles], "#999", fine),
+        ]
+        for station in self.stations:
+            x, y = station.position
+            dot = f'<circle cx="{x:g}" cy="{y:g}" r="{8 * fine:g}" fill="#06c">'
+            shapes.append(f"{dot}<title>{escape(station.name)}</title></circle>")
+        box = f"{west - fine:g} {-north - fine:g} {east - west + 2 * fine:g}"
+        box = f'viewBox="{box} {north - south + 2 * fine:g}" width="420" style="max-height:420px"'
+        pen = f'transform="scale(1,-1)" stroke="#333" stroke-width="{fine:g}"'
+        drawing = f"<svg {box}><g {pen}>{''.join(shapes)}</g></svg>"
+        return f"<figure><figcaption>{escape(repr(self))}</figcaption>{drawing}</figure>"
 
     def save(self, path: str | Path, *, resolution: float | None = None) -> None:
         """Write the floorplan to a file.

@@ -140,7 +140,7 @@ class Box:
         return 0.0
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Prism:
     """Upright prism beside or around the axis of a body that turns with it.
 
@@ -161,6 +161,9 @@ class Prism:
     footprint: tuple[Point, ...]
     bottom: float = 0.0
     top: float
+
+    def __repr__(self) -> str:
+        return f"<Prism of {len(self.footprint)} points from {self.bottom:g} to {self.top:g} m>"
 
     def __post_init__(self) -> None:
         _require_solid(self)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import MutableSequence, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple, TypeAlias
 
@@ -185,9 +185,22 @@ class _Ruckig(threading.local):
 
 _RUCKIG = _Ruckig()
 
+_SOFTER = (1e-12, 1e-11, 1e-10)
+"""Shares of the jerk that are left out in turn where Ruckig finds no profile."""
 
-def _solve(states: list[list[float]], target: States, limits: Sequence[AxisLimits]) -> list[Rows]:
-    """Return Ruckig's answer: of each axis, in one of `states`, the rows of `merge_axes`."""
+
+def _solve(
+    states: list[list[float]],
+    target: States,
+    limits: Sequence[AxisLimits],
+    softer: Sequence[float] = _SOFTER,
+) -> list[Rows]:
+    """Return Ruckig's answer: of each axis, in one of `states`, the rows of `merge_axes`.
+
+    At ties of two profiles, as 2 a³ / j² metres from rest to rest, rounding may let Ruckig reject
+    both (https://github.com/pantor/ruckig/issues/141). A slightly smaller jerk moves the tie. Then
+    the motion still ends at `target`, and stays within 1e-9 m of the fastest up to 10 m.
+    """
     solver, task = _RUCKIG.of(limits)
     task.current_position, task.current_velocity, task.current_acceleration = zip(
         *states, strict=True
@@ -196,10 +209,15 @@ def _solve(states: list[list[float]], target: States, limits: Sequence[AxisLimit
     trajectory = ruckig.Trajectory(len(states))  # one used before keeps figures of its brakes
     try:
         result = solver.calculate(task, trajectory)
-    except ruckig.RuckigError as why:
-        raise ValueError(f"no motion within these limits: {why}") from None
+        why = result.name
+    except (ruckig.RuckigError, ValueError) as error:  # some results are missing in its enumeration
+        result, why = ruckig.Result.Error, str(error)
     if result not in _FOUND:
-        raise ValueError(f"no motion within these limits ({result.name})")
+        if softer:
+            share = 1.0 - softer[0]
+            limits = [replace(axis, max_jerk=axis.max_jerk * share) for axis in limits]
+            return _solve(states, target, limits, softer[1:])
+        raise ValueError(f"no motion within these limits: {why}")
     rows = []
     for profile, state in zip(trajectory.profiles[0], states, strict=True):
         brake = profile.brake

@@ -12,8 +12,8 @@ import ompl.geometric as og
 
 from floorplan import Point
 
-from .arcs import Pose
 from .sampling import Motions, Places
+from .vehicles import Pose
 
 _LINKS = 10_000
 """Number of links after which a search of OMPL's ends in any case."""

@@ -28,13 +28,12 @@ from shapely.geometry import Polygon
 
 from floorplan import Point, UserError
 
-from .arcs import Pose
 from .bodies import region
 from .catalog import PlanningError
 from .planner import PathPlanner
 from .pose_search import PoseSearch
 from .sampling import TooManyChecksError, no_log
-from .vehicles import VehicleLimits
+from .vehicles import Pose, VehicleLimits
 from .world import CollisionWorld
 
 SLACK = 1e-3
@@ -59,7 +58,7 @@ _THICK = 1.0
 """Metres. Height of boxes for FCL: all that counts is in the plane."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class VehiclePath:
     """A path of a vehicle: straight drives and turns on the spot.
 
@@ -69,6 +68,9 @@ class VehiclePath:
 
     poses: NDArray[np.float64]
     checks: int
+
+    def __repr__(self) -> str:
+        return f"<VehiclePath of {self.length:.3f} m: {len(self.poses)} poses>"
 
     @property
     def length(self) -> float:

@@ -2,7 +2,7 @@
 
 A segment and a turn on the spot are exact cubics of time. A vehicle that drives and turns at once
 moves on an arc, whose position is no polynomial: it becomes a spline of cubics that stays within
-`ARC` of the arc. The heading is exact in any case.
+0.01 mm of the arc. The heading is exact in any case.
 """
 
 from __future__ import annotations
@@ -14,17 +14,29 @@ from typing import NamedTuple
 
 from floorplan import UserError
 
-from .arcs import NO_TIME, Pose, constant, pieces_of_axes, profile
+from .kernels.arcs import arc_table, twist_axis
 from .kernels.braking import Stops, braking
 from .kernels.pieces import state as state_in
 from .machines import AxisLimits, AxisState, Stop, along_line, longest_of_axis, to_position
-from .motion import Motion, Piece, State, Table, still
+from .motion import Motion, Piece, State, Table, TablePieces, still
+
+Pose = tuple[float, float, float]
+"""x, y in metres, rotation in radians."""
+
+NO_TIME = 1e-12
+"""Seconds, and metres. Less is nothing."""
 
 _SLIP = 1e-2
 """m/s. A differential drive that moves sideways by less does so as its arc is a spline."""
 
 SIDEWAYS = 1e-4
 """m/s and metres. A differential drive that moves sideways by less is only rounded."""
+
+_ROUNDING = 1e-6
+"""m/s². Error of an acceleration on a segment or in a turn."""
+
+_SPLINE = 0.02
+"""m/s². Error of an acceleration on an arc, where it is that of a spline."""
 
 _BESIDE = 1e-6
 """m/s². A vehicle that accelerates to the side by less moves straight on."""
@@ -239,7 +251,7 @@ def vehicle_turn(
     (phases,) = to_position([now], [AxisState(float(rotation))], [limits.turning])
     pieces, t = [], float(start)
     for duration, cubic in phases:
-        pieces.append(Piece(t, t + duration, constant(x), constant(y), cubic))
+        pieces.append(Piece(t, t + duration, (x, 0.0, 0.0, 0.0), (y, 0.0, 0.0, 0.0), cubic))
         t += duration
     return Motion(tuple(pieces))
 
@@ -308,15 +320,49 @@ def vehicle_twist(
     While the vehicle drives and turns at once, its position is a spline within 0.01 mm of the arc.
     A twist uses at most 99.99 % of the top speeds, so that no speed on the spline exceeds them.
     """
-    limits = limits or VehicleLimits()
-    wanted = Twist.of(twist)
-    wanted.check(limits)
-    state = _state(current)
-    axes = [
-        profile(now, target, seconds, axis)
-        for now, target, axis in zip(_body_axes(state, limits), wanted, _axes(limits), strict=True)
-    ]
-    return Motion(tuple(pieces_of_axes(state.position, axes, float(start), limits.top_speed)))
+    state, wanted = _state(current), Twist.of(twist)
+    if not 0 <= seconds < math.inf:
+        raise UserError(f"seconds must be a finite number of at least 0, not {seconds}")
+    course = TwistCourse(state, wanted, limits or VehicleLimits())
+    return course.motion(state.position, float(start), float(seconds))
+
+
+class TwistCourse:
+    """Change of a vehicle to a twist: velocities of its axes, without an end.
+
+    `UserError` if the twist is faster than the limits.
+    """
+
+    def __init__(self, state: State, twist: Twist, limits: VehicleLimits) -> None:
+        twist.check(limits)
+        self._top_speed = limits.top_speed
+        self._axes = [
+            (now.velocity, now.acceleration, target, axis)
+            for now, target, axis in zip(
+                _body_axes(state, limits), twist, _axes(limits), strict=True
+            )
+        ]
+
+    def motion(self, pose: Pose, start: float, until: float, since: float = 0.0) -> Motion:
+        """Return the motion from `pose` at `start` (s) on, which stops after `until`.
+
+        `since` and `until` are counted from the begin of the course (s).
+        """
+        axes = [
+            twist_axis(
+                velocity,
+                acceleration,
+                target,
+                until,
+                axis.max_speed,
+                axis.max_acceleration,
+                axis.max_jerk,
+            )
+            for velocity, acceleration, target, axis in self._axes
+        ]
+        if table := arc_table(axes, since, *pose, start, self._top_speed):
+            return Motion(TablePieces(table))
+        return Motion((still(pose, start, start),))
 
 
 def vehicle_path(
@@ -414,18 +460,20 @@ def _body_axes(state: State, limits: VehicleLimits) -> list[AxisState]:
         aside = push = 0.0
     states = [(ahead, pull), (aside, push), (turning, spin)]
     return [
-        _within(AxisState(0.0, *given), axis)
+        _within(AxisState(0.0, *given), axis, _SPLINE)
         for given, axis in zip(states, _axes(limits), strict=True)
     ]
 
 
-def _within(state: AxisState, limits: AxisLimits) -> AxisState:
-    """Return a state without the acceleration that would end above the top speed.
+def _within(state: AxisState, limits: AxisLimits, error: float = _ROUNDING) -> AxisState:
+    """Return a state without the acceleration that would end above the top speed by an `error`.
 
-    The second derivative of an arc's spline is the arc's but for a little.
+    More than that is an acceleration for a higher top speed, which ends within the jerk limit.
     """
     v, a, jerk = state.velocity, state.acceleration, limits.max_jerk
     if jerk == math.inf or v * a <= 0:
         return state
-    left = max(limits.max_speed - abs(v), 0.0)
-    return replace(state, acceleration=math.copysign(min(abs(a), math.sqrt(2 * jerk * left)), a))
+    allowed = math.sqrt(2 * jerk * max(limits.max_speed - abs(v), 0.0))
+    if not allowed < abs(a) <= allowed + error:
+        return state
+    return replace(state, acceleration=math.copysign(allowed, a))

@@ -16,6 +16,7 @@ from .commands.agent import agent
 from .commands.bridge import bridge
 from .commands.check import check, convert, list_all
 from .commands.fields import fields
+from .commands.new import new
 from .commands.plan import benchmark, plan
 from .commands.results import app as plot, export, metrics, render
 from .commands.run import replay, run
@@ -70,6 +71,7 @@ app.command()(bridge)
 app.command()(metrics)
 app.command()(export)
 app.command(name="list")(list_all)
+app.command()(new)
 
 
 def _of(arguments: list[str]) -> typer.Typer:

@@ -15,11 +15,12 @@ from shapely.geometry import Polygon
 
 from floorplan import InputError, Obstacle, UserError
 from floorplan.files.problems import refuse, suggestion
-from floorplan.files.values import require
+from floorplan.files.values import require, require_fields
 from navigation import CollisionWorld
 
 from .core.body import Body
 from .core.clock import MOMENT, Clock, InProgress, Turn
+from .core.compilation import notice_uncompiled
 from .core.custom_code import Imports, supervised
 from .core.entries import Blackout, Command, Start
 from .core.events import (
@@ -43,8 +44,9 @@ from .people.tracks.recorded_walks import RecordedWalk, recorded_walks, with_eve
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
+from .safety.contacts import Collisions
+from .safety.floor_contacts import FloorContacts
 from .safety.laws import own_laws, with_new_laws
-from .safety.proximity import Collisions
 from .safety.referee import Referee
 from .trials.checks import check, check_own_events
 from .trials.counterfactual import counterfactual_error, counterfactual_of, difference
@@ -203,6 +205,7 @@ class Simulation(InProgress):
 
     def __init__(self, trial: Trial, *listeners: Listener) -> None:
         self._cpu_begin = time.process_time()
+        notice_uncompiled()
         self._imports = Imports()
         self.clock = Clock(busy=self._busy)
         self._assemble(trial, listeners)
@@ -210,6 +213,7 @@ class Simulation(InProgress):
     @_in_run
     def _assemble(self, trial: Trial, listeners: Iterable[Listener]) -> None:
         require(trial, Trial, "sim.Trial.load")
+        require_fields(trial)
         trial = with_everybody(trial)
         check(trial)
         if any(own_laws(trial.rules)):
@@ -250,6 +254,7 @@ class Simulation(InProgress):
         self._company = Population(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self._collisions = Collisions(self._stage, self.machines.values())
+        self._floor_contacts = FloorContacts(self._stage, self.machines.values())
         self._guards = self._make_guards()
         self._traffic = Traffic(self._stage, self.machines.values() if trial.traffic else ())
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
@@ -269,6 +274,7 @@ class Simulation(InProgress):
         for body in self.bodies if self._listener.wants_motions else ():
             body.on_record = self._listener.motion
         stage.begin()
+        self._floor_contacts.begin()
         for machine in self.machines.values():
             machine.begin()
         for guard in self._guards.values():
@@ -408,6 +414,7 @@ class Simulation(InProgress):
                 motions=motions,
                 work=self.dispatcher.figures if self.dispatcher else {},
                 collisions=self._collisions.count,
+                contacts_with_floor=self._floor_contacts.count,
                 guards=self._guards,
                 waiting_times=self._traffic.waiting_times,
                 traffic_deadlocks=self._traffic.deadlocks,

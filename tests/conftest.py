@@ -14,6 +14,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from floorwalker import main
+from sim.core.compilation import notice_uncompiled
 from sim.core.events import EVENT_KINDS
 from sim.views.film import installed_chromium
 
@@ -36,6 +37,8 @@ with suppress(ImportError):
 # Processes that tests start find the packages that are tested, installed or not, wherever they are.
 TESTED = str(Path(str(find_spec("navigation").origin)).parents[1])
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [TESTED, os.environ.get("PYTHONPATH")]))
+
+notice_uncompiled()  # now, and not in the first test that runs a trial
 
 pytest_plugins = ["pytester"]
 if "floorwalker" not in entry_points(group="pytest11").names:

@@ -26,6 +26,32 @@ def in_folder(tmp_path):
     return run
 
 
+@pytest.mark.parametrize("package", ["floorplan", "navigation", "bdi"])
+@pytest.mark.parametrize("form", ["{}.py", "{}/__init__.py", "{}/notes.txt"])
+def test_a_script_is_told_which_file_or_folder_hides_a_package(tmp_path, package, form):
+    hiding = tmp_path / form.format(package)
+    hiding.parent.mkdir(exist_ok=True)
+    hiding.write_text("")
+    (tmp_path / "script.py").write_text("import sim\nprint(sim.Trial)\n")
+    done = subprocess.run(
+        [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True
+    )
+    is_hidden = f"hides Floorwalker's package {package}" in done.stderr
+    # Python itself prefers a package elsewhere to a folder without modules, unless editable.
+    assert is_hidden or (form == "{}/notes.txt" and done.returncode == 0), done.stderr
+
+
+@pytest.mark.parametrize("package", ["floorplan", "navigation", "bdi", "sim"])
+def test_the_command_names_the_folder_that_hides_a_package(tmp_path, package):
+    (tmp_path / package).mkdir()
+    (tmp_path / package / "__init__.py").write_text("")
+    done = subprocess.run(
+        [sys.executable, "-m", "floorwalker", "list"], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 1 and "Traceback" not in done.stderr
+    assert f"hides Floorwalker's package {package}" in done.stderr
+
+
 def test_the_command_names_the_file_that_hides_a_package(in_folder):
     done = in_folder("-m", "floorwalker", "list")
     assert done.returncode == 1 and done.stdout == ""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import MISSING, fields
 from math import radians, tau
 from typing import Annotated, Any, ClassVar
 
@@ -158,6 +159,23 @@ KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True)
 """How a dataclass is read that is a part of a file: unknown keys are refused."""
 
 
+SHOWN = 60
+"""Maximum number of characters of a field's value in a short text."""
+
+
+def brief(value: Any) -> str:
+    """Return a dataclass in few words: the fields that differ from their defaults, abbreviated."""
+    shown = []
+    for field in fields(value):
+        made = field.default_factory
+        usual = field.default if made is MISSING else made()
+        given = getattr(value, field.name)
+        if field.repr and (usual is MISSING or given != usual):
+            text = repr(given)
+            shown.append(f"{field.name}={text if len(text) <= SHOWN else text[: SHOWN - 1] + '…'}")
+    return f"{type(value).__qualname__}({', '.join(shown)})"
+
+
 class Keyed:
     """Base of dataclasses whose fields are the keys of a part of a file; unknown keys are refused.
 
@@ -165,6 +183,11 @@ class Keyed:
     """
 
     __pydantic_config__: ClassVar[ConfigDict] = KEYS
+
+    def __init_subclass__(cls) -> None:
+        """Shorten the representation. `dataclass` leaves one that is there already unchanged."""
+        super().__init_subclass__()
+        cls.__repr__ = brief  # type: ignore[method-assign]
 
 
 class Strictly(BaseModel):

@@ -39,6 +39,10 @@ class _HasName(Protocol):
 Thing = TypeVar("Thing", bound=_HasName)
 
 
+SHOWN = 5
+"""Names that a tuple of named things shows."""
+
+
 class Named(tuple[Thing, ...]):
     """A tuple that also accepts the names of its elements: `stations["dock"]`.
 
@@ -69,6 +73,11 @@ class Named(tuple[Thing, ...]):
         raise KeyError(
             f"no {kind} is called {key!r}; {suggestion(key, [thing.name for thing in self])}"
         )
+
+    def __repr__(self) -> str:
+        some = [repr(thing.name) for thing in self[:SHOWN]]
+        more = len(self) - SHOWN
+        return f"<{', '.join([*some, f'{more} more'] if more > 0 else some) or 'none'}>"
 
     def __contains__(self, key: object) -> bool:
         if isinstance(key, str):

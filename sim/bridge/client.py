@@ -7,9 +7,9 @@ import itertools
 import sys
 from collections import deque
 from collections.abc import Awaitable, Callable
-from contextlib import suppress
 
 from .protocol import LEVELS, Account, Level, Reassembly, Subscribe, fragments, size_of, status
+from .waiting import done_within
 
 LONGEST_QUEUE = 1000
 """Messages. The most that wait of one topic, however many a client asks for."""
@@ -241,8 +241,7 @@ class Client:
 
     async def idle(self, patience: float) -> bool:
         """Wait until everything is sent, `patience` seconds at most; return whether it is."""
-        with suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(self.outbox.idle.wait(), patience)
+        await done_within(self.outbox.idle.wait(), patience)
         return self.outbox.idle.is_set()
 
 

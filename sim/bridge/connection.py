@@ -17,6 +17,7 @@ from floorplan import UserError
 
 from .messages import MessageError, MessageType, conform, message_type
 from .protocol import encode
+from .waiting import done_within
 
 ANSWER_WITHIN = 5.0
 """Seconds. How long a service may take that answers at once."""
@@ -83,8 +84,7 @@ class RosbridgeConnection:
     async def __aexit__(self, kind: type[BaseException] | None, *_: object) -> None:
         """Send what is still to be sent, and disconnect."""
         if kind is None:
-            with suppress(asyncio.TimeoutError):
-                await asyncio.wait_for(self._outgoing.join(), 1.0)
+            await done_within(self._outgoing.join(), 1.0)
         for task in (self._reading, self._writing):
             task.cancel()
         await asyncio.gather(self._reading, self._writing, return_exceptions=True)

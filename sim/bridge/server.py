@@ -22,6 +22,7 @@ from ..live.page_server import Origins
 from .client import Client
 from .exchange import Exchange
 from .protocol import LONGEST_MESSAGE, Account, Ledger
+from .waiting import done_within
 
 _FRAME = 300
 """Bytes. The memory that a frame takes while it waits, beside its data."""
@@ -103,8 +104,7 @@ class Incoming(ServerConnection):
 
     async def _dismiss(self, why: str) -> None:
         if self.state is State.OPEN:
-            with suppress(asyncio.TimeoutError):
-                await asyncio.wait_for(self.close(_POLICY, why), _GOODBYE)
+            await done_within(self.close(_POLICY, why), _GOODBYE)
         self.transport.abort()
 
     def _buffer(self, size: int) -> None:
@@ -254,9 +254,8 @@ class RosbridgeServer:
         if connection is None or client in self._slow:
             return
         try:
-            await asyncio.wait_for(await connection.ping(), patience)
-        except asyncio.TimeoutError:
-            self._slow.add(client)
+            if not await done_within(await connection.ping(), patience):
+                self._slow.add(client)
         except ConnectionClosed:
             return
         # A ping is answered out of turn: what came before it may still wait to be taken, and cause

@@ -19,6 +19,7 @@ from .client import Client
 from .exchange import Exchange, RefusedError, provide_rosapi
 from .machine_topics import TRAJECTORY
 from .server import RosbridgeServer, listen_at
+from .waiting import done_within
 from .workcell import COMMANDS, ENDED, START, STARTED, BridgeError, Workcell
 
 PERIOD = 0.1
@@ -359,8 +360,7 @@ class Session:
         """Wait for a change, for `LONGEST_NAP` at the longest."""
         # Not for ever: Ctrl-C does not wake a loop that was just about to wait.
         self._changed.clear()
-        with suppress(TimeoutError, asyncio.TimeoutError):
-            await asyncio.wait_for(self._changed.wait(), LONGEST_NAP)
+        await done_within(self._changed.wait(), LONGEST_NAP)
 
     def _start(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
         began, self._hold = self._hold or self._readying() > 0, False

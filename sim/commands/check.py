@@ -218,16 +218,34 @@ def convert(
     say(f"Wrote {' and '.join(map(str, written))}")
 
 
-def list_all() -> None:
-    """List floorplans, trials, planners, personalities, gantry controllers and rule sets."""
+SECTIONS = (
+    *("floorplans", "trials", "planners", "personalities", "controllers", "rule sets"),
+    "figures",
+)
+"""Sections of `floorwalker list`. The last one is printed only if it is named."""
+
+
+def list_all(
+    section: Annotated[
+        str | None,
+        typer.Argument(help=f"One of {', '.join(SECTIONS)}.", autocompletion=lambda: [*SECTIONS]),
+    ] = None,
+) -> None:
+    """List floorplans, trials, planners, personalities, gantry controllers and rule sets.
+
+    `list figures` lists the figures of runs that trials can expect and studies can compare.
+    """
     import bdi
     import floorplan
     import navigation
 
     from ..core.rules import RULE_SETS
     from ..machines.gantry.controllers import CONTROLLERS
+    from ..record.figures import FIGURES
     from ..trials.trial import BUILT_IN, builtin_trials
 
+    if section is not None and section not in SECTIONS:
+        raise typer.BadParameter(f"must be one of {', '.join(SECTIONS)}, not {section!r}")
     sections = {
         "floorplans": {name: floorplan.load(name).title for name in floorplan.builtin()},
         "trials": {name: _opening(BUILT_IN / f"{name}.yaml", "#") for name in builtin_trials()},
@@ -240,9 +258,15 @@ def list_all() -> None:
             for name, controller in CONTROLLERS.items()
         },
         "rule sets": {rules.name: rules.summary for rules in RULE_SETS.values()},
+        "figures": {
+            path: ", ".join(filter(None, (figure.meaning, figure.unit)))
+            for path, figure in FIGURES.items()
+            if figure.form not in ("text", "parts")
+        },
     }
-    width = max(len(name) for section in sections.values() for name in section)
-    for title, entries in sections.items():
+    shown = {name: sections[name] for name in ([section] if section else SECTIONS[:-1])}
+    width = max(len(name) for entries in shown.values() for name in entries)
+    for title, entries in shown.items():
         say(title)
         for name, summary in entries.items():
             say(f"  {name:<{width}}  {summary}".rstrip())

@@ -190,6 +190,9 @@ def benchmark(
     from navigation import planners
     from navigation.benchmark import benchmark as measure, known, summary
 
+    from ..core.compilation import notice_uncompiled
+
+    notice_uncompiled()
     for name, figure in (("--seconds", seconds), ("--longest", longest), ("--radius", radius)):
         least = 1.0 if name == "--longest" else 0.0
         if figure is not None and not (least < figure < math.inf):

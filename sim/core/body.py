@@ -14,6 +14,7 @@ from shapely import affinity
 from shapely.geometry import Polygon
 
 from floorplan import Point, rectangle
+from floorplan.files.fields import brief
 from navigation import Box, CollisionWorld, Cylinder, Motion, Moving, Prism, first_time
 from navigation.encounter import Solid
 from navigation.motion import State, Track
@@ -215,6 +216,8 @@ class MachineShape:
         If the category is unknown.
     """
 
+    __repr__ = brief
+
     name: str
     kind: str
     category: Category
@@ -248,9 +251,14 @@ class MachineShape:
         return Prism(footprint=self.outline, bottom=self.bottom, top=self.top)
 
     @property
+    def corners(self) -> tuple[Point, ...]:
+        """Corners of the footprint, in metres from the axis along the heading and to its left."""
+        return self.outline or self.box.corners
+
+    @property
     def bounds(self) -> tuple[float, float, float, float]:
         """Smallest and largest x and y of the footprint, in metres from the axis."""
-        xs, ys = zip(*(self.outline or self.box.corners), strict=True)
+        xs, ys = zip(*self.corners, strict=True)
         return min(xs), min(ys), max(xs), max(ys)
 
     @cached_property
@@ -294,6 +302,9 @@ class MachineShape:
 TRAFFIC = "traffic"
 """The reason for which a machine waits for another machine."""
 
+CONTACT = "contact"
+"""The reason for which a machine that commands cannot lead away stands after a contact."""
+
 
 def is_there(pose: Sequence[float], target: Sequence[float], within: float) -> bool:
     """Return whether a pose is at x, y, and in the rotation, but for whole turns, if any.
@@ -302,6 +313,9 @@ def is_there(pose: Sequence[float], target: Sequence[float], within: float) -> b
     """
     turn = math.remainder(pose[2] - target[2], math.tau) if len(target) == 3 else 0.0
     return math.dist(pose[:2], target[:2]) < within and abs(turn) < within
+
+
+OnContact = Literal["stop", "report"]
 
 
 class Machine(InProgress, ABC):
@@ -313,10 +327,13 @@ class Machine(InProgress, ABC):
         Observable properties.
     body : Body
         Current motion and track.
+    on_contact : {"stop", "report"}
+        Whether it stops where it touches something on the floor. If not, this is only an event.
     """
 
     shape: MachineShape
     body: Body
+    on_contact: OnContact = "stop"
     priority: int = 0
     """Priority among machines. Those with a lower one evade first."""
 
@@ -329,6 +346,11 @@ class Machine(InProgress, ABC):
 
     def begin(self) -> None:
         """Start to act. It is called once, at the start of the trial."""
+
+    @property
+    def planned_at(self) -> float:
+        """When its present motion was planned around all on the floor (s), by default never."""
+        return -math.inf
 
     @abstractmethod
     def hold(self, stands: bool) -> None:
@@ -420,6 +442,16 @@ class Machine(InProgress, ABC):
         seconds : float
             Duration in seconds.
         """
+
+    def touched(self) -> None:
+        """Handle the begin of a contact with a person, or with something on the floor."""
+
+    def stopped_by_contact(self) -> None:
+        """Handle that a contact with the floor has stopped the machine. By default it is held."""
+        self.stand_for(CONTACT, True)
+
+    def contact_gone(self) -> None:
+        """Handle that nothing is there any more that it touches."""
 
     def floor_changed(self) -> None:
         """Handle that a machine has stopped on the floor, or that a place has opened or closed."""

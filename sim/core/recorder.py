@@ -10,6 +10,7 @@ from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
 from floorplan import Floorplan, Obstacle
+from floorplan.files.fields import brief
 from navigation import Motion, Shapes
 
 from .body import PERSON, Body, MachineShape
@@ -41,6 +42,8 @@ class Scene:
     and disappear by events. `controller` is the name of the gantry's controller, or empty. `fields`
     has the protective fields by the name of the machine.
     """
+
+    __repr__ = brief
 
     trial: str
     seed: int

@@ -23,12 +23,14 @@ from floorplan.files.fields import (
     NotNegative,
     Number,
     Positive,
+    brief,
     whole,
 )
 from floorplan.files.problems import Written
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
+from .body import OnContact
 from .custom_code import CodeFolder
 from .entries import (
     ALL_ROUND,
@@ -348,6 +350,8 @@ class Job:
         Name of the order.
     """
 
+    __repr__ = brief
+
     kind: Literal["move", "wait", "pick_place", "submit"]
     _: KW_ONLY
     target: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -434,6 +438,8 @@ class GantryEntry(Keyed):
         Whether the jobs are repeated until the end.
     drops : tuple of Drop, optional
         Parts that the gripper drops.
+    on_contact : {"stop", "report"}, optional
+        Whether it stops at a contact with something on the floor. If not, this is only an event.
     """
 
     controller: Controller = "parked"
@@ -442,6 +448,7 @@ class GantryEntry(Keyed):
     jobs: tuple[Annotated[Job, Written(_WrittenJob)], ...] = ()
     repeat: Flag = False
     drops: tuple[Drop, ...] = ()
+    on_contact: OnContact = "stop"
 
     @property
     def controller_name(self) -> str:

@@ -13,6 +13,7 @@ from shapely.geometry import Polygon
 from typing_extensions import Self
 
 from floorplan import Door, Floorplan, Obstacle, Point
+from floorplan.files.fields import brief
 from floorplan.files.problems import Fault
 from navigation import CollisionWorld, Motion
 from navigation.machines import Stop
@@ -141,6 +142,11 @@ class Bystander(Protocol):
     @property
     def is_recorded(self) -> bool:
         """True of somebody who walks as they were measured: nobody can put them elsewhere."""
+        ...
+
+    @property
+    def started_at(self) -> float | None:
+        """When they started, seconds."""
         ...
 
     @property
@@ -473,20 +479,7 @@ class MachineModel(ABC):
         return ()
 
     def place_faults(self, name: str, plan: Floorplan) -> Iterable[Fault]:
-        """Return the problems of the start and the goals of a machine.
-
-        Parameters
-        ----------
-        name : str
-            Name of the machine, to which zones and gates may apply.
-        plan : Floorplan
-            The floor.
-
-        Returns
-        -------
-        iterable of Fault
-            Problems, each with its key. By default there are none.
-        """
+        """Return the problems of the start and the goals of the machine `name`: see `faults`."""
         return ()
 
     def code_faults(self, folder: CodeFolder) -> Iterable[Fault]:
@@ -543,6 +536,8 @@ class MachineEntry:
     keys : dict, optional
         Values of the fields of the model.
     """
+
+    __repr__ = brief
 
     kind: str | type[MachineModel]
     keys: dict[str, Any] = field(default_factory=dict)

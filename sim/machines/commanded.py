@@ -138,9 +138,9 @@ class CommandedMachine(Machine):
 
         Parameters
         ----------
-        reason : {"person_close", "disabled", "enabled", "part_dropped"}
-            A person is closer than `distance`, the referee stops the machine or releases it, or the
-            gripper drops the carried part.
+        reason : {"person_close", "disabled", "enabled", "part_dropped", "contact"}
+            A person is closer than `distance`, the referee stops the machine or releases it, the
+            gripper drops the carried part, or the machine touches a person or the floor.
         distance : float, optional
             Distance in metres of a person from the axis of the machine.
 
@@ -412,6 +412,13 @@ class CommandedMachine(Machine):
             raise UserError(f"limit_speed(speed) must be more than 0, not {speed}")
         self.drive.limit_speed(speed)
         return True
+
+    def touched(self) -> None:
+        """Interrupt the controller at the begin of a contact, if it has asked for that."""
+        self.interrupt("contact")
+
+    def stopped_by_contact(self) -> None:
+        """Stay free, so that the controller can leave what the machine touches."""
 
     def close(self) -> None:
         """Finish at the end of the trial."""

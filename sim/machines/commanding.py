@@ -7,7 +7,7 @@ import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator
 from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from simpy.events import Event, Process
 from simpy.exceptions import Interrupt
@@ -266,6 +266,11 @@ class Drive(ABC):
         """Return whether this is the move under way."""
         return move is self._move
 
+    def extend(self, move: Event | None, longer: Callable[[], Motion]) -> None:
+        """Go on with a longer motion if `move` is under way."""
+        if self._move is not None and move is self._move:
+            self._move.extend(longer())
+
     def ended(self) -> None:
         """Handle the end of the move under way."""
         self._move = None
@@ -345,9 +350,13 @@ class Move(Event):
         if self._motion is not None and self._motion.end > self._drive.body.clock.now:
             motion = self._adapted()
             if motion is not None:
-                self.follow(motion)
-                if self._arrival is not None:
-                    self._await_arrival()
+                self.extend(motion)
+
+    def extend(self, motion: Motion) -> None:
+        """Go on with another motion that begins here and now."""
+        self.follow(motion)
+        if self._arrival is not None:
+            self._await_arrival()
 
     def broken_off(self) -> None:
         """Go on once the machine is free, if it may. One that has not begun waits to begin."""
@@ -386,10 +395,10 @@ class Move(Event):
             then(again, self.go_on)
 
 
-Interruption = Literal["person_close", "disabled", "enabled", "part_dropped"]
+Interruption = Literal["person_close", "disabled", "enabled", "part_dropped", "contact"]
 """Reasons for which a controller can ask to be interrupted."""
 
-REASONS = ("person_close", "disabled", "enabled", "part_dropped")
+REASONS = get_args(Interruption)
 
 
 class Interrupts:

@@ -38,7 +38,8 @@ from .interaction import Interaction
 from .minds import Mind, as_term
 from .perception import Senses, SocialPerception, Vision
 from .programs import find_program
-from .tracks.recorded_walks import Playback, RecordedWalk
+from .tracks.playback import Playback
+from .tracks.recorded_walks import RecordedWalk
 from .walker import Walker
 from .work import WorkBoard, Worker
 

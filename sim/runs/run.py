@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from ..record.notebook import html_table
 from ..record.outcome import Outcome
 from ..record.summary import figures_in_words
 from ..trials.expectations import verdicts
@@ -27,19 +28,10 @@ REPLAY_HEIGHT = 720
 
 def as_html(run: Outcome) -> str:
     """Return a table of the run's figures, and its replay page in a frame of its own."""
-    return f"<div>{_table(run)}{_replay(run)}</div>"
-
-
-def _table(run: Outcome) -> str:
     # A run that was broken off has no figures.
     figures = figures_in_words(run.summary) if run.summary else []
     rows = [("trial", run.scene.trial), ("duration", f"{run.duration:g} s"), *figures]
-    lines = "".join(
-        f'<tr><th scope="row" style="text-align:left">{html.escape(name)}</th>'
-        f'<td style="text-align:left">{html.escape(value)}</td></tr>'
-        for name, value in rows
-    )
-    return f"<table><tbody>{lines}</tbody></table>"
+    return f"<div>{html_table(rows)}{_replay(run)}</div>"
 
 
 def _replay(run: Outcome) -> str:

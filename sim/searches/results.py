@@ -6,6 +6,8 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
+from floorplan.files.fields import brief
+
 from ..studies.design import Study
 from .evaluations import Evaluation, upper_bound
 from .minimising import Minimised
@@ -57,6 +59,8 @@ class Case:
 @dataclass(frozen=True, kw_only=True)
 class SearchResults:
     """Results of a search: all evaluations, and the worst distinct cases among them."""
+
+    __repr__ = brief
 
     study: Study
     objective: Objective

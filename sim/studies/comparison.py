@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from floorplan.files.fields import brief
+
 from ..machines.kinds import KINDS
 from ..record.figures import FIGURES
 from .design import Study
@@ -192,6 +194,8 @@ class Comparison:
     groups: tuple[RowGroup, ...]
     spreads: dict[Measure, tuple[Spread | None, ...]]
     values: dict[Measure, Floats]
+
+    __repr__ = brief
 
     def constant(self, measure: Measure) -> float | None:
         """Return the value if it is equal in all rows, or NaN if no row has one."""
@@ -410,6 +414,28 @@ class StudyResults:
     study: Study
     folder: Path
     columns: dict[str, list[Cell]]
+
+    def __repr__(self) -> str:
+        return f"<Results of the study {self.study.name!r}: {len(self)} rows in {self.folder}>"
+
+    def _repr_html_(self) -> str:
+        """Return the means of all combinations as a table for notebooks."""
+        from ..record.notebook import html_table
+        from ..views.report_page import figure
+
+        compared = self.comparison
+        means = (
+            [figure(one.mean) if one else "–" for one in compared.spreads[measure]]
+            for measure in compared.telling
+        )
+        rows = zip(
+            (group.label for group in compared.groups),
+            (f"{len(group.rows):,}" for group in compared.groups),
+            *means,
+            strict=True,
+        )
+        labels = (measure.label for measure in compared.telling)
+        return html_table(rows, (", ".join(compared.factors), "runs", *labels))
 
     def __len__(self) -> int:
         """Return the number of rows."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict
+from dataclasses import asdict, fields, is_dataclass
 from importlib.metadata import version
 from typing import Any
 
@@ -20,7 +20,7 @@ from ..machines.gantry.controllers import CONTROLLERS, controller_source
 from ..machines.kinds import KINDS, is_own, own_kind
 from ..people.crowd.custom_steering import STEERING
 from ..people.programs import load_program, modules_of, planner_of, planner_source, sources_of
-from ..people.tracks.recorded_walks import files_of
+from ..people.tracks.track_files import files_of
 from ..safety.laws import LAW, OwnLaw, laws_in
 from ..trials.trial import Trial
 from .code_files import digest_of_code, digest_of_source
@@ -55,12 +55,25 @@ def _definition(study: Study) -> str:
         [
             [trial.name for trial in study.trials],
             [[what.name, values] for what, values in study.grid.items()],
-            [[what.name, repr(distribution)] for what, distribution in study.random.items()],
+            [[what.name, _whole(distribution)] for what, distribution in study.random.items()],
             study.repeat,
             study.seed,
             study.metrics,
         ]
     )
+
+
+def _whole(value: object) -> str:
+    """Return a value with all fields of the dataclasses in it, which `repr` abbreviates."""
+    match value:
+        case tuple():
+            return f"({', '.join(map(_whole, value))}{',' * (len(value) == 1)})"
+        case dict():
+            return f"{{{', '.join(f'{key!r}: {_whole(one)}' for key, one in value.items())}}}"
+        case _ if is_dataclass(value):
+            inside = (f"{one.name}={_whole(getattr(value, one.name))}" for one in fields(value))
+            return f"{type(value).__qualname__}({', '.join(inside)})"
+    return repr(value)
 
 
 def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
@@ -70,8 +83,14 @@ def _parts(trial: Trial) -> Iterator[tuple[str, str]]:
     yield f"the floorplan {plan.name}", digest(json.dumps(facts, default=_wkt))
     for person in trial.people:
         yield from _of_person(person, trial)
+    tracks = [one.recorded for one in trial.people if isinstance(one.recorded, RecordedTrack)]
+    for file in dict.fromkeys(track.file for track in tracks):
+        content = hashlib.sha256()
+        for part in files_of(trial.folder / file):
+            content.update(part.read_bytes())
+        yield f"the track {file}", content.hexdigest()[:16]
     if trial.workload is not None:
-        yield f"the orders of {trial.name}", digest(repr(trial.workload))
+        yield f"the orders of {trial.name}", digest(_whole(trial.workload))
     if trial.steering is not None:
         steering = trial.code_folder.find(trial.steering, STEERING)
         yield f"the steering {trial.steering}", digest_of_source(steering)
@@ -93,11 +112,6 @@ def _of_person(person: PersonEntry, trial: Trial) -> Iterator[tuple[str, str]]:
         if program is not None:
             for module in sources_of(program, modules, trial.code_folder):
                 yield f"the actions {module.module}", digest_of_source(module)
-    if isinstance(person.recorded, RecordedTrack):
-        track = hashlib.sha256()
-        for part in files_of(trial.folder / person.recorded.file):
-            track.update(part.read_bytes())
-        yield f"the track {person.recorded.file}", track.hexdigest()[:16]
     choice = planner_of(person, trial)
     source = planner_source(choice, trial.code_folder)
     if source is not None:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 from floorplan import UserError
 from floorplan.files.values import require
 
+from ..core.compilation import notice_uncompiled
 from ..core.custom_code import DEFECT, is_ours
 from ..record.figures import FIGURES
 from ..record.output import folder_for
@@ -51,6 +52,7 @@ def backend_of(name: str, jobs: int) -> Iterator[Parallel]:
     DASK_SCHEDULER_ADDRESS names, or on `jobs` local processes. `ValueError` if there is no such
     backend or what it needs is not installed. What else uses joblib meanwhile is not affected.
     """
+    notice_uncompiled()
     import joblib
 
     if name == "dask":

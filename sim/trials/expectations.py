@@ -6,8 +6,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, replace
+from difflib import SequenceMatcher
 from typing import Any
 
 from floorplan import UserError
@@ -190,13 +191,24 @@ def _field_check(
     return _FigureCheck(key, field, comparison.text, comparison.slack)
 
 
-def _hint(key: str, fields: Iterable[str]) -> str:
-    """Return a hint at what `key` was meant to be."""
-    whole = [name for name in fields if name.endswith(f".{key}") or name.startswith(f"{key}.")]
-    if whole:
-        return f"there are: {', '.join(whole)}"
-    alike = [name for name in fields if name.count(".") == key.count(".")] or fields
-    return suggestion(key, [*alike, TIMELINE])
+MOST_NEAR = 5
+"""Maximum number of figures that are named instead of an unknown one."""
+
+
+def _hint(key: str, fields: Mapping[str, SummaryField]) -> str:
+    """Return the figures whose names are nearest to `key`, of whatever kind they are."""
+    # Of a figure that each person has, one name is enough.
+    kinds = {field.figure.path: name for name, field in reversed([*fields.items()])}
+    names, last = [*kinds.values(), TIMELINE], key.rpartition(".")[2]
+
+    def likeness(name: str) -> float:
+        if name.endswith(f".{key}") or name.startswith(f"{key}."):
+            return 2.0
+        ratios = SequenceMatcher(None, key, name), SequenceMatcher(None, last, name.split(".")[-1])
+        return max(ratio.ratio() for ratio in ratios)
+
+    near = ", ".join(sorted(names, key=likeness, reverse=True)[:MOST_NEAR])
+    return f"the nearest are {near} ('floorwalker list figures' lists all)"
 
 
 @dataclass(frozen=True)

@@ -97,6 +97,25 @@ class Trial(Scenario):
         about = f"{self.duration:g} s on {self.floorplan.name!r} with {people}, seed {self.seed}"
         return f"<{type(self).__name__} {self.name!r}: {about}>"
 
+    def _repr_html_(self) -> str:
+        """Return a table of the trial for notebooks."""
+        from ..record.notebook import html_table
+
+        people = (f"{person.name} ({person.personality_name})" for person in self.people)
+        gantry = [f"gantry ({self.gantry.controller_name})"] if self.floorplan.gantry else []
+        lanes = (lane.name for lane in self.floorplan.lanes)
+        rows = {
+            "trial": self.name,
+            "floor": self.floorplan.title or self.floorplan.name,
+            "duration": f"{self.duration:g} s",
+            "seed": f"{self.seed}",
+            "rules": self.rules.name,
+            "people": ", ".join(people) or "nobody",
+            "machines": ", ".join([*gantry, *lanes, *self.machines]) or "none",
+            "expectations": ", ".join(self.expect) or "none",
+        }
+        return html_table(rows.items())
+
     @classmethod
     def load(cls, source: str | Path, *, own_code: bool = True) -> Trial:
         """Return a built-in trial or the trial in a YAML file.

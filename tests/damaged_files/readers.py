@@ -24,8 +24,8 @@ from sim.bridge.protocol import Account, Ledger
 from sim.bridge.remote_agent import RemotePerson
 from sim.commands.agent import read_percepts
 from sim.core.clock import StandstillError
-from sim.people.tracks.recorded_walks import read_bag_tracks
 from sim.people.tracks.tables import read_hdf5_tracks, read_jupedsim_tracks, read_parquet_tracks
+from sim.people.tracks.track_files import read_bag_tracks
 from sim.studies.comparison import StudyResults
 from sim.studies.folder import StudyFolder, read_table
 from sim.studies.report import write_report

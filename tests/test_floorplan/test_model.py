@@ -118,3 +118,23 @@ def test_things_with_names_stay_plain_values(ariac):
     assert asdict(ariac)["lanes"][0]["name"] == "agv1"
     assert copy.deepcopy(ariac) == ariac
     assert len(repr(ariac)) < 100
+
+
+def test_values_are_shown_in_a_line_and_not_as_polygons():
+    plan = floorplan.load("ariac2023")
+    zone = floorplan.Zone(name="bay", area=plan.boundary, max_speed=0.5)
+    values = [*plan.obstacles, *plan.stations, *plan.lanes, plan.gantry, plan.obstacles, zone]
+    for value in (*values, plan, plan.safe_zone, plan.human, plan.gates):
+        assert len(repr(value)) < 120 and "POLYGON" not in repr(value)
+    assert "'assembly_table1'" in repr(plan.obstacles) and "27 more" in repr(plan.obstacles)
+    assert repr(zone) == "<Zone 'bay': 24 x 24 m, at most 0.5 m/s>"
+
+
+def test_a_notebook_shows_a_small_picture():
+    shown = floorplan.load("ariac2023")._repr_html_()
+    assert "ariac2023" in shown and shown.count("<path") == 3 and shown.count("<circle") == 4
+    assert len(shown) < 5000
+    square = shapely.box(0, 0, 9, 9)
+    stations = (floorplan.Station("<b>", (1.0, 1.0)),)
+    shown = floorplan.Floorplan(name="<i>", boundary=square, stations=stations)._repr_html_()
+    assert "<b>" not in shown and "<i>" not in shown

@@ -1,6 +1,7 @@
 """Motions of vehicles against closed forms, and against the equations of motion in small steps."""
 
 import math
+import random
 
 import numpy as np
 import pytest
@@ -161,3 +162,40 @@ def test_what_a_drive_can_not_do():
             vehicle_twist((0.0, 0.0, 0.0), twist, limits=CART)
     with pytest.raises(ValueError, match="jerk must be more than 0"):
         VehicleLimits(jerk=0.0)
+
+
+def accelerations(motion):
+    """Time, acceleration before and after, and jerk after, of each piece of a motion."""
+    last = np.zeros(3)
+    for piece in motion.pieces:
+        _, _, bend, twist = np.array([piece.x, piece.y, piece.rotation]).T
+        yield piece.begin, last, 2 * bend, 6 * twist
+        last = 2 * bend + 6 * twist * (piece.end - piece.begin)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_jerk_limit_holds_when_the_top_speed_falls_below_the_present_speed(seed):
+    draw = random.Random(seed)
+    limits = VehicleLimits(speed=draw.choice([0.8, 1.5, 2.0]), jerk=draw.choice([1.0, 3.0, 10.0]))
+    turns = seed % 2 == 1
+    motion = (
+        vehicle_turn((0, 0, 0), 3.0, limits=limits)
+        if turns
+        else vehicle_segment((0, 0, 0), (8.0, 0.0), limits=limits)
+    )
+    t = draw.uniform(0.0, motion.end)
+    slower = limits.slower(draw.uniform(0.1, 1.0))
+    state = motion.state(t)
+    if turns:
+        after = vehicle_turn(state, 3.0, t, limits=slower)
+    else:
+        after = vehicle_segment(state, (8.0, 0.0), t, limits=slower)
+    assert after.position(after.end) == pytest.approx(motion.position(motion.end), abs=1e-6)
+    jerk = limits.turn_jerk if turns else limits.jerk
+    for begin, before, acceleration, change in accelerations(join([motion.cut(0, t), after])):
+        assert acceleration == pytest.approx(before, abs=1e-5), begin
+        assert np.abs(change).max() <= jerk * (1 + 1e-9)
+    speed, rise = np.abs(state.velocity).max(), np.abs(state.acceleration).max()
+    top = max(slower.turn_speed if turns else slower.speed, speed + rise**2 / (2 * jerk))
+    for u in np.linspace(t, after.end, 300):
+        assert np.abs(after.state(u).velocity).max() <= top + 1e-9

@@ -258,3 +258,21 @@ def test_a_path_without_turns_that_are_not_needed():
     )
     sliding = VehiclePlanner(hall(), LONG, limits=VehicleLimits(side_speed=1.0))
     assert sliding.plan((3, 3, 0.2), (12, 7)).turned == 0.0
+
+
+def test_a_vehicle_that_cannot_turn_drives_back():
+    plan = floorplan.Floorplan(name="corridor", boundary=box(0, 0, 20, 1.6))
+    planner = VehiclePlanner(CollisionWorld(plan), LONG)
+    path = planner.plan((15.0, 0.8, 0.0), (3.0, 0.8))
+    assert path.poses.tolist() == [[15.0, 0.8, 0.0], [3.0, 0.8, 0.0]]
+
+
+def test_a_vehicle_drives_ahead_or_back_to_where_it_can_turn():
+    for low in (0.0, 14.0):  # the wide part of the corridor is behind it, or ahead
+        boundary = shapely.union(box(0, 2, 20, 3.6), box(low, 0, low + 6, 6))
+        planner = VehiclePlanner(
+            CollisionWorld(floorplan.Floorplan(name="corridor", boundary=boundary)), LONG
+        )
+        path = planner.plan((low + 7.2 if low == 0 else low - 1.2, 2.8, 0.0), (10.0, 2.8, math.pi))
+        assert math.remainder(path.poses[-1][2] - math.pi, math.tau) == pytest.approx(0.0)
+        assert path.poses[-1][:2] == pytest.approx([10.0, 2.8])

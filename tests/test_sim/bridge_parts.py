@@ -88,7 +88,7 @@ class InThread:
     def stop(self):
         if self._thread.is_alive():
             self._loop.call_soon_threadsafe(self._task.cancel)
-            self._thread.join(HANG)
+            assert self.join(HANG), f"{self._thread} goes on after its task was cancelled"
 
 
 class Served:
@@ -239,6 +239,7 @@ class Command:
         printed = self.process.stdout.read()
         code = self.process.wait(HANG)
         self._listening.join(HANG)
+        assert not self._listening.is_alive(), "stderr of the command stays open"
         return code, printed
 
 

@@ -11,6 +11,9 @@ from waiting import HANG
 
 import sim
 
+ENDS_WITHIN = 30.0
+"""Seconds within which a thread ends after the helper that stopped it has waited for it."""
+
 ARGUMENTS = [
     "--no-sandbox",
     "--disable-gpu",
@@ -33,7 +36,7 @@ def no_thread_stays():
     for thread in {*threading.enumerate()} - before:
         if thread.name.startswith("Dask-Offload"):  # an idle pool of Dask's, for the whole process
             continue
-        thread.join(HANG)
+        thread.join(ENDS_WITHIN)
         assert not thread.is_alive(), f"{thread} is still running"
 
 

@@ -1,5 +1,6 @@
 """Commands of machines end: at the goal, by the next command, or with an event that says why."""
 
+import itertools
 import math
 import random
 import textwrap
@@ -312,3 +313,49 @@ def test_an_invalid_argument_of_a_command_is_named(kind, call, argument):
     with pytest.raises(floorplan.UserError, match="must be") as why:
         eval(f"machine.{call}", names)
     assert argument in str(why.value)
+
+
+@pytest.mark.parametrize("twist", [(0.5, 0.3), (0.05, 0.0), (0.3, 0.005), (0.0, 0.7)])
+def test_a_twist_of_any_length_costs_what_is_driven(twist):
+    simulation = external_vehicles((15, 8, 0))
+    vehicle = simulation.machines["v0"]
+    known = []
+    vehicle.body.on_change.append(lambda: known.append(vehicle.body.motion))
+    move = vehicle.twist(twist, 1e9)
+    simulation.advance(20.0)
+    # The same motion as that of a twist that is planned in one go.
+    shorter = navigation.vehicle_twist((15, 8, 0), twist, seconds=400.0)
+    for t in range(20, 200, 7):
+        simulation.advance(t)
+        assert vehicle.body.motion.end > t + 29.0
+        assert vehicle.position == pytest.approx(shorter.state(t).position, abs=1e-3)
+        assert vehicle.state.velocity == pytest.approx(shorter.state(t).velocity, abs=2e-3)
+    assert max(len(motion.pieces) for motion in known) < 200 and len(known) < 10
+    for before, after in itertools.pairwise(known):
+        t = after.start
+        velocity = before.state_before(t).velocity
+        assert after.state(t).velocity == pytest.approx(velocity, abs=1e-3)
+    vehicle.hold(True)
+    simulation.advance(300.0)
+    assert move.processed and vehicle.state.speed == 0.0 and vehicle.body.motion.end < 210.0
+
+
+def test_a_twist_that_takes_longer_than_is_planned_ahead_stops_in_time():
+    simulation = external_vehicles((3, 4, 0))
+    vehicle = simulation.machines["v0"]
+    ended = []
+    vehicle.twist((0.1, 0.0), 130.0).callbacks.append(lambda _: ended.append(vehicle.now))
+    simulation.advance(200.0)
+    expected = navigation.vehicle_twist((3, 4, 0), (0.1, 0.0), seconds=130.0)
+    assert ended == [pytest.approx(expected.end)]
+    assert vehicle.position == pytest.approx(expected.state(expected.end).position)
+
+
+@pytest.mark.parametrize("twist", [(1e-300, 0.0), (1e-300, 1e-300), (0.0, 1e-12), (1e-9, 1.0)])
+@pytest.mark.parametrize("seconds", [0.0, 1e-300, 1e-12, 1.0])
+def test_a_tiny_twist_ends(twist, seconds):
+    simulation = external_vehicles((3, 4, 0))
+    vehicle = simulation.machines["v0"]
+    move = vehicle.twist(twist, seconds)
+    simulation.advance(10.0)
+    assert move.processed and vehicle.position[:2] == pytest.approx((3, 4), abs=1e-6)

@@ -331,3 +331,27 @@ def test_random_vehicles_neither_collide_nor_get_stuck(seed):
 @pytest.mark.parametrize("seed", [*range(3, 9), 10, 37, 38, 48])
 def test_many_random_vehicles_neither_collide_nor_get_stuck(seed):
     check_random(seed)
+
+
+SIDE_BY_SIDE = "[4, {y}, 0]"
+END_TO_END = "[{x}, 4, 0]"
+ACROSS = "[{x_across}, 4, 1.5707963]"
+CORNER_TO_CORNER = "[{x}, {y}, 0]"
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.001, 0.005, 0.009, 0.010])
+@pytest.mark.parametrize("place", [END_TO_END, SIDE_BY_SIDE, ACROSS, CORNER_TO_CORNER])
+def test_vehicles_that_start_all_but_touching_part(place, gap):
+    if gap == 0.0 and place in (SIDE_BY_SIDE, ACROSS):
+        gap = 1e-4  # at 0 both would stand in one place, but for rounding
+    at = place.format(x=5.2 + gap, y=4.8 + gap, x_across=5.0 + gap)
+    text = f"""
+    floorplan: {{boundary: [[0, 0], [14, 0], [14, 8], [0, 8]], stations: {{a: [2, 4], b: [12, 4]}}}}
+    duration: 60
+    machines:
+      v1: {{kind: amr, at: [4, 4, 0], missions: [{{go: b}}]}}
+      v2: {{kind: amr, at: {at}, missions: [{{go: a}}]}}
+    """
+    run = sim.run(sim.Trial.parse(textwrap.dedent(text)))
+    assert run.summary["traffic_deadlocks"] == run.summary["collisions"] == 0
+    assert [one["jobs_done"] for one in run.summary["machines"].values()] == [1, 1]

@@ -169,3 +169,11 @@ def test_a_file_of_something_else_is_told_by_what_it_is(tmp_path, name, text, wo
     (tmp_path / "trial.yaml").write_text("floorplan: ariac2023")
     with pytest.raises(sim.StudyError, match="is a trial, not a study"):
         sim.Study.load(tmp_path / "trial.yaml")
+
+
+@pytest.mark.parametrize("name", ["Jörg", "ŁUKASZ", "anna-2", "李"])
+def test_names_have_letters_of_any_language(name):
+    text = f"floorplan: ariac2023\npeople: [{{name: {name}}}]\n"
+    assert sim.Trial.parse(text).people[0].name == name
+    for odd in ("2anna", "_anna", "an na", "an.na"):
+        assert "letter" in problems(text.replace(name, odd))

@@ -183,6 +183,7 @@ gantry:
   - {submit: first}
   repeat: true
   drops: [{part: pump, after: 1, delay: 2.5}]
+  on_contact: report
 agvs:
   agv1: [{time: 1.0, to: kitting}]
   agv2: {yield: true, moves: [{time: 3.0, to: 2.5}]}

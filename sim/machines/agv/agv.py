@@ -18,7 +18,7 @@ from navigation.machines import AxisState, agv_stops, lane_state
 from navigation.motion import State
 from navigation.separation import required_at_speeds
 
-from ...core.body import Body, Machine, MachineShape
+from ...core.body import CONTACT, Body, Machine, MachineShape
 from ...core.clock import Alarm, Turn
 from ...core.events import AgvBlocked, AgvMoved, AgvYielded
 from ...core.scenario import AgvMove
@@ -330,6 +330,10 @@ class Agv(Machine):
     def sight_changed(self) -> None:
         """Look again: it sees people no longer, or again."""
         self._look()
+
+    def contact_gone(self) -> None:
+        """Go on after a contact."""
+        self.stand_for(CONTACT, False)
 
     def floor_changed(self) -> None:
         """Go on, or stop, where something has opened or closed its lane."""

@@ -11,9 +11,10 @@ from shapely.geometry import Polygon
 from simpy.events import Event, Process
 
 from floorplan import Point, UserError
-from navigation import Motion, PlanningError, vehicle_twist
-from navigation.vehicles import Twist
+from navigation import Motion, PlanningError
+from navigation.vehicles import Twist, TwistCourse
 
+from ...core.body import OnContact
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted
@@ -26,6 +27,9 @@ from ..traffic.evading import Evading, Evasion
 from .drive import VehicleDrive
 from .missions import Mission, task_of
 from .shape import Chassis
+
+AHEAD = 60.0
+"""Seconds of a twist that are planned, and known to others, at a time."""
 
 
 class Amr(CommandedMachine, Evading):
@@ -53,6 +57,7 @@ class Amr(CommandedMachine, Evading):
         repeat: bool = False,
         priority: int = 0,
         makes_way: bool = True,
+        on_contact: OnContact = "stop",
         controller: Callable[[Amr], Steps],
     ) -> None:
         super().__init__(
@@ -61,6 +66,7 @@ class Amr(CommandedMachine, Evading):
         self.record = self._record_by_name
         self.limits = vehicle.limits
         self.priority = priority
+        self.on_contact = on_contact
         self._makes_way = makes_way
         self._missions = tuple(missions)
         self._located = tuple(replace(one, go=one.goal(stage.floorplan)) for one in missions)
@@ -70,6 +76,11 @@ class Amr(CommandedMachine, Evading):
         self._round: tuple[Task, ...] = ()
         self._round_began = -math.inf
         self._rest = Alarm(stage.clock, self._comes_to_rest, Turn.MOTION_ENDS)
+        self._course: tuple[TwistCourse, float, float] | None = None
+        """The course of the last twist, its begin, and the seconds that it takes."""
+        self._twist: Event | None = None
+        """The last twist."""
+        self._extension = Alarm(stage.clock, self._extend_twist, Turn.MOTION_ENDS)
         self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
@@ -138,18 +149,35 @@ class Amr(CommandedMachine, Evading):
         """Drive with a twist for `seconds`, and stop unless another command comes before.
 
         The twist is (v, ω), or (vx, vy, ω): m/s forwards and to the left, rad/s. `UserError` if it
-        is not finite or too fast.
+        is not finite or too fast. Of a longer twist, `AHEAD` seconds are planned at a time.
         """
         seconds, wanted = number("twist(seconds)", seconds, 0.0), Twist.of(twist)
         until = self.now + seconds
         wanted.check(self.limits)
 
-        def motion(left: float) -> Motion:
+        def begun(left: float) -> Motion:
             slow = self.drive.slowed(wanted)
-            return vehicle_twist(self.state, slow, self.now, seconds=left, limits=self.limits)
+            self._course = TwistCourse(self.state, slow, self.limits), self.now, left
+            return self._planned_twist()
 
         self.drive.forget_route()
-        return self._follow(motion(seconds), lambda: motion(max(0.0, until - self.now)))
+        self._twist = self._follow(begun(seconds), lambda: begun(max(0.0, until - self.now)))
+        return self._twist
+
+    def _planned_twist(self) -> Motion:
+        """Return the motion of the twist under way for `AHEAD` seconds at most."""
+        assert self._course is not None
+        (course, begun, seconds), now = self._course, self.now
+        until = min(seconds, now - begun + AHEAD)
+        motion = course.motion(self.position, now, until, now - begun)
+        half = now + AHEAD / 2
+        node = motion.pieces_from(half)[0].begin  # of a spline, whose velocity is exact there
+        again = node if node > now + AHEAD / 4 else half
+        self._extension.set(again if until < seconds else None)
+        return motion
+
+    def _extend_twist(self) -> None:
+        self.drive.extend(self._twist, self._planned_twist)
 
     # Its tasks.
 
@@ -203,6 +231,11 @@ class Amr(CommandedMachine, Evading):
             # It brakes, and sets out again from there.
             self.drive.hold(True)
             self.drive.hold(False)
+
+    @property
+    def planned_at(self) -> float:
+        """When its planner planned its present motion, or the one from which it stops (s)."""
+        return self.drive.planned_at
 
     @property
     def may_leave(self) -> bool:

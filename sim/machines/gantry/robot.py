@@ -111,6 +111,7 @@ class GantryRobot(CommandedMachine, Evading):
         )
         super().__init__(stage, gantry_shape(gantry, name), drive)
         self._entry = entry
+        self.on_contact = entry.on_contact
         self._controller = controller
         self._sites = Worksites(stage, gantry, drive)
         self._floor_changed = stage.clock.event()
@@ -245,6 +246,11 @@ class GantryRobot(CommandedMachine, Evading):
             Duration in seconds.
         """
         self.drive.disable(seconds)
+
+    @property
+    def planned_at(self) -> float:
+        """Minus infinity for a motion that it follows, infinity for its own moves."""
+        return -math.inf if self.drive.target is None else math.inf
 
     @property
     def goal(self) -> Point | None:

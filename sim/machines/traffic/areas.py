@@ -92,6 +92,10 @@ class Area:
         x, y = max(a[0] - b[2], b[0] - a[2], 0.0), max(a[1] - b[3], b[1] - a[3], 0.0)
         return math.hypot(x, y)
 
+    def distance(self, other: Area) -> float:
+        """Return the distance between both, metres."""
+        return float(shapely.distance(self.parts[:, None], other.parts).min())
+
     def meets(self, other: Area) -> bool:
         """Return whether both have a point in common."""
         if _apart(self._around, other._around) or _apart(self.bounds, other.bounds):

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol, TypeVar
 
-import numpy as np
 import shapely
 from shapely.geometry import Polygon
 
@@ -35,6 +34,15 @@ NEARBY = 6.0
 MARGINS = (0.05, CLEAR, 0.0)
 """Metres. Distances that a machine keeps from the claims of others: usually, when it evades, and
 when it is nearer already or cannot evade."""
+
+PLANNED = 1.01e-3
+"""Metres. Planned paths keep a little less than this distance from areas."""
+
+NEARER = 1.1e-3
+"""Metres. Machines nearer than `CLEAR` to each other come nearer by at most that, if they part."""
+
+TOUCH = 1e-6
+"""Metres. Machines at this distance touch."""
 
 THERE = 1e-3
 """Metres and radians. Nearer than this is there."""
@@ -88,6 +96,7 @@ class Claimant:
         self._clock = coordinator.stage.clock
         self._footprint = Footprint(machine.shape, CLEAR)
         self._margins = [Footprint(machine.shape, clear) for clear in MARGINS]
+        self._bare = self._margins[-1]
         self._usual = 0 if isinstance(machine, Evading) else len(MARGINS) - 1
         self._margin = self._usual
         """Which of the `MARGINS` it keeps on its present path."""
@@ -129,6 +138,11 @@ class Claimant:
         return self.machine.body.motion.end <= self._clock.now
 
     @property
+    def covered(self) -> Area:
+        """The area that it covers now."""
+        return self._bare.at(self.machine.body.state.position)
+
+    @property
     def course(self) -> Area:
         """The area that it covers on its way to its goal, as far as that is known."""
         begin = self._clock.now if self._left_at is None else self._left_at
@@ -151,8 +165,19 @@ class Claimant:
                 found += [one for one in self._let_pass(area) if one not in found]
             # Beside who is nearer already, a smaller distance must do.
             if not any(footprint.along(here).meets(peer.claim) for peer in found):
-                break
-        return found
+                return found
+        return [peer for peer in found if not self._parts_from(peer, ahead)]
+
+    def _parts_from(self, peer: Claimant, ahead: Sequence[Sequence[Pose]]) -> bool:
+        """Return whether it comes hardly nearer to a machine that stands."""
+        if not peer.rests:
+            return False
+        gap = self.covered.distance(peer.covered)
+        kept = shapely.buffer(peer.covered.parts, max(gap - NEARER, -TOUCH))
+        return not any(
+            shapely.intersects(self._bare.along(poses).parts[:, None], kept).any()
+            for poses in ahead
+        )
 
     def _let_pass(self, area: Area) -> list[Claimant]:
         """Return the machines that it lets pass before it moves into an area."""
@@ -230,13 +255,20 @@ class Claimant:
     def taken(self, margin: float) -> list[Polygon]:
         """Return what other machines nearby claim, so many metres larger.
 
-        Those farther away have moved on before this one gets there.
+        Those farther away have moved on before this one gets there. Of a machine whose claim this
+        one is in already, the area is smaller, so that a path can begin where this one stands.
         """
-        near = [peer for peer in self.peers if peer.is_near([self])]
-        if not near:
-            return []
-        parts = [peer.claim.parts for peer in near]
-        return [*shapely.buffer(np.concatenate(parts), margin, join_style="mitre")]
+        here = self.covered
+        areas: list[Polygon] = []
+        for peer in self.peers:
+            if not peer.is_near([self]):
+                continue
+            if here.meets(peer.claim):
+                by, parts = here.distance(peer.covered) - PLANNED, peer.covered.parts
+                areas += shapely.buffer(parts, by).tolist()
+            else:
+                areas += shapely.buffer(peer.claim.parts, margin, join_style="mitre").tolist()
+        return areas
 
     def is_near(self, others: Iterable[Claimant]) -> bool:
         """Return whether it claims an area near that of others."""

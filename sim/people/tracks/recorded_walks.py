@@ -1,14 +1,11 @@
-"""Recorded walks: find and check tracks, convert them to motions, and play them back."""
+"""Recorded walks: check tracks, and convert them to motions."""
 
 from __future__ import annotations
 
 import math
 import re
-import stat
-from bisect import bisect_right
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
 from operator import is_
 from pathlib import Path
 from typing import TypeVar
@@ -20,80 +17,13 @@ from numpy.typing import NDArray
 
 from floorplan import Floorplan, Point, Problem
 from floorplan.files.problems import Fault, suggestion
-from floorplan.files.reading import is_there
-from navigation import Motion, Piece, join, standing
+from navigation import Motion, join, standing
 
-from ...core.clock import Alarm, Turn
 from ...core.entries import RecordedTrack
 from ...core.scenario import PersonEntry, Scenario
-from ...core.stage import Stage
-from ..crowd.crowd import Crowd
 from ..crowd.places import wings
-from ..crowd.traveller import Traveller
-from .tables import (
-    METRE,
-    Array,
-    Samples,
-    TrackError,
-    Tracks,
-    read_hdf5_tracks,
-    read_jupedsim_tracks,
-    read_parquet_tracks,
-    read_text_tracks,
-)
-
-METADATA = "metadata.yaml"
-"""File that a folder has which is a bag."""
-
-LIBRARIES = ("rosbags", "mcap", "mcap_protobuf")
-"""Packages of the extra that reads them."""
-
-
-def read_bag_tracks(path: Path) -> Tracks:
-    """Return the bodies in the bag at `path`: a folder, or a single file of its storage.
-
-    An MCAP file may have Foxglove's schemas instead.
-
-    `TrackError` says what is wrong with it, or what to install.
-    """
-    for file in files_of(path):
-        if not stat.S_ISREG(file.stat().st_mode):
-            raise TrackError.of(path, f"{file.name} is not a regular file")
-    try:
-        from .bag_file import read
-
-        return read(path)
-    except ModuleNotFoundError as why:
-        if (why.name or "").partition(".")[0] not in LIBRARIES:
-            raise
-        raise TrackError.of(
-            path, f"{why.name} reads such files and is missing: pip install 'floorwalker[tracks]'"
-        ) from None
-
-
-def files_of(path: Path) -> Iterator[Path]:
-    """Yield the files that a track is read from: `path`, or those of the bag in this folder."""
-    if not path.is_dir():
-        yield path
-        return
-    if (path / "scene.json").is_file():
-        raise TrackError.of(path, "this folder is a recorded run: give its trajectory.csv")
-    if not (path / METADATA).is_file():
-        raise TrackError.of(path, f"there is no {METADATA} in it: this folder is not a ROS 2 bag")
-    yield from sorted(file for file in path.iterdir() if not file.is_dir())
-
-
-READERS = {
-    ".csv": read_text_tracks,
-    ".txt": read_text_tracks,
-    ".parquet": read_parquet_tracks,
-    ".h5": read_hdf5_tracks,
-    ".hdf5": read_hdf5_tracks,
-    ".sqlite": read_jupedsim_tracks,
-    ".mcap": read_bag_tracks,
-    ".db3": read_bag_tracks,
-}
-"""Readers of files with tracks, by suffix. A folder is a bag of ROS 2."""
+from .tables import METRE, Array, Samples, TrackError, Tracks
+from .track_files import read_tracks
 
 STROLL = 0.1
 """m/s. Who is slower than this looks where they looked before."""
@@ -205,7 +135,7 @@ def bodies_of(entry: PersonEntry, folder: Path) -> list[PersonEntry]:
     if not isinstance(recorded, RecordedTrack) or not recorded.everybody:
         return [entry]
     try:
-        bodies = _tracks(recorded, folder).bodies
+        bodies = read_tracks(recorded, folder).bodies
     except TrackError:
         return [entry]  # reported together with everything else that is wrong
     # Bodies of bags have a long and a short name, the latter last.
@@ -254,29 +184,9 @@ def with_places(scenario: Scenario, walks: Mapping[str, RecordedWalk]) -> tuple[
     )
 
 
-def _tracks(recorded: RecordedTrack, folder: Path) -> Tracks:
-    """Return the tracks of a file."""
-    path = folder / recorded.file
-    try:
-        if path.suffix.lower() not in READERS and not path.is_dir():
-            known = ", ".join(READERS)
-            message = (
-                f"the name of a file of tracks ends in one of {known}, or it is a bag's folder"
-            )
-            raise TrackError.of(recorded.file, message)
-        if not is_there(path):
-            raise TrackError.of(recorded.file, "there is no such file")
-        stamps = [(file.stat().st_mtime_ns, file.stat().st_size) for file in files_of(path)]
-        return _read(path, tuple(stamps))
-    except TrackError as why:
-        raise TrackError(recorded.file, why.problems) from None
-    except OSError as why:
-        raise TrackError.of(recorded.file, f"can't be read: {why.strerror}") from None
-
-
 def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, Samples]:
     """Return the tracks of a file, and the samples of one body in it."""
-    tracks = _tracks(recorded, folder)
+    tracks = read_tracks(recorded, folder)
     bodies = tracks.bodies
     wanted = name if recorded.body is None else recorded.body
     if wanted not in bodies and recorded.body is None and len(bodies) == 1:
@@ -285,13 +195,6 @@ def _samples(recorded: RecordedTrack, name: str, folder: Path) -> tuple[Tracks, 
         hint = suggestion(wanted, bodies)
         raise TrackError.of(recorded.file, f"no body is called {wanted!r}; {hint}")
     return tracks, bodies[wanted]
-
-
-@lru_cache(maxsize=8)
-def _read(path: Path, stamps: tuple[tuple[int, int], ...]) -> Tracks:
-    """Return the tracks at `path`, read anew when the times or sizes of its files have changed."""
-    read = read_bag_tracks if path.is_dir() else READERS[path.suffix.lower()]
-    return read(path)
 
 
 def _places(recorded: RecordedTrack, tracks: Tracks, samples: Samples) -> Array:
@@ -436,74 +339,3 @@ def _top_speed(motion: Motion) -> float:
     second = first + curves[..., 2] * durations
     third = first + (2 * curves[..., 2] + 3 * curves[..., 3] * durations) * durations
     return float(max(np.hypot(*one.T).max() for one in (first, second, third)))
-
-
-AHEAD = 6.0
-"""Seconds of the walk that others can foresee, at most. They see others' courses about as far."""
-
-EVERY = 2.0
-"""Seconds from one look ahead to the next."""
-
-
-class Playback:
-    """The walk of a `traveller`, from `begin` on. Others of the `crowd` walk round them.
-
-    The body is committed to a part of the walk at a time, as people are to their courses: those
-    who watch and those who steer see as far ahead as with anybody.
-    """
-
-    def __init__(
-        self,
-        stage: Stage,
-        traveller: Traveller,
-        walk: RecordedWalk,
-        crowd: Crowd,
-        notify: Callable[[bool], None],
-    ) -> None:
-        self._clock = stage.clock
-        self._traveller = traveller
-        self._stays = walk.stays
-        x, y, heading = walk.motion.state(0.0).position
-        self._motion = join([standing((x, y), heading=heading, start=0.0), walk.motion])
-        self._crowd = crowd
-        self._notify = notify
-        self._begun_at = 0.0
-        self._begins = [piece.begin for piece in self._motion.pieces]
-        self._next = Alarm(stage.clock, self._go_on, Turn.MOTION_ENDS)
-
-    def begin(self) -> None:
-        """Walk from now on, and notify of later entries (True) and exits (False)."""
-        self._begun_at = now = self._clock.now
-        self._go_on()
-        for stay in self._stays:
-            for t, on_floor in zip(stay, (True, False), strict=True):
-                if 0.0 < t < math.inf:
-                    change = partial(self._come_or_go, on_floor)
-                    self._clock.call_at(now + t, change, Turn.MOTION_ENDS)
-
-    def _come_or_go(self, on_floor: bool) -> None:
-        self._go_on()
-        for jumped in self._traveller.body.on_jump:
-            jumped()
-        self._notify(on_floor)
-
-    def _go_on(self) -> None:
-        now = self._clock.now
-        self._traveller.body.follow(self._part(now, now + AHEAD))
-        self._crowd.make_way_for(self._traveller)
-        if self._begun_at + self._motion.end > now + EVERY:
-            self._next.set(now + EVERY)
-
-    def _part(self, begin: float, end: float) -> Motion:
-        """Return the walk between two instants of the clock; it ends earlier if the walk does."""
-        pieces, since = self._motion.pieces, self._begun_at
-        first = max(0, bisect_right(self._begins, begin - since) - 1)
-        last = bisect_right(self._begins, end - since)
-        near = tuple(_later(piece, since) for piece in pieces[first:last])
-        jumps = frozenset(t + since for t in self._motion.jumps)
-        part = Motion(near, jumps & {piece.begin for piece in near[1:]})
-        return part.cut(begin, max(begin, min(end, part.end)))
-
-
-def _later(piece: Piece, seconds: float) -> Piece:
-    return piece._replace(begin=piece.begin + seconds, end=piece.end + seconds)
