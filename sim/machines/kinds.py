@@ -180,6 +180,13 @@ def kind_name(entry: MachineEntry) -> str:
     return kind.rpartition(":")[2].lower()
 
 
+def kind_of(name: str, scenario: Scenario) -> str:
+    """Return the name of the kind of a machine of a trial, as of `kind_name`."""
+    entry = scenario.machines.get(name, MachineEntry("gantry" if name == GANTRY else "agv"))
+    known = [kind for kind, model in KINDS.items() if entry.kind in (kind, model)]
+    return known[0] if known else kind_name(entry)
+
+
 def machine_faults(scenario: Scenario) -> Iterator[Fault]:
     """Yield the faults of a trial's `machines`; code of the user's own is not run."""
     plan = scenario.floorplan
