@@ -298,7 +298,7 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
         "gantry": _gantry(schema.gantry) if schema.gantry else None,
         "doors": [Door(name=name, **dict(one)) for name, one in schema.doors.items()],
         "zones": [
-            Zone(name=name, area=footprint(one), **one.model_dump(include=_RULE))
+            Zone(name=name, area=footprint(one), **{key: getattr(one, key) for key in _RULE})
             for name, one in schema.zones.items()
             if one.mask is None
         ],
@@ -306,7 +306,7 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
     }
 
 
-_RULE = {"max_speed", "forbidden", "one_way", "concerns"}
+_RULE = ("max_speed", "forbidden", "one_way", "concerns")
 """Keys of a zone that are not about its area."""
 
 
