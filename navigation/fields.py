@@ -329,7 +329,7 @@ class ProtectiveFields:
         if loaded not in known:
             # A second before and after, the machine is at rest.
             begin, end = machine.start - 1.0, machine.end + 1.0
-            found = self._with_load[loaded][1].switches(machine.table, begin, end)
+            found = self._with_load[loaded][1].switches(machine, begin, end)
             known[loaded] = [(-math.inf, found[0][1]), *found[1:]]
         return known[loaded]
 
