@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Literal, get_args
+from functools import cached_property, partial, wraps
+from typing import Any, Literal, TypeVar, cast, get_args
 
 from shapely import affinity
 from shapely.geometry import Polygon
@@ -315,6 +316,28 @@ def is_there(pose: Sequence[float], target: Sequence[float], within: float) -> b
     return math.dist(pose[:2], target[:2]) < within and abs(turn) < within
 
 
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+
+OnCommand = Callable[[str, dict[str, Any], Callable[[], Any]], Any]
+"""Carries out a command from outside, with the name of the method and its arguments."""
+
+
+def commands(method: _Method) -> _Method:
+    """Let calls of a machine's method from outside the simulation be commands of the trial."""
+    signature = inspect.signature(method)
+
+    @wraps(method)
+    def commanded(machine: Machine, *given: Any, **terms: Any) -> Any:
+        if machine.on_command is None or machine.body.clock.inside:
+            return method(machine, *given, **terms)
+        _, *arguments = signature.bind(machine, *given, **terms).arguments.items()
+        carry_out = partial(method, machine, *given, **terms)
+        return machine.on_command(method.__name__, dict(arguments), carry_out)
+
+    vars(commanded)["is_command"] = True
+    return cast(_Method, commanded)
+
+
 OnContact = Literal["stop", "report"]
 
 
@@ -336,6 +359,9 @@ class Machine(InProgress, ABC):
     on_contact: OnContact = "stop"
     priority: int = 0
     """Priority among machines. Those with a lower one evade first."""
+
+    on_command: OnCommand | None = None
+    """Function that carries out and records commands from outside."""
 
     _stands_for: frozenset[str] = frozenset()
 
@@ -362,6 +388,7 @@ class Machine(InProgress, ABC):
             True to brake and stay stationary, False to continue.
         """
 
+    @commands
     def stand_for(self, reason: str, stands: bool) -> None:
         """Add or remove a reason for a protective stop. It lasts while there is any reason.
 

@@ -576,6 +576,9 @@ class Commanded(EventKind):
     clear: _Obstacle | None = None
     hold: _Machine | None = None
     release: _Machine | None = None
+    call: str | None = None
+    machine: _Machine | None = None
+    arguments: list[Any] | None = None
 
 
 class JobStarted(EventKind):

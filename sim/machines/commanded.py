@@ -15,7 +15,7 @@ from floorplan import UserError
 from navigation import Motion
 from navigation.motion import State
 
-from ..core.body import TRAFFIC, Machine, MachineShape
+from ..core.body import TRAFFIC, Machine, MachineShape, commands
 from ..core.clock import Turn
 from ..core.entries import Pose
 from ..core.events import EventKind
@@ -201,6 +201,7 @@ class CommandedMachine(Machine):
             See `move_to`.
         """
 
+    @commands
     def follow(self, motion: Motion) -> Event:
         """Start to follow a motion. It does not continue after the machine was disabled.
 
@@ -223,6 +224,7 @@ class CommandedMachine(Machine):
         """
         return self._follow(instance("follow(motion)", motion, Motion))
 
+    @commands
     def stop(self) -> Process:
         """Start the fastest stop, and discard the current command.
 
@@ -233,6 +235,7 @@ class CommandedMachine(Machine):
         """
         return self._command(self.drive.stop())
 
+    @commands
     def resume(self) -> Event:
         """Start the last move again from here, for example after `stop`.
 
@@ -393,6 +396,7 @@ class CommandedMachine(Machine):
     def hold(self, stands: bool) -> None:
         self.drive.hold(stands)
 
+    @commands
     def limit_speed(self, speed: float | None) -> bool:
         """Limit the top speed. See `Machine.limit_speed`.
 

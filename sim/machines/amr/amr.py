@@ -14,7 +14,7 @@ from floorplan import Point, UserError
 from navigation import Motion, PlanningError
 from navigation.vehicles import Twist, TwistCourse
 
-from ...core.body import OnContact
+from ...core.body import OnContact, commands
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted
@@ -115,6 +115,7 @@ class Amr(CommandedMachine, Evading):
 
     # Its commands.
 
+    @commands
     def move_to(
         self,
         x: float,
@@ -139,12 +140,14 @@ class Amr(CommandedMachine, Evading):
         """Return the motion that `move_to` would make from here and now; nothing moves by it."""
         return self.drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
 
+    @commands
     def turn_to(self, rotation: float, *, speed_share: float = 1.0) -> Event:
         """Turn on the spot to `rotation` (radians), to be waited for."""
         x, y, _ = self.position
         rotation = number("turn_to(rotation)", rotation)
         return self.move_to(x, y, rotation, speed_share=speed_share)
 
+    @commands
     def twist(self, twist: Sequence[float], seconds: float) -> Event:
         """Drive with a twist for `seconds`, and stop unless another command comes before.
 
@@ -181,6 +184,7 @@ class Amr(CommandedMachine, Evading):
 
     # Its tasks.
 
+    @commands
     def do(self, task: Task) -> Process:
         """Do the steps of a task that are left; see `CommandedMachine.do`."""
         instance("do(task)", task, Task)
@@ -190,6 +194,7 @@ class Amr(CommandedMachine, Evading):
         """Begin the task: the value is the pose of its next step, once there is a route to it."""
         return self._command(self._find(instance("locate(task)", task, Task)))
 
+    @commands
     def handle(self, task: Task) -> Process:
         """Do the work of the task's next step, here. The value is True if it was done."""
         instance("handle(task)", task, Task)

@@ -16,7 +16,7 @@ from typing_extensions import override
 from floorplan import Gantry, Point, UserError
 from navigation import Motion
 
-from ...core.body import MachineShape
+from ...core.body import MachineShape, commands
 from ...core.clock import MOMENT
 from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted, OrderSubmitted, PartDropped
@@ -124,6 +124,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     # Its commands.
 
+    @commands
     @override
     def move_to(
         self,
@@ -146,6 +147,7 @@ class GantryRobot(CommandedMachine, Evading):
         pose = self._sites.at(*target("preview", x, y, rotation, speed_share))
         return self.drive.preview(pose, speed_share)
 
+    @commands
     def pick(self, place: str) -> Process:
         """Move to a place and pick up a part.
 
@@ -161,6 +163,7 @@ class GantryRobot(CommandedMachine, Evading):
         """
         return self._visit("pick", self.handling.pick, place)
 
+    @commands
     def place(self, place: str) -> Process:
         """Move to a place and put down the part.
 
@@ -178,6 +181,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     # Its tasks.
 
+    @commands
     @override
     def do(self, task: Task) -> Process:
         instance("do(task)", task, Task)
@@ -223,6 +227,7 @@ class GantryRobot(CommandedMachine, Evading):
         self._begin(task)
         return self._clock.happened(pose)
 
+    @commands
     @override
     def handle(self, task: Task) -> Process:
         instance("handle(task)", task, Task)
