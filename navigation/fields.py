@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from operator import itemgetter
 from typing import Any, Literal, NamedTuple
 
 from shapely.geometry import Polygon
@@ -242,21 +243,16 @@ class ProtectiveFields:
         self, linear: _Range, theta: _Range, directions: Sequence[float] | None, loaded: bool
     ) -> Iterator[FieldGap]:
         sets = self._for(loaded)
-        if not sets:
-            yield FieldGap(linear, theta, None, loaded)
-            return
         around: list[_Range | None] = [None]
-        if self.sets[0].direction is not None and linear != (0.0, 0.0):
+        if sets and sets[0].direction is not None and linear != (0.0, 0.0):
             turns = [a % math.tau for each in sets for a in each.direction or ()]
             # What rounding of directions leaves between two sets is none.
             parts = _parts((0.0, math.tau), turns)
             around = [part for part in parts if part[1] - part[0] > SPEED_TOLERANCE]
             if directions is not None:
                 around = [(angle, angle) for angle in directions]
-        for way in around:
-            for turn in _parts(theta, [limit for each in sets for limit in each.theta]):
-                for part in _untaken(linear, turn, way, sets):
-                    yield FieldGap(part, turn, way, loaded)
+        for part in _untaken(linear, theta, around, sets):
+            yield FieldGap(*part, loaded)
 
     def remaining(
         self,
@@ -283,7 +279,7 @@ class ProtectiveFields:
         """
         k = next(k for k, each in enumerate(self.sets) if each.name == name)
         each = self.sets[k]
-        found: list[FieldSet] = []
+        found: dict[FieldSet, None] = {}
         linear, theta = _shared(each.linear, linear), _shared(each.theta, theta)
         if linear[0] > linear[1] or theta[0] > theta[1]:
             return ()
@@ -294,15 +290,10 @@ class ProtectiveFields:
             if each.direction is not None:
                 first = each.direction[0]
                 turns = [a for one in sets for a in one.direction or ()]
-                cuts = [first + (a - first) % math.tau for a in turns]
-                around = _parts(each.direction, cuts)
-            for way in around:
-                for turn in _parts(theta, [limit for one in sets for limit in one.theta]):
-                    found += [
-                        replace(each, linear=part, theta=turn, direction=way)
-                        for part in _untaken(linear, turn, way, sets)
-                    ]
-        return tuple(dict.fromkeys(found))
+                around = _parts(each.direction, [first + (a - first) % math.tau for a in turns])
+            for part, turn, way in _untaken(linear, theta, around, sets):
+                found[replace(each, linear=part, theta=turn, direction=way)] = None
+        return tuple(found)
 
     def _for(self, loaded: bool) -> tuple[FieldSet, ...]:
         return self._with_load[loaded][0]
@@ -329,7 +320,7 @@ class ProtectiveFields:
         if loaded not in known:
             # A second before and after, the machine is at rest.
             begin, end = machine.start - 1.0, machine.end + 1.0
-            found = self._with_load[loaded][1].switches(machine.table, begin, end)
+            found = self._with_load[loaded][1].switches(machine, begin, end)
             known[loaded] = [(-math.inf, found[0][1]), *found[1:]]
         return known[loaded]
 
@@ -385,18 +376,17 @@ def _meets(one: _Range, other: _Range) -> bool:
 
 
 def _untaken(
-    linear: _Range, theta: _Range, way: _Range | None, sets: Sequence[FieldSet]
-) -> Iterator[_Range]:
-    """Yield the ranges of speed to which none of some sets applies."""
-
-    def is_free(part: _Range) -> bool:
-        return not any(_covers(each, part, theta, way) for each in sets)
-
+    linear: _Range, theta: _Range, around: Sequence[_Range | None], sets: Sequence[FieldSet]
+) -> Iterator[tuple[_Range, _Range, _Range | None]]:
+    """Yield the ranges of speed, turn rate and direction to which none of some sets applies."""
+    turns = _parts(theta, [limit for each in sets for limit in each.theta])
     parts = _parts(linear, [limit for each in sets for limit in each.linear])
-    for free, group in itertools.groupby(parts, is_free):
-        if free:
-            run = [*group]
-            yield run[0][0], run[-1][1]
+    for way, turn in itertools.product(around, turns):
+        taken = [any(_covers(each, part, turn, way) for each in sets) for part in parts]
+        for is_taken, group in itertools.groupby(zip(taken, parts, strict=True), itemgetter(0)):
+            if not is_taken:
+                run = [part for _, part in group]
+                yield (run[0][0], run[-1][1]), turn, way
 
 
 def _parts(whole: _Range, cuts: Sequence[float]) -> list[_Range]:

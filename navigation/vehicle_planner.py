@@ -123,8 +123,8 @@ class VehiclePlanner:
         self._corners = [(float(x), float(y)) for x, y in footprint.exterior.coords[:-1]]
         self._outer = float(np.hypot(*np.array(self._corners).T).max())
         self._inner = float(footprint.exterior.distance(shapely.Point(0.0, 0.0)))
-        # A step of δ between boxes leaves r (1 - cos(δ / 2)) of an arc outside of both.
-        self._step = 2 * math.acos(max(1 - _SAG / self._outer, 0.0))
+        # Half a step of δ from a box, a corner is r sin(δ / 2) from it at most.
+        self._step = 2 * math.asin(min(_SAG / self._outer, 1.0))
         self._shape = region(footprint)
         self._box = fcl.Box(1.0, 1.0, _THICK)
         self._boxes = fcl.CollisionObject(self._box, fcl.Transform())

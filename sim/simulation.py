@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from bisect import insort
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -11,14 +12,12 @@ from functools import partial, wraps
 from itertools import takewhile
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
-from shapely.geometry import Polygon
-
-from floorplan import InputError, Obstacle, UserError
+from floorplan import InputError, UserError
 from floorplan.files.problems import refuse, suggestion
 from floorplan.files.values import require, require_fields
-from navigation import CollisionWorld
+from navigation import CollisionWorld, PlanningError
 
-from .core.body import Body
+from .core.body import Body, Machine
 from .core.clock import MOMENT, Clock, InProgress, Turn
 from .core.compilation import notice_uncompiled
 from .core.custom_code import Imports, supervised
@@ -37,6 +36,7 @@ from .core.stage import Closures, Stage, Triggers
 from .machines.agv.agv import Agv
 from .machines.gantry.robot import GantryRobot
 from .machines.kinds import made_by, models_of
+from .machines.outside import given_arguments, written_arguments
 from .machines.traffic.traffic import Traffic
 from .people.person import Person, speed_of, with_figures
 from .people.population import Population
@@ -44,8 +44,9 @@ from .people.tracks.recorded_walks import RecordedWalk, recorded_walks, with_eve
 from .record.finished import Finished
 from .record.summary import summarise
 from .runs.run import Run
+from .safety.contacts import Collisions
+from .safety.floor_contacts import FloorContacts
 from .safety.laws import own_laws, with_new_laws
-from .safety.proximity import Collisions
 from .safety.referee import Referee
 from .trials.checks import check, check_own_events
 from .trials.counterfactual import counterfactual_error, counterfactual_of, difference
@@ -61,42 +62,50 @@ BY_COMMAND = "command"
 
 
 class Commander:
-    """Carries out commands on a stage, each at its time; it records each of them.
+    """Carries out commands on a stage, each at its time, and records each of them."""
 
-    What it does is what it records: figures count to nine decimals.
-    """
-
-    def __init__(self, stage: Stage) -> None:
+    def __init__(self, stage: Stage, listener: Listener) -> None:
         self._stage = stage
+        self._listener = listener
 
     def give(self, command: Command) -> None:
-        """Let `command` be carried out at its time, after all else of that instant."""
-        carry_out = partial(self._carry_out, command)
-        self._stage.clock.call_at(rounded(float(command.time)), carry_out, Turn.COMMAND)
+        """Let `command` be carried out at its time: calls at once, others after all else."""
+        turn = Turn.COMMAND if command.call is None else Turn.OUTSIDE
+        self._stage.clock.call_at(command.at, partial(self._carry_out, command), turn)
 
-    def _carry_out(self, command: Command) -> None:
-        stage = self._stage
-        to = None if command.to is None else rounded(spot(stage.floorplan, command.to))
-        one = None if command.block is None else _as_recorded(command.block)
-        stage.record(
+    def record(self, command: Command) -> None:
+        """Record a command that takes effect now."""
+        one, given = command.block, command.arguments
+        self._stage.record(
             Commanded(
                 send=command.send,
-                to=to,
+                to=None if command.to is None else spot(self._stage.floorplan, command.to),
                 block=None if one is None else one.name,
-                footprint=None if one is None else _corners(one),
-                bottom=None if one is None else one.bottom,
-                top=None if one is None else one.top,
+                footprint=None if one is None else [*one.footprint.exterior.coords[:-1]],
+                bottom=None if one is None else float(one.bottom),
+                top=None if one is None else float(one.top),
                 clear=command.clear,
                 hold=command.hold,
                 release=command.release,
+                call=command.call,
+                machine=command.machine,
+                arguments=None if given is None else [[*pair] for pair in given.items()],
             )
         )
+        self._listener.command(command)
+
+    def _carry_out(self, command: Command) -> None:
+        stage = self._stage
+        if command.call is not None:
+            self._call(command.call, stage.machines[str(command.machine)], command)
+        self.record(command)
+        to = None if command.to is None else spot(stage.floorplan, command.to)
         if to is not None:
             for person in stage.people:
                 if person.name == command.send:
-                    person.send((to[0], to[1]))
-        if one is not None:
-            stage.put_down(one)
+                    person.send(to)
+        if command.block is not None:
+            stage.put_down(command.block)
         if command.clear is not None:
             stage.take_up(command.clear)
         if command.hold is not None:
@@ -104,16 +113,12 @@ class Commander:
         if command.release is not None:
             stage.machines[command.release].stand_for(BY_COMMAND, False)
 
-
-def _corners(one: Obstacle) -> list[Any]:
-    return [*one.footprint.exterior.coords[:-1]]
-
-
-def _as_recorded(one: Obstacle) -> Obstacle:
-    """Return an obstacle as it is read again from what is recorded of it."""
-    corners = [tuple(map(float, rounded(corner))) for corner in _corners(one)]
-    bottom, top = rounded((float(one.bottom), float(one.top)))
-    return Obstacle(name=one.name, footprint=Polygon(corners), bottom=bottom, top=top)
+    def _call(self, method: str, machine: Machine, command: Command) -> None:
+        try:
+            getattr(machine, method)(**given_arguments(machine, command.arguments or {}))
+        except (TypeError, ValueError, PlanningError) as why:
+            at = f"{method} of {machine.name} at t = {command.at:g} s"
+            raise UserError(f"the command {at} cannot be carried out: {why}") from why
 
 
 def schedule_blackouts(stage: Stage, blackouts: Iterable[Blackout]) -> None:
@@ -164,7 +169,8 @@ def _in_run(
     def guarded(
         simulation: Simulation, /, *given: _Given.args, **terms: _Given.kwargs
     ) -> _Returned:
-        with simulation._imports.active(), supervised(simulation.clock):
+        clock = simulation.clock
+        with simulation._imports.active(), clock.under_way(), supervised(clock):
             return method(simulation, *given, **terms)
 
     return guarded
@@ -248,15 +254,18 @@ class Simulation(InProgress):
         check_own_events(trial)
         self.referee = Referee(self._stage)
         self.dispatcher = self._make_dispatcher()
-        self._commander = Commander(self._stage)
+        self._commander = Commander(self._stage, self._listener)
         self.commands: list[Command] = [*trial.commands]
         self._company = Population(self._stage, people, self.referee, self._listener, walks)
         self.people = self._stage.people = self._company.people
         self._collisions = Collisions(self._stage, self.machines.values())
+        self._floor_contacts = FloorContacts(self._stage, self.machines.values())
         self._guards = self._make_guards()
         self._traffic = Traffic(self._stage, self.machines.values() if trial.traffic else ())
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
+        for machine in self.machines.values():
+            machine.on_command = partial(self._command_machine, machine)
 
     @_in_run
     def start(self) -> None:
@@ -272,6 +281,7 @@ class Simulation(InProgress):
         for body in self.bodies if self._listener.wants_motions else ():
             body.on_record = self._listener.motion
         stage.begin()
+        self._floor_contacts.begin()
         for machine in self.machines.values():
             machine.begin()
         for guard in self._guards.values():
@@ -354,12 +364,13 @@ class Simulation(InProgress):
     def command(self, command: Command) -> None:
         """Schedule an external command and record it.
 
-        A trial with the same commands in `commands` has the same run.
+        A trial with the same `commands` has the same run. Calls of the methods of machines between
+        two advances are such commands, too.
 
         Parameters
         ----------
         command : Command
-            The command.
+            The command. Its time is None for now.
 
         Raises
         ------
@@ -369,12 +380,31 @@ class Simulation(InProgress):
             If its time is past.
         """
         self.start()
-        if rounded(command.time) < self.clock.now:
+        now = self.clock.now
+        if command.time is not None and rounded(command.at) < rounded(now):
             raise UserError(f"a command for t = {command.time:g} s comes too late")
-        commanded = replace(self.trial, commands=(*self.commands, command))
+        command = replace(command, time=now if command.time is None else max(now, command.at))
+        given = sorted([*self.commands, command], key=lambda one: one.at)
+        commanded = replace(self.trial, commands=tuple(given))
         refuse("the command", command_faults(commanded), TrialError)
-        self.commands.append(command)
+        self.commands[:] = given
         self._commander.give(command)
+
+    def _command_machine(
+        self, machine: Machine, call: str, arguments: dict[str, Any], carry_out: Callable[[], Any]
+    ) -> Any:
+        """Carry out a command to a machine now, from the program that advances the simulation."""
+        self.start()
+        written = written_arguments(arguments)
+        with self.clock.under_way():
+            self.clock.advance(self.clock.now)  # what comes before the command in a repetition
+            answer = carry_out()
+            if not self.over:
+                name, now = machine.name, self.clock.now
+                command = Command(now, call=call, machine=name, arguments=written)
+                insort(self.commands, command, key=lambda one: one.at)
+                self._commander.record(command)
+        return answer
 
     def stop(self) -> None:
         """Stop the simulation after the current event. Any thread may call this at any time.
@@ -411,6 +441,7 @@ class Simulation(InProgress):
                 motions=motions,
                 work=self.dispatcher.figures if self.dispatcher else {},
                 collisions=self._collisions.count,
+                contacts_with_floor=self._floor_contacts.count,
                 guards=self._guards,
                 waiting_times=self._traffic.waiting_times,
                 traffic_deadlocks=self._traffic.deadlocks,
@@ -425,7 +456,7 @@ class Simulation(InProgress):
         summary["cpu_seconds"] = round(cpu, 6)
         summary["realtime_factor"] = round(self.clock.now / cpu, 1) if cpu > 0 else None
         return Run(
-            trial=self.trial,
+            trial=replace(self.trial, commands=tuple(self.commands)),
             scene=self.scene,
             duration=self.clock.now,
             summary=summary,

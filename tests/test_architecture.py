@@ -46,6 +46,7 @@ OF_THE_LIBRARY = {
     "navigation": {
         "benchmark",
         "carried",
+        "contacts",
         "catalog",
         "encounter",
         "field_lengths",

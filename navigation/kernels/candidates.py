@@ -364,7 +364,10 @@ class Candidates:
                 if norm(spot.x - start.x, spot.y - start.y) > least + _CLEAR:
                     circles_of(self.stood)[standing] = spot
                     standing += 1
-            elif distance(here, other, self.state.now) > least + _CLEAR:
+            elif (
+                at(others.counted)[near[i]] == INFINITY
+                and distance(here, other, self.state.now) > least + _CLEAR
+            ):
                 circles_of(self.ends)[ending] = spot
                 ending += 1
         circle_cut(self.stood, standing)

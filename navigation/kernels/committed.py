@@ -34,9 +34,9 @@ class CommittedMotions(DiscMotions):
         self.widest = 0.0
         """The greatest radius, metres."""
 
-    def add(self, swath: Swath, radius: float) -> None:
+    def add(self, swath: Swath, radius: float, counted: float = INFINITY) -> None:
         """Add a disc that is bound for nowhere."""
-        DiscMotions.add(self, swath, radius)
+        DiscMotions.add(self, swath, radius, counted)
         self.widest = max(self.widest, radius)
         self.bound.append(0)
         self.onward.extend((INFINITY, INFINITY))

@@ -11,8 +11,8 @@ cpdef Swath swept(Numbers pieces, double begin, double since, double x, double y
 cdef class DiscMotions:
     cdef readonly double gap
     cdef readonly list[Numbers] tables
-    cdef readonly Numbers boxes, radii
-    cpdef void add(self, Swath swath, double radius) except *
+    cdef readonly Numbers boxes, radii, counted
+    cpdef void add(self, Swath swath, double radius, double counted=*) except *
     cpdef void change(self, Py_ssize_t k, Swath swath) except *
     cpdef void shorten(self, Py_ssize_t count) except *
     cpdef Swath swath_of(self, Py_ssize_t k)
@@ -44,6 +44,7 @@ cpdef list[Py_ssize_t] within_bounds(
     Numbers boxes, Numbers box, double margin, Py_ssize_t but=*
 )
 cdef bint covers(Numbers circles, double x, double y) noexcept
+cdef double rests_from(Numbers table) noexcept
 cdef double distance_travelled(Numbers table, double since, double t) noexcept
 cdef double distance(Numbers one, Numbers other, double t) noexcept
 cpdef double first_conflict(

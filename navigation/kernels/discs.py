@@ -81,8 +81,8 @@ def swept(pieces: Numbers, begin: float, since: float, x: float, y: float) -> Sw
         if p.end > begin and p.end > p.begin:
             row[count] = PlanarPiece(p.begin, p.end, p.x, p.y)
             count += 1
-            across: Range = bounds(p.x, p.end - p.begin)
-            up: Range = bounds(p.y, p.end - p.begin)
+            across: Range = range_of(p.x, p.end - p.begin)
+            up: Range = range_of(p.y, p.end - p.begin)
             extent = united(extent, BoundingBox(across.low, up.low, across.high, up.high))
     row[count] = rest_piece(since, x, y)
     planar_cut(table, count + 1)
@@ -92,7 +92,8 @@ def swept(pieces: Numbers, begin: float, since: float, x: float, y: float) -> Sw
 class DiscMotions:
     """Motions of discs by their indices: `tables`, their bounds `boxes`, and `radii` (metres).
 
-    Two discs keep `gap` metres between them.
+    Two discs keep `gap` metres between them. Each is in the way of another until its of `counted`
+    (seconds) after the other has come to rest.
     """
 
     def __init__(self, gap: float) -> None:
@@ -100,12 +101,14 @@ class DiscMotions:
         self.tables: list[Numbers] = []
         self.boxes: Numbers = room(0)
         self.radii: Numbers = room(0)
+        self.counted: Numbers = room(0)
 
-    def add(self, swath: Swath, radius: float) -> None:
+    def add(self, swath: Swath, radius: float, counted: float = INFINITY) -> None:
         """Add a disc."""
         self.tables.append(swath.table)
         self.boxes.extend(swath.box)
         self.radii.append(radius)
+        self.counted.append(counted)
 
     def change(self, k: cython.Py_ssize_t, swath: Swath) -> None:
         """Replace the motion of the k-th."""
@@ -116,6 +119,7 @@ class DiscMotions:
         """Remove all but the first so many."""
         del self.tables[count:]
         del self.radii[count:]
+        del self.counted[count:]
         box_cut(self.boxes, count)
 
     def swath_of(self, k: cython.Py_ssize_t) -> Swath:
@@ -134,13 +138,16 @@ class DiscMotions:
         if not are_within(boxes_of(ahead.box)[0], boxes_of(self.boxes)[k], least):
             return INFINITY
         other: Numbers = self.tables[k]
+        if at(self.counted)[k] < INFINITY:
+            until = min(until, rests_from(ahead.table) + at(self.counted)[k])
         t: float = first_conflict(ahead.table, other, least, begin, until)
         if t <= begin + _JUST_NOW:
             # They are too close to begin with: then what counts is coming closer than they are.
             apart: float = distance(ahead.table, other, begin)
             if apart < least + _JUST_NOW:
                 t = first_conflict(ahead.table, other, min(least, apart - 1e-9), begin, until)
-        return t
+        # A piece that begins before `until` may last longer.
+        return t if t < until else INFINITY
 
     def first_meeting(
         self, near: list[cython.Py_ssize_t], ahead: Swath, own: float, begin: float
@@ -381,6 +388,14 @@ def covers(circles: Numbers, x: float, y: float) -> bool:
     return False
 
 
+def rests_from(table: Numbers) -> float:
+    """Return the time at which the final rest begins (seconds)."""
+    k: cython.Py_ssize_t = 0
+    while planar(table)[k].end < INFINITY:
+        k += 1
+    return planar(table)[k].begin
+
+
 def distance_travelled(table: Numbers, since: float, t: float) -> float:
     """Return the metres that a walk along straight legs covers from `since` to `t` (seconds)."""
     total: float = 0.0
@@ -454,7 +469,7 @@ def _is_apart(c: Cubic, duration: float, least: float) -> bool:
     """Return whether the Bernstein bounds of a coordinate keep it `least` from 0."""
     if -least < c.p < least:
         return False
-    extent: Range = bounds(c, duration)
+    extent: Range = range_of(c, duration)
     return extent.low >= least or extent.high <= -least
 
 

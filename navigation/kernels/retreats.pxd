@@ -11,7 +11,7 @@ cdef class Retreats:
     cdef Legs legs
     cdef SpeedLimits pace
     cdef double width, own
-    cdef Numbers course, tops, none, corners, places, stood
+    cdef Numbers course, tops, lead, before, box, corners, places, stood
     cdef Py_ssize_t me, k, last
     cdef Swath sketch
     cdef int _note_ends(self) except -1

@@ -33,9 +33,10 @@ _JUST_NOW: float = 2e-3  # metres; at least what `met` takes for too close alrea
 class Retreats:
     """Walks of the `me`-th on a floor, from rest, along a path and on to one of several places.
 
-    They begin when the `movers` do, of whom they meet nobody, are `width` metres off a `course`, at
-    `top_speed` and never faster than `max_speed` (m/s), with this `acceleration` (m/s²), and from
-    the end of the path on clear of the walls of `legs`.
+    They begin when the `movers` do, after a `lead` if there is one, meet none of these, even
+    with `margin` metres more between them, are `width` metres off a `course`, at `top_speed` and
+    never faster than `max_speed` (m/s), with this `acceleration` (m/s²), and from the end of the
+    path on clear of the walls of `legs`.
     """
 
     def __init__(
@@ -48,6 +49,8 @@ class Retreats:
         top_speed: float,
         max_speed: float,
         acceleration: float,
+        lead: Swath | None = None,
+        margin: float = 0.0,
     ) -> None:
         self.movers = movers
         self.me = me
@@ -56,10 +59,13 @@ class Retreats:
         self.legs = legs
         self.tops = room(1)
         at(self.tops)[0] = top_speed
-        self.pace = SpeedLimits(movers.now, 0.0, max_speed, acceleration)
-        self.own = movers.own(me)
+        start: float = movers.now if lead is None else lead.rests
+        self.pace = SpeedLimits(start, 0.0, max_speed, acceleration)
+        self.own = movers.own(me) + margin
         none: Numbers = room(0)
-        self.none = none
+        self.lead = none if lead is None else lead.walk
+        self.before = none if lead is None else lead.table
+        self.box = none if lead is None else lead.box
         # What is looked at is drawn up in the same room again and again.
         self.corners = none
         self.sketch = Swath(room(0), room(4))
@@ -113,9 +119,11 @@ class Retreats:
 
     def _note_ends(self) -> cython.int:
         """Note the circles in which those who are moving come to stand."""
-        start: Position = positions_of(self.corners)[0]
-        here: Numbers = planar_room(1)
-        planar(here)[0] = rest_piece(self.pace.start, start.x, start.y)
+        here: Numbers = self.before
+        if len(here) == 0:
+            start: Position = positions_of(self.corners)[0]
+            here = planar_room(1)
+            planar(here)[0] = rest_piece(self.pace.start, start.x, start.y)
         movers: Movers = self.movers
         self.stood = circle_room(len(movers.radii))
         i: cython.Py_ssize_t
@@ -124,7 +132,7 @@ class Retreats:
             end: PlanarPiece = planar(table)[planar_count(table) - 1]
             least: float = self.own + at(movers.radii)[i]
             # As `met`: who is too close already is met by coming closer still.
-            apart: float = distance(here, table, self.pace.start)
+            apart: float = distance(here, table, movers.now)
             if apart < least + _JUST_NOW:
                 least = min(least, apart)
             circles_of(self.stood)[i] = Circle(end.x.p, end.y.p, least - _HAIR)
@@ -148,15 +156,17 @@ class Retreats:
             ):
                 continue
             corner[count - 1] = Position(x, y)
-            boxes_of(self.sketch.box)[0] = box_around(self.corners, count)
+            box: BoundingBox = box_around(self.corners, count)
+            if box_count(self.box) > 0:
+                box = united(box, boxes_of(self.box)[0])
+            boxes_of(self.sketch.box)[0] = box
             table: Numbers = self.sketch.table
             pieces: cython.Py_ssize_t = draw_walk(
-                self.corners, count, self.tops, self.pace, self.pace.start, self.none, table
+                self.corners, count, self.tops, self.pace, self.pace.start, self.lead, table
             )
             # Whoever was in the way of the last one is likely to be in the way of this one.
             if pieces > 0 and not self._meets_any():
-                box: Numbers = row_of_box(boxes_of(self.sketch.box)[0])
-                return Swath(first_pieces(table, pieces), box)
+                return Swath(first_pieces(table, pieces), row_of_box(box))
         return None
 
     def _meets_any(self) -> bool:

@@ -309,6 +309,9 @@ cdef struct FieldTouch:
     int state
     double cut
 
+cdef struct SweepDrift:
+    double ax, ay, bx, by, bend
+
 cdef struct BodyVelocity:
     double ahead, aside, ahead_rate, aside_rate, turn, turn_slack, half, bend
 

@@ -535,6 +535,19 @@ class FieldTouch(NamedTuple):
     cut: float
 
 
+class SweepDrift(NamedTuple):
+    """How far paths leave their chords in an interval (metres).
+
+    That is by a mean of 0, a and b, and to any side by `bend` in addition.
+    """
+
+    ax: float
+    ay: float
+    bx: float
+    by: float
+    bend: float
+
+
 class BodyVelocity(NamedTuple):
     """Velocity of a body in its own frame over an interval: forwards and to the left (m/s).
 

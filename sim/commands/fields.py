@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,11 +14,10 @@ from .arguments import NoOwnCode, complete_trial
 from .terminal import say
 
 if TYPE_CHECKING:
-    from floorplan import Floorplan
-    from navigation import FieldSet, FieldSupplements, ProtectiveFields, VehicleLimits
-    from navigation.machines import AxisLimits
+    from shapely.geometry import Polygon
 
-    from ..core.stage import MachineModel
+    from navigation import FieldSet, FieldSupplements, ProtectiveFields
+    from navigation.field_lengths import Limits
 
 WIDTH = 80
 """Columns of the output."""
@@ -96,30 +96,23 @@ def fields(
                 raise UserError(f"the limits of {name!r} are not known: its kind is custom")
             say(f"{name} is left out: the limits of a custom kind are not known", err=True)
             continue
-        section = _Section(name, model, read.floorplan, limits, response_time, supplements)
+        footprint = model.shape(name, read.floorplan).footprint((0.0, 0.0), 0.0)
+        section = _Section(name, footprint, limits, response_time, supplements)
         lines += section.lines(steps, warning_time)
     if not lines:
         raise UserError(f"{trial} has no machine whose fields can be computed")
     say("\n".join(["fields:", *lines]))
 
 
+@dataclass(frozen=True)
 class _Section:
     """What is written of one machine."""
 
-    def __init__(
-        self,
-        name: str,
-        model: MachineModel,
-        plan: Floorplan,
-        limits: VehicleLimits | AxisLimits,
-        response_time: float,
-        supplements: FieldSupplements,
-    ) -> None:
-        self.name = name
-        self.footprint = model.shape(name, plan).footprint((0.0, 0.0), 0.0)
-        self.limits = limits
-        self.response_time = response_time
-        self.supplements = supplements
+    name: str
+    footprint: Polygon
+    limits: Limits
+    response_time: float
+    supplements: FieldSupplements
 
     def lines(self, steps: Sequence[float] | None, warning_time: float) -> Iterator[str]:
         """Yield the lines of the machine in the section `fields`."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from abc import ABC, abstractmethod
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Literal, get_args
+from functools import cached_property, partial, wraps
+from typing import Any, Literal, TypeVar, cast, get_args
 
 from shapely import affinity
 from shapely.geometry import Polygon
@@ -251,9 +252,14 @@ class MachineShape:
         return Prism(footprint=self.outline, bottom=self.bottom, top=self.top)
 
     @property
+    def corners(self) -> tuple[Point, ...]:
+        """Corners of the footprint, in metres from the axis along the heading and to its left."""
+        return self.outline or self.box.corners
+
+    @property
     def bounds(self) -> tuple[float, float, float, float]:
         """Smallest and largest x and y of the footprint, in metres from the axis."""
-        xs, ys = zip(*(self.outline or self.box.corners), strict=True)
+        xs, ys = zip(*self.corners, strict=True)
         return min(xs), min(ys), max(xs), max(ys)
 
     @cached_property
@@ -297,6 +303,9 @@ class MachineShape:
 TRAFFIC = "traffic"
 """The reason for which a machine waits for another machine."""
 
+CONTACT = "contact"
+"""The reason for which a machine that commands cannot lead away stands after a contact."""
+
 
 def is_there(pose: Sequence[float], target: Sequence[float], within: float) -> bool:
     """Return whether a pose is at x, y, and in the rotation, but for whole turns, if any.
@@ -305,6 +314,31 @@ def is_there(pose: Sequence[float], target: Sequence[float], within: float) -> b
     """
     turn = math.remainder(pose[2] - target[2], math.tau) if len(target) == 3 else 0.0
     return math.dist(pose[:2], target[:2]) < within and abs(turn) < within
+
+
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+
+OnCommand = Callable[[str, dict[str, Any], Callable[[], Any]], Any]
+"""Carries out a command from outside, with the name of the method and its arguments."""
+
+
+def commands(method: _Method) -> _Method:
+    """Let calls of a machine's method from outside the simulation be commands of the trial."""
+    signature = inspect.signature(method)
+
+    @wraps(method)
+    def commanded(machine: Machine, *given: Any, **terms: Any) -> Any:
+        if machine.on_command is None or machine.body.clock.inside:
+            return method(machine, *given, **terms)
+        _, *arguments = signature.bind(machine, *given, **terms).arguments.items()
+        carry_out = partial(method, machine, *given, **terms)
+        return machine.on_command(method.__name__, dict(arguments), carry_out)
+
+    vars(commanded)["is_command"] = True
+    return cast(_Method, commanded)
+
+
+OnContact = Literal["stop", "report"]
 
 
 class Machine(InProgress, ABC):
@@ -316,12 +350,18 @@ class Machine(InProgress, ABC):
         Observable properties.
     body : Body
         Current motion and track.
+    on_contact : {"stop", "report"}
+        Whether it stops where it touches something on the floor. If not, this is only an event.
     """
 
     shape: MachineShape
     body: Body
+    on_contact: OnContact = "stop"
     priority: int = 0
     """Priority among machines. Those with a lower one evade first."""
+
+    on_command: OnCommand | None = None
+    """Function that carries out and records commands from outside."""
 
     _stands_for: frozenset[str] = frozenset()
 
@@ -333,6 +373,11 @@ class Machine(InProgress, ABC):
     def begin(self) -> None:
         """Start to act. It is called once, at the start of the trial."""
 
+    @property
+    def planned_at(self) -> float:
+        """When its present motion was planned around all on the floor (s), by default never."""
+        return -math.inf
+
     @abstractmethod
     def hold(self, stands: bool) -> None:
         """Start or end a protective stop.
@@ -343,6 +388,7 @@ class Machine(InProgress, ABC):
             True to brake and stay stationary, False to continue.
         """
 
+    @commands
     def stand_for(self, reason: str, stands: bool) -> None:
         """Add or remove a reason for a protective stop. It lasts while there is any reason.
 
@@ -423,6 +469,16 @@ class Machine(InProgress, ABC):
         seconds : float
             Duration in seconds.
         """
+
+    def touched(self) -> None:
+        """Handle the begin of a contact with a person, or with something on the floor."""
+
+    def stopped_by_contact(self) -> None:
+        """Handle that a contact with the floor has stopped the machine. By default it is held."""
+        self.stand_for(CONTACT, True)
+
+    def contact_gone(self) -> None:
+        """Handle that nothing is there any more that it touches."""
 
     def floor_changed(self) -> None:
         """Handle that a machine has stopped on the floor, or that a place has opened or closed."""

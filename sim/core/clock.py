@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from enum import IntEnum
 from heapq import heappush
 from operator import attrgetter
@@ -92,11 +92,22 @@ class Clock(InProgress, simpy.Environment):
         super().__init__(initial_time)
         self.most = most
         self.stopped = False
+        self.inside = False
+        """Whether the simulation is under way, not the program that advances it."""
         self._busy = busy
         self.begin_moment()
 
     if not TYPE_CHECKING:
         now = property(attrgetter("_now"), doc="Time (seconds).")  # as SimPy's; asked all the time
+
+    @contextmanager
+    def under_way(self) -> Iterator[None]:
+        """Be inside the simulation in this context."""
+        before, self.inside = self.inside, True
+        try:
+            yield
+        finally:
+            self.inside = before
 
     def begin_moment(self) -> None:
         """Count events anew, because something has come from outside the simulation."""

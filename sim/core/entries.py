@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import zlib
 from collections.abc import Mapping
@@ -302,19 +303,20 @@ class Blackout(Keyed):
 
 
 COMMANDS = ("send", "block", "clear", "hold", "release")
-"""The fields of a command of which it has one."""
+"""The fields of a command of which it has one, unless it is a `call`."""
 
 
 @dataclass(frozen=True)
 class Command(Keyed):
     """External command during a trial, carried out after all other events of its time.
 
-    Exactly one of `send`, `block`, `clear`, `hold` and `release` must be given.
+    Exactly one of `send`, `block`, `clear`, `hold`, `release` and `call` must be given. A `call` is
+    carried out as soon as the simulation gets to its time, as by a program that advances it.
 
     Parameters
     ----------
-    time : float
-        Time in seconds.
+    time : float or None, optional
+        Time in seconds. `Simulation.command` takes None for now.
     send : str, optional
         Name of a person who walks to `to`.
     to : str or (float, float), optional
@@ -326,9 +328,15 @@ class Command(Keyed):
         Name of an added obstacle to remove.
     hold, release : str, optional
         Name of a machine that brakes and stays stationary, or continues.
+    call : str, optional
+        Method of a machine, such as "move_to", "twist" or "stop".
+    machine : str, optional
+        Name of the machine.
+    arguments : dict, optional
+        Arguments of the method by name. A motion is the list of its pieces.
     """
 
-    time: NotNegative
+    time: NotNegative | None = None
     _: KW_ONLY
     send: str | None = None
     to: Place | None = None
@@ -336,16 +344,14 @@ class Command(Keyed):
     clear: str | None = None
     hold: str | None = None
     release: str | None = None
+    call: str | None = None
+    machine: str | None = None
+    arguments: dict[str, Any] | None = None
 
-
-def written_command(event: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keys of a trial file for the command that a `commanded` event records."""
-    keys = {"time": event["t"], **{key: event[key] for key in COMMANDS if key in event}}
-    if "send" in event:
-        keys["to"] = event["to"]
-    if "block" in event:
-        keys |= {"polygon": event["footprint"], "z": [event["bottom"], event["top"]]}
-    return keys
+    @property
+    def at(self) -> float:
+        """Its time in seconds; infinity if it has none."""
+        return math.inf if self.time is None else float(self.time)
 
 
 TYPES = ("battery", "pump", "regulator", "sensor")

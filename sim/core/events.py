@@ -507,8 +507,21 @@ class TrafficDeadlock(EventKind):
     machines: list[str]
 
 
+class Contact(EventKind):
+    """A machine begins to touch a person, or something on the floor, at a speed (m/s) there.
+
+    That is an obstacle, a closed door or the boundary.
+    """
+
+    machine: _Machine
+    person: _Person | None = None
+    with_: str | None = None
+    at: Point
+    speed: float
+
+
 class Collision(EventKind):
-    """The boxes of two machines begin to overlap, at relative `speed` (m/s)."""
+    """The footprints of two machines begin to overlap, at relative `speed` (m/s)."""
 
     machine: _Machine
     with_: _Machine
@@ -563,6 +576,9 @@ class Commanded(EventKind):
     clear: _Obstacle | None = None
     hold: _Machine | None = None
     release: _Machine | None = None
+    call: str | None = None
+    machine: _Machine | None = None
+    arguments: list[Any] | None = None
 
 
 class JobStarted(EventKind):

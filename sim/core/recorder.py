@@ -14,7 +14,7 @@ from floorplan.files.fields import brief
 from navigation import Motion, Shapes
 
 from .body import PERSON, Body, MachineShape
-from .entries import Pose
+from .entries import Command, Pose
 from .events import EventKind, has_form
 from .fields import MachineFields
 from .rules import RuleSet
@@ -128,6 +128,15 @@ class Listener:
             Event as in recordings, with time `t` in seconds and `kind`.
         """
 
+    def command(self, command: Command) -> None:
+        """Handle a command that takes effect.
+
+        Parameters
+        ----------
+        command : Command
+            The command, with its exact time.
+        """
+
     def motion(self, body: Body, motion: Motion) -> None:
         """Handle a finished motion.
 
@@ -167,6 +176,11 @@ class Listeners(Listener):
         """Notify each listener of an event."""
         for listener in self._listeners:
             listener.event(event)
+
+    def command(self, command: Command) -> None:
+        """Notify each listener of a command."""
+        for listener in self._listeners:
+            listener.command(command)
 
     def motion(self, body: Body, motion: Motion) -> None:
         """Notify each listener of a finished motion."""

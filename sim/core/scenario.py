@@ -30,6 +30,7 @@ from floorplan.files.problems import Written
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
+from .body import OnContact
 from .custom_code import CodeFolder
 from .entries import (
     ALL_ROUND,
@@ -437,6 +438,8 @@ class GantryEntry(Keyed):
         Whether the jobs are repeated until the end.
     drops : tuple of Drop, optional
         Parts that the gripper drops.
+    on_contact : {"stop", "report"}, optional
+        Whether it stops at a contact with something on the floor. If not, this is only an event.
     """
 
     controller: Controller = "parked"
@@ -445,6 +448,7 @@ class GantryEntry(Keyed):
     jobs: tuple[Annotated[Job, Written(_WrittenJob)], ...] = ()
     repeat: Flag = False
     drops: tuple[Drop, ...] = ()
+    on_contact: OnContact = "stop"
 
     @property
     def controller_name(self) -> str:

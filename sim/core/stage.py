@@ -145,6 +145,11 @@ class Bystander(Protocol):
         ...
 
     @property
+    def started_at(self) -> float | None:
+        """When they started, seconds."""
+        ...
+
+    @property
     def away(self) -> bool:
         """Whether they are not on the floor: not yet, or not any more."""
         ...
@@ -474,20 +479,7 @@ class MachineModel(ABC):
         return ()
 
     def place_faults(self, name: str, plan: Floorplan) -> Iterable[Fault]:
-        """Return the problems of the start and the goals of a machine.
-
-        Parameters
-        ----------
-        name : str
-            Name of the machine, to which zones and gates may apply.
-        plan : Floorplan
-            The floor.
-
-        Returns
-        -------
-        iterable of Fault
-            Problems, each with its key. By default there are none.
-        """
+        """Return the problems of the start and the goals of the machine `name`: see `faults`."""
         return ()
 
     def code_faults(self, folder: CodeFolder) -> Iterable[Fault]:

@@ -185,6 +185,7 @@ Level = Literal["info", "warning", "error"]
 
 LEVELS: dict[str, Level] = {
     "collision": "error",
+    "contact": "error",
     "violation": "error",
     "field_slowdown": "warning",
     "field_stop": "warning",

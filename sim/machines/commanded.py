@@ -15,7 +15,7 @@ from floorplan import UserError
 from navigation import Motion
 from navigation.motion import State
 
-from ..core.body import TRAFFIC, Machine, MachineShape
+from ..core.body import TRAFFIC, Machine, MachineShape, commands
 from ..core.clock import Turn
 from ..core.entries import Pose
 from ..core.events import EventKind
@@ -138,9 +138,9 @@ class CommandedMachine(Machine):
 
         Parameters
         ----------
-        reason : {"person_close", "disabled", "enabled", "part_dropped"}
-            A person is closer than `distance`, the referee stops the machine or releases it, or the
-            gripper drops the carried part.
+        reason : {"person_close", "disabled", "enabled", "part_dropped", "contact"}
+            A person is closer than `distance`, the referee stops the machine or releases it, the
+            gripper drops the carried part, or the machine touches a person or the floor.
         distance : float, optional
             Distance in metres of a person from the axis of the machine.
 
@@ -201,6 +201,7 @@ class CommandedMachine(Machine):
             See `move_to`.
         """
 
+    @commands
     def follow(self, motion: Motion) -> Event:
         """Start to follow a motion. It does not continue after the machine was disabled.
 
@@ -223,6 +224,7 @@ class CommandedMachine(Machine):
         """
         return self._follow(instance("follow(motion)", motion, Motion))
 
+    @commands
     def stop(self) -> Process:
         """Start the fastest stop, and discard the current command.
 
@@ -233,6 +235,7 @@ class CommandedMachine(Machine):
         """
         return self._command(self.drive.stop())
 
+    @commands
     def resume(self) -> Event:
         """Start the last move again from here, for example after `stop`.
 
@@ -393,6 +396,7 @@ class CommandedMachine(Machine):
     def hold(self, stands: bool) -> None:
         self.drive.hold(stands)
 
+    @commands
     def limit_speed(self, speed: float | None) -> bool:
         """Limit the top speed. See `Machine.limit_speed`.
 
@@ -412,6 +416,13 @@ class CommandedMachine(Machine):
             raise UserError(f"limit_speed(speed) must be more than 0, not {speed}")
         self.drive.limit_speed(speed)
         return True
+
+    def touched(self) -> None:
+        """Interrupt the controller at the begin of a contact, if it has asked for that."""
+        self.interrupt("contact")
+
+    def stopped_by_contact(self) -> None:
+        """Stay free, so that the controller can leave what the machine touches."""
 
     def close(self) -> None:
         """Finish at the end of the trial."""

@@ -7,7 +7,7 @@ import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator
 from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from simpy.events import Event, Process
 from simpy.exceptions import Interrupt
@@ -395,10 +395,10 @@ class Move(Event):
             then(again, self.go_on)
 
 
-Interruption = Literal["person_close", "disabled", "enabled", "part_dropped"]
+Interruption = Literal["person_close", "disabled", "enabled", "part_dropped", "contact"]
 """Reasons for which a controller can ask to be interrupted."""
 
-REASONS = ("person_close", "disabled", "enabled", "part_dropped")
+REASONS = get_args(Interruption)
 
 
 class Interrupts:

@@ -15,7 +15,6 @@ from shapely.geometry import Polygon
 from floorplan import Floorplan, Gantry, UserError
 from floorplan.files.problems import Fault, Place, field_name, form_keys, misfits, shown
 from navigation import ApproachLaw, IntegralLaw, SeparationLaw
-from navigation.machines import Stop
 from navigation.separation import required_at_speeds
 
 from ..core.body import Category, Machine, MachineShape
@@ -181,6 +180,13 @@ def kind_name(entry: MachineEntry) -> str:
     return kind.rpartition(":")[2].lower()
 
 
+def kind_of(name: str, scenario: Scenario) -> str:
+    """Return the name of the kind of a machine of a trial, as of `kind_name`."""
+    entry = scenario.machines.get(name, MachineEntry("gantry" if name == GANTRY else "agv"))
+    known = [kind for kind, model in KINDS.items() if entry.kind in (kind, model)]
+    return known[0] if known else kind_name(entry)
+
+
 def machine_faults(scenario: Scenario) -> Iterator[Fault]:
     """Yield the faults of a trial's `machines`; code of the user's own is not run."""
     plan = scenario.floorplan
@@ -307,46 +313,36 @@ def short_laws(trial: Scenario, *, own_laws: bool = False) -> tuple[ShortLaw | S
     Custom laws are judged only with `own_laws`, because their code is run.
     """
     plan, rules = trial.floorplan, trial.rules
-    found = []
+    found: list[ShortLaw | ShortDistance] = []
     for name, model in models_of(trial, own=False).items():
         shape = model.shape(name, plan)
         key, law = rules.law_and_key_of(shape)
         if (stop := model.longest_stop(plan)) is None:
             continue
-        short: ShortLaw | ShortDistance | None = None
+        time, distance = stop
         if isinstance(law, SeparationLaw | IntegralLaw | ApproachLaw):
-            short = _short_law(name, key, law, stop)
+            t2 = law.time if isinstance(law, ApproachLaw) else law.t2
+            stopping = None if isinstance(law, ApproachLaw) else law.stopping
+            if time > t2 + _ROUNDING or (stopping is not None and distance > stopping + _ROUNDING):
+                found.append(
+                    ShortLaw(
+                        machine=name,
+                        law=key,
+                        t2=t2,
+                        needed_t2=time,
+                        stopping=stopping,
+                        needed_stopping=distance,
+                    )
+                )
         elif name not in trial.fields and (own_laws or not isinstance(law, OwnLaw)):
             walking = plan.human.max_speed
-            needed = walking * stop.time + stop.distance
-            distance = required_at_speeds(law, walking, shape.top_speed)
-            if needed > distance + _ROUNDING:
-                short = ShortDistance(
-                    machine=name, law=key, distance=distance, needed_distance=needed
+            stated = required_at_speeds(law, walking, shape.top_speed)
+            needed = walking * time + distance
+            if needed > stated + _ROUNDING:
+                found.append(
+                    ShortDistance(machine=name, law=key, distance=stated, needed_distance=needed)
                 )
-        if short is not None:
-            found.append(short)
     return tuple(found)
-
-
-def _short_law(
-    name: str, key: str, law: SeparationLaw | IntegralLaw | ApproachLaw, stop: Stop
-) -> ShortLaw | None:
-    """Return that a law states a shorter stop than `stop`, if it does."""
-    stated: tuple[float, float | None]
-    stated = (law.time, None) if isinstance(law, ApproachLaw) else (law.t2, law.stopping)
-    t2, stopping = stated
-    metres = math.inf if stopping is None else stopping
-    if stop.time <= t2 + _ROUNDING and stop.distance <= metres + _ROUNDING:
-        return None
-    return ShortLaw(
-        machine=name,
-        law=key,
-        t2=t2,
-        needed_t2=stop.time,
-        stopping=stopping,
-        needed_stopping=stop.distance,
-    )
 
 
 def far_laws(trial: Scenario) -> dict[str, float]:

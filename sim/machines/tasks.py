@@ -89,6 +89,8 @@ class Task:
         self.check = check
         self.lost: Callable[[], tuple[Step, ...]] = self._same_steps if lost is None else lost
         self.group = 0
+        self.number = 0
+        """Its number among all tasks of its machine."""
         self.announced = False
         self._count(0)
         if not self.steps:
@@ -144,6 +146,7 @@ class Tasks:
         self._clock = clock
         self._groups: list[tuple[bool, list[Task]]] = []
         self._groups_added = 0
+        self._added: list[Task] = []
         self._waiting: list[Event] = []
 
     @property
@@ -162,6 +165,12 @@ class Tasks:
                 if task.ready():
                     yield task
 
+    def numbered(self, number: int) -> Task:
+        """Return the task of that number. `UserError` if there is none."""
+        if not 0 <= number < len(self._added):
+            raise UserError(f"there is no task {number}")
+        return self._added[number]
+
     def picking(self, passing: Passing) -> Iterator[Task]:
         """Yield the tasks whose next step is to pick it."""
         for _, group in self._groups:
@@ -174,7 +183,8 @@ class Tasks:
         group = list(tasks)
         self._groups_added += 1
         for task in group:
-            task.group = self._groups_added
+            task.group, task.number = self._groups_added, len(self._added)
+            self._added.append(task)
         if group:
             self._groups.append((first, group))
             self._groups.sort(key=lambda entry: not entry[0])

@@ -19,7 +19,7 @@ from ..core.body import Body, Machine
 from ..core.clock import Alarm, Clock, Turn
 from ..core.entries import NoticingEntry
 from ..core.stage import Stage
-from ..safety.proximity import NearnessMonitor
+from ..safety.proximity import NearnessMonitor, by_conditions
 from .minds import Mind, Outside, as_term
 
 Key = tuple[str, ...]
@@ -301,8 +301,7 @@ class SocialPerception:
                 NearnessMonitor(
                     self._stage,
                     (self._body, one.body),
-                    NEAR,
-                    GONE,
+                    by_conditions(NEAR, GONE),
                     partial(self._nearness, one.name),
                 )
                 for one in self._stage.people

@@ -84,6 +84,11 @@ def _may_wait(trial: Scenario) -> bool:
     return trial.traffic and moving + with_gantry > 1
 
 
+def _may_move(trial: Scenario) -> bool:
+    """Return True if there may be machines that move."""
+    return not _no_robot(trial) or _may_collide(trial)
+
+
 def _may_touch(trial: Scenario) -> bool:
     """Return True if there are people, and machines that may come to where they are."""
     return bool(trial.people) and (not _no_robot(trial) or _has_vehicles(trial))
@@ -391,10 +396,22 @@ FIGURES: dict[str, SummaryFigure] = {
         ),
         _of_bodies(
             path="contacts",
-            of=lambda run: run.contacts,
+            of=lambda run: run.referee.contacts.count,
             label="contacts with machines",
             meaning="contacts of a robot or a moving vehicle with a person",
             words=words.some,
+            events=(events.Contact, {"with": None}),
+            measure="rare",
+            worst=-1,
+        ),
+        SummaryFigure(
+            path="contacts_with_floor",
+            only=_may_move,
+            of=lambda run: run.contacts_with_floor,
+            label="contacts with the floor",
+            meaning="contacts of a machine with an obstacle, a closed door or the boundary",
+            words=words.some,
+            events=(events.Contact, {"person": None}),
             measure="rare",
             worst=-1,
         ),

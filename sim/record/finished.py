@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import Any
 
 from floorplan import UserError
-from navigation import Cylinder, FixedDistance, Motion, Shapes, minimum_separation, violations
-from navigation.encounter import Odometer, Solid
+from navigation import Motion, Moving, minimum_separation, when
+from navigation.kernels.odometer import Odometer
 from navigation.kernels.pieces import walked_and_stood
 from navigation.measures import Nearest, nearest_pair
 
@@ -27,7 +27,6 @@ from ..safety.margins import (
     RecordedRequirement,
     Span,
     least_margins,
-    moving_spans,
 )
 from ..safety.monitors import SeparationMonitor
 from ..safety.referee import Referee
@@ -38,20 +37,6 @@ CAUSES = ("gantry", "person")
 
 CATEGORIES: tuple[Category, ...] = ("robot", "vehicle")
 """Kinds of machines that people are watched beside."""
-
-TOUCH = FixedDistance(1e-6)
-"""Surfaces that are no farther from each other than a micrometre touch."""
-
-
-def touches(one: Motion, other: Motion, body: Cylinder, solid: Solid, spans: Iterable[Span]) -> int:
-    """Return how often the solid of a machine touches a person in spans (seconds)."""
-    shapes = Shapes(person=body, machine=(solid,))
-    reach = body.radius + shapes.reach
-    return sum(
-        len(violations(one, other, TOUCH, begin, end, shapes=shapes))
-        for begin, end in spans
-        if minimum_separation(one, other, begin, end)[1] < reach
-    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +53,7 @@ class Finished:
     work: Mapping[str, Any]
     guards: Mapping[str, FieldGuard] = field(default_factory=dict)
     collisions: int = 0
+    contacts_with_floor: int = 0
     waiting_times: Mapping[str, float] = field(default_factory=dict)
     """How long each machine that may meet others has waited for them (s)."""
     traffic_deadlocks: int = 0
@@ -165,7 +151,7 @@ class Finished:
                     other.translated(*self.trial.rules.measured_at(watch.pair.machine.shape)),
                     watch.pair.shapes,
                     spans,
-                    self._moving(watch.pair.machine, spans),
+                    spans if category == "vehicle" else self._moving(watch, spans),
                 ),
                 watch.intervals,
             )
@@ -173,40 +159,19 @@ class Finished:
             for watch, one, other, spans in self._together(category)
         ]
 
-    def _moving(self, machine: Machine, spans: Sequence[Span]) -> list[Span]:
-        """Return those parts of spans in which a machine moves: all of them for a vehicle."""
-        if machine.shape.category == "vehicle":
-            return [*spans]
-        motion = self.motions[machine.name]
-        turning = self._turning_counts
-        return [part for span in spans for part in moving_spans(motion, *span, turning=turning)]
-
-    @property
-    def contacts(self) -> int:
-        """Number of times that a robot, or a vehicle that drives or turns, touched a person."""
-        humans = {person.name: person.walker.human for person in self.people}
-        count = 0
-        for category in CATEGORIES:
-            for watch, one, other, spans in self._together(category, turning=True):
-                human = humans[watch.pair.person.name]
-                body = Cylinder(radius=human.radius, top=human.height)
-                count += touches(one, other, body, watch.pair.machine.shape.chassis, spans)
-        return count
-
-    @property
-    def _turning_counts(self) -> bool:
-        """Whether a vehicle moves while it turns on the spot."""
-        return self.trial.rules.between == "surfaces"
+    def _moving(self, watch: SeparationMonitor, spans: Iterable[Span]) -> list[Span]:
+        """Return those parts of spans in which a machine moves, as the rules have it."""
+        motion, shapes = self.motions[watch.pair.machine.name], watch.pair.shapes
+        moving = Moving(reach=0.0 if shapes is None else shapes.reach)
+        return [part for span in spans for part in when(moving, motion, motion, *span)]
 
     def _together(
-        self, category: Category, turning: bool = False
+        self, category: Category
     ) -> Iterator[tuple[SeparationMonitor, Motion, Motion, list[tuple[float, float]]]]:
         """Yield each watch on a person beside such a machine, their motions, and spans (seconds).
 
-        These are those in which the person was on the floor and, if it is a vehicle, it drove. It
-        also does while it turns on the spot, if `turning` or the rules say so.
+        These are those in which the person was on the floor and, if it is a vehicle, it moved.
         """
-        turning = turning or self._turning_counts
         stays = {person.name: self._stays(person) for person in self.people}
         drives: dict[str, list[tuple[float, float]]] = {}
         for watch in self.referee.watches:
@@ -216,8 +181,7 @@ class Finished:
             spans = stays[person]
             if category == "vehicle":
                 if machine.name not in drives:
-                    motion = self.motions[machine.name]
-                    drives[machine.name] = moving_spans(motion, turning=turning)
+                    drives[machine.name] = self._moving(watch, [(0.0, self.duration)])
                 pairs = itertools.product(spans, drives[machine.name])
                 cut = [(max(a, begin), min(b, end)) for (begin, end), (a, b) in pairs]
                 spans = [(a, b) for a, b in cut if a < b]

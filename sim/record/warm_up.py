@@ -5,14 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from navigation import Cylinder
-
-from ..safety.margins import moving_spans
-from .finished import touches
 from .outcome import Outcome
 from .sampling import Span, Stay, zone_exposures
 
-JUDGED = frozenset({"violation", "penalty", "teleport"})
+JUDGED = frozenset({"violation", "penalty", "teleport", "contact"})
 """Kinds of events that are findings. Those of the warm-up are left out."""
 
 
@@ -75,21 +71,6 @@ def zones_of(run: Outcome) -> dict[str, dict[str, float]]:
     return zone_exposures(run.floorplan.zones, stays)
 
 
-def contacts_of(run: Outcome) -> int:
-    """Return how often a robot, or a vehicle that drives or turns, touched a person."""
-    starts, count = started(run), 0
-    for person in run.scene.people:
-        if person.name not in starts:
-            continue
-        begin, end = run.presence[person.name]
-        begin = max(begin, starts[person.name])
-        body = Cylinder(radius=person.radius, top=person.height)
-        for machine in run.scene.machines:
-            motion = run.motions[machine.name]
-            spans = [(begin, end)]
-            if machine.category == "vehicle":
-                spans = moving_spans(motion, turning=True)
-            cut = ((max(a, begin), min(b, end)) for a, b in spans)
-            walk = run.motions[person.name]
-            count += touches(walk, motion, body, machine.chassis, ((a, b) for a, b in cut if a < b))
-    return count
+def contacts_of(run: Outcome, what: str = "person") -> int:
+    """Return how often a machine touched a "person", or (`what` is "with") something else."""
+    return sum(event["kind"] == "contact" and what in event for event in run.events)

@@ -26,8 +26,8 @@ from navigation import Motion, Piece, join, standing, when
 
 from ..core.body import Body, Plans
 from ..core.clock import InProgress
-from ..core.entries import Pose, written_command
-from ..core.events import EVENT_KINDS, Commanded, Form, has_form
+from ..core.entries import Command, Pose
+from ..core.events import EVENT_KINDS, Form, has_form
 from ..core.recorder import Event, Listener, Scene, Thought, rounded
 from ..record.outcome import WholeLines, write_trajectory
 from ..record.output import OutputError, replacing
@@ -40,6 +40,7 @@ from ..record.scene_file import (
     write_scene,
 )
 from ..safety.laws import Curve, is_of_speeds_alone, requirement_curve
+from ..trials.writing import command_keys
 from ..views.replay import render
 from ..views.replay_data import replay_data
 from .run import Recorded, Run
@@ -179,15 +180,19 @@ class Recording(InProgress, Listener):
     @override
     def event(self, event: Event) -> None:
         self._add("events.jsonl", json.dumps(event, ensure_ascii=False))
-        if event["kind"] == Commanded.kind:
-            self._command(event)
 
-    def _command(self, event: Event) -> None:
+    def command(self, command: Command) -> None:
+        """Write a command as one line.
+
+        Parameters
+        ----------
+        command : Command
+            The command.
+        """
         if COMMANDS not in self._lines:
             self._lines[COMMANDS] = WholeLines(self.folder / COMMANDS)
             self._add(COMMANDS, "commands:")
-        command = json.dumps(written_command(event), ensure_ascii=False)
-        self._add(COMMANDS, f"  - {command}")
+        self._add(COMMANDS, f"  - {json.dumps(command_keys(command), ensure_ascii=False)}")
 
     @override
     def motion(self, body: Body, motion: Motion) -> None:

@@ -1,112 +1,64 @@
-"""Proximity of two bodies: collisions, distance between people, and approach notifications."""
+"""Proximity of two bodies: distance between people, and approach notifications."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache, partial
+from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import combinations
 
-from floorplan import Point
-from navigation import Apart, Box, Condition, FixedDistance, Overlapping, TooClose, first_time
-from navigation.carried import carried
+from navigation import Apart, Condition, FixedDistance, Motion, TooClose, first_time
 
-from ..core.body import Body, Machine, MachineShape
+from ..core.body import Body, Machine
 from ..core.clock import Alarm, Turn
-from ..core.events import Collision, PeopleTooNear
+from ..core.events import PeopleTooNear
 from ..core.stage import Bystander, Stage
 from .monitors import Pair
 
-AXIS = (0.0, 0.0)
-"""The point of a body around which it turns."""
+Change = Callable[[bool, Motion, Motion, float, float], float | None]
+"""Returns when two motions part that are near (True), or come near that are not, if they do (s).
+
+Its last arguments are begin and end of the search (seconds).
+"""
+
+
+def by_conditions(near: Condition, parted: Condition) -> Change:
+    """Return the change by a condition for each state."""
+    return lambda is_near, *when: first_time(parted if is_near else near, *when)
 
 
 class NearnessMonitor:
-    """Calls `notify` as two bodies come so near that `near` holds (True), and as `parted` does.
-
-    The conditions are about `points` of the bodies: metres ahead of their axes and to the left.
-    """
+    """Calls `notify` as two bodies come so near that something holds (True), and as they part."""
 
     def __init__(
         self,
         stage: Stage,
         bodies: tuple[Body, Body],
-        near: Condition,
-        parted: Condition,
+        change: Change,
         notify: Callable[[bool], None],
-        points: tuple[Point, Point] = (AXIS, AXIS),
+        turn: Turn = Turn.NOTICE,
     ) -> None:
         self.is_near = False
-        self._points = points
         self._stage = stage
         self._bodies = bodies
-        self._near = near
-        self._parted = parted
+        self._change = change
         self._notify = notify
-        self._alarm = Alarm(stage.clock, self._ring, Turn.NOTICE)
+        self._alarm = Alarm(stage.clock, self._ring, turn)
         for body in bodies:
-            body.on_change.append(self._reconsider)
-        self._reconsider()
+            body.on_change.append(self.reconsider)
+        self.reconsider()
 
-    def _reconsider(self) -> None:
-        (one, other), (here, there) = self._bodies, self._points
-        mine, theirs = carried(one.motion, *here), carried(other.motion, *there)
+    def reconsider(self) -> None:
+        """Compute the next change; called for each new motion."""
+        mine, theirs = (body.motion for body in self._bodies)
         now = self._stage.clock.now
         end = max(now, min(max(mine.end, theirs.end), self._stage.end))
-        awaited = self._parted if self.is_near else self._near
-        self._alarm.set(first_time(awaited, mine, theirs, now, end))
+        self._alarm.set(self._change(self.is_near, mine, theirs, now, end))
 
     def _ring(self) -> None:
         self.is_near = not self.is_near
-        self._reconsider()
+        self.reconsider()
         self._notify(self.is_near)
-
-
-DEPTH = 1e-3
-"""Metres. Boxes that overlap by no more only touch, as those of machines side by side may."""
-
-
-@lru_cache(maxsize=1024)
-def _conditions(box: Box, others: Box) -> tuple[Condition, Condition]:
-    """Return when two boxes collide, and when they have parted."""
-    return Overlapping(box, others, DEPTH), ~Overlapping(box, others)
-
-
-def _box_around(shape: MachineShape) -> tuple[Box, Point]:
-    """Return the smallest box around a footprint, and its middle from the axis, metres."""
-    if not shape.outline:
-        return shape.box, AXIS
-    x, y, most_x, most_y = shape.bounds
-    box = Box(length=most_x - x, width=most_y - y, bottom=shape.bottom, top=shape.top)
-    return box, ((x + most_x) / 2, (y + most_y) / 2)
-
-
-class Collisions:
-    """Watches every two of some machines whose boxes are not above each other.
-
-    Each counts as the smallest rectangle around its footprint and along its heading.
-    """
-
-    def __init__(self, stage: Stage, machines: Iterable[Machine]) -> None:
-        self.count = 0
-        """Number of times that two machines ran into each other."""
-        self._stage = stage
-        boxes = [(machine, *_box_around(machine.shape)) for machine in machines]
-        for (one, box, middle), (other, others, of_other) in combinations(boxes, 2):
-            if box.is_level_with(others):
-                near, parted = _conditions(box, others)
-                notify = partial(self._changed, one, other)
-                points = middle, of_other
-                NearnessMonitor(stage, (one.body, other.body), near, parted, notify, points)
-
-    def _changed(self, one: Machine, other: Machine, is_near: bool) -> None:
-        if not is_near:
-            return
-        self.count += 1
-        (vx, vy, _), (wx, wy, _) = one.body.state.velocity, other.body.state.velocity
-        self._stage.record(
-            Collision(machine=one.name, with_=other.name, speed=math.hypot(wx - vx, wy - vy))
-        )
 
 
 PARTED = 1e-3
@@ -127,13 +79,9 @@ class Distancing:
         self._since: dict[tuple[Bystander, Bystander], float] = {}
         for (one, mine), (other, theirs) in combinations(zip(people, radii, strict=True), 2):
             near = required + mine + theirs
-            NearnessMonitor(
-                stage,
-                (one.body, other.body),
-                TooClose(FixedDistance(near)),
-                Apart(near + PARTED),
-                partial(self._changed, one, other, near),
-            )
+            change = by_conditions(TooClose(FixedDistance(near)), Apart(near + PARTED))
+            notify = partial(self._changed, one, other, near)
+            NearnessMonitor(stage, (one.body, other.body), change, notify)
 
     @property
     def time(self) -> float:

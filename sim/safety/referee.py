@@ -12,6 +12,7 @@ from ..core.body import Machine
 from ..core.clock import Alarm, Turn
 from ..core.events import GantryDetected, Penalty, ProtectiveStop, ProtectiveStopEnded, Violation
 from ..core.stage import Bystander, Stage
+from .contacts import PersonContacts
 from .monitors import (
     BesideVehicles,
     Cause,
@@ -43,6 +44,7 @@ class Referee:
         self.protective_stop_time = 0.0
         """Seconds, of all machines together; those that still last count from `close` on."""
         self.watches: list[SeparationMonitor] = []
+        self.contacts = PersonContacts(stage)
         self._condition_of = cache(lambda machine: stage.rules.condition_of(machine.shape))
         """The condition of a violation by a machine, the same for all people."""
         self._noticing = Noticing(stage.rules.notice)
@@ -64,6 +66,7 @@ class Referee:
         law = self.rules.law_of(machine.shape)
         watch = SeparationMonitor(pair, law, self._condition_of(machine), self._violated)
         self.watches.append(watch)
+        self.contacts.watch(person, machine)
         if self.rules.machine == "stop":
             stop = Hold(pair, watch.law, machine.shape.top_speed, self._stop_for)
             self._stops[watch] = stop
@@ -89,6 +92,7 @@ class Referee:
         for notice in self._notices.get(person, ()):
             notice.start_over()
             notice.reconsider()
+        self.contacts.started(person)
 
     def close(self) -> None:
         """End the violations and protective stops that still last: the trial is over."""

@@ -8,16 +8,16 @@ out without the trial being met is left out, in large parts first.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, is_dataclass, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
-from floorplan import Point, UserError
+from floorplan import UserError
 
-from ..core.entries import Start, is_number
+from ..core.entries import is_number
 from ..core.scenario import Job, PersonEntry, Scenario
-from ..core.stage import MachineEntry
 from ..machines.gantry.robot import GANTRY
 from ..runs.run import Run
 from ..simulation import run
@@ -109,10 +109,10 @@ class Minimiser:
         self._best = candidate
         return True
 
-    def _try_with(self, **entries: Any) -> bool:
-        """Take the trial with other entries, if it is one and still breaks the objective."""
+    def _try_with(self, path: Path, value: Any) -> bool:
+        """Take the trial with another value at a path, if that is one and breaks the objective."""
         try:
-            return self._try(replace(self._best, **entries))
+            return self._try(_with(self._best, path, value))
         except (UserError, ValueError, TypeError):
             return False
 
@@ -169,29 +169,28 @@ class Minimiser:
 
     def _people(self) -> None:
         everybody = self._best.people
-        alone = [p for p in everybody if p.name == self._situation.person and p.group is None]
+        alone = tuple(p for p in everybody if p.name == self._situation.person and p.group is None)
         if alone and len(everybody) > 1:
-            self._try(replace(self._best, people=(alone[0],)))
-        self._remove(lambda t: t.people, lambda t, kept: replace(t, people=kept))
+            self._try_with(("people",), alone)
+        self._remove(("people",))
 
     def _machines(self) -> None:
         self._try(replace(self._best, agvs={}, yielding=frozenset()))
         for name in [*self._best.agvs]:
-            self._try(replace(self._best, agvs=_without(self._best.agvs, name)))
+            self._try_with(("agvs",), _without(self._best.agvs, name))
         for name in [*self._best.agvs]:
-            self._remove_moves(name)
+            self._remove(("agvs", name))
         for name in [*self._best.machines]:
             fields = _without(self._best.fields, name)
-            self._try_with(machines=_without(self._best.machines, name), fields=fields)
+            machines = _without(self._best.machines, name)
+            with suppress(UserError, ValueError, TypeError):
+                self._try(replace(self._best, machines=machines, fields=fields))
 
     def _jobs(self) -> None:
         gantry = self._best.gantry
         self._try(replace(self._best, gantry=replace(gantry, jobs=(), drops=(), repeat=False)))
-        if gantry.repeat:
-            self._try(replace(self._best, gantry=replace(self._best.gantry, repeat=False)))
-        self._remove(
-            lambda t: t.gantry.jobs, lambda t, kept: replace(t, gantry=replace(t.gantry, jobs=kept))
-        )
+        self._try_with(("gantry", "repeat"), False)
+        self._remove(("gantry", "jobs"))
         self._skip_ahead()
 
     def _skip_ahead(self) -> None:
@@ -224,178 +223,116 @@ class Minimiser:
                 gantry=replace(self._best.gantry, drops=()),
             )
         )
-        self._remove(lambda t: t.blackouts, lambda t, kept: replace(t, blackouts=kept))
-        self._remove(lambda t: t.obstacles, lambda t, kept: replace(t, obstacles=kept))
-        self._remove(lambda t: t.commands, lambda t, kept: replace(t, commands=kept))
+        for key in ("blackouts", "obstacles", "commands"):
+            self._remove((key,))
         for name in [*self._best.doors]:
-            self._try(replace(self._best, doors=_without(self._best.doors, name)))
+            self._try_with(("doors",), _without(self._best.doors, name))
 
     def _keys_of_people(self) -> None:
         """Leave out keys of people: all but those that matter most, or else one by one."""
         for k, person in enumerate(self._best.people):
             plain = PersonEntry(name=person.name)
             kept = {key: getattr(person, key) for key in OF_A_PERSON}
-            self._try(_with_person(self._best, k, replace(plain, **kept)))
-            for key in vars(plain):
-                changed = replace(self._best.people[k], **{key: getattr(plain, key)})
-                self._try_with(people=_with_person(self._best, k, changed).people)
+            self._try_with(("people", k), replace(plain, **kept))
+            for key, value in vars(plain).items():
+                self._try_with(("people", k, key), value)
 
     def _keys_of_machines(self) -> None:
         """Leave out keys of machines, and entries of their lists, but for what is tested."""
         for name, entry in self._best.machines.items():
             for key in [key for key in entry.keys if key not in TESTED]:
-                keys = self._best.machines[name].keys
-                if self._try_with(machines=self._machines_with(name, _without(keys, key))):
-                    continue
-                if key in LISTS:
-                    self._remove_from_list(name, key)
-
-    def _remove_from_list(self, name: str, key: str) -> None:
-        """Leave out entries of a list of a machine."""
-
-        def having(trial: Trial, kept: Sequence[Any]) -> Trial:
-            keys = {**trial.machines[name].keys, key: [*kept]}
-            return replace(trial, machines=self._machines_with(name, keys))
-
-        self._remove(lambda trial: trial.machines[name].keys[key], having)
-
-    def _machines_with(self, name: str, keys: Mapping[str, Any]) -> dict[str, MachineEntry]:
-        machines = self._best.machines
-        return {**machines, name: replace(machines[name], keys=dict(keys))}
+                path = ("machines", name, "keys")
+                if not self._try_with(path, _without(_at(self._best, path), key)) and key in LISTS:
+                    self._remove((*path, key))
 
     def _others(self) -> None:
         """Leave out the other keys of the trial and of the gantry."""
-        for name in ("work", "sources"):
-            self._try_with(**{name: {}})
-        self._try_with(workload=None)
-        self._try_with(warm_up=0.0)
-        self._try_with(planner=Scenario(self._best.floorplan).planner)
-        self._try_with(gantry=replace(self._best.gantry, at=None))
+        plain = Scenario(self._best.floorplan)
+        for key in ("work", "sources", "workload", "warm_up", "planner"):
+            self._try_with((key,), getattr(plain, key))
+        self._try_with(("gantry", "at"), None)
 
-    def _remove_moves(self, agv: str) -> None:
-        self._remove(
-            lambda trial: trial.agvs[agv],
-            lambda trial, kept: replace(trial, agvs={**trial.agvs, agv: kept}),
-        )
-
-    def _remove(
-        self,
-        entries: Callable[[Trial], Sequence[_Entry]],
-        having: Callable[[Trial, tuple[_Entry, ...]], Trial],
-    ) -> None:
+    def _remove(self, path: Path) -> None:
         """Leave out as many entries as can be: halves first, then quarters, then one by one."""
-        size = max(len(entries(self._best)) // 2, 1)
-        while size and entries(self._best):
+        size = max(len(_at(self._best, path)) // 2, 1)
+        while size and _at(self._best, path):
             k = 0
-            while k < len(entries(self._best)):
-                kept = entries(self._best)
-                if not self._try(having(self._best, (*kept[:k], *kept[k + size :]))):
+            while k < len(kept := _at(self._best, path)):
+                if not self._try_with(path, kept[:k] + kept[k + size :]):
                     k += size
             size //= 2
 
     def _round(self, digits: int) -> None:
         """Round every number to so many decimals: all together, or else one by one."""
-        count = len([*_numbers(self._best, self._paths)])
+        paths: list[Path | str] = [*_numbers(self._best), *self._paths]
         together = self._best
-        for k in range(count):
-            together = _rounded(together, self._paths, k, digits) or together
-        if self._try(together):
-            return
-        for k in range(count):
-            self._try(_rounded(self._best, self._paths, k, digits))
+        for path in paths:
+            together = _rounded(together, path, digits) or together
+        if not self._try(together):
+            for path in paths:
+                self._try(_rounded(self._best, path, digits))
 
 
 def _without(entries: Mapping[str, _Entry], name: str) -> dict[str, _Entry]:
     return {other: entry for other, entry in entries.items() if other != name}
 
 
-def _with_person(trial: Trial, k: int, person: PersonEntry) -> Trial:
-    return replace(trial, people=(*trial.people[:k], person, *trial.people[k + 1 :]))
+Path = tuple[str | int, ...]
+"""Names of fields and keys, and numbers of entries, that lead to a value of a trial."""
 
 
-Put = Callable[[Trial, float], Trial]
-"""Puts a number into a trial."""
+def _at(owner: Any, path: Path) -> Any:
+    """Return the value at a path."""
+    for key in path:
+        owner = getattr(owner, str(key)) if is_dataclass(owner) else owner[key]
+    return owner
 
 
-def _rounded(trial: Trial, paths: Sequence[str], k: int, digits: int) -> Candidate:
-    """Return the trial with the number `k` rounded; None if it is, or can't be there."""
-    number, put = [*_numbers(trial, paths)][k]
-    if round(number, digits) == number:
+def _with(owner: Any, path: Path, value: Any) -> Any:
+    """Return `owner` with another value at a path."""
+    if not path:
+        return value
+    changed = _with(_at(owner, path[:1]), path[1:], value)
+    if is_dataclass(owner) and not isinstance(owner, type):
+        return replace(owner, **{str(path[0]): changed})
+    if isinstance(owner, Mapping):
+        return {**owner, path[0]: changed}
+    return type(owner)(changed if k == path[0] else one for k, one in enumerate(owner))
+
+
+def _rounded(trial: Trial, path: Path | str, digits: int) -> Candidate:
+    """Return the trial with a number rounded; None if it is, or can't be there."""
+    number = _at_path(trial, path) if isinstance(path, str) else _at(trial, path)
+    if number is None or round(number, digits) == number:
         return None
+    value = float(round(number, digits)) + 0.0  # no negative zero
     try:
-        return put(trial, float(round(number, digits)) + 0.0)  # no negative zero
+        changed: Trial
+        changed = put_at(trial, path, value) if isinstance(path, str) else _with(trial, path, value)
     except (UserError, ValueError):
         return None
+    return changed
 
 
-def _numbers(trial: Trial, paths: Sequence[str]) -> Iterator[tuple[float, Put]]:
-    """Yield the numbers of a trial that may be round, and what puts another in their place."""
+def _numbers(trial: Trial) -> Iterator[Path]:
+    """Yield the paths of the numbers of a trial that may be round."""
+    places: list[Path] = [("gantry", "at")]
     for k, person in enumerate(trial.people):
-        yield from _of_person(k, person)
-    at = trial.gantry.at
-    for axis in range(3 if at is not None else 0):
-        assert at is not None
-        yield at[axis], _gantry_at(axis)
+        if person.start.time is not None:
+            yield "people", k, "start", "time"
+        if is_number(person.max_speed):
+            yield "people", k, "max_speed"
+        places.append(("people", k, "at"))
+    for name, entry in trial.machines.items():
+        places += [("machines", name, "keys", "at")] if "at" in entry.keys else []
+    for place in places:
+        if isinstance(at := _at(trial, place), tuple | list):
+            yield from ((*place, axis) for axis in range(len(at)))
     for k, job in enumerate(trial.gantry.jobs):
         if job.kind == "wait":
-            yield job.seconds, _job_seconds(k)
+            yield "gantry", "jobs", k, "seconds"
     for name, moves in trial.agvs.items():
-        for k, move in enumerate(moves):
-            yield move.time, _move_time(name, k)
-    for path in paths:
-        number = _at_path(trial, path)
-        if number is not None:
-            yield number, _path(path)
-
-
-def _of_person(k: int, person: PersonEntry) -> Iterator[tuple[float, Put]]:
-    def put(trial: Trial, **changed: Any) -> Trial:
-        return _with_person(trial, k, replace(trial.people[k], **changed))
-
-    if person.start.time is not None:
-        yield person.start.time, lambda trial, x: put(trial, start=Start(time=x))
-    if is_number(person.max_speed):
-        speed: Any = person.max_speed
-        yield speed, lambda trial, x: put(trial, max_speed=x)
-    if isinstance(person.at, tuple):
-        yield person.at[0], lambda trial, x: put(trial, at=(x, _place(trial.people[k])[1]))
-        yield person.at[1], lambda trial, y: put(trial, at=(_place(trial.people[k])[0], y))
-
-
-def _place(person: PersonEntry) -> Point:
-    assert isinstance(person.at, tuple)  # as it is when a number of it varies
-    return person.at
-
-
-def _gantry_at(axis: int) -> Put:
-    def put(trial: Trial, number: float) -> Trial:
-        at = [*(trial.gantry.at or ())]
-        at[axis] = number
-        return replace(trial, gantry=replace(trial.gantry, at=(at[0], at[1], at[2])))
-
-    return put
-
-
-def _job_seconds(k: int) -> Put:
-    def put(trial: Trial, number: float) -> Trial:
-        jobs = trial.gantry.jobs
-        changed = (*jobs[:k], replace(jobs[k], seconds=number), *jobs[k + 1 :])
-        return replace(trial, gantry=replace(trial.gantry, jobs=changed))
-
-    return put
-
-
-def _move_time(name: str, k: int) -> Put:
-    def put(trial: Trial, number: float) -> Trial:
-        moves = trial.agvs[name]
-        changed = (*moves[:k], replace(moves[k], time=number), *moves[k + 1 :])
-        return replace(trial, agvs={**trial.agvs, name: changed})
-
-    return put
-
-
-def _path(path: str) -> Put:
-    return lambda trial, number: put_at(trial, path, number)
+        yield from (("agvs", name, k, "time") for k in range(len(moves)))
 
 
 def _at_path(trial: Trial, path: str) -> float | None:

@@ -42,7 +42,7 @@ def counterfactual_of(trial: Trial, started: Mapping[str, float | None]) -> Tria
         machines={},
         fields={},
         blackouts=(),
-        commands=tuple(one for one in trial.commands if not (one.hold or one.release)),
+        commands=tuple(one for one in trial.commands if not (one.hold or one.release or one.call)),
     )
 
 

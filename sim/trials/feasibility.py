@@ -22,7 +22,8 @@ from ..core.scenario import PersonEntry, Scenario, spot
 from ..core.schedule import ClockTime, Interval, WorkTask, as_given, times_until
 from ..core.stage import Closures
 from ..machines.agv.model import MOST_MOVES, number_of
-from ..machines.kinds import moves_of
+from ..machines.kinds import kind_of, moves_of
+from ..machines.outside import call_fault
 from .names import checked_name, machines, people, stations
 
 LONGEST = 31 * 86_400
@@ -203,11 +204,13 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
     for k, command in enumerate(trial.commands):
         for fault, at in range_faults(command):
             yield fault, (k, *at)
-        if command.time < before:
+        if command.time is None:
+            yield "give a time", (k, "time")
+        elif command.time < before:
             yield f"comes before the previous command, at {before:g} s", (k, "time")
-        before = max(before, command.time)
-        if sum(getattr(command, name) is not None for name in COMMANDS) != 1:
-            yield f"must be one of {', '.join(COMMANDS)}", (k,)
+        before = max(before, command.time or 0.0)
+        if sum(getattr(command, name) is not None for name in (*COMMANDS, "call")) != 1:
+            yield f"must be one of {', '.join(COMMANDS)}; or a call", (k,)
         for message, key in _faults(command, trial, placed):
             yield message, (k, key)
         if command.block is not None:
@@ -217,7 +220,10 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
 
 def _faults(command: Command, trial: Scenario, placed: set[str]) -> Iterator[tuple[str, str]]:
     """Yield what can't be about one command, and of which key, while those are `placed`."""
-    known = {"send": people(trial), "hold": machines(trial), "release": machines(trial)}
+    known = {
+        "send": people(trial),
+        **dict.fromkeys(("hold", "release", "machine"), machines(trial)),
+    }
     for key, names in known.items():
         if (name := getattr(command, key)) is not None:
             try:
@@ -241,6 +247,12 @@ def _faults(command: Command, trial: Scenario, placed: set[str]) -> Iterator[tup
             yield "must have no holes", "block"
         if fault := height_fault(one):
             yield fault, "z"
+    if (command.call is None) != (command.machine is None):
+        yield "a call has a machine, and a machine a call", "machine"
+    elif command.call is not None and command.machine in machines(trial):
+        kind = kind_of(command.machine, trial)
+        if fault := call_fault(kind, command.call, command.arguments or {}):
+            yield fault, "call"
     if command.clear is not None and command.clear not in placed:
         hint = suggestion(command.clear, placed) if placed else "there is nothing then"
         yield f"nothing that is called {command.clear!r} was put down by then; {hint}", "clear"

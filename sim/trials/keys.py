@@ -70,8 +70,8 @@ class BlockKeys(ObstacleSchema):
 
 
 def _one_command(value: Any) -> Any:
-    if isinstance(value, dict) and len(value.keys() & {*COMMANDS}) != 1:
-        raise UserError(f"give a time and one of {', '.join(COMMANDS)}")
+    if isinstance(value, dict) and len(value.keys() & {*COMMANDS, "call"}) != 1:
+        raise UserError(f"give a time and one of {', '.join(COMMANDS)}; or a machine and a call")
     return value
 
 

@@ -19,8 +19,7 @@ EMPLOYED = "worker"
 class Reachability:
     """Proofs of what people of a trial cannot reach, whatever AGVs and other people do.
 
-    Zones forbidden to a person, one-way gates, and doors and obstacles that are closed throughout
-    the trial count.
+    Zones forbidden to a person, one-way gates, and what is closed throughout the trial count.
     """
 
     def __init__(self, trial: Scenario) -> None:
@@ -37,29 +36,21 @@ class Reachability:
 
     def is_cut_off(self, person: PersonEntry, goal: Point) -> bool:
         """Return whether a free `goal` (m) is proved to be out of reach of a person."""
-        plan = self._trial.floorplan
-        radius, world = person.radius or plan.human.radius, self._world_of(person.name)
-        begins = [self._start(person)]
-        if self._trial.rules.person == "teleport" and (home := person.home_on(plan)):
-            begins.append(home.position)
+        plan, world = self._trial.floorplan, self._world_of(person.name)
+        radius, home = person.radius or plan.human.radius, person.home_on(plan)
+        begins = [None if home is None else home.position]
+        if person.source is not None or person.at is not None:
+            source = person.source
+            start = spot(plan, source.at, person.radius) if source else person.place_on(plan)
+            # Whoever is put into the safe zone goes on from there.
+            begins = [start, *(begins if self._trial.rules.person == "teleport" else ())]
         space = world.free_space(radius)
-        if space.piece_of(goal) is None:
-            return False
-        return all(
+        return space.piece_of(goal) is not None and all(
             begin is not None
             and space.piece_of(begin) is not None
             and not world.reaches(begin, goal, radius)
             for begin in begins
         )
-
-    def _start(self, person: PersonEntry) -> Point | None:
-        plan = self._trial.floorplan
-        if person.source is not None:
-            return spot(plan, person.source.at, person.radius)
-        if person.at is None:
-            home = person.home_on(plan)
-            return None if home is None else home.position
-        return person.place_on(plan)
 
     def _world_of(self, name: str) -> CollisionWorld:
         plan = self._trial.floorplan
@@ -86,21 +77,20 @@ def unreachable_goals(trial: Scenario) -> Iterator[Fault]:
 
 def _named_goals(trial: Scenario) -> Iterator[tuple[Place, list[PersonEntry], Point | str]]:
     """Yield places of a trial, with the people who are to go to the goal that is there."""
-    walking = [person for person in trial.people if person.recorded is None]
+    walking = [(n, person) for n, person in enumerate(trial.people) if person.recorded is None]
     for name, held in trial.work.items():
-        if workers := [person for person in walking if name in person.work]:
+        if workers := [person for _, person in walking if name in person.work]:
             for k, task in enumerate(held.tasks):
                 yield ("work", name, "tasks", k, "at"), workers, task.at
-    for n, person in enumerate(trial.people):
-        if person.recorded is None:
-            for key, tasks in (("schedule", person.schedule), ("breaks", person.breaks)):
-                for k, task in enumerate(tasks):
-                    yield ("people", n, key, k, "at"), [person], task.at
-            if person.sink is not None:
-                yield ("people", n, "sink"), [person], person.sink
+    for n, person in walking:
+        for key, tasks in (("schedule", person.schedule), ("breaks", person.breaks)):
+            for k, task in enumerate(tasks):
+                yield ("people", n, key, k, "at"), [person], task.at
+        if person.sink is not None:
+            yield ("people", n, "sink"), [person], person.sink
     for k, command in enumerate(trial.commands):
-        sent = [person for person in walking if person.name == command.send]
-        if sent and command.to is not None:
+        if command.to is not None:
+            sent = [person for _, person in walking if person.name == command.send]
             yield ("commands", k, "to"), sent, command.to
 
 

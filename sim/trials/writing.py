@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import floorplan
-from floorplan import Obstacle, UserError
+from floorplan import UserError
 from floorplan.files.documents import yaml_text
 from floorplan.plan import floor_keys, obstacle_keys
 from navigation import FieldSet, Motion
@@ -126,6 +126,16 @@ def _floorplan(trial: Scenario) -> str | Data:
     return floor_keys(plan)
 
 
+def command_keys(command: Command) -> Data:
+    """Return the keys of a command in a file."""
+    given = {one.name: getattr(command, one.name) for one in fields(command)}
+    if command.block is not None:
+        given |= {"block": command.block.name, **obstacle_keys(command.block)}
+    if command.to is not None and not isinstance(command.to, str):
+        given["to"] = [*map(float, command.to)]
+    return {name: _plain(value) for name, value in given.items() if value is not None}
+
+
 def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
     try:
         return written_personality(one.personality, trial.folder)
@@ -154,8 +164,8 @@ def _value(value: Any, trial: Scenario) -> Any:
             return _planner(value, trial)
         case (begin, math.inf):
             return [begin]
-        case Command(block=Obstacle() as block):
-            return {"time": value.time, "block": block.name, **obstacle_keys(block)}
+        case Command():
+            return command_keys(value)
         case TimedObstacle():
             return {**obstacle_keys(value.obstacle), "there": _value(value.there, trial)}
         case tuple():

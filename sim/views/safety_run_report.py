@@ -349,7 +349,8 @@ def _changes(scenario: Scenario) -> Iterator[Row]:
         begins = f"{each.start.time:g} s" if each.start.time is not None else "an event"
         yield each.machine, f"sees nobody for {each.seconds:g} s", f"from {begins} on"
     for command in scenario.commands:
-        wanted = ((key, getattr(command, key)) for key in COMMANDS)
+        wanted = [(key, getattr(command, key)) for key in COMMANDS]
+        wanted.append((command.call or "", command.machine))
         key, given = next((key, one) for key, one in wanted if one is not None)
         yield str(getattr(given, "name", given)), f"command: {key}", f"{command.time:g} s"
 

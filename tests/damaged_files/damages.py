@@ -65,7 +65,7 @@ def damaged(sample, kind):
         rows = sample.splitlines()
         row = st.sampled_from(rows).flatmap(lambda one: lines(json.loads(one)))
         of_kind = edited(rows, row.map(lambda one: [one])).map(b"\n".join)
-    elif kind in (".png", ".db3", ".mcap", ".parquet", ".sqlite"):
+    elif kind in (".png", ".db3", ".h5", ".mcap", ".parquet", ".sqlite"):
         return of_bytes
     else:
         word = st.sampled_from(SIGNS) | numbers.map(str) | texts

@@ -144,7 +144,8 @@ def _mission(random, plan):
 def _fits(plan, keys, pose, *missions):
     given = {**keys, "at": pose, "missions": missions}
     try:
-        return not [*sim.KINDS["amr"].read("bot", given).faults(plan, ())]
+        model = sim.KINDS["amr"].read("bot", given)
+        return not [*model.faults(plan, ()), *model.place_faults("bot", plan)]
     except UserError:
         return False
 

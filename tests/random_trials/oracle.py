@@ -4,6 +4,7 @@ Footprints, fields and limits are those of the numbers of the trial. Nothing tha
 judges it.
 """
 
+import importlib.util
 import math
 from functools import cached_property
 
@@ -72,6 +73,19 @@ class Vehicle:
     def top(self):
         load = self.keys.get("load")
         return self.keys.get("height", 0.4) + (load[2] if load else 0.0)
+
+    @property
+    def stop_time(self):
+        """Time in which it stands in any case, s."""
+        keys = {"max_turn_speed": 1.0, "max_turn_acceleration": 1.5, "max_turn_jerk": 6.0}
+        keys = {"max_speed": 1.5, "max_acceleration": 0.7, "max_jerk": 3.0, **keys, **self.keys}
+        return max(
+            speed / slows + 3 * math.sqrt(speed / jerk) + 2 * slows / jerk
+            for speed, slows, jerk in (
+                (keys[f"max_{k}speed"], keys[f"max_{k}acceleration"], keys[f"max_{k}jerk"])
+                for k in ("", "turn_")
+            )
+        )
 
     def velocity(self, stride=1):
         """Speed ahead and aside (m/s) and turn rate (rad/s) between samples `stride` apart."""
@@ -177,12 +191,11 @@ class Sampled:
         return by_person >= by_vehicle
 
     def _excused(self, vehicle, person, t):
-        """Whether no free place was within reach of the person."""
-        try:
-            from .escape import could_escape
-        except ImportError:
+        """Whether it is proved that no free place was within reach of the person."""
+        if importlib.util.find_spec(f"{__package__}.escape") is None:
             return False
-        return not could_escape(self.run, person, vehicle, float(t))
+        escape = importlib.import_module(f"{__package__}.escape")
+        return escape.avoidable(self.trial, (person, vehicle, float(t), 0.0)) is None
 
     def _depth(self, vehicle, at, radius, first, last):
         k = np.arange(first, last + 1)
@@ -214,18 +227,18 @@ class Sampled:
             for what, area, times in solid:
                 inside = shapely.intersects(area, placed)
                 if times is not None:
-                    inside &= self._drives_into(inside, self.t[k], times)
+                    inside &= self._drives_into(inside, self.t[k], times, vehicle.stop_time)
                 if inside.any():
                     yield f"{vehicle} is in {what} at t = {self.t[k[inside.argmax()]]:.3f} s"
             yield from self._through_gates(vehicle)
 
     @staticmethod
-    def _drives_into(inside, t, times):
-        """Where a vehicle is in a closed door, but for doors that close on it."""
+    def _drives_into(inside, t, times, stop_time):
+        """Where a vehicle is in a closed door, but for one that closes too close before it."""
         found = np.zeros(len(t), dtype=bool)
         for first, last in spans_of(inside):
             for begin, end in times:
-                if not t[first] <= begin + NEAR:
+                if not t[first] <= begin + stop_time:
                     found[first : last + 1] |= (t[first : last + 1] > begin) & (t[first] < end)
         return found
 
@@ -290,6 +303,8 @@ class Sampled:
                 yield f"{name} jumps at t = {self.t[steps.argmax()]:.3f} s"
                 continue
             h = STRIDE / RATE
+            # Where it touches something, it stops at once.
+            impacts = [e["t"] for e in self.of("contact", machine=name)]
             fast = vehicle.velocity()
             slow = vehicle.velocity(STRIDE)
             for what, k, most in (
@@ -307,12 +322,27 @@ class Sampled:
                     ("acceleration", first, most[1], 2e-2),
                     ("jerk", second, most[2], 0.1 + 0.05 * most[2]),
                 ):
-                    if len(values) and (worst := np.abs(values)).max() > limit + more:
+                    worst, begins = np.abs(values), self.t[: len(values)]
+                    for t in impacts:
+                        worst[(begins > t - 3 * h - NEAR) & (begins < t + NEAR)] = 0.0
+                    for sample in np.flatnonzero(worst > limit + more) if impacts else ():
+                        # It may press against a wall again that it has left by less than a hair.
+                        if self._presses(vehicle, np.arange(sample, sample + 3 * STRIDE)):
+                            worst[sample] = 0.0
+                    if len(worst) and worst.max() > limit + more:
                         at = self.t[worst.argmax()]
                         yield (
                             f"{name} has {order} {what} {worst.max():.3f} of {limit:g}"
                             f" at t = {at:.3f} s"
                         )
+
+    def _presses(self, vehicle, k):
+        """Whether a vehicle touches a wall at some of these samples."""
+        room = self.plan.boundary.difference(
+            shapely.union_all([one.footprint for one in self.plan.obstacles])
+        )
+        placed = vehicle.placed(vehicle.outline, k[k < len(self.t)])
+        return bool((shapely.distance(room.boundary, placed) < DEEP).any())
 
     # Fields.
 
@@ -407,14 +437,7 @@ class Sampled:
 
     def _stops(self, vehicle, fields, inside, free):
         """Stops in which a vehicle does not stand in time, or that end too early or too late."""
-        keys = vehicle.keys
-        speed, acceleration = keys.get("max_speed", 1.5), keys.get("max_acceleration", 0.7)
-        jerk = keys.get("max_jerk", 3.0)
-        turn, spin = keys.get("max_turn_speed", 1.0), keys.get("max_turn_acceleration", 1.5)
-        longest = max(
-            speed / acceleration + 3 * math.sqrt(speed / jerk) + 2 * acceleration / jerk,
-            turn / spin + 3 * math.sqrt(turn / keys.get("max_turn_jerk", 6.0)) + 1.0,
-        )
+        longest = vehicle.stop_time
         blind = self._intervals("blackout_began", "blackout_ended", machine=vehicle.name)
         dark = np.zeros(len(self.t), dtype=bool)
         for begin, end in blind:

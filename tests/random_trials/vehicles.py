@@ -179,7 +179,8 @@ def _model(keys, *missions):
 
 def _fits(plan, keys, *missions):
     try:
-        return not [*_model(keys, *missions).faults(plan, ())]
+        model = _model(keys, *missions)
+        return not [*model.faults(plan, ()), *model.place_faults("bot", plan)]
     except UserError:
         return False
 

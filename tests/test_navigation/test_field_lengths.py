@@ -402,3 +402,10 @@ def test_directions_are_close_together_and_contain_the_ends_and_the_axes():
     aslant = math.atan2(0.5, 1.5)
     holonomic = main_directions(VehicleLimits(side_speed=0.5), -1.0, 2.0)
     assert sorted(holonomic) == pytest.approx([-aslant, 0.0, aslant, math.pi / 2])
+
+
+def test_a_machine_on_rails_lacks_nothing_beside_it():
+    tiny = FieldSet(
+        name="side", protective=rectangle(1.25, 1.25), direction=(1.0, 2.0), linear=(0, 2)
+    )
+    assert short_fields(ProtectiveFields(sets=[tiny]), FOOTPRINT, AxisLimits(1.0, 0.5)) == ()

@@ -258,3 +258,37 @@ def test_a_path_without_turns_that_are_not_needed():
     )
     sliding = VehiclePlanner(hall(), LONG, limits=VehicleLimits(side_speed=1.0))
     assert sliding.plan((3, 3, 0.2), (12, 7)).turned == 0.0
+
+
+def test_a_vehicle_that_cannot_turn_drives_back():
+    plan = floorplan.Floorplan(name="corridor", boundary=box(0, 0, 20, 1.6))
+    planner = VehiclePlanner(CollisionWorld(plan), LONG)
+    path = planner.plan((15.0, 0.8, 0.0), (3.0, 0.8))
+    assert path.poses.tolist() == [[15.0, 0.8, 0.0], [3.0, 0.8, 0.0]]
+
+
+def test_a_vehicle_drives_ahead_or_back_to_where_it_can_turn():
+    for low in (0.0, 14.0):  # the wide part of the corridor is behind it, or ahead
+        boundary = shapely.union(box(0, 2, 20, 3.6), box(low, 0, low + 6, 6))
+        planner = VehiclePlanner(
+            CollisionWorld(floorplan.Floorplan(name="corridor", boundary=boundary)), LONG
+        )
+        path = planner.plan((low + 7.2 if low == 0 else low - 1.2, 2.8, 0.0), (10.0, 2.8, math.pi))
+        assert math.remainder(path.poses[-1][2] - math.pi, math.tau) == pytest.approx(0.0)
+        assert path.poses[-1][:2] == pytest.approx([10.0, 2.8])
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_turn_that_is_free_meets_no_post(seed):
+    rng = np.random.default_rng(seed)
+    turn, angle, away = rng.uniform([0.2, -3.0, 0.5], [3.0, 3.0, 1.26])
+    at = (10 + away * math.cos(angle), 5 + away * math.sin(angle))
+    world = hall()
+    world.place("post", Disc(at, 0.02))
+    swept = shapely.union_all(
+        [affinity.rotate(LONG, turn * k / 300, origin=(0, 0), use_radians=True) for k in range(301)]
+    )
+    gap = affinity.translate(swept, 10, 5).distance(shapely.Point(at)) - 0.02
+    free = VehiclePlanner(world, LONG).free_along([(10, 5, 0.0), (10, 5, turn)])
+    assert not free or gap > 0.0
+    assert free or gap < 0.06

@@ -39,6 +39,7 @@ def one_piece(x, y, seconds, rotation=STILL):
         one_piece((0.0, 1.0, 0.0, 0.0), STILL, 2.0, (0.0, 0.8, 0.0, 0.0)),
         one_piece(STILL, STILL, 2.0, (0.0, 2.0, -1.0, 0.0)),
         one_piece(STILL, STILL, 3.0, (0.0, 0.0, 0.0, 0.3)),
+        one_piece(STILL, STILL, 2.0, (0.0, 0.0, 0.7, 0.0)),
     ],
 )
 def test_a_sweep_of_a_curve_contains_all_that_is_covered_and_little_more(motion):
@@ -47,6 +48,13 @@ def test_a_sweep_of_a_curve_contains_all_that_is_covered_and_little_more(motion)
         area = area_of(Footprint(SHAPE, CLEAR).swept(motion, begin, end))
         assert area.covers(exact)
         assert area.within(exact.buffer(0.12))
+
+
+@pytest.mark.parametrize("twist", [(1.2, 0.6), (0.0, 1.0)])
+def test_a_sweep_of_an_arc_contains_all_that_is_covered_without_a_clearance(twist):
+    drive = navigation.vehicle_twist((1.0, 2.0, 0.3), twist, seconds=3.0)
+    area = area_of(Footprint(SHAPE, 0.0).swept(drive, 0.0, drive.end))
+    assert area.buffer(2e-4).covers(covered(SHAPE, drive, 0.0, drive.end))
 
 
 def test_the_sweep_of_a_straight_drive_is_exact():
@@ -84,6 +92,16 @@ def test_a_footprint_beside_its_axis_turns_about_the_axis():
     exact = covered(beside, motion, 0.0, motion.end)
     area = area_of(Footprint(beside, CLEAR).swept(motion, 0.0, motion.end))
     assert area.covers(exact) and area.within(exact.buffer(0.1))
+
+
+def test_a_long_turn_of_what_is_long_before_its_axis_leaves_the_rest_free():
+    outline = ((1.4, -0.3), (1.4, 0.3), (-0.4, 0.3), (-0.4, -0.3))
+    keys = {"kind": "amr", "category": "vehicle", "top": 0.4, "top_speed": 1.0}
+    shape = sim.MachineShape(name="long", length=2.8, width=0.6, outline=outline, **keys)
+    motion = navigation.vehicle_turn((0.0, 0.0, 0.0), 4.2)
+    exact = covered(shape, motion, 0.0, motion.end)
+    area = area_of(Footprint(shape, 0.0).swept(motion, 0.0, motion.end))
+    assert area.buffer(1e-3).covers(exact) and area.within(exact.buffer(0.03))
 
 
 def test_areas_meet_exactly_where_their_polygons_do():

@@ -449,3 +449,127 @@ def test_a_machine_without_evasion_keeps_no_margin(floor):
     floor.until(12.0)
     assert of["cart"].waiting is None
     assert cart.body.at == pytest.approx((10.0, 0.0))
+
+
+def courteous(floor):
+    """A cart that lets another pass whose course it wants to cross; that one is stopped far off."""
+    cart, other = floor.cart("cart", 10.0, -5.0, math.pi / 2), floor.cart("other", 0.0)
+    of = floor.traffic(cart, other)
+    other.drive((20.0, 0.0, 0.0))
+    floor.until(1.0)
+    other.stand_for("people", True)
+    floor.until(4.0)
+    cart.to = (10.0, 5.0)
+    of["cart"].goal = cart.to
+    of["cart"].lets_pass = {of["other"]: other.goal}
+    cart.drive((10.0, 5.0, math.pi / 2))
+    return cart, other, of
+
+
+def test_who_lets_another_pass_does_not_cross_its_course(floor):
+    cart, other, of = courteous(floor)
+    floor.until(20.0)
+    assert cart.waits and cart.body.at[1] < -0.8
+    assert of["cart"].waiting.blockers == [of["other"]]
+    other.stand_for("people", False)
+    floor.until(60.0)
+    assert other.body.at == pytest.approx((20.0, 0.0))
+    assert cart.body.at == pytest.approx((10.0, 5.0))
+
+
+def test_who_has_another_goal_since_is_let_pass_no_longer(floor):
+    cart, other, _ = courteous(floor)
+    x = other.body.at[0]
+    other.left = ()
+    other.stand_for("people", False)
+    other.drive((x + 30.0, 0.0, 0.0))
+    floor.until(4.2)
+    other.stand_for("people", True)
+    floor.until(30.0)
+    assert cart.body.at == pytest.approx((10.0, 5.0)) and not cart.waits
+
+
+def test_on_the_way_to_a_passing_place_nobody_is_let_pass(floor):
+    cart, _, of = courteous(floor)
+    of["cart"]._aside = (10.0, 5.0, math.pi / 2)
+    floor.until(30.0)
+    assert cart.body.at == pytest.approx((10.0, 5.0))
+    assert of["cart"]._aside is None
+
+
+def test_a_machine_looks_at_once_when_one_of_those_in_its_way_leaves(floor):
+    cart, near, beside = (
+        floor.cart(name, *at)
+        for name, at in (("cart", (0.0, 0.0)), ("near", (6.0, 0.5)), ("beside", (6.0, -0.5)))
+    )
+    of = floor.traffic(cart, near, beside)
+    cart.drive((12.0, 0.0, 0.0))
+    rests = cart_rests(cart, floor)
+    floor.until(rests + 7.0)
+    looks = [*dict.fromkeys(cart.times("detour"))]
+    assert looks == pytest.approx([rests, rests + 5.0])
+    assert {one.name for one in of["cart"].waiting.blockers} == {"near", "beside"}
+    near.drive((6.0, 0.5, math.pi / 2), (6.0, 9.0, math.pi / 2))
+    floor.until(rests + 16.0)
+    looks = [*dict.fromkeys(cart.times("detour"))][2:]
+    assert looks and rests + 7.0 < looks[0] < rests + 12.0
+    floor.until(looks[-1] + 5.1)
+    again = [*dict.fromkeys(cart.times("detour"))]
+    assert again[-1] == pytest.approx(looks[-1] + 5.0)
+    assert [one.name for one in of["cart"].waiting.blockers] == ["beside"]
+
+
+def test_a_wait_lasts_from_its_begin_however_often_the_controller_tries(floor):
+    cart, other = floor.cart("cart", 0.0), floor.cart("other", 6.0)
+    of = floor.traffic(cart, other)
+    cart.drive((12.0, 0.0, 0.0))
+    rests = cart_rests(cart, floor)
+    ((since, _),) = floor.recorded("MachineWaiting")
+    for k in range(1, 4):
+        floor.until(rests + k)
+        cart.stand_for(TRAFFIC, False)  # a command, to drive on along the same line
+        floor.until(rests + k + 0.5)
+        assert cart.waits and of["cart"].waiting.since == since
+    assert len(floor.recorded("MachineWaiting")) == 1
+    other.drive((6.0, 0.0, math.pi / 2), (6.0, 9.0, math.pi / 2))
+    floor.until(rests + 30.0)
+    ((until, proceeds),) = floor.recorded("MachineProceeds")
+    assert proceeds.waited == pytest.approx(until - since)
+
+
+def test_a_vehicle_that_keeps_making_way_is_asked_every_five_seconds(floor):
+    cart, idle = floor.cart("cart", 0.0), floor.cart("idle", 6.0)
+    floor.traffic(cart, idle)
+    idle.can_make_way = True
+    cart.drive((12.0, 0.0, 0.0))
+    rests = cart_rests(cart, floor)
+    floor.until(rests + 21.0)
+    assert idle.times("make_way") == pytest.approx([rests + 5.0 * k for k in range(5)])
+
+
+def test_an_evasion_without_a_passing_place_lets_nobody_pass(floor):
+    carts, of = claimants(floor, 2)
+    assert evading(floor, carts, of, 1, to=None)
+    assert of[1].lets_pass == {}
+
+
+def test_whom_a_machine_lets_pass_already_has_a_free_course_too(floor):
+    carts, of = claimants(floor, 3)
+    of[1].lets_pass = {of[2]: of[2].goal}
+    assert evading(floor, carts, of[:2], 1)
+    courses = shapely.union_all(carts[1].asked[-1][3])
+    assert courses.covers(shapely.Point(carts[2].body.at))
+
+
+def test_a_deadlock_counts_again_after_it_was_resolved(floor):
+    left, right, _ = two_head_on(floor)
+    floor.until(60.0)
+    assert floor.of.deadlocks == 1
+    x = left.body.at[0]
+    left.stand_for(TRAFFIC, False)
+    left.drive((x - 3.0, 0.0, 0.0))
+    floor.until(90.0)
+    left.drive((19.0, 0.0, 0.0))
+    floor.until(150.0)
+    assert floor.of.deadlocks == 2
+    assert len(floor.recorded("TrafficDeadlock")) == 2 and right.asked

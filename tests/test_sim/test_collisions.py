@@ -103,6 +103,39 @@ machines:
     assert [event["t"] for event in events(run, "collision")] == pytest.approx(times)
 
 
+WEDGE = "[[0.8, 0], [-0.4, 0.5], [-0.4, -0.5]]"
+TEE = "[[-1, -0.2], [0, -0.2], [0, -0.8], [0.3, -0.8], [0.3, 0.8], [0, 0.8], [0, 0.2], [-1, 0.2]]"
+
+
+@pytest.mark.parametrize(
+    ("footprint", "place"), [(WEDGE, "[6.65, 4.4, 0]"), (TEE, "[5.55, 4.45, 0]")]
+)
+def test_machines_do_not_collide_beside_the_exact_footprint(footprint, place):
+    """A small vehicle drives to where only the rectangle around the other one is, or its hull."""
+    text = f"""
+duration: 30
+traffic: false
+machines:
+  other: {{kind: amr, at: [6, 4, 0], footprint: {footprint}, controller: parked}}
+  small: {{kind: amr, at: [3, 6, 0], size: [0.3, 0.3], missions: [{{go: {place}}}]}}
+"""
+    run = sim.run(sim.Trial.parse(on_floor(FLOOR, text)))
+    assert len(events(run, "job_done")) == 1 and run.summary["collisions"] == 0
+
+
+def test_machines_collide_when_their_exact_footprints_do():
+    """The AGV is within the hull of the T already when it meets its bar."""
+    text = f"""
+duration: 20
+traffic: false
+agvs: {{east: [{{time: 1, to: end}}]}}
+machines: {{other: {{kind: amr, at: [10, 11, 0], footprint: {TEE}, controller: parked}}}}
+"""
+    run = sim.run(sim.Trial.parse(on_floor(FLOOR, text)))
+    (collision,) = events(run, "collision")
+    assert collision["t"] == pytest.approx(1.0 + 0.5 + (7.4 + 0.001), abs=1e-6)
+
+
 def test_machines_that_never_move_have_no_such_figure():
     run = sim.run(sim.Trial.parse("{floorplan: ariac2023, duration: 5, people: [{name: ada}]}"))
     assert "collisions" not in run.summary

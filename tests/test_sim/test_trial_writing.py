@@ -183,6 +183,7 @@ gantry:
   - {submit: first}
   repeat: true
   drops: [{part: pump, after: 1, delay: 2.5}]
+  on_contact: report
 agvs:
   agv1: [{time: 1.0, to: kitting}]
   agv2: {yield: true, moves: [{time: 3.0, to: 2.5}]}
@@ -218,6 +219,7 @@ commands:
 - {time: 4.0, hold: gantry}
 - {time: 5.0, release: gantry}
 - {time: 6.0, clear: crate}
+- {time: 7.0, call: move_to, machine: north, arguments: {x: -9.0, y: 2.0}}
 work:
   rounds: {tasks: [{at: station1, duration: {uniform: [1.0, 2.0]}}], repeat: true}
   picks:

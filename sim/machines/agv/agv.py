@@ -18,7 +18,7 @@ from navigation.machines import AxisState, agv_stops, lane_state
 from navigation.motion import State
 from navigation.separation import required_at_speeds
 
-from ...core.body import Body, Machine, MachineShape
+from ...core.body import CONTACT, Body, Machine, MachineShape, commands
 from ...core.clock import Alarm, Turn
 from ...core.events import AgvBlocked, AgvMoved, AgvYielded
 from ...core.scenario import AgvMove
@@ -297,6 +297,7 @@ class Agv(Machine):
         kept = required_at_speeds(self._law, top_speed, fastest) + self._beyond
         return kept + top_speed * (RESUME + stopping)
 
+    @commands
     def drive(self, to: str | float) -> None:
         """Set out for a location or a lane position (m), in place of the move under way."""
         self._target = to
@@ -316,6 +317,7 @@ class Agv(Machine):
         elif self._target is not None:
             self.drive(self._target)
 
+    @commands
     def limit_speed(self, speed: float | None) -> bool:
         """Drive no faster than `speed` (m/s) from now on, or as fast as the lane lets it."""
         fastest = self.lane.max_speed
@@ -330,6 +332,10 @@ class Agv(Machine):
     def sight_changed(self) -> None:
         """Look again: it sees people no longer, or again."""
         self._look()
+
+    def contact_gone(self) -> None:
+        """Go on after a contact."""
+        self.stand_for(CONTACT, False)
 
     def floor_changed(self) -> None:
         """Go on, or stop, where something has opened or closed its lane."""

@@ -14,6 +14,7 @@ from floorplan import Point, UserError
 from navigation import Motion, PlanningError
 from navigation.vehicles import Twist, TwistCourse
 
+from ...core.body import OnContact, commands
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted
@@ -56,6 +57,7 @@ class Amr(CommandedMachine, Evading):
         repeat: bool = False,
         priority: int = 0,
         makes_way: bool = True,
+        on_contact: OnContact = "stop",
         controller: Callable[[Amr], Steps],
     ) -> None:
         super().__init__(
@@ -64,6 +66,7 @@ class Amr(CommandedMachine, Evading):
         self.record = self._record_by_name
         self.limits = vehicle.limits
         self.priority = priority
+        self.on_contact = on_contact
         self._makes_way = makes_way
         self._missions = tuple(missions)
         self._located = tuple(replace(one, go=one.goal(stage.floorplan)) for one in missions)
@@ -112,6 +115,7 @@ class Amr(CommandedMachine, Evading):
 
     # Its commands.
 
+    @commands
     def move_to(
         self,
         x: float,
@@ -136,12 +140,14 @@ class Amr(CommandedMachine, Evading):
         """Return the motion that `move_to` would make from here and now; nothing moves by it."""
         return self.drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
 
+    @commands
     def turn_to(self, rotation: float, *, speed_share: float = 1.0) -> Event:
         """Turn on the spot to `rotation` (radians), to be waited for."""
         x, y, _ = self.position
         rotation = number("turn_to(rotation)", rotation)
         return self.move_to(x, y, rotation, speed_share=speed_share)
 
+    @commands
     def twist(self, twist: Sequence[float], seconds: float) -> Event:
         """Drive with a twist for `seconds`, and stop unless another command comes before.
 
@@ -178,6 +184,7 @@ class Amr(CommandedMachine, Evading):
 
     # Its tasks.
 
+    @commands
     def do(self, task: Task) -> Process:
         """Do the steps of a task that are left; see `CommandedMachine.do`."""
         instance("do(task)", task, Task)
@@ -187,6 +194,7 @@ class Amr(CommandedMachine, Evading):
         """Begin the task: the value is the pose of its next step, once there is a route to it."""
         return self._command(self._find(instance("locate(task)", task, Task)))
 
+    @commands
     def handle(self, task: Task) -> Process:
         """Do the work of the task's next step, here. The value is True if it was done."""
         instance("handle(task)", task, Task)
@@ -228,6 +236,11 @@ class Amr(CommandedMachine, Evading):
             # It brakes, and sets out again from there.
             self.drive.hold(True)
             self.drive.hold(False)
+
+    @property
+    def planned_at(self) -> float:
+        """When its planner planned its present motion, or the one from which it stops (s)."""
+        return self.drive.planned_at
 
     @property
     def may_leave(self) -> bool:

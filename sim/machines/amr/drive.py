@@ -97,6 +97,10 @@ class VehicleDrive(Drive):
         self._previewed_at, self._previewed_on = -1.0, body.motion
         self._previews: dict[tuple[tuple[float, ...], float], Motion] = {}
         """The motions from here and now: a controller asks again before it moves."""
+        self.planned_at = -math.inf
+        """When the present motion was planned, or the one from which it stops (s)."""
+        self._last_stop = body.motion
+        body.on_change.append(self._motion_changed)
 
     @property
     def world(self) -> CollisionWorld:
@@ -157,7 +161,18 @@ class VehicleDrive(Drive):
 
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop from `state` at `t` (seconds), on the arc it drives on."""
-        return vehicle_stop(state, t, limits=self.limits)
+        if t <= self.body.motion.start and not any(state.velocity):
+            # A motion that begins now leaves nothing: the spline of an arc accelerates at once.
+            self._last_stop = standing(state.at, heading=state.position[2], start=t)
+        else:
+            self._last_stop = vehicle_stop(state, t, limits=self.limits)
+        return self._last_stop
+
+    def _motion_changed(self) -> None:
+        motion = self.body.motion
+        if motion is not self._last_stop:
+            planned = any(motion is one for one in self._previews.values())
+            self.planned_at = self._clock.now if planned else -math.inf
 
     def resumed(self, target: Pose, speed_share: float) -> Motion:
         """Return the motion to `target` after a stop; only a stop where there is no route now."""

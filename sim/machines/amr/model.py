@@ -17,7 +17,7 @@ from navigation import PlanningError, VehicleLimits, VehiclePlanner
 from navigation.machines import Stop
 from navigation.vehicle_planner import footprint_fault
 
-from ...core.body import MachineShape
+from ...core.body import MachineShape, OnContact
 from ...core.custom_code import CodeFolder
 from ...core.entries import Pose
 from ...core.scenario import Controller
@@ -56,6 +56,7 @@ class AmrModel(MachineModel):
     every: Positive | None = None
     priority: int = 0
     repeat: Flag = False
+    on_contact: OnContact = "stop"
 
     category = "vehicle"
 
@@ -104,6 +105,7 @@ class AmrModel(MachineModel):
             repeat=self.repeat,
             priority=self.priority,
             makes_way=self.controller not in STAY,
+            on_contact=self.on_contact,
             controller=program(self.controller, self.rate, stage.code_folder),
         )
 

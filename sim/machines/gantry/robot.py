@@ -16,7 +16,7 @@ from typing_extensions import override
 from floorplan import Gantry, Point, UserError
 from navigation import Motion
 
-from ...core.body import MachineShape
+from ...core.body import MachineShape, commands
 from ...core.clock import MOMENT
 from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted, OrderSubmitted, PartDropped
@@ -111,6 +111,7 @@ class GantryRobot(CommandedMachine, Evading):
         )
         super().__init__(stage, gantry_shape(gantry, name), drive)
         self._entry = entry
+        self.on_contact = entry.on_contact
         self._controller = controller
         self._sites = Worksites(stage, gantry, drive)
         self._floor_changed = stage.clock.event()
@@ -123,6 +124,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     # Its commands.
 
+    @commands
     @override
     def move_to(
         self,
@@ -145,6 +147,7 @@ class GantryRobot(CommandedMachine, Evading):
         pose = self._sites.at(*target("preview", x, y, rotation, speed_share))
         return self.drive.preview(pose, speed_share)
 
+    @commands
     def pick(self, place: str) -> Process:
         """Move to a place and pick up a part.
 
@@ -160,6 +163,7 @@ class GantryRobot(CommandedMachine, Evading):
         """
         return self._visit("pick", self.handling.pick, place)
 
+    @commands
     def place(self, place: str) -> Process:
         """Move to a place and put down the part.
 
@@ -177,6 +181,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     # Its tasks.
 
+    @commands
     @override
     def do(self, task: Task) -> Process:
         instance("do(task)", task, Task)
@@ -222,6 +227,7 @@ class GantryRobot(CommandedMachine, Evading):
         self._begin(task)
         return self._clock.happened(pose)
 
+    @commands
     @override
     def handle(self, task: Task) -> Process:
         instance("handle(task)", task, Task)
@@ -245,6 +251,11 @@ class GantryRobot(CommandedMachine, Evading):
             Duration in seconds.
         """
         self.drive.disable(seconds)
+
+    @property
+    def planned_at(self) -> float:
+        """Minus infinity for a motion that it follows, infinity for its own moves."""
+        return -math.inf if self.drive.target is None else math.inf
 
     @property
     def goal(self) -> Point | None:

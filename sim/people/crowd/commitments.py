@@ -46,7 +46,8 @@ class Commitments(CommittedMotions):
         if k is None:
             self.indices[who] = len(self.people)
             self.people.append(who)
-            self.add(swath, who.radius)
+            # People step aside for vehicles in time, so later meetings do not count.
+            self.add(swath, who.radius, PARAMETERS.stays if who.is_vehicle else math.inf)
             self.rest_times.append(swath.rests)
         else:
             self.change(k, swath)
@@ -66,7 +67,7 @@ class Commitments(CommittedMotions):
 
     def set_goal(self, who: Traveller, goal: Point | None, route: list[Point]) -> None:
         """Set the goal and the route of a person, or clear them."""
-        who.goal, who.route = goal, route
+        who.goal, who.route, who.routed_from = goal, route, who.body.at
         x, y = route[0] if route else (math.inf, math.inf)
         self.send(self.indices[who], goal is not None, x, y)
 

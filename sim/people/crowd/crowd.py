@@ -23,11 +23,12 @@ from ...core.stage import Stage
 from .commitments import Commitments, Hit
 from .escalate import Ladder, Stuck, is_no_nearer
 from .ground import Ground
-from .interrupt import Interruptions, conflict
+from .interrupt import Interruptions, meeting
 from .observe import Outlook, whole_walk
 from .parameters import PARAMETERS
 from .propose import Foresighted, Steering, both_aside
 from .room import Place, places_at, room_near
+from .step_aside import StepsAside
 from .traveller import AT_THE_DOOR, Traveller
 from .vehicles import Vehicle
 
@@ -55,8 +56,19 @@ class Crowd:
             stage, self._commitments, self._ground, self.decide, self._commit_request
         )
         self._interruptions = Interruptions(
-            stage, self._commitments, self._people, self._ground, self.decide, self._commit
+            stage, self._commitments, self._ground, self.decide, self._commit
         )
+        self._steps_aside = StepsAside(
+            stage.clock,
+            self._commitments,
+            self._people,
+            self._ground,
+            self.decide,
+            self._commit,
+            self._interruptions,
+            lambda me, motion: any(one.strikes(me, motion, math.inf) for one in self._vehicles),
+        )
+        self._vehicles: list[Vehicle] = []
         self._vehicles = [
             Vehicle(stage, machine, self._commitments, self.notice) for machine in stage.vehicles
         ]
@@ -89,12 +101,15 @@ class Crowd:
         me.reroute, me.arrive, me.blocked = reroute, arrive, blocked
         me.deciding = Alarm(self._clock, lambda: self.decide(me), Turn.MOTION_ENDS)
         me.arriving = Alarm(self._clock, arrive, Turn.MOTION_ENDS)
+        me.stepping = Alarm(self._clock, lambda: self._steps_aside.step_aside(me), Turn.MOTION_ENDS)
         self._people[me] = None
+        self._steps_aside.watch(me)
 
     def _moved(self, me: Traveller) -> None:
-        """Update the table after a change of motion."""
+        """Update the table and the alarm before a vehicle after a change of motion."""
         if not self.is_empty:
             self._commitments.put(me)
+            self._steps_aside.watch(me)
 
     @property
     def is_shared(self) -> bool:
@@ -201,7 +216,7 @@ class Crowd:
 
     def notice(self, discs: Sequence[Traveller]) -> None:
         """Let people react to a vehicle that has changed its motion. It consists of `discs`."""
-        self._interruptions.notice(discs)
+        self._steps_aside.notice(discs)
 
     def halt(self, me: Traveller, is_clear: Callable[[Motion], bool]) -> None:
         """Stop before a place that has closed, as far as possible.
@@ -248,7 +263,9 @@ class Crowd:
         if hit is not None:
             self._meet(me, hit, now)
         motion = self._first_free(me, see, hit)
-        if motion is not None and any(one.strikes(me, motion) for one in self._vehicles):
+        if motion is not None and any(
+            one.surrounds(me) and one.strikes(me, motion, motion.end) for one in self._vehicles
+        ):
             motion = None
         is_costly = hit is not None and self._loss(see, motion) > PARAMETERS.worth
         if hit is not None and is_costly and self._both_aside(me, see, hit, now):
@@ -313,7 +330,7 @@ class Crowd:
             return False
         with suppress(PlanningError):
             for one, two, theirs in both_aside(me, see, hit, lambda: self._observe(other)):
-                if conflict(me, one, other, two, now):
+                if meeting(me, one, other, two, now) is not None:
                     continue
                 self._commit(me, see.made(one), one, see)
                 self._commit(other, theirs.made(two), two, theirs)

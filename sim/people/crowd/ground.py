@@ -165,6 +165,17 @@ def rest(course: Sequence[Point], length: float) -> list[Point]:
     return [at, *course[k:]]
 
 
+def corners_passed(course: Sequence[Point], place: Point) -> int:
+    """Return how many corners of a polyline lie before the point nearest to `place`."""
+    if len(course) < 3:
+        return 0
+    gone, passed = nearest_length(course, place), 0
+    for a, b in itertools.pairwise(course[:-1]):
+        gone -= math.dist(a, b)
+        passed += gone > 1e-9
+    return passed
+
+
 def nearest_length(course: Sequence[Point], place: Point) -> float:
     """Return the length along a polyline at which it is nearest to a point."""
     best, at, gone = math.inf, 0.0, 0.0

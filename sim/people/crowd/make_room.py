@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Container, Iterator, MutableSequence, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
@@ -27,6 +28,30 @@ AROUND = numbers(
     for number in (r * math.cos(angle), r * math.sin(angle))
 )
 """Positions around a person, the nearest first: x and y of each, m."""
+
+_STEPS = range(
+    -round(PARAMETERS.escape / PARAMETERS.raster), round(PARAMETERS.escape / PARAMETERS.raster) + 1
+)
+ESCAPES = numbers(
+    PARAMETERS.raster * number
+    for i, j in sorted(((i, j) for i in _STEPS for j in _STEPS), key=lambda at: math.hypot(*at))
+    if 0 < math.hypot(i, j) <= _STEPS[-1]
+    for number in (i, j)
+)
+"""Positions around a person who steps off the course of a vehicle, as `AROUND`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Retreating:
+    """Manner in which a person steps off the course of vehicles.
+
+    Either `alone`, or asking the people in the way. `margin` is kept beyond the usual distance
+    from the vehicles, m. `struck` rejects walks, if there is one.
+    """
+
+    alone: bool = False
+    margin: float = 0.0
+    struck: Callable[[Swath], bool] | None = None
 
 
 class RequestedMoves(Movers):
@@ -130,6 +155,28 @@ class Request:
                 moving.change(0, draft)
                 return
 
+    def step_aside(
+        self,
+        me: Traveller,
+        lead: Swath | None,
+        discs: Sequence[Traveller],
+        course: Sequence[Point],
+        manner: Retreating,
+    ) -> bool:
+        """Draft a step of `me` off the known motions of vehicles; return whether it exists.
+
+        The step follows on `lead`, if there is one. If there is no place around, the person walks
+        ahead of the vehicle along its `course`.
+        """
+        moving, indices = self._moving, self._commitments.indices
+        self._refusing = bytearray(len(indices))
+        if manner.alone:
+            self._refusing = bytearray(b"\1" * len(indices))
+            self._left = len(ESCAPES)
+        for disc in discs:
+            moving.move(indices[disc], disc.swath)
+        return self._step(indices[me], course, 0, lead, manner)
+
     def make_way(self, course: Sequence[Point]) -> None:
         """Draft steps off the committed motion of the asker, along `course`, for all who can."""
         self._clear_for_asker(self._asker.swath, course)
@@ -181,13 +228,20 @@ class Request:
         self._refusing[k] = refuses
         return refuses
 
-    def _step(self, k: int, course: Sequence[Point], depth: int) -> bool:
+    def _step(
+        self,
+        k: int,
+        course: Sequence[Point],
+        depth: int,
+        lead: Swath | None = None,
+        manner: Retreating | None = None,
+    ) -> bool:
         """Draft a step of person `k` off `course`; return whether it exists."""
         # Depth first: a step that leads nowhere takes back all those that were made for it. Who
         # found no place is not asked again for this course, as the search would be alike.
         moving = self._moving
         count = len(moving.indices)
-        for retreat, walk, hit in self._retreats(k, course, depth):
+        for retreat, walk, hit in self._retreats(k, course, depth, lead, manner):
             moving.move(k, walk)
             if self._clear(count, retreat, depth + 1, hit):
                 return True
@@ -196,12 +250,18 @@ class Request:
         return False
 
     def _retreats(
-        self, k: int, course: Sequence[Point], depth: int
+        self,
+        k: int,
+        course: Sequence[Point],
+        depth: int,
+        lead: Swath | None,
+        manner: Retreating | None,
     ) -> Iterator[tuple[list[Point], Swath, int]]:
         """Yield courses off `course`: to the nearest places around, then to places ahead of it.
 
         With the walk along them, and who is met first; none meets anybody who moves. As many
-        as the limits allow, of which those are left out that meet first who refuses.
+        as the limits allow, of which those are left out that meet first who refuses. From
+        vehicles, a person retreats in a `manner`.
         """
         who = self._commitments.people[k]
         ground, moving, refusing = self._ground_of(who), self._moving, self._refusing
@@ -212,29 +272,36 @@ class Request:
         walks = Retreats(
             moving,
             k,
-            [*course],
+            [] if manner else [*course],
             width,
             ground.legs,
             who.top_speed,
             who.human.max_speed,
             who.human.max_acceleration,
+            lead,
+            manner.margin if manner else 0.0,
         )
         path: list[Point] = []
+        struck = manner and manner.struck
 
         def fitting(x: float, y: float, walk: Swath) -> Swath | None:
             if not ground.free_and_back(path[-1], (x, y)):
                 return None
-            if not who.zones:
-                return walk
-            slower = who.draft([*path, (x, y)], self._now)
-            return None if slower is None or moving.meet(k, slower) else slower
+            if who.zones:
+                slower = who.draft([*path, (x, y)], self._now, lead=lead)
+                if slower is None or moving.meet(k, slower):
+                    return None
+                walk = slower
+            return None if struck and struck(walk) else walk
 
-        wide = PARAMETERS.wide
-        for path, places in _lookout(who.swath.place, course, width, ground):
+        around, reach = (ESCAPES, PARAMETERS.escape) if manner else (AROUND, PARAMETERS.rings[-1])
+        wide = self._left if manner else PARAMETERS.wide
+        start = who.swath.place if lead is None else lead.place
+        for path, places in _lookout(start, course, around, width, ground):
             walks.look(path, places)
             fit = (
                 None
-                if not who.zones and ground.has_only_walls(path[-1], PARAMETERS.rings[-1])
+                if not who.zones and not struck and ground.has_only_walls(path[-1], reach)
                 else fitting
             )
             while True:
@@ -250,14 +317,18 @@ class Request:
 
 
 def _lookout(
-    at: Point, course: Sequence[Point], width: float, ground: Ground
+    at: Point,
+    course: Sequence[Point],
+    around: MutableSequence[float],
+    width: float,
+    ground: Ground,
 ) -> Iterator[tuple[list[Point], MutableSequence[float]]]:
     """Yield paths from `at`, and positions around their ends, relative to these (m).
 
-    First come the positions around `at`. Where the course fills the aisle, the person walks ahead
+    First come the positions `around`. Where the course fills the aisle, the person walks ahead
     along it, to the next wide place.
     """
-    yield [at], AROUND
+    yield [at], around
     step = PARAMETERS.stride
     beyond = rest(course, nearest_length(course, at) + step)
     lengths = (k * step for k in range(math.ceil(length_of(beyond) / step) + 1))

@@ -17,7 +17,7 @@ from navigation.kernels.numbers import numbers
 from navigation.walking import can_go_on, motion_along, swath, swath_along
 
 from .commitments import GAP, Commitments, Hit, Others
-from .ground import Ground, first
+from .ground import Ground, corners_passed, first
 from .parameters import PARAMETERS
 from .traveller import Traveller
 
@@ -304,7 +304,8 @@ class Outlook:
     def _taut(self, at: Point) -> list[Point]:
         """Return the route from `at`: without the points that can be left out, or a new one."""
         me = self.me
-        route = me.route
+        # Corners that were passed may still be visible, and lead back.
+        route = me.route[corners_passed([me.routed_from, *me.route], at) :]
         if me.goes_round and route:
             width = 2 * me.radius + GAP
             places = middles(self.standing(width, at, *route))

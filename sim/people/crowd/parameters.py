@@ -143,6 +143,24 @@ class AvoidanceParameters:
     angles: int = _of(16, "directions", "chosen, not varied")
     """Number of directions in which people look for such a place."""
 
+    # Vehicles
+    alarm: float = _of(5.0, "s", "random trials in an open hall")
+    """Time before a vehicle comes at which a person in its way steps aside."""
+    hurry: float = _of(2.5, "s", "time to stop, turn and leave the width of a vehicle")
+    """Time before a vehicle comes up to which a person in its way may still arrive first."""
+    stays: float = _of(5.0, "s", "random trials in an open hall")
+    """Time for which a person may stand in a place before a vehicle comes there."""
+    berth: float = _of(0.3, "m", "60 open halls")
+    """Distance that a person keeps from a vehicle while stepping aside, beyond the usual one."""
+    inside: float = _of(0.3, "m", "discs are larger than the vehicle")
+    """Distance by which a person comes nearer if there is no other place, down to its surface."""
+    escape: float = _of(5.0, "m", "as far as people walk until the vehicle comes")
+    """Maximum distance of a step aside."""
+    raster: float = _of(0.25, "m", "less than the radius of a body")
+    """Distance of the places that are tried."""
+    stops_after: tuple[float, ...] = (0.0, 0.5, 1.0, 2.0, 4.0)
+    """Times after which a walking person stops to step aside, s."""
+
     # Interruptions
     clear_time: float = _of(0.1, "s", "a tenth of a meter at walking speed")
     """Time between the stops that are tried before a closed place."""

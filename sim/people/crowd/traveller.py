@@ -39,7 +39,8 @@ class Traveller:
 
     goal: Point | None = None
     route: list[Point] = field(default_factory=list)
-    """Waypoints from the current position to the goal."""
+    """Waypoints from `routed_from` to the goal."""
+    routed_from: Point = (0.0, 0.0)
     routed: float = -math.inf
     """Time at which the route began at the position of the person, s."""
     goes_round: bool = False
@@ -64,11 +65,15 @@ class Traveller:
     """Alarm of the next decision."""
     arriving: Alarm = field(init=False)
     """Alarm of the arrival."""
+    stepping: Alarm = field(init=False)
+    """Alarm before a vehicle comes."""
 
     decided: float = -math.inf
     """Time of the last change of motion, s."""
     looked: float = -math.inf
     """Time of the last decision, s."""
+    stepped: float = -math.inf
+    """Time at which the person last looked for a place off the course of a vehicle, s."""
     rounded: float = -math.inf
     """Time of the last detour, s."""
     nearest: float = math.inf
@@ -112,17 +117,21 @@ class Traveller:
         self._of, self._swath = motion, ahead
         self.body.follow(motion)
 
-    def draft(self, course: Sequence[Point], now: float, delay: float = 0.0) -> Swath | None:
-        """Return the swath of a walk from rest along a course, or None if it is impossible."""
+    def draft(self, course: Sequence[Point], now: float, lead: Swath | None = None) -> Swath | None:
+        """Return the swath of a walk from rest along a course, or None if it is impossible.
+
+        It follows on `lead`, if there is one.
+        """
         top: float | list[float] = self.top_speed
         if self.zones:
             course, top = self.zones.along(course, self.top_speed)
         return swath_along(
             course,
-            now + delay,
+            now if lead is None else lead.rests,
             top_speed=top,
             max_speed=self.human.max_speed,
             max_acceleration=self.human.max_acceleration,
+            lead=lead,
             since=now,
         )
 

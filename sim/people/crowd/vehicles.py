@@ -46,6 +46,9 @@ STRIKING = FixedDistance(1e-3)
 KNOWN = 10.0
 """Time before an announced departure at which people avoid the vehicle, s."""
 
+LONGEST_WAIT = 5.0
+"""Time for which people wait before they set out, s. Later vehicles are not about to come."""
+
 LEEWAY = 1e-3
 """Distance that people keep beyond `TOUCH`, m."""
 
@@ -107,19 +110,22 @@ class Vehicle:
             return carried(motion, *place)
         return motion.translated(*place)
 
-    def strikes(self, me: Traveller, motion: Motion) -> bool:
-        """Return whether the vehicle strikes a person who is among its discs and follows `motion`.
+    def surrounds(self, me: Traveller) -> bool:
+        """Return whether a person is among the discs.
 
-        The discs are larger than the vehicle, so a person may leave one and walk into a corner.
+        These are larger than the vehicle, so the person may leave one and walk into a corner.
         """
-        now, here = self._clock.now, me.body.at
-        if not self.is_there or not any(
-            math.dist(disc.body.at, here) < disc.radius + me.radius for disc in self.discs
-        ):
-            return False
+        return self.is_there and any(
+            math.dist(disc.body.at, me.body.at) < disc.radius + me.radius for disc in self.discs
+        )
+
+    def strikes(self, me: Traveller, motion: Motion, until: float) -> bool:
+        """Return whether the vehicle strikes a person who follows `motion`, by `until` (s)."""
+        now = self._clock.now
         drive = self._machine.foreseen(now + KNOWN)
         shapes = _shapes(me.human, self._machine.shape.chassis)
-        contacts = violations(motion, drive, STRIKING, now, motion.end, shapes=shapes)
+        until = min(until, max(motion.end, drive.end, now))
+        contacts = violations(motion, drive, STRIKING, now, until, shapes=shapes)
         return any(begin > now for begin, _ in contacts)
 
     def _look(self) -> None:
@@ -176,13 +182,14 @@ def among_vehicles(
 
     They keep `gap` metres from the surfaces of those. None if no vehicle would touch them on
     `motion`, neither one under way nor one that is known to set out before they arrive. None, too,
-    if there is no passage: they set out all the same then, and let the vehicle pass when it comes.
+    if there is no passage without a long wait: they set out all the same then, and let the vehicle
+    pass when it comes.
     """
     if not any_touches(stage, human, motion):
         return None
     now = stage.clock.now
     try:
-        return plan_among(
+        passage = plan_among(
             planner,
             body.at,
             goal,
@@ -196,6 +203,7 @@ def among_vehicles(
         )
     except PlanningError:
         return None
+    return None if any(wait > LONGEST_WAIT for _, wait in passage.waits) else passage
 
 
 def any_touches(stage: Stage, human: Human, motion: Motion) -> bool:

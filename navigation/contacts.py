@@ -1,0 +1,79 @@
+"""Contacts of bodies with exact outlines, concave ones included, in continuous time."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from .kernels.contacts import OutlineSearch, places
+from .kernels.encounter import Encounter
+from .kernels.numbers import numbers
+from .motion import Motion, Table
+
+Bounds = tuple[float, float, float, float]
+"""Minimum x and y, maximum x and y, metres."""
+
+
+def edges_of(area: BaseGeometry) -> Table:
+    """Return a row of the edges of all rings of polygons: both ends of each, metres."""
+    rings = shapely.get_rings(shapely.get_parts(area))
+    found = []
+    for ring in rings:
+        corners = shapely.get_coordinates(ring).tolist()
+        found += [c for a, b in pairwise(corners) for c in (*a, *b)]
+    return numbers(found)
+
+
+def shrunk(area: BaseGeometry, depth: float) -> BaseGeometry:
+    """Return polygons whose sides are `depth` metres farther inside."""
+    return shapely.buffer(area, -depth, join_style="mitre", mitre_limit=100.0)
+
+
+def reach_of(area: BaseGeometry) -> float:
+    """Return the distance from the axis of a body to the farthest point of its outline, metres."""
+    return float(shapely.hausdorff_distance(area, shapely.Point(0.0, 0.0)))
+
+
+def bounds_from(motion: Motion, begin: float) -> Bounds:
+    """Return the bounds of the places on a motion from `begin` (seconds) on."""
+    return places(motion.table, begin)
+
+
+def are_apart(one: Bounds, other: Bounds, gap: float) -> bool:
+    """Return whether bounds are farther from each other than `gap` metres, along x or y."""
+    x, y = max(one[0] - other[2], other[0] - one[2]), max(one[1] - other[3], other[1] - one[3])
+    return max(x, y) > gap
+
+
+class Outlines:
+    """Outlines of a machine and of another body, each in the frame of its body (metres).
+
+    With `outside`, the other body covers all that is not within its outline.
+    """
+
+    def __init__(self, area: BaseGeometry, other: BaseGeometry, *, outside: bool = False) -> None:
+        self._search = OutlineSearch(edges_of(area), edges_of(other), outside)
+
+    def first_contact(
+        self, machine: Motion, other: Motion, begin: float, end: float
+    ) -> float | None:
+        """Return when the outlines first touch (seconds), None if they do not.
+
+        Bodies that are within each other, without a contact of their outlines, do not touch.
+        """
+        t = self._search.first(Encounter(other, machine), begin, end)
+        return None if t == math.inf else t
+
+    def first_parting(
+        self, machine: Motion, other: Motion, begin: float, end: float, gap: float
+    ) -> float | None:
+        """Return when the bodies are first `gap` metres apart (seconds), None if they are not."""
+        t = self._search.parting(Encounter(other, machine), begin, end, gap)
+        return None if t == math.inf else t
+
+    def overlap(self, machine: Motion, other: Motion, t: float) -> bool:
+        """Return whether the bodies touch or overlap at `t` (seconds)."""
+        return self._search.overlap(Encounter(other, machine), t)

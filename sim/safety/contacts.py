@@ -1,0 +1,155 @@
+"""Contacts of machines with people and with each other, exact for their footprints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from functools import partial
+from itertools import combinations
+
+import shapely
+
+from floorplan import Point
+from navigation import FieldSet, Motion, ProtectiveFields, intrusions
+from navigation.contacts import Outlines, are_apart, bounds_from, reach_of, shrunk
+from navigation.motion import State
+
+from ..core.body import Machine
+from ..core.clock import Turn
+from ..core.events import Collision, Contact
+from ..core.stage import Bystander, Stage
+from .margins import moving_spans
+from .proximity import PARTED, NearnessMonitor
+
+TOUCH = 1e-6
+"""Metres. Surfaces that are no farther from each other touch."""
+
+DEPTH = 1e-3
+"""Metres. Machines that overlap by no more only touch, as those side by side may."""
+
+
+def impact_speed(state: State, at: Point, velocity: Point = (0.0, 0.0)) -> float:
+    """Return the speed of a body's point against something there that has a velocity (m/s)."""
+    (x, y, _), (vx, vy, turning), _ = state
+    vx, vy = vx - turning * (at[1] - y), vy + turning * (at[0] - x)
+    return math.hypot(vx - velocity[0], vy - velocity[1])
+
+
+class PersonContacts:
+    """Watches people beside machines: robots, and vehicles while they drive or turn."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.count = 0
+        """Number of contacts until now."""
+        self._stage = stage
+        self._monitors: dict[Bystander, list[NearnessMonitor]] = {}
+        self._fields: dict[Machine, ProtectiveFields] = {}
+
+    def watch(self, person: Bystander, machine: Machine) -> None:
+        """Watch a person beside a machine from now on, if it does not pass above them."""
+        if machine.shape.bottom - self._stage.floorplan.human.height > TOUCH:
+            return
+        if machine not in self._fields:
+            # The footprint is a field in which a person is as soon as their body touches it.
+            sets = FieldSet(name="footprint", protective=machine.shape.corners)
+            self._fields[machine] = ProtectiveFields(sets=(sets,))
+        change = partial(self._change, person, machine)
+        notify = partial(self._changed, person, machine)
+        bodies = person.body, machine.body
+        monitor = NearnessMonitor(self._stage, bodies, change, notify, Turn.VIOLATION)
+        self._monitors.setdefault(person, []).append(monitor)
+
+    def started(self, person: Bystander) -> None:
+        """Count contacts of a person from now on."""
+        for monitor in self._monitors.get(person, ()):
+            monitor.reconsider()
+
+    def _change(
+        self,
+        person: Bystander,
+        machine: Machine,
+        is_near: bool,
+        walk: Motion,
+        drive: Motion,
+        begin: float,
+        end: float,
+    ) -> float | None:
+        """Return when a contact begins or ends next (seconds), if one does."""
+        is_vehicle = machine.shape.category == "vehicle"
+        idle = is_vehicle and drive.end <= begin
+        # Recorded people are far outside while they are away.
+        away = person.away and not person.is_recorded
+        if idle or away or person.started_at is None:
+            return begin if is_near else None
+        fields = self._fields[machine]
+        radius = person.radius + (PARTED if is_near else TOUCH)
+        here, there = bounds_from(walk, begin), bounds_from(drive, begin)
+        if are_apart(here, there, fields.reach + radius):
+            return begin if is_near else None
+        spans = moving_spans(drive, begin, end, turning=True) if is_vehicle else [(begin, end)]
+        if is_near:
+            spans = [span for span in spans[:1] if span[0] <= begin]
+        for since, until in spans:
+            for one in intrusions(fields, drive, walk, radius, since, until):
+                if not is_near:
+                    return one.begin
+                if one.begin <= begin:
+                    return None if one.end == end and not is_vehicle else one.end
+        return begin if is_near else None
+
+    def _changed(self, person: Bystander, machine: Machine, is_near: bool) -> None:
+        if not is_near:
+            return
+        self.count += 1
+        state, body = machine.body.state, person.body
+        covered = machine.shape.footprint(state.at, state.position[2])
+        at = shapely.shortest_line(covered, shapely.Point(body.at)).coords[0]
+        speed = impact_speed(state, at, body.state.velocity[:2])
+        self._stage.record(Contact(machine=machine.name, person=person.name, at=at, speed=speed))
+        machine.touched()
+
+
+class Collisions:
+    """Watches every two of some machines whose heights overlap."""
+
+    def __init__(self, stage: Stage, machines: Iterable[Machine]) -> None:
+        self.count = 0
+        """Number of times that two machines ran into each other."""
+        self._stage = stage
+        for one, other in combinations(machines, 2):
+            if one.shape.box.is_level_with(other.shape.box):
+                areas = [each.shape.footprint((0.0, 0.0), 0.0) for each in (one, other)]
+                inner = Outlines(*(shrunk(area, DEPTH / 2) for area in areas))
+                reach = sum(map(reach_of, areas))
+                change = partial(_next_collision, inner, Outlines(*areas), reach)
+                notify = partial(self._changed, one, other)
+                NearnessMonitor(stage, (one.body, other.body), change, notify)
+
+    def _changed(self, one: Machine, other: Machine, is_near: bool) -> None:
+        if not is_near:
+            return
+        self.count += 1
+        (vx, vy, _), (wx, wy, _) = one.body.state.velocity, other.body.state.velocity
+        self._stage.record(
+            Collision(machine=one.name, with_=other.name, speed=math.hypot(wx - vx, wy - vy))
+        )
+
+
+def _next_collision(
+    inner: Outlines,
+    outer: Outlines,
+    reach: float,
+    is_near: bool,
+    one: Motion,
+    other: Motion,
+    begin: float,
+    end: float,
+) -> float | None:
+    """Return when two machines that do not collide do so, or have parted (seconds)."""
+    if are_apart(bounds_from(one, begin), bounds_from(other, begin), reach + PARTED):
+        return begin if is_near else None
+    if is_near:
+        return outer.first_parting(one, other, begin, end, PARTED)
+    if inner.overlap(one, other, begin):
+        return begin
+    return inner.first_contact(one, other, begin, end)

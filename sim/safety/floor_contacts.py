@@ -1,0 +1,241 @@
+"""Contacts of machines with the floor: its boundary, its obstacles, closed doors.
+
+Every motion is checked that was not planned around them: twists, motions that are followed, and
+those of custom kinds. The instant of a contact is solved for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from floorplan import Obstacle
+from navigation import Motion, standing
+from navigation.contacts import Outlines, bounds_from, reach_of, shrunk
+from navigation.kernels.edges import come_into
+from navigation.kernels.numbers import numbers
+
+from ..core.body import Machine
+from ..core.clock import Alarm, Turn
+from ..core.events import Contact
+from ..core.stage import Stage
+from .contacts import impact_speed
+from .proximity import PARTED
+
+DEPTH = 1e-6
+"""Metres. A machine that is no deeper in something may slide along it."""
+
+ROUNDING = 1e-8
+"""Metres. A machine that has touched something may get so much deeper."""
+
+LEAST = 1e-5
+"""Metres. A machine that pushes against something and would move by less does not move."""
+
+REST = standing((0.0, 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class FloorPart:
+    """Something that a machine may touch, and since when it is there (seconds)."""
+
+    name: str
+    area: BaseGeometry
+    since: float = -math.inf
+    outside: bool = False
+    """Whether it covers all that is not within the area."""
+
+
+class FloorContacts:
+    """Contacts of some machines with the floor."""
+
+    def __init__(self, stage: Stage, machines: Iterable[Machine]) -> None:
+        self.count = 0
+        """Number of contacts until now."""
+        self._stage = stage
+        self._monitors = [FloorMonitor(stage, machine, self._touched) for machine in machines]
+        stage.triggers.each("door_closed", lambda event: self._came(event["door"]))
+        stage.triggers.each("obstacle_came", lambda event: self._came(event["obstacle"]))
+        stage.triggers.each("door_opened", lambda event: self._went(event["door"]))
+        stage.triggers.each("obstacle_went", lambda event: self._went(event["obstacle"]))
+
+    def begin(self) -> None:
+        """Begin to watch. What a machine is in now, it touches."""
+        for monitor in self._monitors:
+            monitor.begin()
+
+    def _touched(self, event: Contact) -> None:
+        self.count += 1
+        self._stage.record(event)
+
+    def _came(self, name: str) -> None:
+        for monitor in self._monitors:
+            monitor.came(self._stage.active_closures[name])
+
+    def _went(self, name: str) -> None:
+        for monitor in self._monitors:
+            monitor.went(name)
+
+
+class FloorMonitor:
+    """Finds the contacts of a machine with the floor, at which it stops or goes on."""
+
+    def __init__(self, stage: Stage, machine: Machine, touched: Callable[[Contact], None]) -> None:
+        shape, plan = machine.shape, stage.floorplan
+        self._machine = machine
+        self._body = machine.body
+        self._clock = stage.clock
+        self._notify = touched
+        self._area = shape.footprint((0.0, 0.0), 0.0)
+        self._reach = reach_of(self._area)
+        self._things: list[FloorPart] = []
+        if shape.category == "vehicle":
+            self._things.append(FloorPart("boundary", plan.boundary, outside=True))
+        for one in plan.obstacles:
+            if one.overlaps(shape.bottom, shape.top):
+                self._things.append(FloorPart(one.name, one.footprint))
+        self._touches: dict[FloorPart, float] = {}
+        """What it touches, and how deep it may be in it (metres)."""
+        self._outlines: dict[tuple[FloorPart, float], Outlines] = {}
+        self._next: Callable[[], None] = self.reconsider
+        self._alarm = Alarm(stage.clock, lambda: self._next(), Turn.MOTION_ENDS)
+        self._list_bounds()
+
+    def begin(self) -> None:
+        """Begin to watch."""
+        self._body.on_change.append(self.reconsider)
+        for thing in self._near(self._body.motion):
+            self._may_be_in(thing)
+        self.reconsider()
+
+    def came(self, one: Obstacle) -> None:
+        """Watch something that is there from now on."""
+        shape = self._machine.shape
+        if one.overlaps(shape.bottom, shape.top):
+            thing = FloorPart(one.name, one.footprint, self._clock.now)
+            self._things.append(thing)
+            self._list_bounds()
+            self._may_be_in(thing)
+            self.reconsider()
+
+    def went(self, name: str) -> None:
+        """Forget something that is there no longer."""
+        self._things = [one for one in self._things if one.name != name]
+        self._touches = {one: depth for one, depth in self._touches.items() if one.name != name}
+        self._list_bounds()
+        if not self._touches:
+            self._machine.contact_gone()
+        self.reconsider()
+
+    def reconsider(self) -> None:
+        """Compute the next contact or parting; called for each new motion."""
+        now, motion = self._clock.now, self._body.motion
+        if motion.end <= now:
+            self._alarm.set(None)
+            return
+        planned = self._machine.planned_at
+        first, stops = math.inf, self._machine.on_contact == "stop"
+        for thing in (*self._touches, *self._near(motion)):
+            if thing in self._touches:
+                if (t := self._parting(thing, motion, now)) is not None and t < first:
+                    first, self._next = t, partial(self._part, thing)
+                if stops and (t := self._contact(thing, motion, now)) is not None:
+                    # One that pushes against it must not creep.
+                    t = now if self._moves_little(motion, now, t) else t
+                    if t < first:
+                        first, self._next = t, self._stop
+            elif thing.since >= planned:
+                t = self._contact(thing, motion, now)
+                if t is not None and t < first:
+                    first, self._next = t, partial(self._touch, thing)
+        self._alarm.set(None if first == math.inf else first)
+
+    def _near(self, motion: Motion) -> list[FloorPart]:
+        """Return what a motion may touch from now on."""
+        x, y, most_x, most_y = bounds_from(motion, self._clock.now)
+        near = come_into(self._bounds, [(x, y), (most_x, most_y)], self._reach)
+        return [*dict.fromkeys(self._owners[k] for _, k in near)]
+
+    def _list_bounds(self) -> None:
+        """List the bounds of everything; of the boundary, those of each side."""
+        parts = [
+            (thing, part)
+            for thing in self._things
+            for part in (_sides(thing.area) if thing.outside else [thing.area])
+        ]
+        self._owners = [thing for thing, _ in parts]
+        self._bounds = numbers([bound for _, part in parts for bound in part.bounds])
+
+    def _between(self, thing: FloorPart, depth: float) -> Outlines:
+        """Return the outlines of the machine, smaller by a depth, and of a thing."""
+        if (thing, depth) not in self._outlines:
+            area = shrunk(self._area, depth)
+            self._outlines[thing, depth] = Outlines(area, thing.area, outside=thing.outside)
+        return self._outlines[thing, depth]
+
+    def _contact(self, thing: FloorPart, motion: Motion, now: float) -> float | None:
+        outlines = self._between(thing, self._touches.get(thing, DEPTH))
+        return outlines.first_contact(motion, REST, now, motion.end)
+
+    def _parting(self, thing: FloorPart, motion: Motion, now: float) -> float | None:
+        return self._between(thing, 0.0).first_parting(motion, REST, now, motion.end, PARTED)
+
+    def _moves_little(self, motion: Motion, now: float, t: float) -> bool:
+        here, there = motion.state(now).position, motion.state(t).position
+        turned = self._reach * abs(there[2] - here[2])
+        return math.dist(here[:2], there[:2]) + turned < LEAST
+
+    def _may_be_in(self, thing: FloorPart) -> None:
+        """Touch a thing if the machine is in it now."""
+        if self._is_in(thing, DEPTH):
+            self._touch(thing)
+
+    def _is_in(self, thing: FloorPart, depth: float) -> bool:
+        outlines = Outlines(shrunk(self._area, depth), thing.area, outside=thing.outside)
+        return outlines.overlap(self._body.motion, REST, self._clock.now)
+
+    def _touch(self, thing: FloorPart) -> None:
+        depth = high = DEPTH + ROUNDING
+        while self._is_in(thing, high):  # it was put down on the machine, or was there before
+            depth, high = high, 2 * high
+        while high - depth > ROUNDING:
+            middle = (depth + high) / 2
+            depth, high = (middle, high) if self._is_in(thing, middle) else (depth, middle)
+        self._touches[thing] = high
+        x, y, rotation = self._body.state.position
+        covered = shrunk(self._machine.shape.footprint((x, y), rotation), DEPTH)
+        at = shapely.shortest_line(thing.area.boundary, covered).coords[0]
+        self._notify(
+            Contact(
+                machine=self._machine.name,
+                with_=thing.name,
+                at=at,
+                speed=impact_speed(self._body.state, at),
+            )
+        )
+        self._machine.touched()
+        if self._machine.on_contact == "stop" and self._body.motion.end > self._clock.now:
+            self._stop()
+        else:
+            self.reconsider()
+
+    def _stop(self) -> None:
+        """Stop the machine where it is."""
+        (x, y, rotation), now = self._body.state.position, self._clock.now
+        self._body.follow(standing((x, y), heading=rotation, start=now))
+        self._machine.stopped_by_contact()
+
+    def _part(self, thing: FloorPart) -> None:
+        del self._touches[thing]
+        self.reconsider()
+
+
+def _sides(area: BaseGeometry) -> list[BaseGeometry]:
+    """Return the sides of the rings of a polygon."""
+    rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(area)]
+    return [shapely.LineString(ends) for ring in rings for ends in pairwise(ring)]

@@ -1,0 +1,18 @@
+"""People among moving vehicles in open halls: contacts only where no place can be reached."""
+
+import pytest
+
+from .open_halls import faults_in_hall
+
+
+@pytest.mark.parametrize("first", range(0, 20, 5))
+def test_nobody_is_run_over_who_could_have_left(first):
+    found = [faults_in_hall(number)[0] for number in range(first, first + 5)]
+    assert [fault for wrong in found for fault in wrong] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 1000, 50))
+def test_nobody_is_run_over_who_could_have_left_in_a_thousand(first):
+    found = [faults_in_hall(number)[0] for number in range(first, first + 50)]
+    assert [fault for wrong in found for fault in wrong] == []

@@ -1,0 +1,232 @@
+"""Machines that a program commands between two advances: the trial with its commands repeats it."""
+
+import json
+import random
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+
+import pytest
+
+import navigation
+import sim
+from sim.bridge.exchange import Exchange, RefusedError
+from sim.bridge.workcell import Workcell
+
+TRIAL = """
+floorplan:
+  name: hall
+  boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+  safe_zone: {at: [2, 2]}
+  stations: {press: [16, 10], dock: [4, 10]}
+  obstacles: {rack: {x: [8, 12], y: [6, 7], z: [0, 1]}}
+  gantry:
+    x: {range: [1, 19], max_speed: 1.0, max_acceleration: 0.5}
+    y: {range: [1, 11], max_speed: 1.0, max_acceleration: 0.5}
+    start: [10, 8, 0]
+    torso: {size: [1.0, 1.0], z: [1.2, 1.6]}
+    arm: {mount: [0.5, 0.0], reach: 0.9, bottom: 1.0}
+    rail_height: 2.9
+    tray_height: 1.3
+  agvs:
+    size: [1.2, 0.8]
+    height: 1.0
+    max_speed: 1.0
+    max_acceleration: 0.5
+    limits: [0, 16]
+    locations: {west: 0, middle: 8, east: 16}
+    start: west
+    lanes: {cart: {origin: [2, 1.2]}}
+duration: 60
+seed: 3
+rules: observe
+people: [{name: ann, at: [2, 9]}, {name: bob, at: [18, 4]}]
+gantry: {controller: external, jobs: [{move: [5, 5, 0]}, {wait: 1.0}]}
+machines:
+  a: {kind: amr, at: [4, 4, 0], size: [1.0, 0.7], controller: external}
+  b: {kind: amr, at: [16, 8, 3.1416], controller: external, missions: [{go: press}]}
+"""
+
+
+def in_bytes(folder):
+    return [(folder / name).read_bytes() for name in ("events.jsonl", "motions.jsonl")]
+
+
+def recorded(trial, folder, drive=lambda simulation: None):
+    recording = sim.Recording(folder)
+    simulation = sim.Simulation(trial, recording)
+    drive(simulation)
+    simulation.advance(trial.duration)
+    run = simulation.finish()
+    recording.finish(run)
+    return run
+
+
+def at_random(simulation, seed=7):
+    """Command everything there is in irregular steps."""
+    chance = random.Random(seed)
+    a, b, gantry = (simulation.machines[name] for name in ("a", "b", "gantry"))
+    a.move_to(15.0, 4.0)
+    b.do(b.open_tasks[0])
+    gantry.do(gantry.open_tasks[0])
+    t = 0.0
+    while t < 55.0:
+        t += chance.choice([0.1, 0.25, chance.random(), 3.0 * chance.random()])
+        simulation.advance(t)
+        x, y, turn, speed = (chance.uniform(*ends) for ends in ((2, 18), (2, 5), (-3, 3), (0, 0.8)))
+        machine = chance.choice([a, b])
+        wishes = [
+            partial(machine.move_to, x, y, speed_share=0.7),
+            partial(machine.twist, (speed, turn / 10), 2.0),
+            partial(machine.turn_to, turn),
+            machine.stop,
+            machine.resume,
+            partial(machine.stand_for, "test", True),
+            partial(machine.stand_for, "test", False),
+            lambda: gantry.move_to(chance.uniform(2, 18), chance.uniform(2, 10), resume=False),
+            gantry.stop,
+            lambda: gantry.pick("press"),
+            lambda: gantry.follow(
+                navigation.gantry_move(gantry.position, (9.0, 9.0, 0.5), gantry.now)
+                if gantry.state.speed == 0
+                else gantry.stopping(gantry.state, gantry.now)
+            ),
+            lambda: simulation.machines["cart"].drive(chance.choice(["west", "east", 3.0])),
+            lambda: simulation.command(
+                sim.Command(None, send="ann", to=(chance.uniform(2, 6), 9.0))
+            ),
+            lambda: simulation.command(sim.Command(hold="cart")),
+            lambda: simulation.command(sim.Command(simulation.clock.now + 1.3, release="cart")),
+        ]
+        for _ in range(chance.choice([1, 1, 2])):
+            # What cannot be carried out now leaves nothing.
+            with suppress(ValueError, navigation.PlanningError):
+                chance.choice(wishes)()
+
+
+def test_a_run_commanded_from_outside_repeats_to_the_byte(tmp_path):
+    trial = sim.Trial.parse(TRIAL)
+    run = recorded(trial, tmp_path / "first", at_random)
+    calls = {command.call for command in run.trial.commands}
+    assert calls >= {
+        "move_to",
+        "twist",
+        "turn_to",
+        "stop",
+        "resume",
+        "do",
+        "follow",
+        "pick",
+        "drive",
+    }
+    assert len(run.trial.commands) > 40
+    run.trial.save(tmp_path / "again.trial.yaml")
+    again = sim.Trial.load(tmp_path / "again.trial.yaml")
+    assert again.commands == run.trial.commands
+    same = recorded(again, tmp_path / "second")
+    assert in_bytes(tmp_path / "second") == in_bytes(tmp_path / "first")
+    assert same.trial.commands == run.trial.commands
+    listed = sim.Trial.parse(TRIAL + f"commands: {tmp_path / 'first' / 'commands.yaml'}\n")
+    recorded(listed, tmp_path / "third")
+    assert in_bytes(tmp_path / "third") == in_bytes(tmp_path / "first")
+
+
+def test_a_command_from_outside_is_an_event_with_its_arguments():
+    simulation = sim.Simulation(sim.Trial.parse(TRIAL))
+    simulation.advance(1.0 / 3.0)
+    simulation.machines["a"].twist((0.5, 0.1), seconds=2.0)
+    (command,) = simulation.commands
+    assert (command.time, command.machine, command.call) == (1.0 / 3.0, "a", "twist")
+    assert command.arguments == {"twist": [0.5, 0.1], "seconds": 2.0}
+    event = next(event for event in simulation.events if event["kind"] == "commanded")
+    assert event["arguments"] == [["twist", [0.5, 0.1]], ["seconds", 2.0]]
+    assert json.loads(json.dumps(event)) == event
+
+
+def test_a_command_now_is_not_too_late():
+    simulation = sim.Simulation(sim.Trial.parse(TRIAL))
+    simulation.advance(2.0 / 3.0)
+    simulation.command(sim.Command(None, hold="a"))
+    simulation.command(sim.Command(simulation.clock.now, hold="b"))
+    simulation.command(sim.Command(round(simulation.clock.now, 9), hold="gantry"))
+    simulation.advance(1.0)
+    assert all(simulation.machines[name].is_held for name in ("a", "b", "gantry"))
+    with pytest.raises(ValueError, match="too late"):
+        simulation.command(sim.Command(0.5, release="a"))
+
+
+def test_commands_of_controllers_are_not_recorded():
+    def back(vehicle):
+        yield vehicle.move_to(6.0, 4.0)
+        yield vehicle.turn_to(1.0)
+
+    keys = {"at": (4.0, 4.0, 0.0), "controller": back}
+    trial = sim.Trial(
+        sim.Trial.parse(TRIAL).floorplan, machines={"a": sim.MachineEntry("amr", keys)}
+    )
+    assert sim.run(trial).trial.commands == ()
+
+
+def test_a_refused_command_is_not_recorded():
+    simulation = sim.Simulation(sim.Trial.parse(TRIAL))
+    simulation.advance(1.0)
+    for refused in (
+        lambda: simulation.machines["a"].move_to(10.0, 6.5),
+        lambda: simulation.machines["a"].twist((99.0, 0.0), 1.0),
+        lambda: simulation.machines["gantry"].move_to(99.0, 0.0),
+    ):
+        with pytest.raises((ValueError, navigation.PlanningError)):
+            refused()
+    assert simulation.commands == []
+
+
+@pytest.mark.parametrize(
+    ("command", "place", "word"),
+    [
+        ("{time: 1, machine: a}", "commands[0]", "one of send"),
+        ("{time: 1, call: stop}", "commands[0].machine", "a call has a machine"),
+        ("{time: 1, machine: z, call: stop}", "commands[0].machine", "'z'"),
+        ("{time: 1, machine: a, call: stopp}", "commands[0].call", "stop"),
+        ("{time: 1, machine: cart, call: twist}", "commands[0].call", "agv"),
+        ("{time: 1, machine: a, call: move_to, arguments: {x: 1}}", "commands[0].call", "'y'"),
+        ("{machine: a, call: stop}", "commands[0].time", "time"),
+    ],
+)
+def test_a_command_to_a_machine_that_cannot_be_is_refused(command, place, word):
+    with pytest.raises(sim.TrialError) as refused:
+        sim.Trial.parse(f"{TRIAL}commands: [{command}]\n")
+    assert place in str(refused.value)
+    assert word in str(refused.value)
+
+
+def test_a_command_that_fails_in_the_run_is_named():
+    commands = "commands: [{time: 1, machine: a, call: move_to, arguments: {x: 10.0, y: 6.5}}]\n"
+    with pytest.raises(ValueError, match="move_to of a at t = 1 s cannot be carried out"):
+        sim.run(sim.Trial.parse(TRIAL + commands))
+
+
+def test_machines_commanded_over_a_bridge_repeat_to_the_byte(tmp_path):
+    trial = sim.Trial.load("ariac2023")
+    trial = replace(trial, duration=30.0, gantry=sim.GantryEntry("external"))
+    recording = sim.Recording(tmp_path / "first")
+    workcell = Workcell(trial, Exchange(), recording)
+    point = {"time_from_start": {"sec": 0, "nanosec": 0}, "velocities": []}
+    names = [
+        "gantry_rotation_joint",
+        "gantry_x_axis_joint",
+        "gantry_y_axis_joint",
+    ]
+    for k in range(1, 60):
+        workcell.advance(0.37 * k)
+        if k % 7 == 1:
+            at = {"positions": [0.1 * k, -4.0 + 0.05 * k, 1.0]}
+            with suppress(RefusedError):  # it is disabled
+                workcell._gantry._follow({"joint_names": names, "points": [point | at]})
+        if k % 11 == 3:
+            workcell._agvs._move(workcell.simulation.agvs[0], None, {"location": k % 3})
+    workcell.advance(30.0)
+    run = workcell.simulation.finish()
+    recording.finish(run)
+    assert {command.call for command in run.trial.commands} == {"move_to", "drive"}
+    recorded(run.trial, tmp_path / "second")
+    assert in_bytes(tmp_path / "second") == in_bytes(tmp_path / "first")
