@@ -73,6 +73,10 @@ class ObstacleSchema(FootprintSchema):
 
     z: Range
 
+    def obstacle(self, name: str) -> Obstacle:
+        """Return the obstacle called `name`."""
+        return Obstacle(name=name, footprint=footprint(self), bottom=self.z[0], top=self.z[1])
+
 
 class DoorSchema(Strictly):
     """A door between two points."""
@@ -286,10 +290,7 @@ def parts(schema: FloorplanSchema) -> dict[str, Any]:
     """Return what stands on the floor of a file, by the names of a floor's fields."""
     zone, agvs = schema.safe_zone, schema.agvs
     return {
-        "obstacles": [
-            Obstacle(name=name, footprint=footprint(one), bottom=one.z[0], top=one.z[1])
-            for name, one in schema.obstacles.items()
-        ],
+        "obstacles": [one.obstacle(name) for name, one in schema.obstacles.items()],
         "stations": [Station(name, at) for name, at in schema.stations.items()],
         "patrol": None if schema.patrol is None else tuple(schema.patrol),
         "safe_zone": SafeZone(**dict(zone)) if zone else None,
