@@ -3,12 +3,19 @@
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 from shapely.geometry import Polygon, box
 
 from .files.fields import Angle, Flag, Number, Pair, Positive, Range, Strictly
-from .files.problems import UserError
+from .files.problems import UserError, Written
 from .model import (
     Axis,
     Door,
@@ -27,6 +34,12 @@ Size = tuple[Positive, Positive]
 Name = Annotated[str, Field(min_length=1)]
 
 Ring = Annotated[list[Pair], Field(min_length=3)]
+
+Concerns = Annotated[
+    tuple[Name, ...],
+    Written(Annotated[list[Name], Field(min_length=1)]),
+    AfterValidator(tuple),
+]
 
 
 class FootprintSchema(Strictly):
@@ -60,12 +73,16 @@ class ObstacleSchema(FootprintSchema):
 
     z: Range
 
+    def obstacle(self, name: str) -> Obstacle:
+        """Return the obstacle called `name`."""
+        return Obstacle(name=name, footprint=footprint(self), bottom=self.z[0], top=self.z[1])
+
 
 class DoorSchema(Strictly):
     """A door between two points."""
 
-    between: tuple[Pair, Pair]
-    open: Flag = Door.is_open
+    ends: tuple[Pair, Pair] = Field(alias="between")
+    is_open: Flag = Field(Door.is_open, alias="open")
     thickness: Positive = Door.thickness
     height: Positive = Door.height
 
@@ -79,7 +96,7 @@ class ZoneSchema(FootprintSchema):
     max_speed: Positive | None = None
     forbidden: Flag = Zone.forbidden
     one_way: Pair | None = None
-    concerns: Annotated[list[Name], Field(min_length=1)] = [*Zone.concerns]
+    concerns: Concerns = Zone.concerns
 
     @model_validator(mode="after")
     def _one_rule(self) -> "ZoneSchema":
@@ -101,15 +118,15 @@ def _as_zone(value: Any) -> Any:
 class GateSchema(Strictly):
     """A line between two points, and a place on the side that some may cross to."""
 
-    between: tuple[Pair, Pair]
+    ends: tuple[Pair, Pair] = Field(alias="between")
     towards: Pair
-    concerns: Annotated[list[Name], Field(min_length=1)] = [*Gate.concerns]
+    concerns: Concerns = Gate.concerns
 
 
 class SafeZoneSchema(Strictly):
     """Start of people."""
 
-    at: Pair
+    position: Pair = Field(alias="at")
     heading: Angle = SafeZone.heading
 
 
@@ -271,67 +288,34 @@ _CORNERS = 32
 
 def parts(schema: FloorplanSchema) -> dict[str, Any]:
     """Return what stands on the floor of a file, by the names of a floor's fields."""
-    zone = schema.safe_zone
+    zone, agvs = schema.safe_zone, schema.agvs
     return {
-        "obstacles": [
-            Obstacle(name=name, footprint=footprint(one), bottom=one.z[0], top=one.z[1])
-            for name, one in schema.obstacles.items()
-        ],
+        "obstacles": [one.obstacle(name) for name, one in schema.obstacles.items()],
         "stations": [Station(name, at) for name, at in schema.stations.items()],
         "patrol": None if schema.patrol is None else tuple(schema.patrol),
-        "safe_zone": SafeZone(zone.at, zone.heading) if zone else None,
+        "safe_zone": SafeZone(**dict(zone)) if zone else None,
         "human": schema.human,
-        "lanes": _lanes(schema.agvs) if schema.agvs else (),
+        "lanes": [_lane(name, lane, agvs) for name, lane in agvs.lanes.items()] if agvs else (),
         "gantry": _gantry(schema.gantry) if schema.gantry else None,
-        "doors": [
-            Door(
-                name=name,
-                ends=one.between,
-                is_open=one.open,
-                thickness=one.thickness,
-                height=one.height,
-            )
-            for name, one in schema.doors.items()
-        ],
+        "doors": [Door(name=name, **dict(one)) for name, one in schema.doors.items()],
         "zones": [
-            Zone(
-                name=name,
-                area=footprint(one),
-                max_speed=one.max_speed,
-                forbidden=one.forbidden,
-                concerns=tuple(one.concerns),
-                one_way=one.one_way,
-            )
+            Zone(name=name, area=footprint(one), **{key: getattr(one, key) for key in _RULE})
             for name, one in schema.zones.items()
             if one.mask is None
         ],
-        "gates": [
-            Gate(name=name, ends=one.between, towards=one.towards, concerns=tuple(one.concerns))
-            for name, one in schema.gates.items()
-        ],
+        "gates": [Gate(name=name, **dict(one)) for name, one in schema.gates.items()],
     }
 
 
-def _lanes(agvs: AgvsSchema) -> tuple[Lane, ...]:
-    return tuple(_lane(name, lane, agvs) for name, lane in agvs.lanes.items())
+_RULE = ("max_speed", "forbidden", "one_way", "concerns")
+"""Keys of a zone that are not about its area."""
 
 
 def _lane(name: str, lane: LaneSchema, agvs: AgvsSchema) -> Lane:
-    length, width = lane.size or agvs.size
-    return Lane(
-        name=name,
-        origin=lane.origin,
-        heading=lane.heading,
-        limits=lane.limits or agvs.limits,
-        locations=dict(agvs.locations if lane.locations is None else lane.locations),
-        start=lane.start or agvs.start,
-        length=length,
-        width=width,
-        height=lane.height or agvs.height,
-        max_speed=lane.max_speed or agvs.max_speed,
-        max_acceleration=lane.max_acceleration or agvs.max_acceleration,
-        serves=dict(lane.serves),
-    )
+    keys = agvs.model_dump(exclude={"lanes"}) | lane.model_dump(exclude_none=True)
+    length, width = keys.pop("size")
+    keys["start"] = lane.start or agvs.start
+    return Lane(name=name, length=length, width=width, **keys)
 
 
 def _gantry(entry: GantrySchema) -> Gantry:
@@ -373,10 +357,4 @@ def _round(x: float, y: float, radius: float) -> Polygon:
 
 def _axis(entry: AxisSchema) -> Axis:
     low, high = entry.range
-    return Axis(
-        low=low,
-        high=high,
-        max_speed=entry.max_speed,
-        max_acceleration=entry.max_acceleration,
-        max_jerk=entry.max_jerk,
-    )
+    return Axis(low=low, high=high, **entry.model_dump(exclude={"range"}))

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from html import escape
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import shapely
 from shapely.geometry import Polygon, box
 
+from .building import AgvsSchema, AxisSchema, DoorSchema, GateSchema, SafeZoneSchema, ZoneSchema
 from .checks import check
 from .files.documents import MOST_TEXT, yaml_text
+from .files.fields import Strictly
 from .files.problems import UserError
 from .formats import OF_SUFFIX, ROS_MAP, WRITTEN, YAML, function
-from .model import EVERYBODY, Axis, Door, Floor, Gantry, Gate, Human, Lane, Obstacle, Zone
+from .model import Axis, Floor, Gantry, Human, Lane, Obstacle
 
 Data = dict[str, Any]
 """Keys and values as they stand in a file. What is left out has its usual value."""
@@ -30,18 +34,18 @@ def floor_keys(plan: Floor) -> Data:
         "boundary": _ring(plan.boundary.exterior),
         "holes": [_ring(ring) for ring in plan.boundary.interiors],
         "human": _changed(plan.human, Human()),
-        "safe_zone": None if zone is None else {"at": _pair(zone.position)},
-        "stations": {one.name: _pair(one.position) for one in plan.stations},
+        "safe_zone": None if zone is None else _keys(zone, SafeZoneSchema),
+        "stations": {one.name: _plain(one.position) for one in plan.stations},
         "patrol": None if plan.patrol is None else [*plan.patrol],
         "obstacles": {one.name: obstacle_keys(one) for one in plan.obstacles},
         "agvs": _agvs([*plan.lanes]) if plan.lanes else None,
         "gantry": None if plan.gantry is None else _gantry(plan.gantry),
-        "doors": {door.name: _door(door) for door in plan.doors},
-        "zones": {zone.name: _zone(zone) for zone in plan.zones},
-        "gates": {gate.name: _gate(gate) for gate in plan.gates},
+        "doors": {door.name: _keys(door, DoorSchema, every=True) for door in plan.doors},
+        "zones": {
+            one.name: {**_footprint(one.area), **_keys(one, ZoneSchema)} for one in plan.zones
+        },
+        "gates": {gate.name: _keys(gate, GateSchema) for gate in plan.gates},
     }
-    if zone is not None and zone.heading:
-        data["safe_zone"]["heading"] = float(zone.heading)
     # An empty patrol is not the usual one, which is all stations.
     return {
         key: value
@@ -52,7 +56,7 @@ def floor_keys(plan: Floor) -> Data:
 
 def obstacle_keys(one: Obstacle) -> Data:
     """Return the keys from which the obstacle `one` is read again."""
-    return {**_footprint(one.footprint), "z": _pair((one.bottom, one.top))}
+    return {**_footprint(one.footprint), "z": _plain((one.bottom, one.top))}
 
 
 def write_yaml(plan: Floor, path: Path) -> None:
@@ -72,39 +76,33 @@ def _footprint(footprint: Polygon) -> Data:
     return {"polygon": _ring(footprint.exterior), **({"holes": holes} if holes else {})}
 
 
-def _door(door: Door) -> Data:
-    return {
-        "between": [_pair(end) for end in door.ends],
-        "open": door.is_open,
-        "thickness": float(door.thickness),
-        "height": float(door.height),
-    }
+def _keys(value: object, form: type[Strictly], *, every: bool = False) -> Data:
+    """Return the keys of a `form` for the fields of `value` with the same names.
+
+    Keys with their default are left out, unless `every` key is written.
+    """
+    data = {}
+    for name, key in form.model_fields.items():
+        if hasattr(value, name):
+            written = _plain(getattr(value, name))
+            if every or key.is_required() or written != _plain(key.default):
+                data[key.alias or name] = written
+    return data
 
 
-def _zone(zone: Zone) -> Data:
-    rule: Data = {"forbidden": True} if zone.forbidden else {}
-    if zone.max_speed is not None:
-        rule["max_speed"] = float(zone.max_speed)
-    if zone.one_way is not None:
-        rule["one_way"] = _pair(zone.one_way)
-    return {**_footprint(zone.area), **rule, **_concerns(zone)}
-
-
-def _gate(gate: Gate) -> Data:
-    ends = [_pair(end) for end in gate.ends]
-    return {"between": ends, "towards": _pair(gate.towards), **_concerns(gate)}
-
-
-def _concerns(rule: Zone | Gate) -> Data:
-    return {} if rule.concerns == EVERYBODY else {"concerns": [*rule.concerns]}
+def _plain(value: Any) -> Any:
+    """Return a value as a file has it: tuples and arrays as lists, numbers as floats."""
+    if value is None or isinstance(value, str):
+        return value
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if isinstance(value, Mapping):
+        return {name: _plain(inner) for name, inner in value.items()}
+    return [_plain(inner) for inner in value] if hasattr(value, "__len__") else float(value)
 
 
 def _ring(ring: Any) -> list[list[float]]:
-    return [_pair(at[:2]) for at in ring.coords[:-1]]
-
-
-def _pair(pair: Any) -> list[float]:
-    return [float(value) for value in pair]
+    return [_plain(at[:2]) for at in ring.coords[:-1]]
 
 
 def _changed(value: Human, usual: Human) -> Data:
@@ -118,22 +116,14 @@ def _agvs(lanes: list[Lane]) -> Data:
     own = {}
     for lane in lanes:
         keys = {key: value for key, value in _lane(lane).items() if value != shared[key]}
-        placed = {"origin": _pair(lane.origin), "heading": float(lane.heading)}
+        placed = {"origin": _plain(lane.origin), "heading": float(lane.heading)}
         served = {"serves": dict(lane.serves)} if lane.serves else {}
         own[lane.name] = placed | keys | served
     return {**shared, "lanes": own}
 
 
 def _lane(lane: Lane) -> Data:
-    return {
-        "size": _pair((lane.length, lane.width)),
-        "height": float(lane.height),
-        "max_speed": float(lane.max_speed),
-        "max_acceleration": float(lane.max_acceleration),
-        "limits": _pair(lane.limits),
-        "locations": {name: float(q) for name, q in lane.locations.items()},
-        "start": lane.start,
-    }
+    return {"size": _plain((lane.length, lane.width)), **_keys(lane, AgvsSchema, every=True)}
 
 
 def _gantry(gantry: Gantry) -> Data:
@@ -142,10 +132,10 @@ def _gantry(gantry: Gantry) -> Data:
         "x": _axis(gantry.x),
         "y": _axis(gantry.y),
         "rotation": _axis(gantry.rotation),
-        "start": [float(value) for value in gantry.start],
-        "torso": {"size": _pair((length, width)), "z": _pair((bottom, top))},
+        "start": _plain(gantry.start),
+        "torso": {"size": _plain((length, width)), "z": _plain((bottom, top))},
         "arm": {
-            "mount": _pair(gantry.arm_mount),
+            "mount": _plain(gantry.arm_mount),
             "reach": float(gantry.arm_reach),
             "bottom": float(gantry.arm_bottom),
         },
@@ -155,12 +145,7 @@ def _gantry(gantry: Gantry) -> Data:
 
 
 def _axis(axis: Axis) -> Data:
-    return {
-        "range": _pair((axis.low, axis.high)),
-        "max_speed": float(axis.max_speed),
-        "max_acceleration": float(axis.max_acceleration),
-        "max_jerk": float(axis.max_jerk),
-    }
+    return {"range": _plain((axis.low, axis.high)), **_keys(axis, AxisSchema, every=True)}
 
 
 def _svg_path(polygons: list[Polygon], colour: str, fine: float) -> str:

@@ -2,11 +2,13 @@
 
 from .bodies import Disc
 from .catalog import Path, PlannerError, PlanningError, planners
-from .encounter import Box, Cylinder, Enclosure, Encounter, Prism, Shapes
+from .enclosure import Enclosure
+from .encounter import Box, Cylinder, Prism, Shapes
 from .field_design import needed_fields
 from .field_intrusions import FieldEntry, Intrusion, first_intrusion, intrusions
 from .field_lengths import FieldSupplements, ShortField, short_fields, stopping_reach
 from .fields import FieldGap, FieldSet, FieldSpan, ProtectiveFields
+from .kernels.encounter import Encounter
 from .machines import agv_run, agv_stop, gantry_move, gantry_stop
 from .monitor import (
     Apart,

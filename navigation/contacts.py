@@ -9,7 +9,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from .kernels.contacts import OutlineSearch, places
-from .kernels.encounter import EncounterBounds
+from .kernels.encounter import Encounter
 from .kernels.numbers import numbers
 from .motion import Motion, Table
 
@@ -64,19 +64,16 @@ class Outlines:
 
         Bodies that are within each other, without a contact of their outlines, do not touch.
         """
-        t = self._search.first(self._encounter(machine, other), begin, end)
+        t = self._search.first(Encounter(other, machine), begin, end)
         return None if t == math.inf else t
 
     def first_parting(
         self, machine: Motion, other: Motion, begin: float, end: float, gap: float
     ) -> float | None:
         """Return when the bodies are first `gap` metres apart (seconds), None if they are not."""
-        t = self._search.parting(self._encounter(machine, other), begin, end, gap)
+        t = self._search.parting(Encounter(other, machine), begin, end, gap)
         return None if t == math.inf else t
 
     def overlap(self, machine: Motion, other: Motion, t: float) -> bool:
         """Return whether the bodies touch or overlap at `t` (seconds)."""
-        return self._search.overlap(self._encounter(machine, other), t)
-
-    def _encounter(self, machine: Motion, other: Motion) -> EncounterBounds:
-        return EncounterBounds(other.table, machine.table, [], 0.0)
+        return self._search.overlap(Encounter(other, machine), t)

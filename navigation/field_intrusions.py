@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from .fields import FieldKind, FieldSet, ProtectiveFields
-from .kernels.encounter import EncounterBounds
+from .kernels.encounter import Encounter
 from .kernels.fields import within_reach
 from .motion import Motion
 
@@ -115,12 +115,12 @@ def _spans(
     radius: float,
     within: tuple[float, float],
     loaded: bool,
-) -> Iterator[tuple[FieldSet, tuple[float, float], EncounterBounds, float]]:
+) -> Iterator[tuple[FieldSet, tuple[float, float], Encounter, float]]:
     """Yield sets, their spans, what bounds the encounter, and when both motions are over."""
     begin, end = map(float, within)
     # After both have come to rest nothing changes, so the last second stands for ever.
     last = min(end, max(begin, machine.end, person.end) + 1.0)
-    encounter = EncounterBounds(person.table, machine.table, [], 0.0)
+    encounter = Encounter(person, machine)
     # Most people are out of the reach of all fields for most of the time.
     since, until = within_reach(encounter, fields.reach + radius, begin, last)
     if since <= until:

@@ -11,11 +11,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from operator import itemgetter
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
+from pydantic import AfterValidator, Field
 from shapely.geometry import Polygon
 
 from floorplan import UserError
+from floorplan.checks import polygon_fault
+from floorplan.files.fields import KEYS, Flag, Pair
 
 from .kernels.fields import FieldSearch, FieldSwitches
 from .kernels.numbers import numbers
@@ -33,6 +36,23 @@ SPEED_TOLERANCE = 1e-4
 UNBOUNDED = (-math.inf, math.inf)
 
 _Range = tuple[float, float]
+
+
+def _read_corners(corners: Corners) -> Corners:
+    few = f"must have 3 corners or more, not {len(corners)}" if len(corners) < 3 else ""
+    if fault := few or polygon_fault(Polygon(corners)):
+        raise UserError(fault)
+    return corners
+
+
+def _read_range(pair: _Range) -> _Range:
+    if pair[0] > pair[1]:
+        raise UserError(f"must be [low, high] with low <= high, found {list(pair)}")
+    return pair
+
+
+_CornersKey = Annotated[tuple[Pair, ...], AfterValidator(_read_corners)]
+_RangeKey = Annotated[Pair, AfterValidator(_read_range)]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -70,13 +90,15 @@ class FieldSet:
     `direction_start_angle`, …). Limits are inclusive, within 0.0001 m/s and rad/s.
     """
 
-    name: str
-    protective: Corners
-    warning: Corners = ()
-    linear: tuple[float, float] = UNBOUNDED
-    theta: tuple[float, float] = UNBOUNDED
-    direction: tuple[float, float] | None = None
-    load: bool | None = None
+    __pydantic_config__ = KEYS
+
+    name: Annotated[str, Field(min_length=1)]
+    protective: _CornersKey
+    warning: _CornersKey = ()
+    linear: _RangeKey = UNBOUNDED
+    theta: _RangeKey = UNBOUNDED
+    direction: _RangeKey | None = None
+    load: Flag | None = None
 
     def __repr__(self) -> str:
         corners = f"{len(self.protective)} and {len(self.warning)} corners"
@@ -320,7 +342,7 @@ class ProtectiveFields:
         if loaded not in known:
             # A second before and after, the machine is at rest.
             begin, end = machine.start - 1.0, machine.end + 1.0
-            found = self._with_load[loaded][1].switches(machine.table, begin, end)
+            found = self._with_load[loaded][1].switches(machine, begin, end)
             known[loaded] = [(-math.inf, found[0][1]), *found[1:]]
         return known[loaded]
 

@@ -10,17 +10,17 @@ encounters, not with the time watched.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
-from typing import Any, Protocol
+from typing import Protocol
 
 from floorplan.files.values import require
 
-from .encounter import SURFACE_ROUNDING, Box, Encounter, Shapes
+from .encounter import Box, Shapes
 from .kernels import lookout as kernel
-from .kernels.encounter import Gauge
+from .kernels.encounter import Encounter
 from .kernels.watch import (
     ApartTest,
     ApproachingTest,
@@ -32,12 +32,10 @@ from .kernels.watch import (
     NotTest,
     OverlappingTest,
     TooCloseTest,
-    first_change as first_change_of,
-    first_interval as first_interval_of,
     least,
 )
 from .motion import Motion
-from .separation import AnyLaw, Scaled, is_of_motions, is_of_speeds, kernel_of, require_sense
+from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
 
 STANDING_SPEED = 0.01
 """m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
@@ -74,9 +72,13 @@ class Condition(Protocol):
 class _KernelCondition:
     """A condition that the monitor's kernel decides."""
 
+    @cached_property
+    def _judge(self) -> IntervalTest:
+        raise NotImplementedError
+
     def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """See `Condition`."""
-        return judge_of(self).verdict(encounter, begin, end)
+        return self._judge.verdict(encounter, begin, end)
 
     def __invert__(self) -> Not:
         """Return the condition that this one does not hold."""
@@ -111,6 +113,10 @@ class TooClose(_KernelCondition):
     def __post_init__(self) -> None:
         require_sense(self.law)
 
+    @cached_property
+    def _judge(self) -> IntervalTest:
+        return TooCloseTest(kernel_of(self.law), ROUNDING)
+
 
 @dataclass(frozen=True)
 class Moving(_KernelCondition):
@@ -129,10 +135,18 @@ class Moving(_KernelCondition):
     speed: float = STANDING_SPEED
     reach: float = 0.0
 
+    @cached_property
+    def _judge(self) -> IntervalTest:
+        return MovingTest(self.speed, self.reach)
+
 
 @dataclass(frozen=True)
 class Approaching(_KernelCondition):
     """Condition that the centres approach each other."""
+
+    @cached_property
+    def _judge(self) -> IntervalTest:
+        return ApproachingTest()
 
 
 @dataclass(frozen=True)
@@ -146,6 +160,10 @@ class Apart(_KernelCondition):
     """
 
     metres: float
+
+    @cached_property
+    def _judge(self) -> IntervalTest:
+        return ApartTest(self.metres)
 
 
 @dataclass(frozen=True)
@@ -173,12 +191,24 @@ class Overlapping(_KernelCondition):
         if not self.depth >= 0.0:
             raise ValueError(f"boxes can't overlap by more than {self.depth} m")
 
+    @cached_property
+    def _judge(self) -> IntervalTest:
+        one, other = self.one, self.other
+        # Boxes above each other overlap by nothing, however near they are along the floor.
+        depth = self.depth if one.is_level_with(other) else inf
+        sizes = (one.length / 2, one.width / 2, other.length / 2, other.width / 2)
+        return OverlappingTest(*sizes, depth)
+
 
 @dataclass(frozen=True)
 class Not(_KernelCondition):
     """Condition that another condition does not hold."""
 
     condition: Condition
+
+    @cached_property
+    def _judge(self) -> IntervalTest:
+        return NotTest(judge_of(self.condition))
 
 
 @dataclass(frozen=True)
@@ -188,62 +218,17 @@ class Both(_KernelCondition):
     first: Condition
     second: Condition
 
-
-def kept_judge_of(condition: Condition) -> IntervalTest | None:
-    """Return what decided about a condition on places and speeds alone; None if it is not known."""
-    kept: IntervalTest | None = getattr(condition, _JUDGE, None)
-    return kept
+    @cached_property
+    def _judge(self) -> IntervalTest:
+        return BothTest(judge_of(self.first), judge_of(self.second))
 
 
 def judge_of(condition: Condition) -> IntervalTest:
     """Return what decides about `condition` in the monitor."""
-    known = kept_judge_of(condition)
-    if known is not None:
-        return known
-    make = _JUDGES.get(type(condition))
-    if make is None:
-        return CustomTest(condition)
-    judge = make(condition)
-    if _keeps_nothing(condition):
-        vars(condition)[_JUDGE] = judge
-    return judge
-
-
-_JUDGE = "_judge"
-"""Key under which a condition keeps what decides about it."""
-
-
-def _overlapping(given: Overlapping) -> IntervalTest:
-    one, other = given.one, given.other
-    # Boxes above each other overlap by nothing, however near they are along the floor.
-    depth = given.depth if one.is_level_with(other) else math.inf
-    return OverlappingTest(one.length / 2, one.width / 2, other.length / 2, other.width / 2, depth)
-
-
-_JUDGES: dict[type, Callable[[Any], IntervalTest]] = {
-    TooClose: lambda given: TooCloseTest(kernel_of(given.law), ROUNDING),
-    Moving: lambda given: MovingTest(given.speed, given.reach),
-    Approaching: lambda given: ApproachingTest(),
-    Apart: lambda given: ApartTest(given.metres),
-    Overlapping: _overlapping,
-    Not: lambda given: NotTest(judge_of(given.condition)),
-    Both: lambda given: BothTest(judge_of(given.first), judge_of(given.second)),
-}
-
-
-def _keeps_nothing(condition: Condition) -> bool:
-    """Return whether a judge of the condition may serve several searches at once.
-
-    Those of laws that look at motions keep figures while they decide.
-    """
-    match condition:
-        case TooClose(law):
-            return is_of_speeds(law)
-        case Not(other):
-            return _keeps_nothing(other)
-        case Both(first, second):
-            return _keeps_nothing(first) and _keeps_nothing(second)
-    return isinstance(condition, Moving | Approaching | Apart | Overlapping)
+    if getattr(type(condition), "holds", None) is _KernelCondition.holds:
+        judge: IntervalTest = condition._judge  # type: ignore[attr-defined]
+        return judge
+    return CustomTest(condition)
 
 
 RESOLUTION = 1e-7
@@ -324,11 +309,6 @@ def first_time(
     TypeError, ValueError
         See `when`.
     """
-    judge = kept_judge_of(condition)
-    if judge is not None and _makes_sense(person, machine, begin, end):
-        one, other = person.table, machine.table
-        span = float(begin), float(end)
-        return first_change_of(judge, one, other, *_surfaces(shapes), *span, RESOLUTION)
     return _watch(condition, person, machine, begin, end, shapes).change()
 
 
@@ -342,21 +322,7 @@ def first_interval(
     shapes: Shapes | None = None,
 ) -> tuple[float, float] | None:
     """Return the first interval that `when` yields, or None."""
-    judge = kept_judge_of(condition)
-    if judge is None or not _makes_sense(person, machine, begin, end):
-        return next(when(condition, person, machine, begin, end, shapes=shapes), None)
-    one, other, span = person.table, machine.table, (float(begin), float(end))
-    return first_interval_of(judge, one, other, *_surfaces(shapes), *span, RESOLUTION)
-
-
-def _surfaces(shapes: Shapes | None) -> tuple[list[Gauge], float]:
-    """Return what measures between the surfaces of shapes, and how much it may be off (metres)."""
-    return ([], 0.0) if shapes is None else ([*shapes.gauges], SURFACE_ROUNDING)
-
-
-def _makes_sense(person: Motion, machine: Motion, begin: float, end: float) -> bool:
-    """Return whether these are motions, and a span; what is wrong is said by `_encounter`."""
-    return person.__class__ is Motion is machine.__class__ and -inf < begin <= end < inf
+    return next(when(condition, person, machine, begin, end, shapes=shapes), None)
 
 
 def _watch(

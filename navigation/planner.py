@@ -196,8 +196,8 @@ class PathPlanner:
         self._questions: RoadmapQuestions | None = None
         self._keep = keep
         self._kept: dict[Hashable, Path] = {}
-        self._footings: dict[tuple[Point, float], tuple[Point, int]] = {}
-        """Where to go first from a place, and the number of checks that this took."""
+        self._footings: dict[tuple[Point, float], Point] = {}
+        """Where to go first from a place that is too close to something by a tolerance (metres)."""
         self._kept_at = world.changes
 
     def __repr__(self) -> str:
@@ -344,7 +344,6 @@ class PathPlanner:
         hopeful = links.holds(start) and links.holds(goal)
         points = self._questions.path(start, goal, self.step) if hopeful else None
         if points is not None:
-            self.world.checks += 2  # as if asked about the ends, too
             return start, points, goal
         leave, arrive = self._ends_of(start, goal)
         if not hopeful or (leave, arrive) != (start, goal):
@@ -377,16 +376,13 @@ class PathPlanner:
         """Return as `_footing`, found once where paths are kept: most goals are stations."""
         if not self._keep:
             return self._footing(place, end, tolerance)
-        world, known = self.world, self._footings.get((place, tolerance))
-        if known is not None:
-            world.checks += known[1]  # as if asked: figures don't depend on earlier questions
-            return known[0]
-        before = world.checks
-        found = self._footing(place, end, tolerance)
-        if len(self._footings) >= self._keep:
-            self._footings.clear()
-        self._footings[place, tolerance] = found, world.checks - before
-        return found
+        footing = self._footings.get((place, tolerance))
+        if footing is None:
+            footing = self._footing(place, end, tolerance)
+            if len(self._footings) >= self._keep:
+                self._footings.clear()
+            self._footings[place, tolerance] = footing
+        return footing
 
     def _footing(self, place: Point, end: str, tolerance: float) -> Point:
         """Return `place`, or where to go first from there if it is a hair too close to something.

@@ -38,7 +38,7 @@ class Links:
         self.radius = radius
         self.among: list[CollisionBody] | None = None
         """The bodies that count for OMPL; None for all."""
-        self._judged: dict[tuple[Point, Point], tuple[bool, int]] = {}
+        self._judged: dict[tuple[Point, Point], bool] = {}
         self._judged_at = world.changes
         self._keep = radius + SLACK
         self._walls = world.walls(self._keep)
@@ -46,8 +46,8 @@ class Links:
         self._place = self.room([], _SURE)
 
     @property
-    def judged(self) -> dict[tuple[Point, Point], tuple[bool, int]]:
-        """FCL's answers about links since a body moved, with their numbers of checks."""
+    def judged(self) -> dict[tuple[Point, Point], bool]:
+        """FCL's answers about links since a body moved."""
         if self._judged_at != self.world.changes:
             self._judged, self._judged_at = {}, self.world.changes
         return self._judged
@@ -158,29 +158,24 @@ class RoadmapSearch:
 
     def _granted(self, points: list[Point], roadmap: Roadmap | None = None) -> bool:
         """Return whether all links of a path are free; one that is not is refused from now on."""
-        judged, world = self._links.judged, self._links.world
+        judged = self._links.judged
         for link in itertools.pairwise(points):
-            free, checks = judged.get(link) or self._judge(*link, roadmap)
-            world.checks += checks  # those of earlier questions, too: figures don't depend on them
+            free = judged[link] if link in judged else self._judge(*link, roadmap)
             if not free:
                 self._refused.add(link)
                 return False
         return True
 
-    def _judge(self, a: Point, b: Point, roadmap: Roadmap | None) -> tuple[bool, int]:
-        """Return whether the link from a to b is free, and the number of checks that this takes.
+    def _judge(self, a: Point, b: Point, roadmap: Roadmap | None) -> bool:
+        """Return whether the link from a to b is free.
 
         Links between bends, of `roadmap` or of bodies, are judged once until a body moves.
         """
-        world = self._links.world
-        before = world.checks
         fixed = roadmap is not None and a in roadmap.places and b in roadmap.places
         free = self._asked_of(roadmap, a, b) if roadmap and fixed else self._ask(a, b)
-        verdict = free, world.checks - before
-        world.checks = before
         if fixed or (a != self._start and b != self._goal):
-            self._links.judged[a, b] = verdict
-        return verdict
+            self._links.judged[a, b] = free
+        return free
 
     def _asked_of(self, roadmap: Roadmap, a: Point, b: Point) -> bool:
         """Return whether a link between bends of `roadmap` is free.
@@ -192,8 +187,6 @@ class RoadmapSearch:
             links.among = []
             known = roadmap.asked[a, b] = self._ask(a, b)
             links.among = None
-        else:
-            links.world.checks += 1  # as if asked
         return known and not links.hit(a, b)
 
     def _hopeless(self) -> bool:

@@ -8,7 +8,9 @@ from dataclasses import dataclass, fields
 from numbers import Real
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
-from .encounter import Enclosure, Encounter, Shapes, enclosure_of
+from .enclosure import Enclosure
+from .encounter import Shapes
+from .kernels.encounter import Encounter
 from .kernels.laws import LawEvaluator, LinearLaw, PathIntegralLaw, PythonLaw, ScaledLaw
 from .machines import Machine, longest_stop
 from .motion import Motion, Piece
@@ -330,7 +332,7 @@ def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> 
 
     See `MotionLaw`.
     """
-    return enclosure_of(kernel_of(law).required(encounter, begin, end))
+    return kernel_of(law).required(encounter, begin, end)
 
 
 def kernel_of(law: AnyLaw) -> LawEvaluator:
@@ -379,7 +381,7 @@ def required_along(
     def required(t: float) -> float:
         encounter.come_to(t)
         encounter.next_stretch(t)
-        return float(asked.required(encounter, t, t)[0])
+        return asked.required(encounter, t, t).value
 
     return required
 

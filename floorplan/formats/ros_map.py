@@ -140,7 +140,7 @@ def mask_zones(path: Path, name: str, rule: ZoneSchema) -> Iterator[Zone]:
             area=area,
             max_speed=limit,
             forbidden=limit is None,
-            concerns=tuple(rule.concerns),
+            concerns=rule.concerns,
         )
 
 

@@ -83,6 +83,8 @@ def planner_in(
         choice = choice.with_parameters({"iterations": iterations})
     own = PathPlanner(world, radius, planner=choice)
     own.prepare()
+    # Checks of earlier planners on this floor are not counted, so they must not be reused either.
+    own.roadmap().asked.clear()
     return lambda: partial(_ask_own, own, math.inf if seconds is None else seconds)
 
 

@@ -19,7 +19,7 @@ if not cython.compiled:
     from math import cos, sin
 
     from .cubics import *
-    from .encounter import EncounterBounds
+    from .encounter import Encounter
     from .fields import distance_to_edge, edge_passes, side_of
 
 _RESOLUTION: float = 1e-9  # seconds; what is undecided for less is a contact
@@ -39,8 +39,8 @@ def places(table: Numbers, begin: float) -> tuple[float, float, float, float]:
         piece: PosePiece = poses(table)[k]
         u: float = min(max(begin - piece.begin, 0.0), piece.end - piece.begin)
         left: float = piece.end - piece.begin - u
-        x: Range = bounds(shift(piece.x, u), left)
-        y: Range = bounds(shift(piece.y, u), left)
+        x: Range = range_of(shift(piece.x, u), left)
+        y: Range = range_of(shift(piece.y, u), left)
         low_x = min(low_x, x.low)
         low_y = min(low_y, y.low)
         high_x = max(high_x, x.high)
@@ -67,50 +67,50 @@ class OutlineSearch:
             e: Edge = edges_of(edges)[k]
             self.reach = max(self.reach, norm(e.ax, e.ay), norm(e.bx, e.by))
 
-    def first(self, encounter: EncounterBounds, begin: float, end: float) -> float:
+    def first(self, encounter: Encounter, begin: float, end: float) -> float:
         """Return when the outlines first touch (seconds), or infinity."""
-        encounter.start(begin)
+        encounter.come_to(begin)
         while encounter.next_interval(end):
             while self.may_touch(encounter, encounter.lower, encounter.upper):
                 if encounter.upper - encounter.lower <= _RESOLUTION or not encounter.halve():
                     return encounter.lower
         return INFINITY
 
-    def parting(self, encounter: EncounterBounds, begin: float, end: float, gap: float) -> float:
+    def parting(self, encounter: Encounter, begin: float, end: float, gap: float) -> float:
         """Return when the bodies are first `gap` metres apart (seconds), or infinity."""
-        encounter.start(begin)
-        while encounter.go_on(end):
-            t: float = encounter.since
+        encounter.come_to(begin)
+        while encounter.next_stretch(end):
+            t: float = encounter.begin
             rate: float = self.rate(encounter)
             while True:
                 apart: float = self.apart(encounter, t)
                 if apart >= gap * _NEARLY:
                     return t
-                if rate == 0.0 or t >= encounter.until:
+                if rate == 0.0 or t >= encounter.end:
                     break
                 # A distance does not grow faster than the bodies move.
-                t = min(t + max((gap - apart) / rate, _STEP), encounter.until)
+                t = min(t + max((gap - apart) / rate, _STEP), encounter.end)
         return INFINITY
 
-    def overlap(self, encounter: EncounterBounds, t: float) -> bool:
+    def overlap(self, encounter: Encounter, t: float) -> bool:
         """Return whether the bodies touch or overlap at `t` (seconds)."""
-        encounter.start(t)
-        encounter.go_on(t)
+        encounter.come_to(t)
+        encounter.next_stretch(t)
         return self.apart(encounter, t) == 0.0
 
-    def rate(self, encounter: EncounterBounds) -> float:
+    def rate(self, encounter: Encounter) -> float:
         """Bound the speed of two points of the bodies (m/s) in the stretch of an encounter."""
-        half: float = (encounter.until - encounter.since) / 2
+        half: float = (encounter.end - encounter.begin) / 2
         x: Cubic = shift(encounter.x, half)
         y: Cubic = shift(encounter.y, half)
         pull: float = 2 * norm(x.a, y.a) + half * 6 * norm(x.j, y.j)
         speed: float = norm(x.v, y.v) + half * pull
         away: float = norm(x.p, y.p) + half * speed
-        turning: float = encounter.machine.turning(encounter.since, encounter.until).high
-        around: float = encounter.person.turning(encounter.since, encounter.until).high
+        turning: float = encounter.machine.turning(encounter.begin, encounter.end).high
+        around: float = encounter.person.turning(encounter.begin, encounter.end).high
         return speed + self.reach * turning + (self.reach + away) * around
 
-    def apart(self, encounter: EncounterBounds, t: float) -> float:
+    def apart(self, encounter: Encounter, t: float) -> float:
         """Return the distance of the bodies at `t` (seconds), 0 if they overlap."""
         self.sweep(encounter, t, t)
         chord: Edges = edges_of(self.chords)
@@ -148,7 +148,7 @@ class OutlineSearch:
                 return 0.0
         return found
 
-    def may_touch(self, encounter: EncounterBounds, begin: float, end: float) -> bool:
+    def may_touch(self, encounter: Encounter, begin: float, end: float) -> bool:
         """Return whether the outlines may touch in an interval of the stretch."""
         drift: SweepDrift = self.sweep(encounter, begin, end)
         chord: Edges = edges_of(self.chords)
@@ -170,13 +170,13 @@ class OutlineSearch:
                     return True
         return False
 
-    def sweep(self, encounter: EncounterBounds, begin: float, end: float) -> SweepDrift:
+    def sweep(self, encounter: Encounter, begin: float, end: float) -> SweepDrift:
         """Put the chords of the ends of all edges into a row; return how far they leave these.
 
         That is in the frame of the other body, in an interval of the stretch.
         """
         h: float = end - begin
-        u: float = begin - encounter.since
+        u: float = begin - encounter.begin
         x: Cubic = shift(encounter.x, u)
         y: Cubic = shift(encounter.y, u)
         turn: Cubic = shift(encounter.machine.rotation, u)

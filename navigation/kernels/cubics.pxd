@@ -50,7 +50,7 @@ cdef inline SweptSegment sweep_along(Edge e) noexcept:
         return SweptSegment(e.ax, e.ay, dx, dy, dx / length, dy / length, length)
     return SweptSegment(e.ax, e.ay, dx, dy, 0.0, 0.0, length)
 
-cdef inline double speed(Cubic x, Cubic y, double u) noexcept:
+cdef inline double speed_at(Cubic x, Cubic y, double u) noexcept:
     return norm(slope(x, u), slope(y, u))
 
 cdef inline bint is_straight(Cubic x, Cubic y) noexcept:
@@ -73,7 +73,7 @@ cdef inline Py_ssize_t planar_from(Numbers table, Py_ssize_t k, double t) noexce
         k += 1
     return k
 
-cdef inline Range bounds(Cubic c, double u) noexcept:
+cdef inline Range range_of(Cubic c, double u) noexcept:
     cdef double last = value(c, u)
     cdef double low = min(c.p, last)
     cdef double high = max(c.p, last)

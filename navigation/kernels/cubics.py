@@ -102,7 +102,7 @@ def sweep_along(e: Edge) -> SweptSegment:
     return SweptSegment(e.ax, e.ay, dx, dy, 0.0, 0.0, length)
 
 
-def speed(x: Cubic, y: Cubic, u: float) -> float:
+def speed_at(x: Cubic, y: Cubic, u: float) -> float:
     """Return the speed at u of a point with these coordinates."""
     return norm(slope(x, u), slope(y, u))
 
@@ -127,7 +127,7 @@ def held(begin: float, end: float, t: float) -> float:
     return min(max(t, begin), end) - begin
 
 
-def bounds(c: Cubic, u: float) -> Range:
+def range_of(c: Cubic, u: float) -> Range:
     """Return bounds of a cubic from 0 to u; exact for a quadratic that is monotonic."""
     last = value(c, u)
     low = min(c.p, last)

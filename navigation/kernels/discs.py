@@ -81,8 +81,8 @@ def swept(pieces: Numbers, begin: float, since: float, x: float, y: float) -> Sw
         if p.end > begin and p.end > p.begin:
             row[count] = PlanarPiece(p.begin, p.end, p.x, p.y)
             count += 1
-            across: Range = bounds(p.x, p.end - p.begin)
-            up: Range = bounds(p.y, p.end - p.begin)
+            across: Range = range_of(p.x, p.end - p.begin)
+            up: Range = range_of(p.y, p.end - p.begin)
             extent = united(extent, BoundingBox(across.low, up.low, across.high, up.high))
     row[count] = rest_piece(since, x, y)
     planar_cut(table, count + 1)
@@ -469,7 +469,7 @@ def _is_apart(c: Cubic, duration: float, least: float) -> bool:
     """Return whether the Bernstein bounds of a coordinate keep it `least` from 0."""
     if -least < c.p < least:
         return False
-    extent: Range = bounds(c, duration)
+    extent: Range = range_of(c, duration)
     return extent.low >= least or extent.high <= -least
 
 

@@ -1,10 +1,10 @@
 from libc.math cimport copysign, cos, sin, sqrt
 from navigation.kernels.cubics cimport *
-from navigation.kernels.odometer cimport PathLength, speed_along
+from navigation.kernels.odometer cimport Odometer, enclosure_of, speed_along
 
 cdef Numbers _NONE
 cdef Py_ssize_t _SOME
-cdef double _NEAR
+cdef double _NEAR, _SURFACE_ROUNDING
 
 cdef class Gauge:
     cdef double radius, height, along, across, rounding, reach
@@ -30,19 +30,19 @@ cdef class Follower:
     cdef Range turning(self, double begin, double end) noexcept
     cdef TaylorModel speed_over(self, double begin, double end) noexcept
 
-cdef class EncounterBounds:
+cdef class Encounter:
     cdef Follower person, machine
     cdef list[Gauge] gauges
-    cdef tuple ways
-    cdef double since, until
+    cdef object _person, _machine
+    cdef Odometer _human, _robot
+    cdef readonly double begin, end
     cdef bint started
     cdef Cubic x, y
     cdef double slack, lower, upper
     cdef Numbers ends
     cdef Py_ssize_t left
-    cdef tuple paths(self)
-    cdef int start(self, double begin) except -1
-    cdef bint go_on(self, double end) except -1
+    cpdef int come_to(self, double begin) except -1
+    cpdef bint next_stretch(self, double end) except -1
     cdef bint next_interval(self, double end) except -1
     cdef bint halve(self) except -1
     cdef bint divide(self, double share) except -1

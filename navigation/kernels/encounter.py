@@ -10,23 +10,26 @@ continuous collision detection between rigid bodies", Computer Graphics Forum 21
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+from ..enclosure import Bounds, Enclosure
+from .numbers import numbers
 
 if TYPE_CHECKING:
     import cython
 else:
     from . import uncompiled as cython
 
-from .numbers import numbers
-
 if not cython.compiled:
     from math import copysign, cos, sin, sqrt
 
     from .cubics import *
-    from .odometer import PathLength, speed_along
+    from .odometer import Odometer, enclosure_of, speed_along
 
 _NONE: Numbers = room(0)
 _SOME: cython.Py_ssize_t = 64  # ends of intervals, to begin with
+_SURFACE_ROUNDING: float = 1e-12  # metres by which distances between surfaces may be off
 _NEAR: float = 1e-9  # metres; nearer than this, the direction to the other is mostly rounding
 
 
@@ -283,55 +286,58 @@ def nearest_surface(gauges: list[Gauge], x: float, y: float) -> float:
     return least
 
 
-class EncounterBounds:
-    """The motions of a person and a machine, and a stretch of time in which each is one cubic.
+class Tabled(Protocol):
+    """A motion, or a part of one: what has a table of pieces."""
 
-    Distances are those between the two places, or between the surfaces of `gauges`.
+    @property
+    def table(self) -> Numbers: ...
+
+
+class Encounter:
+    """Time span in which the motions of a person and a machine are one cubic each.
+
+    It gives custom conditions and laws bounds on distances and speeds. Distances are between
+    centres on the floor, or between surfaces.
+
+    Parameters
+    ----------
+    person, machine : Motion
+        Motions.
+    gauges : sequence of Gauge, optional
+        Kernels that measure between surfaces: see `Shapes.gauges`.
     """
 
-    def __init__(
-        self,
-        person: Numbers,
-        machine: Numbers,
-        gauges: list[Gauge],
-        rounding: float,
-    ) -> None:
-        self.person = Follower(person)
-        self.machine = Follower(machine)
-        self.gauges = gauges
-        self.ways: tuple[PathLength, ...] = ()
-        self.slack = rounding
-        self.since = self.until = 0.0
+    def __init__(self, person: Tabled, machine: Tabled, gauges: Sequence[Gauge] = ()) -> None:
+        self.person = Follower(person.table)
+        self.machine = Follower(machine.table)
+        self.gauges = [*gauges]
+        self._person: Any = person
+        self._machine: Any = machine
+        self._human: Odometer | None = None
+        self._robot: Odometer | None = None
+        self.slack = _SURFACE_ROUNDING if gauges else 0.0
+        self.begin = self.end = 0.0
+        """Begin and end of the time span in seconds."""
         self.started = False
         self.x = self.y = constant(0.0)
         self.lower = self.upper = 0.0
         self.ends = _NONE
         self.left = 0
 
-    def odometers(self) -> tuple[PathLength, ...]:
-        """Return those of the person and of the machine."""
-        raise NotImplementedError
-
-    def paths(self) -> tuple[PathLength, ...]:
-        """Return the odometers, made where a law asks for them."""
-        if not self.ways:
-            self.ways = self.odometers()
-        return self.ways
-
-    def start(self, begin: float) -> cython.int:
-        """Come to the instant `begin`, before the first stretch."""
+    def come_to(self, begin: float) -> cython.int:
+        """Come to the time `begin`, before the first stretch."""
         self.started = False
         self.left = 0
-        self.since = self.until = begin
+        self.begin = self.end = begin
         self.person.seek(begin)
         self.machine.seek(begin)
         return 0
 
-    def go_on(self, end: float) -> cython.bint:
+    def next_stretch(self, end: float) -> cython.bint:
         """Enter the next stretch, until `end` at most, or return that there is none."""
         person: Follower = self.person
         machine: Follower = self.machine
-        t: float = self.until
+        t: float = self.end
         if self.started:
             if t >= end:
                 return False
@@ -340,8 +346,8 @@ class EncounterBounds:
             if machine.end <= t:
                 machine.go_on()
         self.started = True
-        self.since = t
-        self.until = min(person.end, machine.end, end)
+        self.begin = t
+        self.end = min(person.end, machine.end, end)
         person.enter(t)
         machine.enter(t)
         # Both count from the same instant now, so the relative position is one cubic as well.
@@ -359,10 +365,10 @@ class EncounterBounds:
             self.lower = self.upper
             self.upper = at(self.ends)[self.left]
             return True
-        if not self.go_on(end):
+        if not self.next_stretch(end):
             return False
-        self.lower = self.since
-        self.upper = self.until
+        self.lower = self.begin
+        self.upper = self.end
         return True
 
     def halve(self) -> cython.bint:
@@ -394,14 +400,14 @@ class EncounterBounds:
         The interval is within the stretch.
         """
         half: float = (end - begin) / 2
-        middle: float = begin - self.since + half
+        middle: float = begin - self.begin + half
         found: Closest
         if self.gauges:
             apart: Range = self._between_surfaces(middle, half, slope, curve)
             found = Closest(apart.low, apart.high, 0.0)
         else:
             found = self._between_centres(middle, half, slope, curve)
-        t: float = self.since + middle + found.t
+        t: float = self.begin + middle + found.t
         return Closest(found.low, found.high, begin if t < begin else end if t > end else t)
 
     def _between_centres(self, u: float, half: float, slope: float, curve: float) -> Closest:
@@ -469,8 +475,8 @@ class EncounterBounds:
     def approach(self, begin: float, end: float) -> Range:
         """Bound the rate of half the squared distance of the places, m²/s."""
         h: float = (end - begin) / 2
-        x: Cubic = shift(self.x, begin - self.since + h)
-        y: Cubic = shift(self.y, begin - self.since + h)
+        x: Cubic = shift(self.x, begin - self.begin + h)
+        y: Cubic = shift(self.y, begin - self.begin + h)
         # r·v as a polynomial about the middle: its terms one by one, by their greatest size.
         rate: float = x.p * x.v + y.p * y.v
         slack: float = h * (
@@ -487,48 +493,58 @@ class EncounterBounds:
         )
         return Range(rate - slack, rate + slack)
 
-    # The same for Python.
+    @property
+    def human(self) -> Odometer:
+        """Path length and speed of the person's whole motion."""
+        if self._human is None:
+            self._human = Odometer(self._person)
+        return self._human
 
-    def come_to(self, begin: float) -> None:
-        """Come to the time `begin`, before the first stretch."""
-        self.start(begin)
+    @property
+    def robot(self) -> Odometer:
+        """Path length and speed of the machine's whole motion."""
+        if self._robot is None:
+            self._robot = Odometer(self._machine)
+        return self._robot
 
-    def next_stretch(self, end: float) -> bool:
-        """Enter the next stretch, until `end` at most, or return that there is none."""
-        return bool(self.go_on(end))
+    def distance(self, t: float) -> float:
+        """Return the distance at `t` in metres, 0 if surfaces overlap."""
+        apart: Closest = self.closest(t, t, 0.0, 0.0)
+        return apart.low
 
-    def stretch(self) -> tuple[float, float]:
-        """Return begin and end of the present stretch, seconds."""
-        return self.since, self.until
+    def closing(self, begin: float, end: float) -> tuple[float, float]:
+        """Return bounds on the derivative of half the squared distance in m²/s.
 
-    def all_bounds(
-        self, begin: float, end: float
-    ) -> tuple[float, float, float, float, float, float]:
-        """Return bounds on distance (m), the person's speed and the machine's (m/s)."""
-        apart: Closest = self.closest(begin, end, 0.0, 0.0)
-        human: Range = self.person.speeds(begin, end)
-        robot: Range = self.machine.speeds(begin, end)
-        return apart.low, apart.high, human.low, human.high, robot.low, robot.high
-
-    def bounds_apart(
-        self, begin: float, end: float, slope: float, curve: float
-    ) -> tuple[float, float, float]:
-        """Return bounds on distance − `slope` u − `curve` u² / 2, and a time near the least."""
-        apart: Closest = self.closest(begin, end, slope, curve)
-        return apart.low, apart.high, apart.t
-
-    def bounds_closing(self, begin: float, end: float) -> tuple[float, float]:
-        """Return bounds on the rate of half the squared distance of the places (m²/s)."""
+        It is negative while the centres approach each other.
+        """
         rate: Range = self.approach(begin, end)
         return rate.low, rate.high
 
-    def speed_of(
-        self, machine: bool, begin: float, end: float
-    ) -> tuple[float, float, float, float]:
-        """Return the numbers of the speed of the person or the machine: a Taylor model."""
-        body: Follower = self.machine if machine else self.person
-        speed: TaylorModel = body.speed_over(begin, end)
-        return speed.value, speed.slope, speed.slack, speed.curve
+    def bounds(self, begin: float, end: float) -> Bounds:
+        """Return bounds on distance and speeds from `begin` to `end`, within this time span."""
+        apart: Closest = self.closest(begin, end, 0.0, 0.0)
+        human: Range = self.person.speeds(begin, end)
+        robot: Range = self.machine.speeds(begin, end)
+        return Bounds(apart.low, apart.high, human.low, human.high, robot.low, robot.high)
+
+    def apart(
+        self, begin: float, end: float, slope: float = 0.0, curve: float = 0.0
+    ) -> tuple[float, float, float]:
+        """Return bounds on distance − `slope` u − `curve` u² / 2, u from the interval's middle.
+
+        Slope (m/s) and curve (m/s²) are derivatives of a required distance. The third value is a
+        time near the minimum.
+        """
+        apart: Closest = self.closest(begin, end, slope, curve)
+        return apart.low, apart.high, apart.t
+
+    def human_speed(self, begin: float, end: float) -> Enclosure:
+        """Return the human's speed in m/s over an interval within this time span."""
+        return enclosure_of(self.person.speed_over(begin, end))
+
+    def robot_speed(self, begin: float, end: float) -> Enclosure:
+        """Return the robot's speed in m/s over an interval within this time span."""
+        return enclosure_of(self.machine.speed_over(begin, end))
 
 
 def _lowest_on_line(x: Cubic, y: Cubic, half: float, slope: float) -> float:

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import cython
+
+    from ..motion import Motion
 else:
     from . import uncompiled as cython
 
@@ -20,7 +22,7 @@ if not cython.compiled:
     from math import cos, sin
 
     from .cubics import *
-    from .encounter import EncounterBounds, Follower
+    from .encounter import Encounter, Follower
 
 _RESOLUTION: float = 1e-9  # seconds; a change within a shorter interval counts as at its begin
 _TOUCH: float = 1e-10  # metres; a contact of less depth may count as none
@@ -38,14 +40,14 @@ class FieldSwitches:
     def __init__(self, sets: Numbers) -> None:
         self.sets = sets
 
-    def switches(self, machine: Numbers, begin: float, end: float) -> list[tuple[float, int]]:
+    def switches(self, machine: Motion, begin: float, end: float) -> list[tuple[float, int]]:
         """Return when another set begins to apply, and its number, from `begin` to `end` (seconds).
 
         The number is -1 where no set applies. The first of them is at `begin`.
         """
         found: list[tuple[float, int]] = []
-        bounds: EncounterBounds = EncounterBounds(machine, machine, [], 0.0)
-        bounds.start(begin)
+        bounds: Encounter = Encounter(machine, machine)
+        bounds.come_to(begin)
         while bounds.next_interval(end):
             k: cython.Py_ssize_t = self.applying(bounds.machine, bounds.lower, bounds.upper)
             while k == -2:
@@ -70,7 +72,7 @@ class FieldSwitches:
 
 
 def within_reach(
-    encounter: EncounterBounds, reach: float, begin: float, end: float
+    encounter: Encounter, reach: float, begin: float, end: float
 ) -> tuple[float, float]:
     """Return a time span outside of which two places are farther apart than `reach` (metres).
 
@@ -78,7 +80,7 @@ def within_reach(
     """
     since: float = end
     until: float = begin - 1.0
-    encounter.start(begin)
+    encounter.come_to(begin)
     while encounter.next_interval(end):
         apart: Closest = encounter.closest(encounter.lower, encounter.upper, 0.0, 0.0)
         if apart.low <= reach:
@@ -99,7 +101,7 @@ class FieldSearch:
             self.reach = max(self.reach, norm(e.ax, e.ay))
 
     def spans(
-        self, encounter: EncounterBounds, radius: float, begin: float, end: float, first: bool
+        self, encounter: Encounter, radius: float, begin: float, end: float, first: bool
     ) -> list[tuple[float, float]]:
         """Return begin and end of each contact of a disc about the person, seconds.
 
@@ -110,7 +112,7 @@ class FieldSearch:
         since: float = begin
         # The touch of a point is decided as that of a disc which is deeper than `_TOUCH`.
         radius = max(radius, _POINT)
-        encounter.start(begin)
+        encounter.come_to(begin)
         while encounter.next_interval(end):
             touch: FieldTouch = self.touched(encounter, radius, inside)
             while touch.state == _PERHAPS:
@@ -131,7 +133,7 @@ class FieldSearch:
             found.append((since, end))
         return found
 
-    def touched(self, encounter: EncounterBounds, radius: float, so_far: bool) -> FieldTouch:
+    def touched(self, encounter: Encounter, radius: float, so_far: bool) -> FieldTouch:
         """Return whether the disc touches the polygon in the interval of an encounter."""
         apart: Closest = encounter.closest(encounter.lower, encounter.upper, 0.0, 0.0)
         if apart.low > self.reach + radius:
@@ -254,10 +256,10 @@ def fit_direction(speeds: FieldSpeeds, now: BodyVelocity) -> cython.int:
     return max(after, before) if speeds.directed == 2.0 else min(after, before)
 
 
-def path_over(encounter: EncounterBounds, begin: float, end: float) -> FramePath:
+def path_over(encounter: Encounter, begin: float, end: float) -> FramePath:
     """Return the path of the person in the frame of the machine, in an interval of the stretch."""
     half: float = (end - begin) / 2
-    u: float = begin - encounter.since + half
+    u: float = begin - encounter.begin + half
     x: Cubic = shift(encounter.x, u)
     y: Cubic = shift(encounter.y, u)
     turn: Cubic = shift(encounter.machine.rotation, u)

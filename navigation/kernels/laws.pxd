@@ -1,12 +1,12 @@
 from navigation.kernels.cubics cimport *
-from navigation.kernels.encounter cimport EncounterBounds
-from navigation.kernels.odometer cimport PathLength, radius_of
+from navigation.kernels.encounter cimport Encounter
+from navigation.kernels.odometer cimport Odometer, enclosure_of, radius_of, speed_over
 
 cdef class LawEvaluator:
     cdef bint of_speeds, steady
     cdef object source
     cdef double distance(self, double human, double robot) except? -1
-    cdef TaylorModel require(self, EncounterBounds encounter, double begin, double end) except *
+    cdef TaylorModel require(self, Encounter encounter, double begin, double end) except *
 
 cdef class LinearLaw(LawEvaluator):
     cdef double human, robot, stopping, intrusion

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ..enclosure import Enclosure
+
 if TYPE_CHECKING:
     import cython
 else:
@@ -15,8 +17,8 @@ else:
 
 if not cython.compiled:
     from .cubics import *
-    from .encounter import EncounterBounds
-    from .odometer import PathLength, radius_of
+    from .encounter import Encounter
+    from .odometer import Odometer, enclosure_of, radius_of, speed_over
 
 
 class LawEvaluator:
@@ -34,15 +36,12 @@ class LawEvaluator:
     def distance(self, human: float, robot: float) -> float:
         return 0.0
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
+    def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
         return TaylorModel(0.0, 0.0, 0.0, 0.0)
 
-    def required(
-        self, encounter: EncounterBounds, begin: float, end: float
-    ) -> tuple[float, float, float, float]:
-        """Return the required distance over an interval: value, slope, slack and curve."""
-        model: TaylorModel = self.require(encounter, begin, end)
-        return model.value, model.slope, model.slack, model.curve
+    def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
+        """Return the required distance over an interval."""
+        return enclosure_of(self.require(encounter, begin, end))
 
 
 class LinearLaw(LawEvaluator):
@@ -58,7 +57,7 @@ class LinearLaw(LawEvaluator):
     def distance(self, human: float, robot: float) -> float:
         return human * self.human + robot * self.robot + self.stopping + self.intrusion
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
+    def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
         fixed: float = self.stopping + self.intrusion
         if self.steady:
             return TaylorModel(fixed, 0.0, 0.0, 0.0)
@@ -82,10 +81,9 @@ class PathIntegralLaw(LawEvaluator):
         self.stopping = stopping
         self.allowance = allowance
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
-        human: PathLength
-        robot: PathLength
-        human, robot = encounter.paths()
+    def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
+        human: Odometer = encounter.human
+        robot: Odometer = encounter.robot
         walked: TaylorModel = human.length_ahead(begin, end, self.t1 + self.t2)
         driven: TaylorModel = robot.length_ahead(begin, end, self.t1)
         # Taylor models add up term by term: value, slope, slack and curve.
@@ -95,7 +93,7 @@ class PathIntegralLaw(LawEvaluator):
         curve: float = walked.curve + driven.curve
         if self.stopping >= 0.0:
             return TaylorModel(value + (self.stopping + self.allowance), slope, slack, curve)
-        speed: TaylorModel = robot.speed_over(begin + self.t1, end + self.t1)
+        speed: TaylorModel = speed_over(robot.table, begin + self.t1, end + self.t1)
         half: float = self.t2 / 2
         return TaylorModel(
             value + speed.value * half + self.allowance,
@@ -117,7 +115,7 @@ class ScaledLaw(LawEvaluator):
     def distance(self, human: float, robot: float) -> float:
         return self.factor * min(self.law.distance(human, robot), self.cap)
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
+    def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
         whole: TaylorModel = self.law.require(encounter, begin, end)
         around: float = radius_of(whole, (end - begin) / 2)
         # The cap bends the figure. Where it is out of reach nothing changes; else two bounds
@@ -144,7 +142,7 @@ class PythonLaw(LawEvaluator):
     def distance(self, human: float, robot: float) -> float:
         return float(self.source.distance(human, robot))
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
+    def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
         if self.of_motions:
             required = self.source.required(encounter, begin, end)
             return TaylorModel(required.value, required.slope, required.slack, required.curve)

@@ -1,9 +1,9 @@
 from libc.math cimport cos, sin
 from navigation.kernels.braking cimport Stops
 from navigation.kernels.cubics cimport *
-from navigation.kernels.encounter cimport EncounterBounds, Gauge, nearest_surface
+from navigation.kernels.encounter cimport Encounter, Gauge, nearest_surface
 from navigation.kernels.laws cimport LawEvaluator
-from navigation.kernels.odometer cimport PathLength, radius_of
+from navigation.kernels.odometer cimport radius_of, speed_over
 from navigation.kernels.pieces cimport instant, rest
 from navigation.kernels.watch cimport ChangeSearch, TooCloseTest
 
@@ -12,7 +12,7 @@ cdef class Towards(LawEvaluator):
     cdef double speed, since, fixed, margin
 
 cdef class MotionSpan:
-    cdef Numbers table
+    cdef readonly Numbers table
     cdef double begin, end, fastest, x, y, last_x, last_y, last_turn, last_speed
 
 cdef class Lookout:

@@ -23,9 +23,9 @@ if not cython.compiled:
 
     from .braking import Stops
     from .cubics import *
-    from .encounter import EncounterBounds, Gauge, nearest_surface
+    from .encounter import Encounter, Gauge, nearest_surface
     from .laws import LawEvaluator
-    from .odometer import PathLength, radius_of
+    from .odometer import radius_of, speed_over
     from .pieces import instant, rest
     from .watch import ChangeSearch, TooCloseTest
 
@@ -46,7 +46,7 @@ class Towards(LawEvaluator):
         self.fixed = fixed
         self.margin = margin
 
-    def require(self, encounter: EncounterBounds, begin: float, end: float) -> TaylorModel:
+    def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
         half: float = (end - begin) / 2
         walked: float = self.speed * (begin + half - self.since)
         # Straight towards the machine the distance shrinks by the top speed, which is the same as a
@@ -65,12 +65,11 @@ class Towards(LawEvaluator):
 class MotionSpan:
     """A part of a motion, from `begin` to `end` (seconds): its ends, and a bound of its speed."""
 
-    def __init__(self, odometer: PathLength, begin: float, end: float) -> None:
-        table: Numbers = odometer.table
+    def __init__(self, table: Numbers, begin: float, end: float) -> None:
         self.table = table
         self.begin = begin
         self.end = end
-        pace: TaylorModel = odometer.speed_over(begin, end)
+        pace: TaylorModel = speed_over(table, begin, end)
         self.fastest = pace.value + radius_of(pace, (end - begin) / 2)
         first: PosePiece = instant(table, begin)
         self.x = first.x.p
@@ -124,8 +123,7 @@ class Lookout:
         if not people or now >= finish:
             return finish, -1
         # Mostly everybody is far away, and one bound for the whole motion says so.
-        odometer: PathLength = PathLength(motion)
-        whole: MotionSpan = MotionSpan(odometer, now, finish)
+        whole: MotionSpan = MotionSpan(motion, now, finish)
         near: cython.bint = False
         for k in range(count):
             near = near or self.in_reach(person[k], whole, now)
@@ -135,12 +133,12 @@ class Lookout:
         ahead: float = least
         while until < finish:
             then: float = min(now + ahead, finish)
-            on: MotionSpan = MotionSpan(odometer, until, then)
+            on: MotionSpan = MotionSpan(motion, until, then)
             # Safe until `then` and safe through the stop from there: one may decide anew at that
             # time. Doubling asks for as many stops as the logarithm of the time, and finds at least
             # half of it.
             stop: Numbers = stops.table(motion, then)
-            stopping: MotionSpan = MotionSpan(PathLength(stop), then, end_of(stop))
+            stopping: MotionSpan = MotionSpan(stop, then, end_of(stop))
             for k in range(count):
                 if self.hinders(person[k], on, now) or self.hinders(person[k], stopping, now):
                     return until, k
@@ -156,9 +154,9 @@ class Lookout:
         That is after `least` seconds of the motion, or at the end of the stop from there.
         """
         then: float = min(now + least, end_of(motion))
-        on: MotionSpan = MotionSpan(PathLength(motion), now, then)
+        on: MotionSpan = MotionSpan(motion, now, then)
         stop: Numbers = stops.table(motion, then)
-        stopping: MotionSpan = MotionSpan(PathLength(stop), then, end_of(stop))
+        stopping: MotionSpan = MotionSpan(stop, then, end_of(stop))
         row: Numbers = numbers(people)
         first: SeenPerson = seen_people(row)[0]
         return -min(self.spare(first, on, now), self.spare(first, stopping, now))
@@ -178,9 +176,10 @@ class Lookout:
         if not self.in_reach(person, on, since):
             return False
         # A motion of no length rests where it is.
-        still: Numbers = rest(0.0, 0.0, person.x, person.y, 0.0)
+        there: Numbers = rest(0.0, 0.0, person.x, person.y, 0.0)
+        still: MotionSpan = MotionSpan(there, since, since)
         law: Towards = Towards(self.law, person.top_speed, since, person.fixed, self.margin)
-        encounter: EncounterBounds = EncounterBounds(still, on.table, self.gauges, 0.0)
+        encounter: Encounter = Encounter(still, on, self.gauges)
         judge: TooCloseTest = TooCloseTest(law, self.rounding)
         watch: ChangeSearch = ChangeSearch(judge, encounter, on.begin, on.end, self.resolution)
         return watch.change() is not None

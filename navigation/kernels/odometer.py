@@ -7,13 +7,17 @@ Mathematics 4, 2003). Lengths are integrated by Gauss-Legendre quadrature.
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
-from ..polynomials import NODES_8, WEIGHTS_8
+from ..enclosure import Enclosure
+from ..polynomials import NODES_8, WEIGHTS_8, smooth_cuts
 from .numbers import numbers
 
 if TYPE_CHECKING:
     import cython
+
+    from ..motion import Motion
 else:
     from . import uncompiled as cython
 
@@ -28,6 +32,14 @@ if not cython.compiled:
 # Nodes from 0 to 2, so that half a length times a node is a place from 0 to that length.
 _NODES: Numbers = numbers([1.0 + node for node in NODES_8])
 _WEIGHTS: Numbers = numbers(WEIGHTS_8)
+
+_STRETCHES = "_stretches"
+"""Key under which a motion caches its stretches, because laws that look ahead often need them."""
+
+
+def enclosure_of(model: TaylorModel) -> Enclosure:
+    """Return a model as the object that custom laws use."""
+    return Enclosure(value=model.value, slope=model.slope, slack=model.slack, curve=model.curve)
 
 
 def speed_along(piece: PosePiece, begin: float, end: float) -> TaylorModel:
@@ -61,29 +73,31 @@ def speed_along(piece: PosePiece, begin: float, end: float) -> TaylorModel:
     return TaylorModel(pace, 0.0, change, 0.0)
 
 
-class PathLength:
+class Odometer:
     """Path length and speed of a motion at any time. Jumps add no length."""
 
-    def __init__(self, table: Numbers) -> None:
-        row: PosePieces = poses(table)
-        self.table = table
+    def __init__(self, motion: Motion) -> None:
+        self.motion = motion
+        self.table = motion.table
         self.stretches: Numbers = room(0)
         self.before: Numbers = self.stretches
         self.total = 0.0
-        self.start = row[0].begin
-        self.finish = end_of(table)
 
-    def smooth_stretches(self) -> tuple[Numbers, Numbers, float]:
-        """Return the stretches in which speed is smooth, the lengths before each, and the whole."""
-        raise NotImplementedError
+    def ahead(self, begin: float, end: float, seconds: float) -> Enclosure:
+        """Return the path length (m) in the `seconds` after each time from `begin` to `end`."""
+        return enclosure_of(self.length_ahead(begin, end, seconds))
+
+    def speed(self, begin: float, end: float) -> Enclosure:
+        """Return the speed (m/s) from `begin` to `end`; at a change, the one after it."""
+        return enclosure_of(speed_over(self.table, begin, end))
 
     def reading(self, t: float) -> float:
         """Return the length of the path up to `t` (seconds), metres; exact to 1e-12 of it."""
         if len(self.stretches) == 0:
-            self.stretches, self.before, self.total = self.smooth_stretches()
-        if t >= self.finish:
+            self.stretches, self.before, self.total = smooth_stretches(self.motion)
+        if t >= end_of(self.table):
             return self.total
-        if t <= self.start:
+        if t <= poses(self.table)[0].begin:
             return 0.0
         k: cython.Py_ssize_t = planar_at(self.stretches, t)
         stretch: PlanarPiece = planar(self.stretches)[k]
@@ -100,48 +114,62 @@ class PathLength:
         # Its derivative is the speed at the far end less that at the near one. Its second
         # derivative, then, is the difference of the two slopes, and what both are uncertain of adds
         # up over half the interval.
-        near: TaylorModel = self.speed_over(begin, end)
-        far: TaylorModel = self.speed_over(begin + seconds, end + seconds)
+        near: TaylorModel = speed_over(self.table, begin, end)
+        far: TaylorModel = speed_over(self.table, begin + seconds, end + seconds)
         slack: float = (far.slack + near.slack) * half
         return TaylorModel(ahead, far.value - near.value, slack, far.slope - near.slope)
 
-    def speed_over(self, begin: float, end: float) -> TaylorModel:
-        """Return the speed over an interval; at a change, the one after it."""
-        row: PosePieces = poses(self.table)
-        if end < self.start or begin >= self.finish:
-            return TaylorModel(0.0, 0.0, 0.0, 0.0)
-        k: cython.Py_ssize_t = pose_at(self.table, begin)
-        if k >= 0 and end <= row[k].end:
-            return speed_along(row[k], begin, end)
-        # Over several pieces the speed may jump: its least and its most are all that holds.
-        low: float = INFINITY
-        high: float = 0.0
-        if begin < self.start or end > self.finish:
-            low = 0.0
-        k = max(k, 0)
-        while k < pose_count(self.table) and row[k].begin < end:
-            since: float = max(begin, row[k].begin)
-            until: float = min(end, row[k].end)
-            if until > since:
-                model: TaylorModel = speed_along(row[k], since, until)
-                around: float = radius_of(model, (until - since) / 2)
-                low = min(low, model.value - around)
-                high = max(high, model.value + around)
-            k += 1
-        low = max(low, 0.0)
-        return TaylorModel((low + high) / 2, 0.0, (high - low) / 2, 0.0)
 
-    def path_ahead(
-        self, begin: float, end: float, seconds: float
-    ) -> tuple[float, float, float, float]:
-        """Return the numbers of `length_ahead`."""
-        model: TaylorModel = self.length_ahead(begin, end, seconds)
-        return model.value, model.slope, model.slack, model.curve
+def speed_over(table: Numbers, begin: float, end: float) -> TaylorModel:
+    """Return the speed of a motion over an interval; at a change, the one after it."""
+    row: PosePieces = poses(table)
+    start: float = row[0].begin
+    finish: float = end_of(table)
+    if end < start or begin >= finish:
+        return TaylorModel(0.0, 0.0, 0.0, 0.0)
+    k: cython.Py_ssize_t = pose_at(table, begin)
+    if k >= 0 and end <= row[k].end:
+        return speed_along(row[k], begin, end)
+    # Over several pieces the speed may jump: its least and its most are all that holds.
+    low: float = INFINITY
+    high: float = 0.0
+    if begin < start or end > finish:
+        low = 0.0
+    k = max(k, 0)
+    while k < pose_count(table) and row[k].begin < end:
+        since: float = max(begin, row[k].begin)
+        until: float = min(end, row[k].end)
+        if until > since:
+            model: TaylorModel = speed_along(row[k], since, until)
+            around: float = radius_of(model, (until - since) / 2)
+            low = min(low, model.value - around)
+            high = max(high, model.value + around)
+        k += 1
+    low = max(low, 0.0)
+    return TaylorModel((low + high) / 2, 0.0, (high - low) / 2, 0.0)
 
-    def speed_within(self, begin: float, end: float) -> tuple[float, float, float, float]:
-        """Return the numbers of `speed_over`."""
-        model: TaylorModel = self.speed_over(begin, end)
-        return model.value, model.slope, model.slack, model.curve
+
+def smooth_stretches(motion: Motion) -> tuple[Numbers, Numbers, float]:
+    """Return stretches in which speed is smooth, the lengths before each, and the whole length."""
+    cache = vars(motion)
+    if _STRETCHES not in cache:
+        table: Numbers = room(0)
+        before: Numbers = room(0)
+        total: float = 0.0
+        k: cython.Py_ssize_t
+        for k in range(pose_count(motion.table)):
+            piece: PosePiece = poses(motion.table)[k]
+            cuts = smooth_cuts(motion.pieces[k].x, motion.pieces[k].y, piece.end - piece.begin)
+            for u, w in itertools.pairwise(cuts):
+                x: Cubic = shift(piece.x, u)
+                y: Cubic = shift(piece.y, u)
+                table.extend((piece.begin + u, piece.begin + w))
+                table.extend((x.p, x.v, x.a, x.j, y.p, y.v, y.a, y.j))
+                before.append(total)
+                total += length(table, len(before) - 1, w - u)
+        cache[_STRETCHES] = table, before, total
+    found: tuple[Numbers, Numbers, float] = cache[_STRETCHES]
+    return found
 
 
 def length(stretches: Numbers, k: cython.Py_ssize_t, u: float) -> float:
@@ -149,12 +177,12 @@ def length(stretches: Numbers, k: cython.Py_ssize_t, u: float) -> float:
     stretch: PlanarPiece = planar(stretches)[k]
     if is_straight(stretch.x, stretch.y):
         return norm(stretch.x.v, stretch.y.v) * u
-    # Stretches are cut so that eight nodes are enough: see `_ELLIPSE` in `navigation.encounter`.
+    # Stretches are cut so that eight nodes are enough: see `smooth_cuts`.
     half: float = u / 2
     total: float = 0.0
     nodes: Doubles = at(_NODES)
     weights: Doubles = at(_WEIGHTS)
     i: cython.Py_ssize_t
     for i in range(8):
-        total += weights[i] * speed(stretch.x, stretch.y, half * nodes[i])
+        total += weights[i] * speed_at(stretch.x, stretch.y, half * nodes[i])
     return half * total

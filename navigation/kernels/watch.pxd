@@ -1,21 +1,21 @@
 from libc.math cimport cos, sin
 from navigation.kernels.cubics cimport *
-from navigation.kernels.encounter cimport EncounterBounds, Gauge
+from navigation.kernels.encounter cimport Encounter
 from navigation.kernels.laws cimport LawEvaluator
 
 cdef int UNDECIDED
 cdef double _SURE
 
 cdef class IntervalTest:
-    cdef int holds(self, EncounterBounds encounter, double begin, double end) except -2
+    cdef int holds(self, Encounter encounter, double begin, double end) except -2
 
 cdef class TooCloseTest(IntervalTest):
     cdef LawEvaluator law
     cdef double rounding
-    cdef int short_of(self, EncounterBounds encounter, double begin, double end) except -2
+    cdef int short_of(self, Encounter encounter, double begin, double end) except -2
 
 cdef Closest margin_over(
-    LawEvaluator law, EncounterBounds encounter, double begin, double end
+    LawEvaluator law, Encounter encounter, double begin, double end
 ) except *
 
 cdef class MovingTest(IntervalTest):
@@ -44,10 +44,10 @@ cdef class CustomTest(IntervalTest):
 
 cdef class ChangeSearch:
     cdef IntervalTest judge
-    cdef EncounterBounds encounter
+    cdef Encounter encounter
     cdef double end, resolution
     cdef bint held, over
 
 cdef double next_change(
-    IntervalTest judge, EncounterBounds encounter, double end, double resolution, bint held
+    IntervalTest judge, Encounter encounter, double end, double resolution, bint held
 ) except? -1

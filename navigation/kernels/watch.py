@@ -17,7 +17,7 @@ if not cython.compiled:
     from math import cos, sin
 
     from .cubics import *
-    from .encounter import EncounterBounds, Gauge
+    from .encounter import Encounter
     from .laws import LawEvaluator
 
 UNDECIDED: cython.int = -1
@@ -28,10 +28,10 @@ _SURE: float = 1e-12  # metres; so that rounding can't leave a tie undecided
 class IntervalTest:
     """A condition on an encounter, decided over an interval: 1 holds, 0 does not, -1 undecided."""
 
-    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         return 0
 
-    def verdict(self, encounter: EncounterBounds, begin: float, end: float) -> bool | None:
+    def verdict(self, encounter: Encounter, begin: float, end: float) -> bool | None:
         """Return whether it holds throughout (True), nowhere (False), or None."""
         decided: cython.int = self.holds(encounter, begin, end)
         return None if decided < 0 else decided == 1
@@ -44,7 +44,7 @@ class TooCloseTest(IntervalTest):
         self.law = law
         self.rounding = rounding
 
-    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         law: LawEvaluator = self.law
         if not law.of_speeds:
             return self.short_of(encounter, begin, end)
@@ -70,7 +70,7 @@ class TooCloseTest(IntervalTest):
             )
         return UNDECIDED
 
-    def short_of(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def short_of(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         margin: Closest = margin_over(self.law, encounter, begin, end)
         if margin.low >= -self.rounding:
             return 0
@@ -83,7 +83,7 @@ class TooCloseTest(IntervalTest):
 
 
 def margin_over(
-    law: LawEvaluator | None, encounter: EncounterBounds, begin: float, end: float
+    law: LawEvaluator | None, encounter: Encounter, begin: float, end: float
 ) -> Closest:
     """Bound distance − required, or the distance without a law."""
     if law is None:
@@ -108,7 +108,7 @@ class MovingTest(IntervalTest):
         self.limit = limit
         self.reach = reach
 
-    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         speed: Range = encounter.machine.speeds(begin, end)
         low: float = speed.low
         high: float = speed.high
@@ -124,7 +124,7 @@ class MovingTest(IntervalTest):
 class ApproachingTest(IntervalTest):
     """The places of the two come closer to each other."""
 
-    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         rate: Range = encounter.approach(begin, end)
         if rate.low >= 0.0:
             return 0
@@ -137,7 +137,7 @@ class ApartTest(IntervalTest):
     def __init__(self, metres: float) -> None:
         self.metres = metres
 
-    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         apart: Closest = encounter.closest(begin, end, 0.0, 0.0)
         if apart.high + encounter.slack / 2 < self.metres:
             return 0
@@ -169,9 +169,9 @@ class OverlappingTest(IntervalTest):
         self.reach = norm(along, across)
         self.other_reach = norm(other_along, other_across)
 
-    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         half: float = (end - begin) / 2
-        u: float = begin - encounter.since + half
+        u: float = begin - encounter.begin + half
         # About the middle, the other's place from the one, its velocity, half its acceleration and
         # a sixth of its jerk.
         x: Cubic = shift(encounter.x, u)
@@ -225,7 +225,7 @@ class NotTest(IntervalTest):
     def __init__(self, other: IntervalTest) -> None:
         self.other = other
 
-    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         verdict: cython.int = self.other.holds(encounter, begin, end)
         return verdict if verdict < 0 else 1 - verdict
 
@@ -237,7 +237,7 @@ class BothTest(IntervalTest):
         self.first = first
         self.second = second
 
-    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         one: cython.int = self.first.holds(encounter, begin, end)
         if one == 0:
             return 0
@@ -253,7 +253,7 @@ class CustomTest(IntervalTest):
     def __init__(self, condition: Any) -> None:
         self.condition = condition
 
-    def holds(self, encounter: EncounterBounds, begin: float, end: float) -> cython.int:
+    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         verdict = self.condition.holds(encounter, begin, end)
         if verdict is None:
             return UNDECIDED
@@ -269,7 +269,7 @@ class ChangeSearch:
     def __init__(
         self,
         judge: IntervalTest,
-        encounter: EncounterBounds,
+        encounter: Encounter,
         begin: float,
         end: float,
         resolution: float,
@@ -280,7 +280,7 @@ class ChangeSearch:
         self.resolution = resolution
         self.held = False
         self.over = False
-        encounter.start(begin)
+        encounter.come_to(begin)
 
     def change(self) -> float | None:
         """Return the next instant at which the condition begins or ceases to hold, seconds."""
@@ -296,7 +296,7 @@ class ChangeSearch:
 
 def next_change(
     judge: IntervalTest,
-    encounter: EncounterBounds,
+    encounter: Encounter,
     end: float,
     resolution: float,
     held: cython.bint,
@@ -327,49 +327,8 @@ def next_change(
     return INFINITY
 
 
-def first_change(
-    judge: IntervalTest,
-    person: Numbers,
-    machine: Numbers,
-    gauges: list[Gauge],
-    rounding: float,
-    begin: float,
-    end: float,
-    resolution: float,
-) -> float | None:
-    """Return the first instant at which a condition on places and speeds holds, or None.
-
-    Distances are those of places, or between the surfaces of `gauges`.
-    """
-    encounter: EncounterBounds = EncounterBounds(person, machine, gauges, rounding)
-    encounter.start(begin)
-    t: float = next_change(judge, encounter, end, resolution, False)
-    return None if t == INFINITY else t
-
-
-def first_interval(
-    judge: IntervalTest,
-    person: Numbers,
-    machine: Numbers,
-    gauges: list[Gauge],
-    rounding: float,
-    begin: float,
-    end: float,
-    resolution: float,
-) -> tuple[float, float] | None:
-    """Return the first interval in which a condition holds, or None: see `first_change`."""
-    encounter: EncounterBounds = EncounterBounds(person, machine, gauges, rounding)
-    watch: ChangeSearch = ChangeSearch(judge, encounter, begin, end, resolution)
-    since = watch.change()
-    if since is None:
-        return None
-    until = watch.change()
-    assert until is not None  # what holds at the end ceases to hold there
-    return since, until
-
-
 def least(
-    law: LawEvaluator | None, encounter: EncounterBounds, begin: float, end: float, tolerance: float
+    law: LawEvaluator | None, encounter: Encounter, begin: float, end: float, tolerance: float
 ) -> tuple[float, float]:
     """Return the first instant at which distance − required is least (seconds), and how much.
 
@@ -378,7 +337,7 @@ def least(
     best: float = INFINITY
     when: float = 0.0
     k: cython.Py_ssize_t
-    encounter.start(begin)
+    encounter.come_to(begin)
     while encounter.next_interval(end):
         # Branch and bound: what can't be better than the best so far by the tolerance is not
         # halved.

@@ -7,14 +7,12 @@ from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field, model_validator
-from shapely.geometry import Polygon
+from pydantic import AfterValidator, model_validator
 
 from floorplan import UserError
-from floorplan.checks import polygon_fault
-from floorplan.files.fields import LARGEST, Flag, Judged, Keyed, NotNegative, Pair, Positive
-from floorplan.files.problems import Written
+from floorplan.files.fields import LARGEST, Judged, Keyed, NotNegative, Positive
 from navigation import FieldSet, ProtectiveFields
+from navigation.fields import UNBOUNDED
 
 from .schedule import Interval
 
@@ -22,60 +20,12 @@ LEAST_DELAY = 0.01
 """Seconds. Minimum restart delay: a machine that restarts at once would stop at once again."""
 
 
-def _polygon(corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-    if fault := _corner_fault(corners):
-        raise UserError(fault)
-    return corners
-
-
-def _corner_fault(corners: tuple[tuple[float, float], ...]) -> str:
-    if len(corners) < 3:
-        return f"must have 3 corners or more, not {len(corners)}"
-    return polygon_fault(Polygon(corners))
-
-
-def _not_falling(pair: tuple[float, float]) -> tuple[float, float]:
-    if pair[0] > pair[1]:
-        raise UserError(f"must be [low, high] with low <= high, found {list(pair)}")
-    return pair
-
-
-_Corners = Annotated[tuple[Pair, ...], AfterValidator(_polygon)]
-
-_Range = Annotated[Pair, AfterValidator(_not_falling)]
-
-_ANY = (-math.inf, math.inf)
-
-
-@dataclass(frozen=True, kw_only=True)
-class FieldSetKeys(Keyed):
-    """Keys of a field set in a file: see `navigation.FieldSet`."""
-
-    name: Annotated[str, Field(min_length=1)]
-    protective: _Corners
-    warning: _Corners = ()
-    linear: _Range = _ANY
-    theta: _Range = _ANY
-    direction: _Range | None = None
-    load: Flag | None = None
-
-    def value(self) -> FieldSet:
-        """Return the field set."""
-        return FieldSet(**vars(self))
-
-
-_Set = Annotated[FieldSet, Written(Annotated[FieldSetKeys, AfterValidator(FieldSetKeys.value)])]
-
-
 def keys_of_set(one: FieldSet) -> dict[str, Any]:
     """Return the keys of a field set in a file. Those with their defaults are omitted."""
     keys: dict[str, Any] = {"name": one.name}
-    for key in ("linear", "theta"):
-        low, high = getattr(one, key)
-        if (low, high) != _ANY:
-            keys[key] = [max(low, -LARGEST), min(high, LARGEST)]
-    if one.direction is not None:
-        keys["direction"] = [*one.direction]
+    for key in ("linear", "theta", "direction"):
+        if (ends := getattr(one, key)) not in (UNBOUNDED, None):
+            keys[key] = [min(max(end, -LARGEST), LARGEST) for end in ends]
     if one.load is not None:
         keys["load"] = one.load
     keys["protective"] = [[*corner] for corner in one.protective]
@@ -134,7 +84,7 @@ class MachineFields(Keyed):
         Zones and time spans in which the fields are muted.
     """
 
-    sets: tuple[_Set, ...]
+    sets: tuple[FieldSet, ...]
     response_time: NotNegative = 0.2
     restart_delay: Annotated[Positive, AfterValidator(_delay), Judged(_long_enough)] = 2.0
     warning_speed: Positive = 0.3

@@ -87,23 +87,31 @@ class KittingTrays(Strictly):
     slots: list[TraySlot] = []
 
 
-class Lot(Strictly):
-    """Parts of one kind in slots of a bin."""
+class PartKeys(Strictly):
+    """A kind of part."""
 
     type: Type
     color: Color
+
+
+class Lot(PartKeys):
+    """Parts of one kind in slots of a bin."""
+
     slots: list[Slot]
     rotation: Angle = 0.0
     flipped: Flag = False
     faulty: list[Slot] = []
 
 
-class AgvPart(Strictly):
+class KitProduct(PartKeys):
+    """A part of a kit."""
+
+    quadrant: Quadrant
+
+
+class AgvPart(KitProduct):
     """A part on an AGV."""
 
-    type: Type
-    color: Color
-    quadrant: Quadrant
     rotation: Angle = 0.0
     flipped: Flag = False
 
@@ -115,11 +123,9 @@ class AgvLoad(Strictly):
     parts: list[AgvPart] | None = []
 
 
-class ConveyorPart(Strictly):
+class ConveyorPart(PartKeys):
     """Parts of one kind that come along the conveyor."""
 
-    type: Type
-    color: Color
     number: Annotated[int, whole(0, MOST_PARTS)]
     offset: Offset = 0.0
     flipped: Flag = False
@@ -143,11 +149,9 @@ class Parts(Strictly):
     conveyor_belt: ConveyorBelt | None = None
 
 
-class PartPlace(Strictly):
+class PartPlace(PartKeys):
     """A part is placed on an AGV."""
 
-    type: Type
-    color: Color
     agv: Whole | None = None
 
 
@@ -244,14 +248,6 @@ class Challenge(Strictly):
         return min(self.model_fields_set, default="human")
 
 
-class KitProduct(Strictly):
-    """A part of a kit."""
-
-    type: Type
-    color: Color
-    quadrant: Quadrant
-
-
 class InsertPose(Strictly):
     """Pose of a part in the insert: metres, and roll, pitch, yaw."""
 
@@ -259,11 +255,9 @@ class InsertPose(Strictly):
     rpy: tuple[Angle, Angle, Angle]
 
 
-class AssemblyProduct(Strictly):
+class AssemblyProduct(PartKeys):
     """A part to be inserted."""
 
-    type: Type
-    color: Color
     assembled_pose: InsertPose | None = None
     assembly_direction: Vector | None = None
 

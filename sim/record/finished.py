@@ -12,7 +12,7 @@ from typing import Any
 
 from floorplan import UserError
 from navigation import Motion, Moving, minimum_separation, when
-from navigation.encounter import Odometer
+from navigation.kernels.odometer import Odometer
 from navigation.kernels.pieces import walked_and_stood
 from navigation.measures import Nearest, nearest_pair
 

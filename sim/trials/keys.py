@@ -15,8 +15,8 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 from typing_extensions import Self
 
-from floorplan import Obstacle, UserError
-from floorplan.building import ObstacleSchema, footprint
+from floorplan import UserError
+from floorplan.building import ObstacleSchema
 from floorplan.files.documents import read_yaml
 from floorplan.files.fields import Flag, NotNegative, Number, Range, Strictly, whole
 from floorplan.files.problems import Written, suggestion
@@ -61,12 +61,7 @@ class BlockKeys(ObstacleSchema):
 
     def value(self) -> Command:
         """Return the command."""
-        return Command(
-            self.time,
-            block=Obstacle(
-                name=self.block, footprint=footprint(self), bottom=self.z[0], top=self.z[1]
-            ),
-        )
+        return Command(self.time, block=self.obstacle(self.block))
 
 
 def _one_command(value: Any) -> Any:
@@ -195,9 +190,7 @@ class TimedKeys(ObstacleSchema):
 
     def value(self, name: str) -> TimedObstacle:
         """Return the obstacle called `name`."""
-        bottom, top = self.z
-        obstacle = Obstacle(name=name, footprint=footprint(self), bottom=bottom, top=top)
-        return TimedObstacle(obstacle, self.there)
+        return TimedObstacle(self.obstacle(name), self.there)
 
 
 def _name_or_keys(value: Any) -> Any:

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import shapely
 from hypothesis import given, strategies as st
@@ -65,6 +66,20 @@ def test_floorwalkers_own_format_holds_everything(plan, tmp_path):
     plan.save(tmp_path / "floor.yaml")
     assert floorplan.load(tmp_path / "floor.yaml") == plan
     assert floorplan.parse(replace(plan, patrol=()).to_yaml()).patrol == ()
+
+
+def test_numbers_and_flags_of_numpy_are_written_as_plain_values():
+    door = floorplan.Door(
+        name="in", ends=np.array([(2.0, 0.5), (3.0, 0.5)]), is_open=np.False_, height=np.float64(2)
+    )
+    zones = [
+        floorplan.Zone(name="out", area=box(4, 0, 5, 1), forbidden=np.True_, concerns=("a*",)),
+        floorplan.Zone(name="slow", area=box(4, 2, 5, 3), max_speed=np.float32(0.5)),
+    ]
+    plan = floorplan.Floorplan(name="room", boundary=box(0, 0, 9, 9), doors=[door], zones=zones)
+    again = floorplan.parse(plan.to_yaml())
+    assert again.doors == (replace(door, ends=((2.0, 0.5), (3.0, 0.5))),)
+    assert again.zones == plan.zones
 
 
 @pytest.mark.parametrize("plan", BUILT_IN)

@@ -438,7 +438,9 @@ class Asked:
 
 def test_the_switches_of_a_motion_are_computed_once_for_all_people_beside_it():
     fields, machine = fields_of(SLOW, FAST), Asked(drive())
-    spans = [fields.applying(machine, 0.0, 20.0) for _ in range(3)]
-    assert spans[0] == spans[1] == spans[2] and machine.count == 1
+    first = fields.applying(machine, 0.0, 20.0)
+    reads = machine.count
+    assert [fields.applying(machine, 0.0, 20.0) for _ in range(2)] == [first, first]
+    assert machine.count == reads
     fields.applying(machine, 0.0, 20.0, loaded=True)
-    assert machine.count == 2
+    assert machine.count > reads

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings, strategies as st
 
 import navigation
 from navigation import FixedDistance, Motion, Piece
-from navigation.encounter import Odometer
+from navigation.kernels.odometer import Odometer
 from navigation.measures import Company, Courses, nearest_pair
 
 END = 12.0

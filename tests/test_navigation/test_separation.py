@@ -19,7 +19,7 @@ from navigation import (
     Scaled,
     SeparationLaw,
 )
-from navigation.encounter import Odometer
+from navigation.kernels.odometer import Odometer
 from navigation.machines import ARIAC_GANTRY, AxisLimits
 from navigation.motion import State
 from navigation.separation import is_of_motions, is_of_speeds, required_at, required_at_speeds
