@@ -6,9 +6,19 @@ import math
 from collections.abc import Callable, Collection
 
 from floorplan import Human, Point
-from navigation import CollisionWorld, Disc, PlanningError
+from navigation import (
+    CollisionWorld,
+    Cylinder,
+    Disc,
+    FixedDistance,
+    PlanningError,
+    Shapes,
+    standing,
+    violations,
+)
 
 from ..core.body import Machine
+from ..core.clock import Alarm, Turn
 from ..core.events import Arrived, GoalChanged, GoalFree, GoalOccupied, PathBlocked, Replanned
 from ..core.stage import Stage
 from .perception import Senses
@@ -40,10 +50,24 @@ class WaitingPlaces:
 
     def beside(self, goal: Point, vehicle: Machine) -> Point | None:
         """Return the free place nearest to `goal` that lets the vehicle set out, if any."""
-        radius = self._human.radius
-        kept = vehicle.zone(self._human.max_speed) + SPARE - radius
-        zone = Disc(vehicle.centre, max(kept, SPARE))
-        return self._world.as_if({_ZONE: zone}).nearest_free(goal, radius)
+        zone = Disc(vehicle.centre, self._kept_from(vehicle))
+        return self._world.as_if({_ZONE: zone}).nearest_free(goal, self._human.radius)
+
+    def left(self, goal: Point, vehicle: Machine) -> float | None:
+        """Return when the vehicle under way leaves `goal` and its surroundings (s), or None."""
+        now, drive = self._stage.clock.now, vehicle.body.motion
+        if drive.end <= now:
+            return None
+        person = Cylinder(radius=self._human.radius, top=self._human.height)
+        shapes = Shapes(person=person, machine=(vehicle.shape.chassis,))
+        near = FixedDistance(self._kept_from(vehicle))
+        stays = violations(standing(goal), drive, near, now, drive.end, shapes=shapes)
+        return next((end for _, end in stays if now < end < drive.end), None)
+
+    def _kept_from(self, vehicle: Machine) -> float:
+        """Return the distance at which a person does not keep a vehicle from setting out (m)."""
+        zone = vehicle.zone(self._human.max_speed)
+        return max(zone + SPARE - self._human.radius, SPARE)
 
 
 BESIDE = 1e-3
@@ -72,6 +96,9 @@ class Errand:
         self._name = walker.body.name
         self._waiting_places = WaitingPlaces(stage, walker.world, walker.human)
         self._waits_for: Point | None = None
+        self._occupant: Machine | None = None
+        """The vehicle that the person waits for, or has waited for last."""
+        self._leaving = Alarm(stage.clock, self._look_again, Turn.MOTION_ENDS)
 
     def go(self, goal: Point) -> bool:
         """Set out for `goal`; return True if there is a path to it, or to a place to wait."""
@@ -154,7 +181,8 @@ class Errand:
 
     def _check_wait(self, goal: Point, came: Collection[str]) -> None:
         """Go on to `goal` if it is free now; else go on waiting."""
-        if self._waiting_places.occupant(goal) is None:
+        occupant = self._waiting_places.occupant(goal)
+        if occupant is None:
             self._waits_for = None
             self._record(GoalFree(person=self._name, goal=goal))
             self._walker.halt_if_blocked()
@@ -162,6 +190,27 @@ class Errand:
                 self._walker.stop()
         elif self._walker.check_path(came) is not None and not self._wait_beside(goal):
             self.fail(goal, "there is no way to a place to wait", at_the_goal=True)
+        else:
+            self._wait_for(occupant)
+
+    def _wait_for(self, occupant: Machine) -> None:
+        """Set the alarm for the time at which a vehicle leaves the goal, now and as it sets out."""
+        self._occupant = occupant
+        if self._occupant_moves not in occupant.body.on_change:
+            occupant.body.on_change.append(self._occupant_moves)
+        self._occupant_moves()
+
+    def _occupant_moves(self) -> None:
+        """Set the alarm for the time at which the vehicle leaves the goal, if that is known."""
+        goal, occupant = self._waits_for, self._occupant
+        if goal is not None and occupant is not None:
+            self._leaving.set(self._waiting_places.left(goal, occupant))
+
+    def _look_again(self) -> None:
+        """Go on to the goal that the vehicle has left."""
+        if self._waits_for is not None:
+            self._stage.place_machines()
+            self._check_wait(self._waits_for, ())
 
     def _wait_beside(self, goal: Point) -> bool:
         """Wait near a goal until the vehicle on it has left; return False if none stands there."""
@@ -176,6 +225,7 @@ class Errand:
             return False
         self._waits_for = goal
         self._record(GoalOccupied(person=self._name, goal=goal, by=occupant.name))
+        self._wait_for(occupant)
         return True
 
     def _station_at(self, point: Point) -> str | None:

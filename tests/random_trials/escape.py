@@ -39,10 +39,11 @@ def contacts(run):
         drives = np.hypot(*motion.velocity(times)[:, :2].T) > MOVES
         for person in run.trial.people:
             walk = run.motions[person.name]
+            radius = person.radius or run.floorplan.human.radius
             apart = gaps(walk.position(times), motion, machine.bounds, times)
-            deep = (apart - run.floorplan.human.radius < -TOLERANCE) & drives
+            deep = (apart - radius < -TOLERANCE) & drives
             if deep.any():
-                depth = run.floorplan.human.radius - apart[deep].min()
+                depth = radius - apart[deep].min()
                 found.append((person.name, machine.name, times[deep.argmax()], depth))
     return found
 
@@ -79,12 +80,13 @@ def avoidable(trial, contact):
 def free_place(simulation, name, vehicle):
     """Return a place that a person in danger can reach, or None."""
     now, plan = simulation.clock.now, simulation.trial.floorplan
+    people = {person.name: person.walker.human for person in simulation.people}
     bodies = {person.name: person.body.motion for person in simulation.people}
     known = {machine.name: machine.foreseen(now + 10.0) for machine in simulation.machines.values()}
     drives = {k: motion for k, motion in known.items() if motion.end > now}
     end = max([now, *(motion.end for motion in (*drives.values(), *bodies.values()))])
     times = np.arange(now, end + STEP, STEP)
-    human, me = plan.human, bodies.pop(name)
+    human, me = people[name], bodies.pop(name)
     shapes = {k: simulation.machines[k].shape.bounds for k in drives}
 
     def free(places):
@@ -95,9 +97,9 @@ def free_place(simulation, name, vehicle):
             # A person who is too near already must not come nearer.
             least = np.minimum(human.radius, apart[:, :1])
             clear &= (apart >= least - 1e-9).all(axis=1)
-        for motion in bodies.values():
+        for other, motion in bodies.items():
             away = np.hypot(*np.moveaxis(places - motion.position(times), -1, 0))
-            clear &= (away >= 2 * human.radius + 0.006).all(axis=1)
+            clear &= (away >= human.radius + people[other].radius + 0.006).all(axis=1)
         return clear
 
     if vehicle not in drives or free(me.position(times)[None])[0]:

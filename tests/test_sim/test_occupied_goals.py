@@ -3,6 +3,7 @@
 import math
 
 import pytest
+import yaml
 from run_events import events, said
 
 import navigation
@@ -65,7 +66,11 @@ def test_a_person_waits_beside_and_goes_on_when_the_agv_has_left(run, yields):
     # 5.5 m, and an AGV that yields looks 2 s ahead.
     away = 3.1 if not yields else 7.6
     assert math.dist(waited.at, (16, 5)) == pytest.approx(away, abs=0.01)
-    assert free["t"] == pytest.approx(events(found, "agv_moved")[-1]["arrives"])
+    assert 30.0 < free["t"] < events(found, "agv_moved")[-1]["arrives"]
+    # Not before somebody beside the goal would be far enough for the AGV.
+    cart = found.motions["cart"]
+    left = math.dist(cart.position(free["t"]), cart.position(29.0))
+    assert left >= away
     assert found.motions["a"].position(60.0) == pytest.approx((16, 5))
     assert said(found) == ["occupied0", "completed0"]
 
@@ -140,3 +145,18 @@ def test_to_ask_where_to_wait_moves_nothing(run):
     before = simulation.world.changes
     simulation.advance(60)
     assert simulation.world.changes == before
+
+
+def test_a_person_goes_on_while_a_vehicle_that_has_left_the_goal_drives_on(tmp_path):
+    floor = {"boundary": [[0, 0], [30, 0], [30, 10], [0, 10]]}
+    floor |= {"stations": {"dock": [6, 5]}, "safe_zone": {"at": [28, 9]}}
+    drive = [{"wait": 3}, {"go": [28, 5]}]
+    cart = {"kind": "amr", "at": [6, 5, 0], "max_speed": 0.8, "missions": drive}
+    (tmp_path / "go.asl").write_text("+human_start <- move(6, 5, 0).\n")
+    keys = {"floorplan": floor, "duration": 40, "rules": "observe", "machines": {"cart": cart}}
+    keys["people"] = [{"name": "a", "at": [3, 5], "personality": "go.asl"}]
+    found = sim.run(sim.Trial.parse(yaml.safe_dump(keys), folder=tmp_path))
+    waited = events(found, "goal", "goal_occupied", "goal_free", "arrived")
+    assert [event["kind"] for event in waited] == ["goal", "goal_occupied", "goal_free", "arrived"]
+    free = waited[2]
+    assert math.dist(found.motions["cart"].state(free["t"]).at, (6, 5)) < 3.0
