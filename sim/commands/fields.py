@@ -64,7 +64,7 @@ def fields(
 ) -> None:
     """Compute the protective fields that the machines of a trial need.
 
-    Writes the section `fields` of the trial, with the lengths in comments.
+    Prints them as a section `fields` for the trial, with the lengths in comments.
     """
     from floorplan import UserError
     from navigation import FieldSupplements

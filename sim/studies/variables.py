@@ -173,7 +173,8 @@ def variable(name: str) -> Variable:
     if name == "seed":
         raise UserError("seeds are not varied: each of the runs of `repeat: N` has one of its own")
     known = [*KINDS, *(f"{g}.NAME.{last}" for g, parts in _PARTS.items() for last in parts)]
-    raise UserError(f"nothing is called {name!r} to vary; {suggestion(name, known)}")
+    paths = f"a path begins with one of {', '.join(ROOTS)}"
+    raise UserError(f"nothing is called {name!r} to vary; {suggestion(name, known)}; {paths}")
 
 
 def _personality(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
@@ -253,12 +254,8 @@ def _duration(trial: Trial, value: Any, whose: str, folder: Path) -> Trial:
     return replace(lasting(trial, seconds), until_submitted=trial.until_submitted)
 
 
-def _at_path(trial: Trial, value: Any, path: str, folder: Path) -> Trial:
-    return put_at(trial, path, value)
-
-
 _CHANGES: dict[str, Change] = {
-    "path": _at_path,
+    "path": lambda trial, value, path, folder: put_at(trial, path, value),
     "personality": _personality,
     "planner": _planner,
     "max_speed": _max_speed,
