@@ -9,14 +9,10 @@ from .field_intrusions import FieldEntry, Intrusion, first_intrusion, intrusions
 from .field_lengths import FieldSupplements, ShortField, short_fields, stopping_reach
 from .fields import FieldGap, FieldSet, FieldSpan, ProtectiveFields
 from .kernels.encounter import Encounter
+from .kernels.watch import Apart, Approaching, Moving, Overlapping, TooClose
 from .machines import agv_run, agv_stop, gantry_move, gantry_stop
 from .monitor import (
-    Apart,
-    Approaching,
     Condition,
-    Moving,
-    Overlapping,
-    TooClose,
     first_time,
     first_violation,
     minimum_margin,

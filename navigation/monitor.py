@@ -11,37 +11,17 @@ encounters, not with the time watched.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
 from math import inf
 from typing import Protocol
 
 from floorplan.files.values import require
 
-from .encounter import Box, Shapes
+from .encounter import Shapes
 from .kernels import lookout as kernel
 from .kernels.encounter import Encounter
-from .kernels.watch import (
-    ApartTest,
-    ApproachingTest,
-    BothTest,
-    ChangeSearch,
-    CustomTest,
-    IntervalTest,
-    MovingTest,
-    NotTest,
-    OverlappingTest,
-    TooCloseTest,
-    least,
-)
+from .kernels.watch import ChangeSearch, TooClose, in_kernel, least
 from .motion import Motion
 from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
-
-STANDING_SPEED = 0.01
-"""m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
-
-ROUNDING = 1e-11
-"""Metres. Laws that look ahead are not sure of less: being short by this is no violation."""
 
 
 class Condition(Protocol):
@@ -67,168 +47,6 @@ class Condition(Protocol):
             must be decided if `begin` equals `end`.
         """
         ...
-
-
-class _KernelCondition:
-    """A condition that the monitor's kernel decides."""
-
-    @cached_property
-    def _judge(self) -> IntervalTest:
-        raise NotImplementedError
-
-    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """See `Condition`."""
-        return self._judge.verdict(encounter, begin, end)
-
-    def __invert__(self) -> Not:
-        """Return the condition that this one does not hold."""
-        return Not(self)
-
-    def __and__(self, other: Condition) -> Both:
-        """Return the condition that both hold at once."""
-        return Both(self, other)
-
-    def __rand__(self, other: Condition) -> Both:
-        """Return the condition that both hold at once."""
-        return Both(other, self)
-
-
-@dataclass(frozen=True)
-class TooClose(_KernelCondition):
-    """Condition that the two are closer than a law requires.
-
-    Parameters
-    ----------
-    law : Law or MotionLaw
-        Law.
-
-    Raises
-    ------
-    ValueError
-        If the law has no method for it, or decreases with a speed.
-    """
-
-    law: AnyLaw
-
-    def __post_init__(self) -> None:
-        require_sense(self.law)
-
-    @cached_property
-    def _judge(self) -> IntervalTest:
-        return TooCloseTest(kernel_of(self.law), ROUNDING)
-
-
-@dataclass(frozen=True)
-class Moving(_KernelCondition):
-    """Condition that the machine moves.
-
-    Parameters
-    ----------
-    speed : float, optional
-        Minimum speed in m/s.
-    reach : float, optional
-        Distance in metres from the axis to a point that turns with the machine. The machine also
-        moves while this point is faster than `speed` by turning. By default turning on the spot
-        does not count.
-    """
-
-    speed: float = STANDING_SPEED
-    reach: float = 0.0
-
-    @cached_property
-    def _judge(self) -> IntervalTest:
-        return MovingTest(self.speed, self.reach)
-
-
-@dataclass(frozen=True)
-class Approaching(_KernelCondition):
-    """Condition that the centres approach each other."""
-
-    @cached_property
-    def _judge(self) -> IntervalTest:
-        return ApproachingTest()
-
-
-@dataclass(frozen=True)
-class Apart(_KernelCondition):
-    """Condition that the two are apart.
-
-    Parameters
-    ----------
-    metres : float
-        Minimum distance in metres.
-    """
-
-    metres: float
-
-    @cached_property
-    def _judge(self) -> IntervalTest:
-        return ApartTest(self.metres)
-
-
-@dataclass(frozen=True)
-class Overlapping(_KernelCondition):
-    """Condition that the boxes of two bodies overlap.
-
-    Parameters
-    ----------
-    one, other : Box
-        Boxes that turn with the first and the second body.
-    depth : float, optional
-        Minimum depth on the floor in metres. Boxes above each other do not overlap.
-
-    Raises
-    ------
-    ValueError
-        If `depth` is negative.
-    """
-
-    one: Box
-    other: Box
-    depth: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not self.depth >= 0.0:
-            raise ValueError(f"boxes can't overlap by more than {self.depth} m")
-
-    @cached_property
-    def _judge(self) -> IntervalTest:
-        one, other = self.one, self.other
-        # Boxes above each other overlap by nothing, however near they are along the floor.
-        depth = self.depth if one.is_level_with(other) else inf
-        sizes = (one.length / 2, one.width / 2, other.length / 2, other.width / 2)
-        return OverlappingTest(*sizes, depth)
-
-
-@dataclass(frozen=True)
-class Not(_KernelCondition):
-    """Condition that another condition does not hold."""
-
-    condition: Condition
-
-    @cached_property
-    def _judge(self) -> IntervalTest:
-        return NotTest(judge_of(self.condition))
-
-
-@dataclass(frozen=True)
-class Both(_KernelCondition):
-    """Condition that two conditions hold."""
-
-    first: Condition
-    second: Condition
-
-    @cached_property
-    def _judge(self) -> IntervalTest:
-        return BothTest(judge_of(self.first), judge_of(self.second))
-
-
-def judge_of(condition: Condition) -> IntervalTest:
-    """Return what decides about `condition` in the monitor."""
-    if getattr(type(condition), "holds", None) is _KernelCondition.holds:
-        judge: IntervalTest = condition._judge  # type: ignore[attr-defined]
-        return judge
-    return CustomTest(condition)
 
 
 RESOLUTION = 1e-7
@@ -334,7 +152,7 @@ def _watch(
     shapes: Shapes | None,
 ) -> ChangeSearch:
     encounter = _encounter(person, machine, begin, end, shapes)
-    return ChangeSearch(judge_of(condition), encounter, float(begin), float(end), RESOLUTION)
+    return ChangeSearch(in_kernel(condition), encounter, float(begin), float(end), RESOLUTION)
 
 
 def _encounter(
@@ -498,4 +316,4 @@ class StoppingHorizon(kernel.Lookout):
 
     def __init__(self, law: AnyLaw, margin: float, shapes: Shapes | None = None) -> None:
         gauges = [] if shapes is None else [*shapes.gauges]
-        super().__init__(kernel_of(law), margin, ROUNDING, RESOLUTION, gauges)
+        super().__init__(kernel_of(law), margin, RESOLUTION, gauges)

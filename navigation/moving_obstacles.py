@@ -24,7 +24,8 @@ from floorplan import Point
 from .bodies import CollisionBody, Disc
 from .catalog import Path, PlanningError
 from .encounter import PERSON_HEIGHT, Cylinder, Shapes, Solid
-from .monitor import RESOLUTION, TooClose, first_interval, first_time, minimum_separation
+from .kernels.watch import TooClose
+from .monitor import RESOLUTION, first_interval, first_time, minimum_separation
 from .motion import Motion, join, standing
 from .planner import PathPlanner
 from .roadmap_planner import SLACK

@@ -337,6 +337,8 @@ def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> 
 
 def kernel_of(law: AnyLaw) -> LawEvaluator:
     """Return the kernel's evaluator of `law`. Custom laws are called in Python."""
+    if isinstance(law, LawEvaluator):
+        return law
     make = _KERNELS.get(type(law))  # derived classes may change what they ask for
     if make is None:
         return PythonLaw(law, is_of_speeds(law), is_of_motions(law))

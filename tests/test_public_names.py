@@ -240,6 +240,16 @@ def test_copies_are_equal(package, way):
     assert different == []
 
 
+@pytest.mark.parametrize("way", COPIES)
+@pytest.mark.parametrize("law", [LAW, INTEGRAL])
+def test_conditions_are_copied_after_use(law, way):
+    condition = ~navigation.TooClose(law) & navigation.Moving(reach=1.0)
+    navigation.first_time(condition, PERSON, MOVE, 0.0, 10.0)
+    copied = COPIES[way](condition)
+    assert copied == condition and hash(copied) == hash(condition)
+    assert repr(copied) == repr(condition)
+
+
 def test_every_value_is_copied():
     for package, samples in SAMPLES.items():
         kinds = {type(sample) for sample in samples}

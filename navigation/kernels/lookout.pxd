@@ -5,7 +5,7 @@ from navigation.kernels.encounter cimport Encounter, Gauge, nearest_surface
 from navigation.kernels.laws cimport LawEvaluator
 from navigation.kernels.odometer cimport radius_of, speed_over
 from navigation.kernels.pieces cimport instant, rest
-from navigation.kernels.watch cimport ChangeSearch, TooCloseTest
+from navigation.kernels.watch cimport ChangeSearch, TooClose
 
 cdef class Towards(LawEvaluator):
     cdef LawEvaluator law
@@ -17,7 +17,7 @@ cdef class MotionSpan:
 
 cdef class Lookout:
     cdef LawEvaluator law
-    cdef double margin, rounding, resolution, around
+    cdef double margin, resolution, around
     cdef list[Gauge] gauges
     cpdef tuple safe_until(
         self, Numbers motion, Stops stops, list[double] people, double now, double least

@@ -27,7 +27,7 @@ if not cython.compiled:
     from .laws import LawEvaluator
     from .odometer import radius_of, speed_over
     from .pieces import instant, rest
-    from .watch import ChangeSearch, TooCloseTest
+    from .watch import ChangeSearch, TooClose
 
 
 class Towards(LawEvaluator):
@@ -84,15 +84,14 @@ class MotionSpan:
 class Lookout:
     """The test for a machine to which `law` applies; `margin` metres are kept in addition.
 
-    Laws that look ahead are sure of `rounding` metres; instants are found to `resolution` seconds.
-    Distances are those of places, or between the surfaces of `gauges`.
+    Instants are found to `resolution` seconds. Distances are those of places, or between the
+    surfaces of `gauges`.
     """
 
     def __init__(
         self,
         law: LawEvaluator,
         margin: float,
-        rounding: float,
         resolution: float,
         gauges: list[Gauge],
     ) -> None:
@@ -104,7 +103,6 @@ class Lookout:
             self.around = max(self.around, gauge.reach + gauge.rounding + gauge.radius)
         self.law = law
         self.margin = margin
-        self.rounding = rounding
         self.resolution = resolution
 
     def safe_until(
@@ -180,8 +178,8 @@ class Lookout:
         still: MotionSpan = MotionSpan(there, since, since)
         law: Towards = Towards(self.law, person.top_speed, since, person.fixed, self.margin)
         encounter: Encounter = Encounter(still, on, self.gauges)
-        judge: TooCloseTest = TooCloseTest(law, self.rounding)
-        watch: ChangeSearch = ChangeSearch(judge, encounter, on.begin, on.end, self.resolution)
+        near: TooClose = TooClose(law)
+        watch: ChangeSearch = ChangeSearch(near, encounter, on.begin, on.end, self.resolution)
         return watch.change() is not None
 
     def in_reach(self, person: SeenPerson, on: MotionSpan, since: float) -> cython.bint:

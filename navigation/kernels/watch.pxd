@@ -4,50 +4,55 @@ from navigation.kernels.encounter cimport Encounter
 from navigation.kernels.laws cimport LawEvaluator
 
 cdef int UNDECIDED
-cdef double _SURE
+cdef double _ROUNDING, _SURE
 
-cdef class IntervalTest:
-    cdef int holds(self, Encounter encounter, double begin, double end) except -2
+cdef class KernelCondition:
+    cdef int decide(self, Encounter encounter, double begin, double end) except -2
 
-cdef class TooCloseTest(IntervalTest):
-    cdef LawEvaluator law
-    cdef double rounding
+cpdef KernelCondition in_kernel(object condition)
+
+cdef class TooClose(KernelCondition):
+    cdef readonly object law
+    cdef LawEvaluator evaluator
     cdef int short_of(self, Encounter encounter, double begin, double end) except -2
 
 cdef Closest margin_over(
     LawEvaluator law, Encounter encounter, double begin, double end
 ) except *
 
-cdef class MovingTest(IntervalTest):
-    cdef double limit, reach
+cdef class Moving(KernelCondition):
+    cdef readonly double speed, reach
 
-cdef class ApproachingTest(IntervalTest):
+cdef class Approaching(KernelCondition):
     pass
 
-cdef class ApartTest(IntervalTest):
-    cdef double metres
+cdef class Apart(KernelCondition):
+    cdef readonly double metres
 
-cdef class OverlappingTest(IntervalTest):
-    cdef double along, across, other_along, other_across, depth, reach, other_reach
+cdef class Overlapping(KernelCondition):
+    cdef readonly object one, other
+    cdef readonly double depth
+    cdef double along, across, other_along, other_across, limit, reach, other_reach
 
 cdef double swing_of(Cubic turn, double half) noexcept
 
-cdef class NotTest(IntervalTest):
-    cdef IntervalTest other
+cdef class Not(KernelCondition):
+    cdef readonly object condition
+    cdef KernelCondition inner
 
-cdef class BothTest(IntervalTest):
-    cdef IntervalTest first
-    cdef IntervalTest second
+cdef class Both(KernelCondition):
+    cdef readonly object first, second
+    cdef KernelCondition one, other
 
-cdef class CustomTest(IntervalTest):
+cdef class CustomCondition(KernelCondition):
     cdef object condition
 
 cdef class ChangeSearch:
-    cdef IntervalTest judge
+    cdef KernelCondition condition
     cdef Encounter encounter
     cdef double end, resolution
     cdef bint held, over
 
 cdef double next_change(
-    IntervalTest judge, Encounter encounter, double end, double resolution, bint held
+    KernelCondition condition, Encounter encounter, double end, double resolution, bint held
 ) except? -1

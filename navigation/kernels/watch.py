@@ -8,8 +8,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ..separation import kernel_of, require_sense
+
 if TYPE_CHECKING:
     import cython
+
+    from ..encounter import Box
+    from ..monitor import Condition
+    from ..separation import AnyLaw
 else:
     from . import uncompiled as cython
 
@@ -22,30 +28,85 @@ if not cython.compiled:
 
 UNDECIDED: cython.int = -1
 
+STANDING_SPEED = 0.01
+"""m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
+
+_ROUNDING: float = 1e-11  # metres; laws that look ahead are not sure of less: it is no violation
 _SURE: float = 1e-12  # metres; so that rounding can't leave a tie undecided
 
 
-class IntervalTest:
-    """A condition on an encounter, decided over an interval: 1 holds, 0 does not, -1 undecided."""
+class KernelCondition:
+    """A condition that the kernel decides. Those of the same kind and values are equal."""
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    __match_args__: tuple[str, ...] = ()
+
+    def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        """Return 1 if the condition holds throughout an interval, 0 if nowhere, -1 if undecided."""
         return 0
 
-    def verdict(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """Return whether it holds throughout (True), nowhere (False), or None."""
-        decided: cython.int = self.holds(encounter, begin, end)
+    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
+        """See `Condition`."""
+        decided: cython.int = self.decide(encounter, begin, end)
         return None if decided < 0 else decided == 1
 
+    def __invert__(self) -> Not:
+        """Return the condition that this one does not hold."""
+        return Not(self)
 
-class TooCloseTest(IntervalTest):
-    """The distance is less than `law` requires; laws that look ahead are sure of `rounding`."""
+    def __and__(self, other: Condition) -> Both:
+        """Return the condition that both hold at once."""
+        return Both(self, other)
 
-    def __init__(self, law: LawEvaluator, rounding: float) -> None:
+    def __rand__(self, other: Condition) -> Both:
+        """Return the condition that both hold at once."""
+        return Both(other, self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), tuple([getattr(self, name) for name in self.__match_args__])
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, KernelCondition) and self.__reduce__() == other.__reduce__()
+
+    def __hash__(self) -> int:
+        return hash(self.__reduce__())
+
+    def __repr__(self) -> str:
+        values = ", ".join([f"{name}={getattr(self, name)!r}" for name in self.__match_args__])
+        return f"{type(self).__name__}({values})"
+
+
+def in_kernel(condition: Condition) -> KernelCondition:
+    """Return a condition as the kernel evaluates it."""
+    if getattr(type(condition), "holds", None) is KernelCondition.holds:
+        known: KernelCondition = condition  # type: ignore[assignment]
+        return known
+    return CustomCondition(condition)
+
+
+class TooClose(KernelCondition):
+    """Condition that the two are closer than a law requires.
+
+    Parameters
+    ----------
+    law : Law or MotionLaw
+        Law.
+
+    Raises
+    ------
+    ValueError
+        If the law has no method for it, or decreases with a speed.
+    """
+
+    __match_args__ = ("law",)
+
+    def __init__(self, law: AnyLaw) -> None:
+        if not isinstance(law, LawEvaluator):
+            require_sense(law)
         self.law = law
-        self.rounding = rounding
+        self.evaluator = kernel_of(law)
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
-        law: LawEvaluator = self.law
+    def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        law: LawEvaluator = self.evaluator
         if not law.of_speeds:
             return self.short_of(encounter, begin, end)
         apart: Closest = encounter.closest(begin, end, 0.0, 0.0)
@@ -71,13 +132,13 @@ class TooCloseTest(IntervalTest):
         return UNDECIDED
 
     def short_of(self, encounter: Encounter, begin: float, end: float) -> cython.int:
-        margin: Closest = margin_over(self.law, encounter, begin, end)
-        if margin.low >= -self.rounding:
+        margin: Closest = margin_over(self.evaluator, encounter, begin, end)
+        if margin.low >= -_ROUNDING:
             return 0
-        if margin.high < -self.rounding / 2:
+        if margin.high < -_ROUNDING / 2:
             return 1
         if not margin.low <= margin.high:
-            required: TaylorModel = self.law.require(encounter, begin, end)
+            required: TaylorModel = self.evaluator.require(encounter, begin, end)
             raise ValueError(f"a law requires {required.value} m from t = {begin} s to {end} s")
         return UNDECIDED
 
@@ -101,14 +162,26 @@ def margin_over(
     )
 
 
-class MovingTest(IntervalTest):
-    """The machine moves faster than `limit` m/s: its axis, or what turns `reach` metres from it."""
+class Moving(KernelCondition):
+    """Condition that the machine moves.
 
-    def __init__(self, limit: float, reach: float) -> None:
-        self.limit = limit
+    Parameters
+    ----------
+    speed : float, optional
+        Minimum speed in m/s.
+    reach : float, optional
+        Distance in metres from the axis to a point that turns with the machine. The machine also
+        moves while this point is faster than `speed` by turning. By default turning on the spot
+        does not count.
+    """
+
+    __match_args__ = ("speed", "reach")
+
+    def __init__(self, speed: float = STANDING_SPEED, reach: float = 0.0) -> None:
+        self.speed = speed
         self.reach = reach
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         speed: Range = encounter.machine.speeds(begin, end)
         low: float = speed.low
         high: float = speed.high
@@ -116,60 +189,81 @@ class MovingTest(IntervalTest):
             turning: Range = encounter.machine.turning(begin, end)
             low = max(low, turning.low * self.reach)
             high = max(high, turning.high * self.reach)
-        if high <= self.limit:
+        if high <= self.speed:
             return 0
-        return 1 if low > self.limit else UNDECIDED
+        return 1 if low > self.speed else UNDECIDED
 
 
-class ApproachingTest(IntervalTest):
-    """The places of the two come closer to each other."""
+class Approaching(KernelCondition):
+    """Condition that the centres approach each other."""
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         rate: Range = encounter.approach(begin, end)
         if rate.low >= 0.0:
             return 0
         return 1 if rate.high < 0.0 else UNDECIDED
 
 
-class ApartTest(IntervalTest):
-    """The distance is at least `metres`."""
+class Apart(KernelCondition):
+    """Condition that the two are apart.
+
+    Parameters
+    ----------
+    metres : float
+        Minimum distance in metres.
+    """
+
+    __match_args__ = ("metres",)
 
     def __init__(self, metres: float) -> None:
         self.metres = metres
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         apart: Closest = encounter.closest(begin, end, 0.0, 0.0)
         if apart.high + encounter.slack / 2 < self.metres:
             return 0
         return 1 if apart.low + encounter.slack >= self.metres else UNDECIDED
 
 
-class OverlappingTest(IntervalTest):
-    """Two rectangles that turn with the bodies overlap by more than `depth` metres.
+class Overlapping(KernelCondition):
+    """Condition that the boxes of two bodies overlap.
 
-    So they do if they overlap by as much along each normal of their sides: the separating axes of
-    S. Gottschalk, M. C. Lin and D. Manocha ("OBBTree", 1996). `along` and `across` are half the
-    length along its heading and half the width of the one that is in the person's place,
-    `other_along` and `other_across` those of the other, all in metres.
+    Parameters
+    ----------
+    one, other : Box
+        Boxes that turn with the first and the second body.
+    depth : float, optional
+        Minimum depth on the floor in metres. Boxes above each other do not overlap.
+
+    Raises
+    ------
+    ValueError
+        If `depth` is negative.
+
+    Notes
+    -----
+    Rectangles overlap if they overlap by as much along each normal of their sides: the separating
+    axes of S. Gottschalk, M. C. Lin and D. Manocha ("OBBTree", 1996).
     """
 
-    def __init__(
-        self,
-        along: float,
-        across: float,
-        other_along: float,
-        other_across: float,
-        depth: float,
-    ) -> None:
-        self.along = along
-        self.across = across
-        self.other_along = other_along
-        self.other_across = other_across
-        self.depth = depth
-        self.reach = norm(along, across)
-        self.other_reach = norm(other_along, other_across)
+    __match_args__ = ("one", "other", "depth")
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def __init__(self, one: Box, other: Box, depth: float = 0.0) -> None:
+        if not depth >= 0.0:
+            raise ValueError(f"boxes can't overlap by more than {depth} m")
+        self.one = one
+        self.other = other
+        self.depth = depth
+        self.along = one.length / 2
+        self.across = one.width / 2
+        self.other_along = other.length / 2
+        self.other_across = other.width / 2
+        # Boxes above each other overlap by nothing, however near they are along the floor.
+        self.limit = depth if one.is_level_with(other) else INFINITY
+        self.reach = norm(self.along, self.across)
+        self.other_reach = norm(self.other_along, self.other_across)
+
+    def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         half: float = (end - begin) / 2
         u: float = begin - encounter.begin + half
         # About the middle, the other's place from the one, its velocity, half its acceleration and
@@ -205,13 +299,13 @@ class OverlappingTest(IntervalTest):
             high = max(high, apart + moved)
         # The normals of the least stay where they are while the corners turn.
         low -= self.reach * swing + self.other_reach * other_swing
-        if low >= -self.depth - _SURE:
+        if low >= -self.limit - _SURE:
             return 0
         # Those of the most turn with the bodies, which are no farther from each other than this.
         if swing > 0.0 or other_swing > 0.0:
             away: float = norm(x.p, y.p) + half * norm(x.v, y.v) + deviation(x, y, half)
             high += (away + self.reach + self.other_reach) * (swing + other_swing)
-        return 1 if high < -self.depth - _SURE / 2 else UNDECIDED
+        return 1 if high < -self.limit - _SURE / 2 else UNDECIDED
 
 
 def swing_of(turn: Cubic, half: float) -> float:
@@ -219,41 +313,48 @@ def swing_of(turn: Cubic, half: float) -> float:
     return gain(Cubic(0.0, abs(turn.v), abs(turn.a), abs(turn.j)), half)
 
 
-class NotTest(IntervalTest):
-    """Another condition does not hold."""
+class Not(KernelCondition):
+    """Condition that another condition does not hold."""
 
-    def __init__(self, other: IntervalTest) -> None:
-        self.other = other
+    __match_args__ = ("condition",)
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
-        verdict: cython.int = self.other.holds(encounter, begin, end)
+    def __init__(self, condition: Condition) -> None:
+        self.condition = condition
+        self.inner = in_kernel(condition)
+
+    def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        verdict: cython.int = self.inner.decide(encounter, begin, end)
         return verdict if verdict < 0 else 1 - verdict
 
 
-class BothTest(IntervalTest):
-    """Two conditions hold at once."""
+class Both(KernelCondition):
+    """Condition that two conditions hold."""
 
-    def __init__(self, first: IntervalTest, second: IntervalTest) -> None:
+    __match_args__ = ("first", "second")
+
+    def __init__(self, first: Condition, second: Condition) -> None:
         self.first = first
         self.second = second
+        self.one = in_kernel(first)
+        self.other = in_kernel(second)
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
-        one: cython.int = self.first.holds(encounter, begin, end)
+    def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+        one: cython.int = self.one.decide(encounter, begin, end)
         if one == 0:
             return 0
-        other: cython.int = self.second.holds(encounter, begin, end)
+        other: cython.int = self.other.decide(encounter, begin, end)
         if other == 0:
             return 0
         return 1 if one == 1 and other == 1 else UNDECIDED
 
 
-class CustomTest(IntervalTest):
+class CustomCondition(KernelCondition):
     """A condition that is written in Python."""
 
     def __init__(self, condition: Any) -> None:
         self.condition = condition
 
-    def holds(self, encounter: Encounter, begin: float, end: float) -> cython.int:
+    def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         verdict = self.condition.holds(encounter, begin, end)
         if verdict is None:
             return UNDECIDED
@@ -268,13 +369,13 @@ class ChangeSearch:
 
     def __init__(
         self,
-        judge: IntervalTest,
+        condition: KernelCondition,
         encounter: Encounter,
         begin: float,
         end: float,
         resolution: float,
     ) -> None:
-        self.judge = judge
+        self.condition = condition
         self.encounter = encounter
         self.end = end
         self.resolution = resolution
@@ -286,7 +387,7 @@ class ChangeSearch:
         """Return the next instant at which the condition begins or ceases to hold, seconds."""
         if self.over:
             return None
-        t: float = next_change(self.judge, self.encounter, self.end, self.resolution, self.held)
+        t: float = next_change(self.condition, self.encounter, self.end, self.resolution, self.held)
         if t == INFINITY:
             self.over = True
             return self.end if self.held else None
@@ -295,7 +396,7 @@ class ChangeSearch:
 
 
 def next_change(
-    judge: IntervalTest,
+    condition: KernelCondition,
     encounter: Encounter,
     end: float,
     resolution: float,
@@ -309,17 +410,17 @@ def next_change(
     while encounter.next_interval(end):
         t = encounter.lower
         upper = encounter.upper
-        holds = judge.holds(encounter, t, upper)
+        holds = condition.decide(encounter, t, upper)
         while holds < 0 and upper - t > resolution and encounter.halve():
             upper = encounter.upper
-            holds = judge.holds(encounter, t, upper)
+            holds = condition.decide(encounter, t, upper)
         if holds < 0:
             # Too short to cut: its two ends stand for it. What holds at neither, and for less
             # than the resolution, is let pass; `RESOLUTION` in `monitor` says so.
-            holds = judge.holds(encounter, t, t)
+            holds = condition.decide(encounter, t, t)
             if holds != 1:
                 holds = 0
-                if judge.holds(encounter, upper, upper) == 1:
+                if condition.decide(encounter, upper, upper) == 1:
                     t = upper
                     holds = 1
         if (holds == 1) != held:

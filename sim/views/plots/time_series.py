@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from floorplan import UserError
 from navigation import Motion
-from navigation.monitor import STANDING_SPEED
+from navigation.kernels.watch import STANDING_SPEED
 
 from ...core.body import MachineShape
 from ...record.outcome import Outcome, span_of
