@@ -479,7 +479,20 @@ class MachineModel(ABC):
         return ()
 
     def place_faults(self, name: str, plan: Floorplan) -> Iterable[Fault]:
-        """Return the problems of the start and the goals of the machine `name`: see `faults`."""
+        """Return the problems of the start and the goals of a machine on a floor.
+
+        Parameters
+        ----------
+        name : str
+            Name of the machine.
+        plan : Floorplan
+            The floor.
+
+        Returns
+        -------
+        iterable of Fault
+            Problems, each with its key.
+        """
         return ()
 
     def code_faults(self, folder: CodeFolder) -> Iterable[Fault]:

@@ -100,7 +100,7 @@ orders:
         (("type: assembly", "type: kitting"), "an order of the type kitting has a kitting_task"),
         (("duration: 10.0", "duration: 0"), "robot_malfunction.duration: expected more than 0"),
         (("bins:", "bin:"), "parts.bin: unknown key"),
-        (("    bin1:", "\tbin1:"), "line 11: is not YAML: found character"),
+        (("    bin1:", "\tbin1:"), "line 11: is not YAML: a tab"),
         (("orders:", "order:"), "orders: is missing"),
     ],
 )

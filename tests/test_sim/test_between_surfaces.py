@@ -196,7 +196,7 @@ TURN = """
 floorplan: {{boundary: [[0, 0], [10, 0], [10, 10], [0, 10]]}}
 duration: 12
 rules: {{between: {between}, agv_law: {{fixed: 0.2}}, machine: none, person: none}}
-people: [{{name: ann, at: [5.0, 6.7]}}]
+people: [{{name: ann, at: [5.0, 6.7], max_speed: 0.05}}]
 machines:
   bar: {{kind: amr, at: [5, 5, 0], size: [3.0, 0.6], missions: [{{turn: 3.0}}]}}
 """

@@ -192,7 +192,7 @@ def test_what_is_not_met_is_reported_with_its_time(run, text, said):
         ("  timeline: [{never: {kind: [violation]}}]", "no kind of event is called"),
         ("  timeline: [{never: violation, befor: 3}]", "did you mean 'before'?"),
         ("  timeline: [{never: violation, times: 3}]", "'never' takes no 'times'"),
-        ("  violations: 0", "the nearest are violations.gantry, violations.person"),
+        ("  violations: 0", "the nearest are violations"),
         ("  path_length: 9", "metrics.people.operator.path_length"),
         ("  timeline: [{never: violation, after: .inf}]", "after: expected seconds, found inf"),
         ("  timeline: [{never: violation, after: 9, before: 5}]", "more than the 9 s of after"),

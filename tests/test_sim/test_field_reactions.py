@@ -190,7 +190,7 @@ def test_while_the_fields_are_muted_no_set_need_apply():
 
 def test_a_machine_is_stopped_and_slow_for_no_longer_than_events_say():
     warning = "warning: [[4.5, 0.8], [-0.8, 0.8], [-0.8, -0.8], [4.5, -0.8]]"
-    people = "[{name: eve, personality: external, at: [15, 3]}]"
+    people = "[{name: eve, personality: external, at: [15, 3], max_speed: 0.1}]"
     more = "commands: [{time: 25, send: eve, to: [15, 9]}]\n"
     keys = f"restart_delay: 1, warning_speed: 0.3, sets: [{{name: a, {FRONT}, {warning}}}]"
     found = run(keys, people, more=more, duration=60)

@@ -73,8 +73,8 @@ def trial(people="[]", more="missions: [{go: east}]", fields=FIELDS, keys="", fo
     return sim.Trial.parse(text, folder=folder)
 
 
-def standing(x, y=3.0):
-    return f"[{{name: eve, personality: external, at: [{x}, {y}]}}]"
+def standing(x, y=3.0, max_speed=0.1):
+    return f"[{{name: eve, personality: external, at: [{x}, {y}], max_speed: {max_speed}}}]"
 
 
 LEAVES = "commands: [{time: 30, send: eve, to: [15, 9]}]\n"

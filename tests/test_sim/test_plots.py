@@ -274,7 +274,7 @@ VEHICLES = """\
 floorplan: {boundary: [[0, 0], [24, 0], [24, 8], [0, 8]]}
 duration: 30
 rules: observe
-people: [{name: eve, personality: external, at: [14, 4]}]
+people: [{name: eve, personality: external, at: [14, 4], max_speed: 0.1}]
 machines:
   fork: &fork {kind: amr, at: [2, 4, 0], load: [1, 0.6, 1], missions: [{go: [22, 4, 0]}]}
   cart: {<<: *fork, at: [20, 6, 3.14159], missions: [{go: [2, 6, 3.14159]}]}

@@ -19,7 +19,7 @@ FIELDS = """\
 floorplan: {boundary: [[0, 0], [24, 0], [24, 8], [0, 8]]}
 duration: 12
 rules: observe
-people: [{name: eve, personality: external, at: [14, 4]}]
+people: [{name: eve, personality: external, at: [14, 4], max_speed: 0.1}]
 machines:
   fork: &fork {kind: amr, at: [2, 4, 0], missions: [{go: [22, 4, 0]}]}
   cart: {<<: *fork, at: [2, 2, 0], missions: []}

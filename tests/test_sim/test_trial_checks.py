@@ -84,7 +84,7 @@ def changes(personality, time=5.0):
         (moves((1.0, 500.0)), r"agvs.agv1\[0\].to: agv1 can't be at 500 m"),
         (moves((NAN, "as1")), r"agvs.agv1\[0\].time: must be a time"),
         (moves((5.0, "as1"), (1.0, "kitting")), r"agvs.agv1\[1\].time: 1 s is before"),
-        ({"expect": {"penaltes": 0}}, "expect.penaltes: .*did you mean 'penalties'"),
+        ({"expect": {"penaltes": 0}}, "expect.penaltes: .*the nearest are penalties"),
         ({"floorplan": SHOP, **jobs()}, "gantry: the floorplan has no gantry"),
         (
             {"floorplan": replace(FLOOR, safe_zone=None), **ada()},

@@ -157,7 +157,7 @@ def test_what_has_come_on_the_route_makes_a_vehicle_brake_and_drive_around_it():
     straight = vehicle.body.motion
     simulation.advance(60.0)
     run = simulation.finish()
-    assert (straight.position(straight.end) == run.motions["cart"].position(60.0)).all()
+    assert run.motions["cart"].position(60.0) == pytest.approx(straight.position(straight.end))
     assert not covered(vehicle, run.motions["cart"]).intersects(box(12, 4, 12.5, 6))
     beside = pallet.replace("[4, 6]", "[8, 9]")
     vehicle, simulation = in_hall(4.9, more=beside)
@@ -169,7 +169,7 @@ def test_what_has_come_on_the_route_makes_a_vehicle_brake_and_drive_around_it():
 def test_a_vehicle_that_is_held_stays_whatever_comes_on_its_route():
     more = (
         "commands: [{time: 6.0, hold: cart}]\n"
-        "obstacles: {p: {x: [12, 12.5], y: [4, 6], z: [0, 1], there: [[6.5, 90.0]]}}\n"
+        "obstacles: {p: {x: [12.8, 13.3], y: [4, 6], z: [0, 1], there: [[6.5, 90.0]]}}\n"
     )
     vehicle, simulation = in_hall(6.2, more=more)
     assert vehicle.body.motion.end > 6.6
