@@ -181,7 +181,7 @@ def test_holders_are_counted():
     keys = "commands: [{time: 13, hold: fork}, {time: 50, release: fork}]\n"
     stays = sim.run(trial(standing(15), fields=ONLY_PROTECTIVE, keys=keys))
     assert stays.motions["fork"].state(59.0).speed == 0.0
-    keys = keys.replace("{time: 50", "{time: 20, send: eve, to: [15, 9]}, {time: 50")
+    keys = keys.replace("{time: 50", "{time: 16, send: eve, to: [15, 9]}, {time: 50")
     run = sim.run(trial(standing(15), fields=ONLY_PROTECTIVE, keys=keys))
     (ended,) = events(run, "field_stop_ended")
     assert ended["t"] < 30.0
@@ -190,7 +190,9 @@ def test_holders_are_counted():
 
 
 def test_a_person_who_is_in_the_field_at_the_start_keeps_the_machine_standing():
-    run = sim.run(trial(standing(5), keys="commands: [{time: 10, send: eve, to: [15, 9]}]\n"))
+    run = sim.run(
+        trial(standing(5, max_speed=1.0), keys="commands: [{time: 10, send: eve, to: [15, 9]}]\n")
+    )
     assert events(run, "field_stop")[0]["t"] == 0.0
     (ended,) = events(run, "field_stop_ended")
     assert np.allclose(run.motions["fork"].position(np.linspace(0, ended["t"], 50)), [3.0, 3.0])
@@ -315,7 +317,7 @@ def test_stops_of_a_vehicle_say_for_whom_and_other_causes():
 def test_agvs_stop_and_slow():
     text = on_floor(
         FLOOR + LANE,
-        f"duration: 60\nrules: observe\npeople: {standing(10, 4.5)}\n"
+        f"duration: 60\nrules: observe\npeople: {standing(10, 4.5, 0.05)}\n"
         "agvs: {cart: [{time: 0, to: east}]}\n",
     ) + FIELDS.replace("fork", "cart").replace("[[4.5, 0.8]", "[[4.5, 2.0]")
     run = sim.run(sim.Trial.parse(text))
@@ -388,7 +390,7 @@ def test_a_custom_machine_stands_for_both_fields(tmp_path):
         f"duration: 60\nrules: observe\npeople: {standing(15)}\n"
         "machines: {fork: {kind: 'own:Sled'}}\n",
     )
-    run = sim.run(sim.Trial.parse(text + FIELDS + LEAVES, folder=tmp_path))
+    run = sim.run(sim.Trial.parse(text + FIELDS + LEAVES.replace("30", "25"), folder=tmp_path))
     (slow,), motion = events(run, "field_slowdown"), run.motions["fork"]
     assert motion.state(slow["t"] + 3.0).speed == 0.0
     assert motion.position(slow["t"] + 3.0)[0] == pytest.approx(15 - 4.5 - RADIUS + 1.0, abs=0.5)

@@ -1,6 +1,7 @@
 """Controllers of vehicles: functions and classes, their state, their missions and their errors."""
 
 import math
+import sys
 from dataclasses import replace
 
 import pytest
@@ -18,6 +19,7 @@ machines:
     at: [8.5, 10.0, 1.5708]
     missions: [{{go: dock}}, {{go: [3.0, 6.0]}}]
     controller: "drive:{name}"
+    on_contact: report
     {rate}
 """
 
@@ -114,11 +116,12 @@ def test_two_simulations_at_once_do_not_share_modules(beside):
     assert in_bytes(one.finish()) == in_bytes(other.finish()) == alone
 
 
-def test_all_machines_of_a_run_share_a_module(beside):
+def test_all_machines_of_a_run_share_a_module(beside, monkeypatch):
+    monkeypatch.delitem(sys.modules, "drive", raising=False)
     text = TRIAL.format(name="counting", rate="rate: 10")
     text += '  other: {kind: amr, at: [1.5, 2.0, 0.0], controller: "drive:counting", rate: 10}\n'
     sim.run(replace(sim.Trial.parse(text, folder=beside), duration=2.0))
-    assert len(__import__("drive").calls) == 40
+    assert len(sys.modules["drive"].calls) == 40
 
 
 def test_completing_without_a_mission_is_an_error():
