@@ -10,6 +10,7 @@ import sim
 from floorplan import Door
 
 from . import (
+    escape,
     faults,
     random_trial,
     random_trial_of_vehicles,
@@ -61,7 +62,7 @@ def tampered_run(run, name, motion=None, **changed):
     )
 
 
-def test_what_vehicles_break_is_found():
+def test_what_vehicles_break_is_found(monkeypatch):
     """A vehicle among people, whose motion, events and figures are then changed."""
     trials = map(random_trial_of_vehicles, range(50))
     trial = next(one for one in trials if len(one.people) > 1 and len(one.machines) > 1)
@@ -88,6 +89,8 @@ def test_what_vehicles_break_is_found():
         "limits": tampered_run(run, one, to((wall[0] + 5.0, wall[1] + 5.0), 0.5)),
         "events": tampered_run(run, one, summary=run.summary | figures, events=gone),
     }
+    # The search for an escape repeats the trial, which does not have the changed motion.
+    monkeypatch.setattr(escape, "avoidable", lambda trial, contact: contact[2])
     for row, changed in expected.items():
         assert any(fault.startswith(f"{row}: ") for fault in vehicle_faults(changed)), row
 

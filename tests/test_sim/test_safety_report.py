@@ -285,7 +285,9 @@ def fields_trial(people):
 
 
 def test_a_report_has_the_protective_fields_of_each_machine(tmp_path):
-    run = sim.run(fields_trial("people: [{name: eve, personality: external, at: [14, 4]}]"))
+    run = sim.run(
+        fields_trial("people: [{name: eve, personality: external, at: [14, 4], max_speed: 0.1}]")
+    )
     assert run.summary["field_stops"] >= 1
     page = report_of(run, tmp_path)
     part = page.partition(">4 Protective fields<")[2].partition("</section>")[0]

@@ -344,7 +344,9 @@ def test_every_key_that_a_break_does_not_need_is_left_out():
 
 def test_a_trial_with_too_many_contacts_ends_soon_after_the_first():
     # Whoever stands where the vehicle goes is run over, again and again.
-    text = HALL.replace("people:", "people:\n  - {name: eve, at: [9, 2.2], personality: external}")
+    text = HALL.replace(
+        "people:", "people:\n  - {name: eve, at: [9, 2.2], personality: external, max_speed: 0.1}"
+    )
     trial = sim.Trial.parse(text)
     run = sim.run(trial)
     assert run.summary["contacts"] > 1
