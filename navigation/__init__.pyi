@@ -2,6 +2,7 @@
 
 from .bodies import Disc
 from .catalog import Path, PlannerError, PlanningError, planners
+from .condition import Condition
 from .enclosure import Enclosure
 from .encounter import Box, Cylinder, Prism, Shapes
 from .field_design import needed_fields
@@ -12,7 +13,6 @@ from .kernels.encounter import Encounter
 from .kernels.watch import Apart, Approaching, Moving, Overlapping, TooClose
 from .machines import agv_run, agv_stop, gantry_move, gantry_stop
 from .monitor import (
-    Condition,
     first_time,
     first_violation,
     minimum_margin,

@@ -12,42 +12,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import inf
-from typing import Protocol
 
 from floorplan.files.values import require
 
+from .condition import Condition
 from .encounter import Shapes
 from .kernels import lookout as kernel
 from .kernels.encounter import Encounter
 from .kernels.watch import ChangeSearch, TooClose, in_kernel, least
 from .motion import Motion
 from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
-
-
-class Condition(Protocol):
-    """Interface of conditions on the motions of a person and a machine.
-
-    Conditions combine as `~condition` and `condition & other`.
-    """
-
-    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
-        """Evaluate the condition over an interval.
-
-        Parameters
-        ----------
-        encounter : Encounter
-            Bounds on the two motions.
-        begin, end : float
-            Interval within the encounter in seconds.
-
-        Returns
-        -------
-        bool or None
-            True if the condition holds throughout, False if it holds nowhere, None if undecided. It
-            must be decided if `begin` equals `end`.
-        """
-        ...
-
 
 RESOLUTION = 1e-7
 """Seconds. Instants are found at least this exactly; nothing longer is missed."""

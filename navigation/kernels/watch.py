@@ -13,8 +13,8 @@ from ..separation import kernel_of, require_sense
 if TYPE_CHECKING:
     import cython
 
+    from ..condition import Condition
     from ..encounter import Box
-    from ..monitor import Condition
     from ..separation import AnyLaw
 else:
     from . import uncompiled as cython

@@ -170,6 +170,7 @@ def test_a_function_or_an_object_in_python_is_called_at_a_rate():
 
 def test_a_controller_of_python_is_written_by_its_name(beside, monkeypatch):
     monkeypatch.syspath_prepend(beside)
+    monkeypatch.delitem(sys.modules, "drive", raising=False)
     import drive
 
     try:
@@ -179,7 +180,7 @@ def test_a_controller_of_python_is_written_by_its_name(beside, monkeypatch):
         with pytest.raises(ValueError, match=r"its vehicle controller .* is in no module"):
             of_python(lambda vehicle: None, rate=10.0).to_yaml()
     finally:
-        monkeypatch.delitem(__import__("sys").modules, "drive")
+        sys.modules.pop("drive")
 
 
 @pytest.mark.parametrize(
