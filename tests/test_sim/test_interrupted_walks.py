@@ -123,6 +123,7 @@ def test_people_have_an_alarm_before_a_vehicle_comes(walkers):
     for me, vehicle in zip((rests, walks), vehicles, strict=True):
         due = met_at(me, vehicle) - PARAMETERS.alarm
         assert me.stepping.time == pytest.approx(due, abs=0.01)
+    walkers.steps_aside.watch(measured)
     assert far.stepping.time is None and measured.stepping.time is None
 
 
