@@ -4,6 +4,7 @@ import itertools
 import math
 import random
 import textwrap
+from functools import partial
 
 import pytest
 from run_events import events
@@ -359,3 +360,46 @@ def test_a_tiny_twist_ends(twist, seconds):
     move = vehicle.twist(twist, seconds)
     simulation.advance(10.0)
     assert move.processed and vehicle.position[:2] == pytest.approx((3, 4), abs=1e-6)
+
+
+def test_a_machine_that_is_held_counts_how_long_it_brakes_and_stands():
+    simulation = external_vehicles((3, 4, 0))
+    vehicle = simulation.machines["v0"]
+    vehicle.move_to(20.0, 4.0)
+    simulation.advance(3.0)
+    vehicle.hold(True)
+    braked = vehicle.body.motion.end - 3.0
+    simulation.advance(8.0)
+    vehicle.hold(True)
+    simulation.advance(9.0)
+    vehicle.hold(False)
+    vehicle.hold(False)
+    assert vehicle.drive.braking_time == pytest.approx(braked) and braked > 0.5
+    assert vehicle.drive.standing_time == pytest.approx(6.0)
+
+
+def test_a_machine_stands_until_no_reason_is_left():
+    simulation = external_vehicles((3, 4, 0))
+    vehicle = simulation.machines["v0"]
+    for released_first in (True, False):
+        vehicle.follow(vehicle.preview(vehicle.position[0] + 4.0, 4.0))
+        simulation.advance(simulation.clock.now + 1.5)
+        vehicle.limit_speed(0.2)
+        vehicle.hold(True)
+        assert vehicle.disabled
+        reasons = [partial(vehicle.hold, False), partial(vehicle.limit_speed, None)]
+        first, last = reasons if released_first else reasons[::-1]
+        first()
+        assert vehicle.disabled
+        last()
+        assert not vehicle.disabled
+        simulation.advance(simulation.clock.now + 9.0)
+
+
+def test_only_a_move_of_its_own_counts_as_the_last_move():
+    simulation = external_vehicles((3, 4, 0))
+    drive = simulation.machines["v0"].drive
+    drive.move((9.0, 4.0, 0.0), 0.5)
+    assert drive.last_move == ((9.0, 4.0, 0.0), 0.5)
+    drive.move((12.0, 4.0, 0.0), command=drive.begin())
+    assert drive.last_move is None and drive.target == (12.0, 4.0, 0.0)

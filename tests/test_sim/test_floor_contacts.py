@@ -234,6 +234,15 @@ def test_an_obstacle_stops_a_vehicle_on_which_it_is_put_down(drive):
     assert left.motions["amr"].position(np.linspace(0, 20, 400))[:, 0].min() < 2.2
 
 
+def test_only_an_obstacle_that_is_still_there_and_as_low_as_the_vehicle_stops_it(drive):
+    gone = BOX.format(4.6, 5.0, 0.5).replace("20", "1")
+    run = drive("ahead", trial=gone)
+    assert [event["with"] for event in events(run, "contact")] == ["rack"]
+    above = BOX.format(4.6, 5.0, 0.5).replace("[0, 1]", "[1.5, 2]")
+    run = drive("ahead", trial=above)
+    assert [event["with"] for event in events(run, "contact")] == ["rack"]
+
+
 def test_an_agv_goes_on_when_what_stopped_it_is_gone(drive):
     """It can no longer brake before the box."""
     trial = BOX.format(8.4, 9.0, 6.2) + "\nagvs: {agv: [{time: 0, to: end}]}"
