@@ -94,7 +94,8 @@ class PersonContacts:
                 if not is_near:
                     return one.begin
                 if one.begin <= begin:
-                    return None if one.end == end and not is_vehicle else one.end
+                    lasts = one.end == end and (drive.end > end or not is_vehicle)
+                    return None if lasts else one.end
         return begin if is_near else None
 
     def _changed(self, person: Bystander, machine: Machine, is_near: bool) -> None:

@@ -166,3 +166,17 @@ gantry: {controller: oblivious, at: [-9.0, 0.0, 0.0], jobs: [{move: [-3.0, 0.0, 
     small = replace(plan, human=replace(plan.human, height=1.2))
     assert contacts(trial, (-6.0, 0.0)) == 1
     assert contacts(trial, (-6.0, 0.0), small) == contacts(trial, (-6.0, 2.0)) == 0
+
+
+def test_a_contact_that_lasts_to_the_end_of_the_trial_counts_once():
+    trial = sim.Trial.parse(
+        """
+        floorplan: {boundary: [[0, 0], [20, 0], [20, 8], [0, 8]], safe_zone: {at: [1, 7]}}
+        duration: 9.0
+        rules: observe
+        people: [{name: eve, personality: external, at: [9, 4.1], max_speed: 0.05}]
+        machines: {fork: {kind: amr, at: [3, 4, 0], max_speed: 0.8, missions: [{go: [18, 4]}]}}
+        """
+    )
+    (contact,) = [event for event in sim.run(trial).events if event["kind"] == "contact"]
+    assert contact["person"] == "eve" and contact["t"] < 8.0

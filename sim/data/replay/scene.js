@@ -139,7 +139,8 @@ function placeOfFigure(pen, [ax, ay], [bx, by], text, share) {
   const [mx, my] = on(0.5);
   const places = [...[0.5, 0.38, 0.62, 0.26, 0.74].map(on),
     [mx, my - 34], [mx + 72, my], [mx - 72, my], [mx, my + 34], [mx, my - 60], [mx, my + 60],
-    [mx + 72, my - 34], [mx - 72, my - 34], [mx + 72, my + 34], [mx - 72, my + 34]];
+    [mx + 72, my - 34], [mx - 72, my - 34], [mx + 72, my + 34], [mx - 72, my + 34],
+    [mx, my - 84], [mx, my + 84], [mx + 100, my], [mx - 100, my]];
   const wide = plateWidth(pen.context, text);
   const { left, right, top, bottom } = pen.camera.screen;
   const kept = places.map(([x, y]) => [
