@@ -32,11 +32,6 @@ def shrunk(area: BaseGeometry, depth: float) -> BaseGeometry:
     return shapely.buffer(area, -depth, join_style="mitre", mitre_limit=100.0)
 
 
-def reach_of(area: BaseGeometry) -> float:
-    """Return the distance from the axis of a body to the farthest point of its outline, metres."""
-    return float(shapely.hausdorff_distance(area, shapely.Point(0.0, 0.0)))
-
-
 def bounds_from(motion: Motion, begin: float) -> Bounds:
     """Return the bounds of the places on a motion from `begin` (seconds) on."""
     return places(motion.table, begin)

@@ -257,6 +257,11 @@ class MachineShape:
         return self.outline or self.box.corners
 
     @property
+    def farthest(self) -> float:
+        """Distance from the axis to the farthest corner of the footprint in metres."""
+        return max(math.hypot(*corner) for corner in self.corners)
+
+    @property
     def bounds(self) -> tuple[float, float, float, float]:
         """Smallest and largest x and y of the footprint, in metres from the axis."""
         xs, ys = zip(*self.corners, strict=True)

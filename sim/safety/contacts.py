@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from functools import partial
+from functools import cached_property, partial
 from itertools import combinations
 
 import shapely
 
 from floorplan import Point
 from navigation import FieldSet, Motion, ProtectiveFields, intrusions
-from navigation.contacts import Outlines, are_apart, bounds_from, reach_of, shrunk
+from navigation.contacts import Outlines, are_apart, bounds_from, shrunk
 from navigation.motion import State
 
-from ..core.body import Machine
+from ..core.body import Machine, MachineShape
 from ..core.clock import Turn
 from ..core.events import Collision, Contact
 from ..core.stage import Bystander, Stage
@@ -119,10 +119,7 @@ class Collisions:
         self._stage = stage
         for one, other in combinations(machines, 2):
             if one.shape.box.is_level_with(other.shape.box):
-                areas = [each.shape.footprint((0.0, 0.0), 0.0) for each in (one, other)]
-                inner = Outlines(*(shrunk(area, DEPTH / 2) for area in areas))
-                reach = sum(map(reach_of, areas))
-                change = partial(_next_collision, inner, Outlines(*areas), reach)
+                change = Encroachment(one.shape, other.shape).next_change
                 notify = partial(self._changed, one, other)
                 NearnessMonitor(stage, (one.body, other.body), change, notify)
 
@@ -136,21 +133,30 @@ class Collisions:
         )
 
 
-def _next_collision(
-    inner: Outlines,
-    outer: Outlines,
-    reach: float,
-    is_near: bool,
-    one: Motion,
-    other: Motion,
-    begin: float,
-    end: float,
-) -> float | None:
-    """Return when two machines that do not collide do so, or have parted (seconds)."""
-    if are_apart(bounds_from(one, begin), bounds_from(other, begin), reach + PARTED):
-        return begin if is_near else None
-    if is_near:
-        return outer.first_parting(one, other, begin, end, PARTED)
-    if inner.overlap(one, other, begin):
-        return begin
-    return inner.first_contact(one, other, begin, end)
+class Encroachment:
+    """Collisions of two machines, whose outlines are made when the machines first come near."""
+
+    def __init__(self, one: MachineShape, other: MachineShape) -> None:
+        self._shapes = one, other
+        self._reach = one.farthest + other.farthest
+
+    @cached_property
+    def _outer(self) -> Outlines:
+        return Outlines(*(shape.footprint((0.0, 0.0), 0.0) for shape in self._shapes))
+
+    @cached_property
+    def _inner(self) -> Outlines:
+        areas = (shape.footprint((0.0, 0.0), 0.0) for shape in self._shapes)
+        return Outlines(*(shrunk(area, DEPTH / 2) for area in areas))
+
+    def next_change(
+        self, is_near: bool, one: Motion, other: Motion, begin: float, end: float
+    ) -> float | None:
+        """Return when two machines that do not collide do so, or have parted (seconds)."""
+        if are_apart(bounds_from(one, begin), bounds_from(other, begin), self._reach + PARTED):
+            return begin if is_near else None
+        if is_near:
+            return self._outer.first_parting(one, other, begin, end, PARTED)
+        if self._inner.overlap(one, other, begin):
+            return begin
+        return self._inner.first_contact(one, other, begin, end)

@@ -9,15 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 
 import shapely
+from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from floorplan import Obstacle
 from navigation import Motion, standing
-from navigation.contacts import Outlines, bounds_from, reach_of, shrunk
+from navigation.contacts import Bounds, Outlines, bounds_from, shrunk
 from navigation.kernels.edges import come_into
 from navigation.kernels.numbers import numbers
 
@@ -91,8 +92,7 @@ class FloorMonitor:
         self._body = machine.body
         self._clock = stage.clock
         self._notify = touched
-        self._area = shape.footprint((0.0, 0.0), 0.0)
-        self._reach = reach_of(self._area)
+        self._reach = shape.farthest
         self._things: list[FloorPart] = []
         if shape.category == "vehicle":
             self._things.append(FloorPart("boundary", plan.boundary, outside=True))
@@ -105,6 +105,11 @@ class FloorMonitor:
         self._next: Callable[[], None] = self.reconsider
         self._alarm = Alarm(stage.clock, lambda: self._next(), Turn.MOTION_ENDS)
         self._list_bounds()
+
+    @cached_property
+    def _area(self) -> Polygon:
+        """The footprint in the frame of the machine."""
+        return self._machine.shape.footprint((0.0, 0.0), 0.0)
 
     def begin(self) -> None:
         """Begin to watch."""
@@ -163,13 +168,9 @@ class FloorMonitor:
 
     def _list_bounds(self) -> None:
         """List the bounds of everything; of the boundary, those of each side."""
-        parts = [
-            (thing, part)
-            for thing in self._things
-            for part in (_sides(thing.area) if thing.outside else [thing.area])
-        ]
+        parts = [(one, bounds) for one in self._things for bounds in _parts(one.area, one.outside)]
         self._owners = [thing for thing, _ in parts]
-        self._bounds = numbers([bound for _, part in parts for bound in part.bounds])
+        self._bounds = numbers([bound for _, bounds in parts for bound in bounds])
 
     def _between(self, thing: FloorPart, depth: float) -> Outlines:
         """Return the outlines of the machine, smaller by a depth, and of a thing."""
@@ -235,7 +236,14 @@ class FloorMonitor:
         self.reconsider()
 
 
-def _sides(area: BaseGeometry) -> list[BaseGeometry]:
-    """Return the sides of the rings of a polygon."""
-    rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(area)]
-    return [shapely.LineString(ends) for ring in rings for ends in pairwise(ring)]
+@lru_cache(maxsize=4096)
+def _parts(area: BaseGeometry, outside: bool) -> tuple[Bounds, ...]:
+    """Return the bounds of an area, or of the sides of its rings if all else is covered."""
+    if not outside:
+        return (area.bounds,)
+    rings = [shapely.get_coordinates(ring).tolist() for ring in shapely.get_rings(area)]
+    return tuple(
+        (min(x, u), min(y, v), max(x, u), max(y, v))
+        for ring in rings
+        for (x, y), (u, v) in pairwise(ring)
+    )

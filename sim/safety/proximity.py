@@ -50,7 +50,8 @@ class NearnessMonitor:
 
     def reconsider(self) -> None:
         """Compute the next change; called for each new motion."""
-        mine, theirs = (body.motion for body in self._bodies)
+        one, other = self._bodies
+        mine, theirs = one.motion, other.motion
         now = self._stage.clock.now
         end = max(now, min(max(mine.end, theirs.end), self._stage.end))
         self._alarm.set(self._change(self.is_near, mine, theirs, now, end))
