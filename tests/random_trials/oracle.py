@@ -356,14 +356,14 @@ class Sampled:
             inside, clearly, gone = (np.zeros(len(self.t), dtype=bool) for _ in range(3))
             gone[:] = True
             for person, (at, radius) in self.people_at.items():
-                there = self.there(person) & ~muted
+                # Sensors also see a person who has not started.
                 for k, one in enumerate(fields.sets):
                     polygon = Polygon(one.protective)
-                    inside |= there & (applying == k) & self.touches(vehicle, polygon, at, radius)
+                    inside |= ~muted & (applying == k) & self.touches(vehicle, polygon, at, radius)
                     deep = self.touches(vehicle, polygon, at, radius - DEEP)
-                    clearly |= there & (applying == k) & deep
+                    clearly |= ~muted & (applying == k) & deep
                     wide = self.touches(vehicle, polygon, at, radius + DEEP)
-                    gone &= ~(there & (applying == k) & wide)
+                    gone &= muted | (applying != k) | ~wide
             unprotected = (applying < 0) & ~muted
             yield from self._responses(vehicle, fields, clearly)
             yield from self._stops(vehicle, fields, clearly, gone & ~unprotected)
@@ -454,8 +454,8 @@ class Sampled:
                         yield f"{name} does not restart after t = {self.t[first]:.3f} s"
                         break
                 continue
-            k = int(end * RATE) - 1
-            if 0 < k < len(self.t) and vehicle.moves[max(0, k - 2) : k].all():
+            k = int(end * RATE)
+            if k < len(self.t) and vehicle.moves[k]:
                 yield f"{name} is released at t = {end:.3f} s while it moves"
             window = (self.t > end - fields.restart_delay + NEAR) & (self.t < end - NEAR)
             if (inside & window & (self.t > begin)).any():
