@@ -455,7 +455,8 @@ class Sampled:
                         break
                 continue
             k = int(end * RATE)
-            if k < len(self.t) and vehicle.moves[k]:
+            impact = self.of("contact", machine=name, t=end)
+            if k < len(self.t) and vehicle.moves[k] and not impact:
                 yield f"{name} is released at t = {end:.3f} s while it moves"
             window = (self.t > end - fields.restart_delay + NEAR) & (self.t < end - NEAR)
             if (inside & window & (self.t > begin)).any():
@@ -492,7 +493,47 @@ class Sampled:
                     yield f"field_stops of {name} are not those of the events"
                 if abs(stopped - figures["field_stop_time"]) > 1e-6:
                     yield f"field_stop_time of {name} is {figures['field_stop_time']}"
+                slow = self._intervals("field_slowdown", "field_slowdown_ended", machine=name)
+                slowed = sum(min(end, run.duration) - begin for begin, end in slow)
+                slowed -= sum(
+                    max(0.0, min(end, until, run.duration) - max(begin, since))
+                    for begin, end in slow
+                    for since, until in stops
+                )
+                if abs(slowed - figures["field_slow_time"]) > 1e-6:
+                    yield f"field_slow_time of {name} is {figures['field_slow_time']}, not {slowed}"
+            yield from self._idle(name, figures["idle_time"])
         yield from self._arrivals()
+        yield from self._walked()
+
+    def _idle(self, name, idle):
+        """A vehicle whose idle time is not the time that it stands for no reason."""
+        if self.of("contact", machine=name):
+            return  # it stands until its controller moves it
+        spans = self._intervals("machine_waiting", "machine_proceeds", machine=name)
+        for kind in ("field_stop", "protective_stop"):
+            spans += self._intervals(kind, f"{kind}_ended", machine=name)
+        holds = self.of("commanded", hold=name) + self.of("commanded", release=name)
+        times = sorted(e["t"] for e in holds) + [math.inf]
+        spans += zip(times[::2], times[1::2], strict=False)
+        motion = self.run.motions[name]
+        pieces = [(one.begin, min(one.end, self.run.duration)) for one in motion.pieces]
+        spans += [pieces[k] for k, one in enumerate(motion.pieces) if not one.stands]
+        busy = shapely.union_all([shapely.box(a, 0, min(b, self.run.duration), 1) for a, b in spans])
+        free = self.run.duration - busy.area
+        missions = self.vehicles[name].keys.get("missions", ())
+        waits = [one["wait"] for one in missions if "wait" in one]
+        done = len(self.of("job_started", machine=name, job="wait"))
+        if not free - done * max(waits, default=0.0) - 1e-6 <= idle <= free + 1e-6:
+            yield f"idle_time of {name} is {idle}, and it stands freely for {free}"
+
+    def _walked(self):
+        """People whose distance is not that of their samples, unless something moves them."""
+        for person, (at, _) in self.people_at.items():
+            steps = np.hypot(*np.diff(at, axis=0).T)
+            figure = self.run.summary["people"][person]["distance_walked"]
+            if not self.of("teleport", person=person) and abs(steps.sum() - figure) > 0.02:
+                yield f"{person} walked {steps.sum():.3f} m, not {figure}"
 
     def _arrivals(self):
         """Jobs that are done elsewhere than where they lead."""
