@@ -355,7 +355,7 @@ class Sampled:
             applying = self._applying(vehicle, fields)
             inside, clearly, gone = (np.zeros(len(self.t), dtype=bool) for _ in range(3))
             gone[:] = True
-            for person, (at, radius) in self.people_at.items():
+            for at, radius in self.people_at.values():
                 # Sensors also see a person who has not started.
                 for k, one in enumerate(fields.sets):
                     polygon = Polygon(one.protective)
@@ -514,13 +514,13 @@ class Sampled:
         for kind in ("field_stop", "protective_stop"):
             spans += self._intervals(kind, f"{kind}_ended", machine=name)
         holds = self.of("commanded", hold=name) + self.of("commanded", release=name)
-        times = sorted(e["t"] for e in holds) + [math.inf]
+        times = [*sorted(e["t"] for e in holds), math.inf]
         spans += zip(times[::2], times[1::2], strict=False)
-        motion = self.run.motions[name]
-        pieces = [(one.begin, min(one.end, self.run.duration)) for one in motion.pieces]
-        spans += [pieces[k] for k, one in enumerate(motion.pieces) if not one.stands]
-        busy = shapely.union_all([shapely.box(a, 0, min(b, self.run.duration), 1) for a, b in spans])
-        free = self.run.duration - busy.area
+        pieces = self.run.motions[name].pieces
+        spans += [(one.begin, one.end) for one in pieces if not one.stands]
+        end = self.run.duration
+        busy = shapely.union_all([shapely.box(a, 0, min(b, end), 1) for a, b in spans])
+        free = end - busy.area
         missions = self.vehicles[name].keys.get("missions", ())
         waits = [one["wait"] for one in missions if "wait" in one]
         done = len(self.of("job_started", machine=name, job="wait"))
