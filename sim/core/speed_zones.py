@@ -15,8 +15,8 @@ SLIGHT = 1e-6
 """Metres. Shorter parts of a course do not count."""
 
 
-class Part(NamedTuple):
-    """Part of a course: its begin and end (m), and the top speed there (m/s)."""
+class Stretch(NamedTuple):
+    """Stretch of a course: its begin and end (m), and the top speed there (m/s)."""
 
     begin: float
     end: float
@@ -32,23 +32,25 @@ def slow_areas(zones: Iterable[Zone], name: str) -> list[tuple[shapely.Polygon, 
     ]
 
 
-def parts_between(low: float, high: float, top_speed: float, slow: Iterable[Part]) -> list[Part]:
+def parts_between(
+    low: float, high: float, top_speed: float, slow: Iterable[Stretch]
+) -> list[Stretch]:
     """Return the parts of a course from `low` to `high` (m), in order, each with one top speed.
 
     Where parts of `slow` overlap, the lowest limit holds.
     """
     limits = [one for one in slow if one.top_speed < top_speed]
     cuts = {q for one in limits for q in one[:2] if low + SLIGHT < q < high - SLIGHT}
-    parts: list[Part] = []
+    parts: list[Stretch] = []
     for begin, end in pairwise([low, *sorted(cuts), high]):
         middle = (begin + end) / 2
         there = [one.top_speed for one in limits if one.begin <= middle <= one.end]
         top = min([top_speed, *there])
         last = parts[-1] if parts else None
         if last is not None and (last.top_speed == top or end - begin < SLIGHT):
-            parts[-1] = Part(last.begin, end, min(top, last.top_speed))
+            parts[-1] = Stretch(last.begin, end, min(top, last.top_speed))
         else:
-            parts.append(Part(begin, end, top))
+            parts.append(Stretch(begin, end, top))
     return parts
 
 

@@ -20,7 +20,7 @@ from ...core.body import CONTACT, Body, Machine, MachineShape, commands
 from ...core.clock import Alarm, Turn
 from ...core.events import AgvBlocked, AgvMoved, AgvYielded
 from ...core.scenario import AgvMove
-from ...core.speed_zones import SLIGHT, Part, extent, parts_between, slow_areas
+from ...core.speed_zones import SLIGHT, Stretch, extent, parts_between, slow_areas
 from ...core.stage import Stage
 from ...safety.stopping_check import Pedestrian, Stoppable, StoppingCheck
 
@@ -76,7 +76,7 @@ def last_before(part: Span, at: float, to: float) -> float | None:
 
 
 def run_slowly(
-    lane: Lane, state: AxisState, to: float, start: float, slow: Sequence[Part]
+    lane: Lane, state: AxisState, to: float, start: float, slow: Sequence[Stretch]
 ) -> Motion:
     """Return a run on `lane` to the position `to`, begun at `start` (seconds).
 
@@ -173,7 +173,7 @@ class Agv(Machine):
         """Who stands in its way while it stands, when it would look next, and how often (s)."""
         zones = stage.floorplan.zones
         self._slow = [
-            Part(*span, limit)
+            Stretch(*span, limit)
             for area, limit in slow_areas(zones, lane.name)
             for span in [part_within(lane, area)]
             if span is not None

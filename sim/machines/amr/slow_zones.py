@@ -16,7 +16,7 @@ from navigation.motion import State
 
 from ...core.body import MachineShape
 from ...core.entries import Pose
-from ...core.speed_zones import SLIGHT, Part, extent, parts_between, slow_areas
+from ...core.speed_zones import SLIGHT, Stretch, extent, parts_between, slow_areas
 
 HALVINGS = 40
 """Number of times that the interval of a speed is halved."""
@@ -77,7 +77,7 @@ class SlowZones:
             return vehicle_segment(state, to, start, limits=slow)
         return motion
 
-    def _parts(self, begin: Pose, to: Point, most: float) -> list[Part]:
+    def _parts(self, begin: Pose, to: Point, most: float) -> list[Stretch]:
         """Return the parts of a drive with their top speeds, in order."""
         (x, y, rotation), length = begin, math.dist(begin[:2], to)
         c, s = (to[0] - x) / length, (to[1] - y) / length
@@ -85,7 +85,7 @@ class SlowZones:
         swept = shapely.union(here, self._shape.footprint(to, rotation)).convex_hull
         along = [(px - x) * c + (py - y) * s for px, py in here.exterior.coords]
         slow = [
-            Part(span[0] - max(along), span[1] - min(along), speed)
+            Stretch(span[0] - max(along), span[1] - min(along), speed)
             for area, speed in self.areas
             for span in [extent(area, swept, (x, y), (c, s))]
             if span is not None
@@ -101,7 +101,7 @@ def _goes_back(state: State, direction: Point) -> bool:
     return state.velocity[0] * direction[0] + state.velocity[1] * direction[1] < -SLIGHT
 
 
-def _speeds_between(parts: Sequence[Part], begin: float, axis: AxisLimits) -> list[float]:
+def _speeds_between(parts: Sequence[Stretch], begin: float, axis: AxisLimits) -> list[float]:
     """Return the speed at the end of each part: 0 at the last one."""
     tops = [min(one.top_speed, other.top_speed) for one, other in pairwise(parts)]
     speeds = [begin, *tops, 0.0]

@@ -10,7 +10,7 @@ import shapely
 
 from floorplan import Point, Zone
 
-from ...core.speed_zones import SLIGHT, Part, parts_between, slow_areas
+from ...core.speed_zones import SLIGHT, Stretch, parts_between, slow_areas
 
 
 class SpeedZones:
@@ -50,7 +50,7 @@ class SpeedZones:
             parts.append((b if end == length else at, limit))
         return parts
 
-    def _slow(self, a: Point, b: Point) -> Iterator[Part]:
+    def _slow(self, a: Point, b: Point) -> Iterator[Stretch]:
         """Yield the parts of a leg (metres from a) in zones."""
         for area, (low_x, low_y, high_x, high_y), limit in self._zones:
             if (
@@ -65,4 +65,4 @@ class SpeedZones:
                 ends = [math.dist(a, at) for at in shapely.get_coordinates(piece).tolist()]
                 # Past a corner of the zone the two share one part, which is empty.
                 if ends and max(ends) - min(ends) > SLIGHT:
-                    yield Part(min(ends), max(ends), limit)
+                    yield Stretch(min(ends), max(ends), limit)
