@@ -44,7 +44,6 @@ class Drive(ABC):
     ) -> None:
         self.body = body
         self.standing_time = 0.0
-        self.braking_time = 0.0
         self.working_time = 0.0
         self._clock = clock
         self._notify = disabled_or_enabled
@@ -247,7 +246,7 @@ class Drive(ABC):
     def close(self) -> None:
         """Count the time it was made to stand until now: the trial is over."""
         if self._enabled is not None:
-            self.standing_time += self._clock.now - self._stands_since
+            self._count_standing()
 
     @property
     def _may_go_on(self) -> bool:
@@ -259,16 +258,20 @@ class Drive(ABC):
             self._enabled = self._clock.event()
             self._stands_since = self._clock.now
             self._brake()
-            self.braking_time += self.body.motion.end - self._clock.now
             self._notify("disabled")
 
     def _go_on(self) -> None:
         """Be free to move, if nothing makes it stand."""
         if self._enabled is not None and self._may_go_on:
+            self._count_standing()
             enabled, self._enabled = self._enabled, None
-            self.standing_time += self._clock.now - self._stands_since
             enabled.succeed()
             self._notify("enabled")
+
+    def _count_standing(self) -> None:
+        """Count the time at rest, without the braking before, which may still last."""
+        rests_from = max(self._stands_since, self.body.motion.end)
+        self.standing_time += max(0.0, self._clock.now - rests_from)
 
     def _brake(self) -> None:
         self.body.follow(self.stopping(self.body.state, self._clock.now))

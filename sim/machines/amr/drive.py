@@ -78,7 +78,7 @@ class VehicleDrive(Drive):
         )
         self._stage = stage
         self._shape = vehicle.shape(name)
-        self._slow = SlowZones.of(stage.floorplan.zones, self._shape)
+        self._slow = SlowZones(stage.floorplan.zones, self._shape)
         self._people: dict[str, Disc] = {}
         """The people whom routes avoid."""
         self._placed: set[str] = set()
@@ -131,7 +131,7 @@ class VehicleDrive(Drive):
         self, current: State | Pose, poses: list[Pose], start: float, limits: VehicleLimits
     ) -> Motion:
         """Return the motion through poses, slow in zones that limit the speed."""
-        if self._slow.zones and poses:
+        if self._slow.areas and poses:
             return self._slow.path(current, poses, start, limits)
         return vehicle_path(current, poses, start, limits=limits)
 
