@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from functools import partial
 from typing import Any, Literal, get_args
 
@@ -44,7 +44,6 @@ class Drive(ABC):
     ) -> None:
         self.body = body
         self.standing_time = 0.0
-        self.braking_time = 0.0
         self.working_time = 0.0
         self._clock = clock
         self._notify = disabled_or_enabled
@@ -63,13 +62,33 @@ class Drive(ABC):
         """Target and share of the top speeds of the last command, if that was a move."""
         self._replaced = clock.event()
         self._braking = clock.event()
+        self._previewed_at, self._previewed_on = -1.0, body.motion
+        self._previews: dict[tuple[tuple[float, ...], float], Motion] = {}
+        """The motions from here and now: a controller asks for one before it moves."""
 
     @abstractmethod
-    def preview(self, target: Pose, speed_share: float) -> Motion:
+    def destination(self, target: Sequence[float]) -> Pose:
+        """Return the pose in which a move to x, y, and a rotation if there is one, ends."""
+
+    def preview(self, target: Sequence[float], speed_share: float) -> Motion:
         """Return the motion from here and now to `target`, at that share of the top speeds.
 
         `ValueError` if the machine can't get there, or the share is not in 0 … 1.
         """
+        now, motion = self._clock.now, self.body.motion
+        if self._previewed_at != now or self._previewed_on is not motion:
+            self._previewed_at, self._previewed_on = now, motion
+            self._previews.clear()
+        key = (tuple(map(float, target)), self._allowed(speed_share))
+        found = self._previews.get(key)
+        if found is None:
+            found = self._planned(*key)
+            self._previews[key] = found
+        return found
+
+    @abstractmethod
+    def _planned(self, target: tuple[float, ...], speed_share: float) -> Motion:
+        """Return a motion for `preview`, at a share that the limit of the speed allows."""
 
     def resumed(self, target: Pose, speed_share: float) -> Motion:
         """Return the motion with which a move goes on after the machine was made to stand."""
@@ -227,7 +246,7 @@ class Drive(ABC):
     def close(self) -> None:
         """Count the time it was made to stand until now: the trial is over."""
         if self._enabled is not None:
-            self.standing_time += self._clock.now - self._stands_since
+            self._count_standing()
 
     @property
     def _may_go_on(self) -> bool:
@@ -239,16 +258,20 @@ class Drive(ABC):
             self._enabled = self._clock.event()
             self._stands_since = self._clock.now
             self._brake()
-            self.braking_time += self.body.motion.end - self._clock.now
             self._notify("disabled")
 
     def _go_on(self) -> None:
         """Be free to move, if nothing makes it stand."""
         if self._enabled is not None and self._may_go_on:
+            self._count_standing()
             enabled, self._enabled = self._enabled, None
-            self.standing_time += self._clock.now - self._stands_since
             enabled.succeed()
             self._notify("enabled")
+
+    def _count_standing(self) -> None:
+        """Count the time at rest, without the braking before, which may still last."""
+        rests_from = max(self._stands_since, self.body.motion.end)
+        self.standing_time += max(0.0, self._clock.now - rests_from)
 
     def _brake(self) -> None:
         self.body.follow(self.stopping(self.body.state, self._clock.now))
