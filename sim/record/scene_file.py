@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -140,7 +140,7 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
         later(f"made in the later format {found}; what this version knows of it is shown")
     try:
         # The fields by their names in Python. Keys of files may have others.
-        extra = None if found == FORMAT else "ignore"
+        extra: Literal["ignore"] | None = None if found == FORMAT else "ignore"
         scene = _SceneFile.model_validate(data, by_alias=False, by_name=True, extra=extra)
     except ValidationError as misfits:
         first = misfits.errors()[0]
