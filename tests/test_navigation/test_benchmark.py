@@ -40,7 +40,7 @@ def without_times(attempts):
     """What must be the same again: all but times and memory."""
     return [
         (
-            *(a.asked, a.reason, a.wrong, a.checks, a.length, a.clearance, a.turning),
+            *(a.asked, a.reason, a.wrong, a.length, a.clearance, a.turning),
             a.points.tolist(),
             [(one.iterations, one.length) for one in a.progress],
         )
@@ -53,7 +53,6 @@ def test_answers_are_measured(attempts):
     for a in attempts:
         assert a.solved
         assert a.cpu_seconds > 0
-        assert a.checks > 0
         assert a.clearance >= 0.25 - 1e-9
         assert a.ratio >= 1 - 1e-9
         assert (a.turning == 0) == (a.bends == 0)
