@@ -26,6 +26,9 @@ from .arguments import number
 Steps = Generator[Event, Any, Any]
 """Steps of a controller: a generator of events to wait for, in SimPy's manner."""
 
+RETRY = 2.0
+"""Seconds after which a blocked vehicle plans again, if nothing has changed on the floor."""
+
 
 class Drive(ABC):
     """Drive of a commanded machine, which passes "disabled" and "enabled" to a function.

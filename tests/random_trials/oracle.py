@@ -339,7 +339,7 @@ class Sampled:
     def _presses(self, vehicle, k):
         """Whether a vehicle touches a wall at some of these samples."""
         room = self.plan.boundary.difference(
-            shapely.union_all([one.footprint for one in self.plan.obstacles])
+            shapely.union_all([one.footprint for one in (*self.plan.obstacles, *self.plan.doors)])
         )
         placed = vehicle.placed(vehicle.outline, k[k < len(self.t)])
         return bool((shapely.distance(room.boundary, placed) < DEEP).any())
@@ -530,7 +530,7 @@ class Sampled:
     def _walked(self):
         """People whose distance is not that of their samples, unless something moves them."""
         for person, (at, _) in self.people_at.items():
-            steps = np.hypot(*np.diff(at, axis=0).T)
+            steps = np.hypot(*np.diff(at[self.there(person)], axis=0).T)
             figure = self.run.summary["people"][person]["distance_walked"]
             if not self.of("teleport", person=person) and abs(steps.sum() - figure) > 0.02:
                 yield f"{person} walked {steps.sum():.3f} m, not {figure}"

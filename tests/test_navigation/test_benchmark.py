@@ -327,7 +327,14 @@ def test_wrong_answers_are_noticed():
     assert (stays.right, stays.ratio, stays.length) == (True, 1.0, 0.0)
 
 
-@pytest.mark.parametrize("name", floorplan.builtin())
+@pytest.mark.parametrize(
+    "name",
+    [
+        "machine_shop",
+        pytest.param("ariac2023", marks=pytest.mark.slow),
+        pytest.param("warehouse", marks=pytest.mark.slow),
+    ],
+)
 def test_ompls_own_roadmap_planner_finds_paths_as_long_as_the_default(name):
     """It has the corner points as samples, FCL judges every link, and OMPL searches them."""
     plan = floorplan.load(name)

@@ -33,7 +33,7 @@ from ...core.body import Body, is_there
 from ...core.entries import Pose
 from ...core.events import MachineBlocked
 from ...core.stage import Stage
-from ..commanding import Drive
+from ..commanding import RETRY, Drive
 from ..traffic.evading import Evasion
 from .passing import passing_places
 from .shape import Chassis
@@ -44,9 +44,6 @@ LONGER = 15.0
 
 TRIED = 6
 """Number of passing places to which a path is planned."""
-
-RETRY = 2.0
-"""Seconds after which a blocked vehicle plans again, if nothing has changed on the floor."""
 
 ON_ROUTE = 1e-4
 """Metres and radians. A vehicle this close to a leg of its route is on it."""

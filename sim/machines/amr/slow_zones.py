@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import shapely
 
 from floorplan import Point, Zone
-from navigation import Motion, Piece, VehicleLimits, vehicle_segment, vehicle_turn
+from navigation import Motion, Piece, VehicleLimits, vehicle_segment
 from navigation.machines import AxisLimits, AxisState, along_line, to_position
 from navigation.motion import State
+from navigation.vehicles import through
 
 from ...core.body import MachineShape
 from ...core.entries import Pose
@@ -36,21 +38,9 @@ class SlowZones:
 
         `ValueError` where the vehicle does not move along the path.
         """
-        if not isinstance(current, State):
-            current = _at_rest(current)
-        state, t = current, start
-        pieces: list[Piece] = []
-        for x, y, rotation in poses:
-            if math.dist(state.position[:2], (x, y)) > SLIGHT:
-                drive = self._drive(state, (x, y), t, limits)
-            else:
-                drive = vehicle_turn(state, rotation, t, limits=limits)
-            pieces += drive.pieces
-            t, turned = drive.end, drive.state(drive.end).position[2]
-            state = _at_rest((x, y, turned))
-        return Motion(tuple(pieces))
+        return through(current, poses, start, limits, partial(self._drive, limits))
 
-    def _drive(self, state: State, to: Point, start: float, limits: VehicleLimits) -> Motion:
+    def _drive(self, limits: VehicleLimits, state: State, to: Point, start: float) -> Motion:
         usual = vehicle_segment(state, to, start, limits=limits)
         (x, y, rotation), (vx, vy, _), (ax, ay, _) = state
         length = math.dist((x, y), to)
@@ -91,10 +81,6 @@ class SlowZones:
             if span is not None
         ]
         return parts_between(0.0, length, most, slow)
-
-
-def _at_rest(pose: Pose) -> State:
-    return State(pose, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 def _goes_back(state: State, direction: Point) -> bool:
