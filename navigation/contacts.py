@@ -37,10 +37,11 @@ def bounds_from(motion: Motion, begin: float) -> Bounds:
     return places(motion.table, begin)
 
 
-def are_apart(one: Bounds, other: Bounds, gap: float) -> bool:
-    """Return whether bounds are farther from each other than `gap` metres, along x or y."""
-    x, y = max(one[0] - other[2], other[0] - one[2]), max(one[1] - other[3], other[1] - one[3])
-    return max(x, y) > gap
+def are_apart(one: Motion, other: Motion, begin: float, gap: float) -> bool:
+    """Return whether from `begin` (s) on, the places on motions are `gap` m apart along x or y."""
+    x, y, most_x, most_y = places(one.table, begin)
+    u, v, most_u, most_v = places(other.table, begin)
+    return x - most_u > gap or u - most_x > gap or y - most_v > gap or v - most_y > gap
 
 
 class Outlines:

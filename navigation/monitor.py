@@ -68,7 +68,8 @@ def when(
     ValueError
         If the time span is invalid.
     """
-    watch = _watch(condition, person, machine, begin, end, shapes)
+    _check(person, machine, begin, end)
+    watch = search(condition, person, machine, begin, end, shapes)
     while (since := watch.change()) is not None:
         until = watch.change()
         assert until is not None  # what holds at the end ceases to hold there
@@ -101,23 +102,11 @@ def first_time(
     TypeError, ValueError
         See `when`.
     """
-    return _watch(condition, person, machine, begin, end, shapes).change()
+    _check(person, machine, begin, end)
+    return search(condition, person, machine, begin, end, shapes).change()
 
 
-def first_interval(
-    condition: Condition,
-    person: Motion,
-    machine: Motion,
-    begin: float,
-    end: float,
-    *,
-    shapes: Shapes | None = None,
-) -> tuple[float, float] | None:
-    """Return the first interval that `when` yields, or None."""
-    return next(when(condition, person, machine, begin, end, shapes=shapes), None)
-
-
-def _watch(
+def search(
     condition: Condition,
     person: Motion,
     machine: Motion,
@@ -125,18 +114,16 @@ def _watch(
     end: float,
     shapes: Shapes | None,
 ) -> ChangeSearch:
-    encounter = _encounter(person, machine, begin, end, shapes)
+    """Return the search for changes of a condition: see `when`, but nothing is checked."""
+    encounter = Encounter(person, machine, () if shapes is None else shapes.gauges)
     return ChangeSearch(in_kernel(condition), encounter, float(begin), float(end), RESOLUTION)
 
 
-def _encounter(
-    person: Motion, machine: Motion, begin: float, end: float, shapes: Shapes | None
-) -> Encounter:
+def _check(person: Motion, machine: Motion, begin: float, end: float) -> None:
     require(person, Motion)
     require(machine, Motion)
     if not -inf < begin <= end < inf:
         raise ValueError(f"can't watch from {begin} s to {end} s")
-    return Encounter(person, machine, () if shapes is None else shapes.gauges)
 
 
 def first_violation(
@@ -240,7 +227,8 @@ def minimum_separation(
     TypeError, ValueError
         See `first_violation`.
     """
-    encounter = _encounter(person, machine, begin, end, shapes)
+    _check(person, machine, begin, end)
+    encounter = Encounter(person, machine, () if shapes is None else shapes.gauges)
     return least(None, encounter, float(begin), float(end), EXACT)
 
 
@@ -273,7 +261,8 @@ def minimum_margin(
         See `first_violation`.
     """
     require_sense(law)
-    encounter = _encounter(person, machine, begin, end, shapes)
+    _check(person, machine, begin, end)
+    encounter = Encounter(person, machine, () if shapes is None else shapes.gauges)
     judged = law
     # A scaled law is as exact as the one inside.
     while isinstance(judged, Scaled):

@@ -25,7 +25,7 @@ from .bodies import CollisionBody, Disc
 from .catalog import Path, PlanningError
 from .encounter import PERSON_HEIGHT, Cylinder, Shapes, Solid
 from .kernels.watch import TooClose
-from .monitor import RESOLUTION, first_interval, first_time, minimum_separation
+from .monitor import RESOLUTION, first_time, minimum_separation, when
 from .motion import Motion, join, standing
 from .planner import PathPlanner
 from .roadmap_planner import SLACK
@@ -144,7 +144,7 @@ class _Watch:
         until = max(self.mover.motion.end, t) + 1.0
         stands = standing(place)
         pair = (stands, self.mover.motion)
-        begin, end = first_interval(self.clear, *pair, t, until, shapes=self.shapes) or (t, t)
+        begin, end = next(when(self.clear, *pair, t, until, shapes=self.shapes), (t, t))
         if begin > t + RESOLUTION:  # it only grazes the place
             return t
         return math.inf if end >= until else end

@@ -337,7 +337,7 @@ class Simulation(InProgress):
         raise UserError(f"there is no person {name!r}; {suggestion(name, names)}")
 
     @_in_run
-    def advance(self, until: float, *, enough: Callable[[], bool] = lambda: False) -> None:
+    def advance(self, until: float, *, enough: Callable[[], bool] | None = None) -> None:
         """Simulate all events before a time.
 
         Parameters

@@ -256,7 +256,7 @@ class MachineShape:
         """Corners of the footprint, in metres from the axis along the heading and to its left."""
         return self.outline or self.box.corners
 
-    @property
+    @cached_property
     def farthest(self) -> float:
         """Distance from the axis to the farthest corner of the footprint in metres."""
         return max(math.hypot(*corner) for corner in self.corners)

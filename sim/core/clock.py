@@ -132,15 +132,16 @@ class Clock(InProgress, simpy.Environment):
                 f" happened within a millisecond: {self._busy()}"
             )
 
-    def advance(self, until: float, enough: Callable[[], bool] = lambda: False) -> None:
+    def advance(self, until: float, enough: Callable[[], bool] | None = None) -> None:
         """Let happen what comes before the outside at `until` (s), or until it is `enough()`."""
         with suppress(StopSimulation):  # the trial has come to its end, or was stopped
-            while not enough() and self.peek() < until:
+            while enough is None or not enough():
+                if not self._queue or self._queue[0][0] >= until:
+                    arrival = self.at(until, Turn.OUTSIDE)
+                    while not arrival.processed:
+                        self.step()
+                    break
                 self.step()
-            if not enough():
-                arrival = self.at(until, Turn.OUTSIDE)
-                while not arrival.processed:
-                    self.step()
 
     def at(self, t: float, turn: Turn = Turn.MOTION_ENDS) -> Event:
         """Return an event that happens at `t` (seconds, not before now)."""

@@ -293,7 +293,7 @@ class Person:
     @property
     def away(self) -> bool:
         """Whether they are not on the floor: not yet, or not any more."""
-        return not self.stays or self.left_at is not None
+        return not self.stays or self.stays[-1][1] < math.inf
 
     @property
     def left_at(self) -> float | None:

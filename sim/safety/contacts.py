@@ -11,7 +11,7 @@ import shapely
 
 from floorplan import Point
 from navigation import FieldSet, Motion, ProtectiveFields, intrusions
-from navigation.contacts import Outlines, are_apart, bounds_from, shrunk
+from navigation.contacts import Outlines, are_apart, shrunk
 from navigation.motion import State
 
 from ..core.body import Machine, MachineShape
@@ -19,6 +19,7 @@ from ..core.clock import Turn
 from ..core.events import Collision, Contact
 from ..core.stage import Bystander, Stage
 from .margins import moving_spans
+from .monitors import BesideVehicles
 from .proximity import PARTED, NearnessMonitor
 
 TOUCH = 1e-6
@@ -45,8 +46,11 @@ class PersonContacts:
         self._monitors: dict[Bystander, list[NearnessMonitor]] = {}
         self._fields: dict[Machine, ProtectiveFields] = {}
 
-    def watch(self, person: Bystander, machine: Machine) -> None:
-        """Watch a person beside a machine from now on, if it does not pass above them."""
+    def watch(self, person: Bystander, machine: Machine, beside: BesideVehicles | None) -> None:
+        """Watch a person beside a machine from now on, if it does not pass above them.
+
+        `beside` has the watches on the person beside vehicles, if the machine is one.
+        """
         if machine.shape.bottom - self._stage.floorplan.human.height > TOUCH:
             return
         if machine not in self._fields:
@@ -56,7 +60,7 @@ class PersonContacts:
         change = partial(self._change, person, machine)
         notify = partial(self._changed, person, machine)
         bodies = person.body, machine.body
-        monitor = NearnessMonitor(self._stage, bodies, change, notify, Turn.VIOLATION)
+        monitor = NearnessMonitor(self._stage, bodies, change, notify, Turn.VIOLATION, beside)
         self._monitors.setdefault(person, []).append(monitor)
 
     def started(self, person: Bystander) -> None:
@@ -76,15 +80,15 @@ class PersonContacts:
     ) -> float | None:
         """Return when a contact begins or ends next (seconds), if one does."""
         is_vehicle = machine.shape.category == "vehicle"
-        idle = is_vehicle and drive.end <= begin
-        # Recorded people are far outside while they are away.
-        away = person.away and not person.is_recorded
-        if idle or away or person.started_at is None:
-            return begin if is_near else None
         fields = self._fields[machine]
         radius = person.radius + (PARTED if is_near else TOUCH)
-        here, there = bounds_from(walk, begin), bounds_from(drive, begin)
-        if are_apart(here, there, fields.reach + radius):
+        if (
+            person.started_at is None
+            or (is_vehicle and drive.end <= begin)
+            or are_apart(walk, drive, begin, fields.reach + radius)
+            # Recorded people are far outside while they are away.
+            or (person.away and not person.is_recorded)
+        ):
             return begin if is_near else None
         spans = moving_spans(drive, begin, end, turning=True) if is_vehicle else [(begin, end)]
         if is_near:
@@ -153,7 +157,7 @@ class Encroachment:
         self, is_near: bool, one: Motion, other: Motion, begin: float, end: float
     ) -> float | None:
         """Return when two machines that do not collide do so, or have parted (seconds)."""
-        if are_apart(bounds_from(one, begin), bounds_from(other, begin), self._reach + PARTED):
+        if are_apart(one, other, begin, self._reach + PARTED):
             return begin if is_near else None
         if is_near:
             return self._outer.first_parting(one, other, begin, end, PARTED)

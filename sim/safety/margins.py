@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -48,31 +48,20 @@ class RecordedRequirement:
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """Return the distance in metres that was required from `begin` to `end` (seconds)."""
-        first, last = self._at(begin), self._before(end) if begin < end else self._at(end)
-        inner = self._curve[bisect_right(self._times, begin) : bisect_right(self._times, end)]
+        k, n = bisect_right(self._times, begin), bisect_left(self._times, end)
+        first = self._at(k, begin)
+        last = self._at(n, end) if begin < end else first
         slope = (last - first) / (end - begin) if begin < end else 0.0
-        off = [metres - first - slope * (t - begin) for t, metres in inner if t < end]
+        off = [metres - first - slope * (t - begin) for t, metres in self._curve[k:n]]
         low, high = min((*off, 0.0)), max((*off, 0.0))
         return Enclosure(value=(first + last + low + high) / 2, slope=slope, slack=(high - low) / 2)
 
-    def _at(self, t: float) -> float:
-        """Return what is required from `t` on."""
-        k = bisect_right(self._times, t)
+    def _at(self, k: int, t: float) -> float:
+        """Return what is required at `t` (seconds), between the points `k` - 1 and `k`."""
         if k in (0, len(self._curve)):
             return self._curve[max(k - 1, 0)][1]
-        return _between(self._curve[k - 1], self._curve[k], t)
-
-    def _before(self, t: float) -> float:
-        """Return what is required until just before `t`."""
-        k = bisect_right(self._times, math.nextafter(t, -math.inf))
-        if k in (0, len(self._curve)):
-            return self._curve[max(k - 1, 0)][1]
-        return _between(self._curve[k - 1], self._curve[k], t)
-
-
-def _between(one: tuple[float, float], other: tuple[float, float], t: float) -> float:
-    (begin, low), (end, high) = one, other
-    return low + (high - low) * (t - begin) / (end - begin)
+        (begin, low), (end, high) = self._curve[k - 1 : k + 1]
+        return low + (high - low) * (t - begin) / (end - begin)
 
 
 class Encountered(NamedTuple):

@@ -15,10 +15,9 @@ from navigation import (
     Motion,
     Shapes,
     TooClose,
-    first_time,
     minimum_separation,
 )
-from navigation.monitor import RESOLUTION, first_interval
+from navigation.monitor import RESOLUTION, search
 from navigation.separation import AnyLaw, required_at, required_at_speeds
 
 from ..core.body import PERSON, Body, Machine, Plans
@@ -85,12 +84,13 @@ class Pair:
         if since > begin:
             begin = since
         end = last if last > begin else begin
-        return first_time(condition, *self.motions, begin, end, shapes=self.shapes)
+        return search(condition, *self.motions, begin, end, self.shapes).change()
 
     def next_interval(self, condition: Condition) -> tuple[float, float] | None:
         """Return the first interval from now on in which `condition` holds, if any."""
-        now, shapes = self.clock.now, self.shapes
-        return first_interval(condition, *self.motions, now, self.horizon(), shapes=shapes)
+        found = search(condition, *self.motions, self.clock.now, self.horizon(), self.shapes)
+        since, until = found.change(), found.change()
+        return None if since is None or until is None else (since, until)
 
     def distance(self) -> float:
         """Return the distance between the two now (metres)."""
@@ -134,14 +134,11 @@ class Pair:
 class Reconsidering(Protocol):
     """A watch on a person beside a vehicle, which counts while the vehicle moves."""
 
-    @property
-    def lasts(self) -> bool:
-        """Whether it counts although the vehicle stands."""
-        ...
+    lasts: bool
+    """Whether it counts although the vehicle stands."""
 
     def reconsider(self) -> None:
         """Compute anew what is to come; called whenever a motion changes."""
-        ...
 
 
 class BesideVehicles:

@@ -13,7 +13,7 @@ from ..core.body import Body, Machine
 from ..core.clock import Alarm, Turn
 from ..core.events import PeopleTooNear
 from ..core.stage import Bystander, Stage
-from .monitors import Pair
+from .monitors import BesideVehicles, Pair
 
 Change = Callable[[bool, Motion, Motion, float, float], float | None]
 """Returns when two motions part that are near (True), or come near that are not, if they do (s).
@@ -28,7 +28,10 @@ def by_conditions(near: Condition, parted: Condition) -> Change:
 
 
 class NearnessMonitor:
-    """Calls `notify` as two bodies come so near that something holds (True), and as they part."""
+    """Calls `notify` as two bodies come so near that something holds (True), and as they part.
+
+    Among the watches `beside` vehicles, it reconsiders as these do.
+    """
 
     def __init__(
         self,
@@ -37,15 +40,20 @@ class NearnessMonitor:
         change: Change,
         notify: Callable[[bool], None],
         turn: Turn = Turn.NOTICE,
+        beside: BesideVehicles | None = None,
     ) -> None:
-        self.is_near = False
+        self.lasts = False
+        """Whether they are near now."""
         self._stage = stage
         self._bodies = bodies
         self._change = change
         self._notify = notify
         self._alarm = Alarm(stage.clock, self._ring, turn)
-        for body in bodies:
-            body.on_change.append(self.reconsider)
+        if beside is not None:
+            beside.add(bodies[1], self)
+        else:
+            for body in bodies:
+                body.on_change.append(self.reconsider)
         self.reconsider()
 
     def reconsider(self) -> None:
@@ -54,12 +62,12 @@ class NearnessMonitor:
         mine, theirs = one.motion, other.motion
         now = self._stage.clock.now
         end = max(now, min(max(mine.end, theirs.end), self._stage.end))
-        self._alarm.set(self._change(self.is_near, mine, theirs, now, end))
+        self._alarm.set(self._change(self.lasts, mine, theirs, now, end))
 
     def _ring(self) -> None:
-        self.is_near = not self.is_near
+        self.lasts = not self.lasts
         self.reconsider()
-        self._notify(self.is_near)
+        self._notify(self.lasts)
 
 
 PARTED = 1e-3

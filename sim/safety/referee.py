@@ -66,16 +66,17 @@ class Referee:
         law = self.rules.law_of(machine.shape)
         watch = SeparationMonitor(pair, law, self._condition_of(machine), self._violated)
         self.watches.append(watch)
-        self.contacts.watch(person, machine)
         if self.rules.machine == "stop":
             stop = Hold(pair, watch.law, machine.shape.top_speed, self._stop_for)
             self._stops[watch] = stop
-        if machine.shape.category == "vehicle":
-            if person not in self._beside:
-                self._beside[person] = BesideVehicles(person.body)
-            self._beside[person].add(machine.body, watch)
+        if machine.shape.category == "vehicle" and person not in self._beside:
+            self._beside[person] = BesideVehicles(person.body)
+        beside = self._beside[person] if machine.shape.category == "vehicle" else None
+        self.contacts.watch(person, machine, beside)
+        if beside is not None:
+            beside.add(machine.body, watch)
         for body in (person.body, machine.body):
-            if machine.shape.category != "vehicle":
+            if beside is None:
                 body.on_change.append(watch.reconsider)
             if watch in self._stops:
                 body.on_change.append(self._stops[watch].reconsider)

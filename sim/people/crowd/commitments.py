@@ -67,7 +67,9 @@ class Commitments(CommittedMotions):
 
     def set_goal(self, who: Traveller, goal: Point | None, route: list[Point]) -> None:
         """Set the goal and the route of a person, or clear them."""
-        who.goal, who.route, who.routed_from = goal, route, who.body.at
+        who.goal, who.route = goal, route
+        if route:
+            who.routed_from = who.body.at
         x, y = route[0] if route else (math.inf, math.inf)
         self.send(self.indices[who], goal is not None, x, y)
 
