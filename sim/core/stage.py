@@ -12,9 +12,9 @@ from pydantic import ConfigDict, TypeAdapter
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
-from floorplan import Door, Floorplan, Obstacle, Point
+from floorplan import Door, Floorplan, Obstacle, Point, UserError
 from floorplan.files.fields import brief
-from floorplan.files.problems import Fault
+from floorplan.files.problems import Fault, suggestion
 from navigation import CollisionWorld, Motion, VehicleLimits
 from navigation.machines import AxisLimits, Stop
 
@@ -179,6 +179,14 @@ class Bystander(Protocol):
         ...
 
 
+class Machines(dict[str, Machine]):
+    """Machines by name; `UserError` for an unknown name."""
+
+    def __missing__(self, name: object) -> Machine:
+        """Name the nearest machine."""
+        raise UserError(f"there is no machine {name!r}; {suggestion(str(name), self)}")
+
+
 @dataclass(eq=False, kw_only=True)
 class Stage(InProgress):
     """State shared by people and machines in a running simulation.
@@ -229,7 +237,7 @@ class Stage(InProgress):
     fastest: float
     widest: float
     people: Sequence[Bystander] = ()
-    machines: dict[str, Machine] = field(default_factory=dict, init=False)
+    machines: dict[str, Machine] = field(default_factory=Machines, init=False)
     """Machines by name. All are complete before the first one acts."""
     vehicles: tuple[Machine, ...] = field(default=(), init=False)
     """Machines that drive on the floor and can block paths."""

@@ -15,7 +15,7 @@ from floorplan import UserError
 from navigation import Motion
 from navigation.motion import State
 
-from ..core.body import TRAFFIC, Machine, MachineShape, commands
+from ..core.body import TRAFFIC, Machine, MachineShape, checked, commands
 from ..core.clock import Alarm, Turn
 from ..core.entries import Pose
 from ..core.events import EventKind, JobDone, JobStarted
@@ -124,6 +124,7 @@ class CommandedMachine(Machine):
         """Whether the machine is disabled or in a protective stop."""
         return self.drive.disabled
 
+    @checked
     def look(self, after: float = 0.0) -> Event:
         """Observe the people. The value of the event is a tuple of `Sighting`.
 
@@ -149,6 +150,7 @@ class CommandedMachine(Machine):
         at = math.ceil(earliest - 1e-9) / OBSERVATION_RATE
         return self._clock.ask(at, self._sightings, Turn.NOTICE)
 
+    @checked
     def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
         """Interrupt the controller from now on when something happens while it waits.
 
@@ -216,6 +218,7 @@ class CommandedMachine(Machine):
         self._interrupts.command_given()
         return move
 
+    @checked
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
@@ -293,6 +296,7 @@ class CommandedMachine(Machine):
         """
         return self.drive.stopping(state, t)
 
+    @checked
     def wait(self, seconds: float) -> Process:
         """Wait. Time in which the machine is stopped does not count.
 
@@ -308,6 +312,7 @@ class CommandedMachine(Machine):
         """
         return self._command(self.drive.wait(seconds))
 
+    @checked
     def until(self, t: float) -> Event:
         """Wait for an instant.
 
@@ -466,8 +471,9 @@ class CommandedMachine(Machine):
 
     def _record_by_name(self, event: EventKind) -> None:
         """Record an event with the name of the machine, if it has a field for it."""
-        fields = {**event.fields, "machine": self.name} if "machine" in event.forms else None
-        self._stage.record(event if fields is None else event.of(fields))
+        if "machine" in getattr(event, "forms", ()):
+            event = event.of({**event.fields, "machine": self.name})
+        self._stage.record(event)
 
     def _follow(self, motion: Motion, again: Callable[[], Motion] | None = None) -> Event:
         """Follow a motion, which is compared with the claims of others; see `Drive.follow`."""
