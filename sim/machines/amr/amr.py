@@ -20,7 +20,7 @@ from ...core.entries import Pose
 from ...core.events import JobDone, JobStarted
 from ...core.stage import Stage
 from ..arguments import instance, number, target
-from ..commanded import CommandedMachine, Sighting
+from ..commanded import CommandedMachine
 from ..commanding import Steps
 from ..tasks import Step, Task
 from ..traffic.evading import Evading, Evasion
@@ -42,7 +42,7 @@ class Amr(CommandedMachine, Evading):
     drive: VehicleDrive
 
     FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
-        *("people", "missions", "complete", "twist", "twist_now", "turn_to", "limits")
+        *("missions", "complete", "twist", "twist_now", "turn_to", "limits")
     }
 
     def __init__(
@@ -91,11 +91,6 @@ class Amr(CommandedMachine, Evading):
         self.start(self._controller(self))
 
     # Its sensors.
-
-    @property
-    def people(self) -> tuple[Sighting, ...]:
-        """The people around, as it sees them now."""
-        return self._sightings()
 
     @property
     def missions(self) -> tuple[Mission, ...]:
