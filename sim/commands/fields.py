@@ -69,7 +69,6 @@ def fields(
     from floorplan import UserError
     from navigation import FieldSupplements
 
-    from ..machines.field_limits import field_limits
     from ..machines.kinds import models_of
     from ..trials.names import checked_name
     from ..trials.trial import Trial
@@ -90,7 +89,7 @@ def fields(
     steps = None if speeds is None else _numbers(speeds)
     lines: list[str] = []
     for name, model in models.items():
-        limits = field_limits(model, read.floorplan)
+        limits = model.field_limits(read.floorplan)
         if limits is None:
             if machine is not None:
                 raise UserError(f"the limits of {name!r} are not known: its kind is custom")

@@ -15,8 +15,8 @@ from typing_extensions import Self
 from floorplan import Door, Floorplan, Obstacle, Point
 from floorplan.files.fields import brief
 from floorplan.files.problems import Fault
-from navigation import CollisionWorld, Motion
-from navigation.machines import Stop
+from navigation import CollisionWorld, Motion, VehicleLimits
+from navigation.machines import AxisLimits, Stop
 
 from .body import Body, Category, Machine, MachineShape
 from .clock import Clock, InProgress
@@ -536,6 +536,21 @@ class MachineModel(ABC):
             The floor.
         """
         return None
+
+    def field_limits(self, plan: Floorplan) -> VehicleLimits | AxisLimits | None:
+        """Return the limits from which the lengths of fields follow, or None if unknown.
+
+        Parameters
+        ----------
+        plan : Floorplan
+            The floor.
+        """
+        return None
+
+    @property
+    def loads(self) -> tuple[bool, ...]:
+        """Whether machines of this model are loaded: one value, or both if that changes."""
+        return (False,)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Environments of gymnasium and PettingZoo in which policies drive machines among people."""
 
 from .environment import FloorEnv, Step, usual_reward
-from .policy import Interface
+from ..machines.policy import Interface
 
 __all__ = ["FloorEnv", "Interface", "Step", "register_envs", "usual_reward"]
 

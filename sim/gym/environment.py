@@ -23,7 +23,7 @@ from ..runs.run import Run
 from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
-from .policy import Actions, Array, Interface, Observation, flat, goal_of
+from ..machines.policy import Actions, Array, Interface, Observation, flat, goal_of
 from .ticks import Ticks, names_of
 
 MOST_DRAWS = 100

@@ -17,7 +17,7 @@ from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
 from .environment import FOLDER, Cell, Spaces, Step, interface_of, usual_reward
-from .policy import goal_of
+from ..machines.policy import goal_of
 
 
 class ParallelFloorEnv(ParallelEnv[str, Any, Any]):

@@ -20,7 +20,7 @@ from ..machines.gantry.robot import GANTRY
 from ..runs.run import Run
 from ..simulation import Simulation
 from ..trials.trial import Trial
-from .policy import Interface, driven
+from ..machines.policy import Interface, driven
 
 
 class Ticks:

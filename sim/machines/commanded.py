@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +19,13 @@ from navigation import Motion, minimum_margin
 from navigation.motion import State
 
 from ..core.body import TRAFFIC, Machine, MachineShape, commands
-from ..core.clock import Turn
+from ..core.clock import Alarm, Turn
 from ..core.entries import Pose
-from ..core.events import EventKind
+from ..core.events import EventKind, JobDone, JobStarted
 from ..core.recorder import Record
 from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
-from .arguments import instance, number
+from .arguments import instance, number, target
 from .commanding import Drive, Interruption, Interrupts, Steps
 from .scan import Scanner
 from .tasks import Task, Tasks
@@ -81,10 +81,20 @@ class CommandedMachine(Machine):
         """Return the names for controllers, so that completion offers them alone."""
         return [*self.FOR_CONTROLLERS]
 
-    def __init__(self, stage: Stage, shape: MachineShape, drive: Drive) -> None:
+    def __init__(
+        self,
+        stage: Stage,
+        shape: MachineShape,
+        drive: Drive,
+        controller: Callable[[Any], Steps],
+        *,
+        repeat: bool = False,
+        every: float | None = None,
+    ) -> None:
         self.rules = stage.rules
         self.human_speed = stage.fastest
         self.tasks = Tasks(stage.clock)
+        self.tasks.more_to_come = every is not None
         self.jobs_done = 0
         self.shape = shape
         self.law = stage.rules.law_of(shape)
@@ -95,6 +105,17 @@ class CommandedMachine(Machine):
         self._clock = stage.clock
         self._interrupts = Interrupts()
         self._proximity: ApproachMonitor | None = None
+        self._controller = controller
+        self._repeat = repeat
+        self._every = every
+        self._round: Sequence[Task] = ()
+        self._round_began = -math.inf
+        self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
+
+    def begin(self) -> None:
+        """Start the controller."""
+        self._proximity = ApproachMonitor(self._stage, self, self._came_near)
+        self.start(self._controller(self))
 
     # Its sensors.
 
@@ -222,7 +243,7 @@ class CommandedMachine(Machine):
 
     # Its commands.
 
-    @abstractmethod
+    @commands
     def move_to(
         self,
         x: float,
@@ -254,9 +275,14 @@ class CommandedMachine(Machine):
         ------
         ValueError
             If the pose is outside the range of the machine.
+        PlanningError
+            If there is no route.
         """
+        pose = self.drive.destination(target("move_to", x, y, rotation, speed_share))
+        move = self.drive.move(pose, speed_share, resume=resume)
+        self._interrupts.command_given()
+        return move
 
-    @abstractmethod
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
@@ -267,6 +293,7 @@ class CommandedMachine(Machine):
         x, y, rotation, speed_share
             See `move_to`.
         """
+        return self.drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
 
     @commands
     def follow(self, motion: Motion) -> Event:
@@ -318,8 +345,8 @@ class CommandedMachine(Machine):
         """
         if self.drive.last_move is None:
             raise UserError("there is no move to resume")
-        target, speed_share = self.drive.last_move
-        return self.move_to(*target, speed_share=speed_share)
+        pose, speed_share = self.drive.last_move
+        return self.move_to(*pose, speed_share=speed_share)
 
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop without moving the machine.
@@ -382,9 +409,9 @@ class CommandedMachine(Machine):
         self._interrupts.command_given()
         return self.tasks.next()
 
-    @abstractmethod
+    @commands
     def do(self, task: Task) -> Process:
-        """Carry out the remaining steps of a task on straight paths.
+        """Carry out the remaining steps of a task.
 
         An interrupted step is repeated from its begin.
 
@@ -398,6 +425,8 @@ class CommandedMachine(Machine):
         Process
             Event to yield. Its value is False if another command replaced this one, otherwise True.
         """
+        instance("do(task)", task, Task)
+        return self._command(self._do(task, self.drive.begin()))
 
     @abstractmethod
     def locate(self, task: Task) -> Event:
@@ -526,9 +555,6 @@ class CommandedMachine(Machine):
         busy = moving - drive.braking_time + drive.working_time + drive.standing_time
         return max(0.0, now - busy)
 
-    def _watch_approaches(self) -> None:
-        self._proximity = ApproachMonitor(self._stage, self, self._came_near)
-
     def _came_near(self) -> None:
         if not self._stage.blind[self.name]:
             self.interrupt("person_close")
@@ -536,6 +562,44 @@ class CommandedMachine(Machine):
     def _command(self, steps: Steps) -> Process:
         self._interrupts.command_given()
         return self._clock.process(steps)
+
+    @abstractmethod
+    def _do(self, task: Task, command: int) -> Steps:
+        """Do the steps of a task that are left, as a part of a command."""
+
+    def _begin(self, task: Task) -> None:
+        if not task.announced:
+            task.announced = True
+            self.record(JobStarted.of({"job": task.kind, **task.fields}))
+
+    def _finish(self, task: Task) -> None:
+        if not task.given_up:
+            self._record_done(task)
+        task.done()
+        self._go_on()
+
+    def _record_done(self, task: Task) -> None:
+        self.jobs_done += 1
+        self.record(JobDone.of({"job": task.kind, **task.fields}))
+
+    def _go_on(self) -> None:
+        """Let the next round begin if this one is over, and let tasks be chosen anew."""
+        if all(task.finished for task in self._round) and self.now > self._round_began:
+            if self._every is not None:
+                self._next_round.set(max(self._round_began + self._every, self.now))
+            elif self._repeat:
+                self._begin_round()
+        self.tasks.reconsider()
+
+    def _begin_round(self) -> None:
+        """Set out to do all tasks of the trial."""
+        self._round_began = self.now
+        self._round = self._new_round()
+        self.tasks.add(self._round)
+
+    @abstractmethod
+    def _new_round(self) -> Sequence[Task]:
+        """Return the tasks of a round."""
 
     def _sightings(self) -> tuple[Sighting, ...]:
         if self._stage.blind[self.name]:

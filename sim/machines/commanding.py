@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from functools import partial
 from typing import Any, Literal, get_args
 
@@ -63,13 +63,33 @@ class Drive(ABC):
         """Target and share of the top speeds of the last command, if that was a move."""
         self._replaced = clock.event()
         self._braking = clock.event()
+        self._previewed_at, self._previewed_on = -1.0, body.motion
+        self._previews: dict[tuple[tuple[float, ...], float], Motion] = {}
+        """The motions from here and now: a controller asks for one before it moves."""
 
     @abstractmethod
-    def preview(self, target: Pose, speed_share: float) -> Motion:
+    def destination(self, target: Sequence[float]) -> Pose:
+        """Return the pose in which a move to x, y, and a rotation if there is one, ends."""
+
+    def preview(self, target: Sequence[float], speed_share: float) -> Motion:
         """Return the motion from here and now to `target`, at that share of the top speeds.
 
         `ValueError` if the machine can't get there, or the share is not in 0 … 1.
         """
+        now, motion = self._clock.now, self.body.motion
+        if self._previewed_at != now or self._previewed_on is not motion:
+            self._previewed_at, self._previewed_on = now, motion
+            self._previews.clear()
+        key = (tuple(map(float, target)), self._allowed(speed_share))
+        found = self._previews.get(key)
+        if found is None:
+            found = self._planned(*key)
+            self._previews[key] = found
+        return found
+
+    @abstractmethod
+    def _planned(self, target: tuple[float, ...], speed_share: float) -> Motion:
+        """Return a motion for `preview`, at a share that the limit of the speed allows."""
 
     def resumed(self, target: Pose, speed_share: float) -> Motion:
         """Return the motion with which a move goes on after the machine was made to stand."""

@@ -19,9 +19,6 @@ from navigation.machines import AxisLimits
 from ..core.fields import MachineFields
 from ..core.scenario import Scenario
 from ..core.stage import MachineModel
-from ..machines.amr.model import AmrModel
-from ..machines.field_limits import field_limits
-from ..machines.gantry.model import GantryModel
 from ..machines.kinds import models_of
 from .names import machines, name_faults, zones
 
@@ -66,11 +63,11 @@ def field_slips(trial: Scenario) -> Iterator[Fault]:
     """
     models = models_of(trial, own=False) if trial.fields else {}
     for name, fields in trial.fields.items():
-        if name not in models or (limits := field_limits(models[name], trial.floorplan)) is None:
+        if name not in models or (limits := models[name].field_limits(trial.floorplan)) is None:
             continue
         model, shape = models[name], models[name].shape(name, trial.floorplan)
         # A gantry drives along the axes of the floor, so that its heading may be any diagonal.
-        top = shape.top_speed if isinstance(model, GantryModel) else None
+        top = shape.top_speed if model.category == "robot" else None
         machine = _Machine(model, limits, shape.footprint((0.0, 0.0), 0.0), top)
         for said, place in (*machine.gaps(fields), *machine.faulty_sets(fields)):
             yield said, (name, "sets", *place)
@@ -83,13 +80,6 @@ class _Machine(NamedTuple):
     limits: VehicleLimits | AxisLimits
     footprint: Polygon
     diagonal: float | None
-
-    @property
-    def loads(self) -> tuple[bool, ...]:
-        """Whether the machine may be loaded, and whether it may not be."""
-        if isinstance(self.model, AmrModel):
-            return (self.model.load is not None,)
-        return (False, True) if isinstance(self.model, GantryModel) else (False,)
 
     @property
     def directions(self) -> tuple[float, ...] | None:
@@ -107,7 +97,7 @@ class _Machine(NamedTuple):
     def gaps(self, fields: MachineFields) -> Iterator[Fault]:
         """Yield the velocities to which no field set applies, in words."""
         linear, theta = self.ranges(fields)
-        for loaded in self.loads:
+        for loaded in self.model.loads:
             sets = [one for one in fields.sets if one.fits_load(loaded)]
             of_load = " with load" if loaded else ""
             if not sets:
@@ -116,7 +106,7 @@ class _Machine(NamedTuple):
                 continue
             known = ProtectiveFields(sets=tuple(sets))
             gaps = [*known.gaps(linear, directions=self.directions)]
-            if isinstance(self.model, AmrModel):
+            if isinstance(self.limits, VehicleLimits) and self.diagonal is None:
                 gaps += [gap for gap in known.gaps(AT_REST, theta) if gap not in gaps]
             for gap in map(self.possible, gaps):
                 if gap is not None and gap.loaded == loaded:
@@ -136,11 +126,11 @@ class _Machine(NamedTuple):
         """Yield the sets that never apply, and those too short for the machine's stops."""
         ranges = self.ranges(fields)
         for k, each in enumerate(fields.sets):
-            alone = ProtectiveFields(sets=(each,)).remaining(each.name, *ranges, self.loads)
-            if alone and not fields.protective.remaining(each.name, *ranges, self.loads):
+            alone = ProtectiveFields(sets=(each,)).remaining(each.name, *ranges, self.model.loads)
+            if alone and not fields.protective.remaining(each.name, *ranges, self.model.loads):
                 yield f"the set {each.name!r} never applies: sets before it fit first", (k,)
         sets = {each.name: k for k, each in enumerate(fields.sets)}
-        fit = tuple(one for one in fields.sets if any(map(one.fits_load, self.loads)))
+        fit = tuple(one for one in fields.sets if any(map(one.fits_load, self.model.loads)))
         known = replace(fields.protective, sets=fit) if fit else None
         for short in short_fields(known, self.footprint, self.limits) if known else ():
             yield str(short), (sets[short.set], "protective")

@@ -17,7 +17,6 @@ from ..core.fields import MachineFields, Muting
 from ..core.recorder import Scene
 from ..core.schedule import as_given
 from ..core.stage import MachineModel
-from ..machines.field_limits import field_limits
 from .report_page import minus
 from .safety_page import listed
 
@@ -62,7 +61,7 @@ def field_tables(scene: Scene, models: Mapping[str, MachineModel] | None) -> lis
         if machine.name in scene.fields:
             fields = scene.fields[machine.name]
             model = None if models is None else models.get(machine.name)
-            limits = None if model is None else field_limits(model, scene.floorplan)
+            limits = None if model is None else model.field_limits(scene.floorplan)
             footprint = machine.footprint((0.0, 0.0), 0.0)
             alike = fields.protective, footprint.wkb, limits
             if alike not in known:

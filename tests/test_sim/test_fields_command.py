@@ -8,7 +8,6 @@ import yaml
 
 from navigation import FieldSet, ProtectiveFields, short_fields
 from sim import Trial
-from sim.machines.field_limits import field_limits
 from sim.machines.kinds import models_of
 
 TRIAL = """\
@@ -40,7 +39,7 @@ def test_fields_of_every_machine_are_long_enough(floorwalker, trial, source):
         sets = [FieldSet(**keys) for keys in section["sets"]]
         fields = ProtectiveFields(sets=sets, response_time=section["response_time"])
         footprint = models[name].shape(name, read.floorplan).footprint((0.0, 0.0), 0.0)
-        limits = field_limits(models[name], read.floorplan)
+        limits = models[name].field_limits(read.floorplan)
         assert short_fields(fields, footprint, limits) == ()
         top = models[name].shape(name, read.floorplan).top_speed
         assert fields.gaps((0.0, top), (-1.0, 1.0)) == ()
@@ -91,7 +90,7 @@ def test_the_terms_of_the_table_add_up_to_the_length_of_the_polygon(
             table.append((float(speed), [float(term) for term in terms]))
     for name, section in yaml.safe_load(done.stdout)["fields"].items():
         footprint = models[name].shape(name, read.floorplan).footprint((0.0, 0.0), 0.0)
-        limits = field_limits(models[name], read.floorplan)
+        limits = models[name].field_limits(read.floorplan)
         for (speed, terms), each in zip(rows[name], section["sets"], strict=True):
             angle = 0.0 if speed > 0 else math.pi
             if "direction" in each and speed > limits.speed:

@@ -21,7 +21,7 @@ from floorplan.files.fields import (
 )
 from floorplan.files.problems import Fault
 from floorplan.files.values import range_faults
-from navigation.machines import Stop, longest_stop
+from navigation.machines import AxisLimits, Stop, longest_stop
 
 from ...core.body import MachineShape
 from ...core.scenario import AgvMove
@@ -177,3 +177,7 @@ class AgvModel(MachineModel):
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest stop on its lane."""
         return longest_stop(self.lane)
+
+    def field_limits(self, plan: Floorplan) -> AxisLimits:
+        """Return the limits of its lane."""
+        return AxisLimits(self.lane.max_speed, self.lane.max_acceleration)

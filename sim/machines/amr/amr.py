@@ -17,9 +17,8 @@ from navigation.vehicles import Twist, TwistCourse
 from ...core.body import OnContact, commands
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
-from ...core.events import JobDone, JobStarted
 from ...core.stage import Stage
-from ..arguments import instance, number, target
+from ..arguments import instance, number
 from ..commanded import CommandedMachine
 from ..commanding import Steps
 from ..tasks import Step, Task
@@ -61,7 +60,12 @@ class Amr(CommandedMachine, Evading):
         controller: Callable[[Amr], Steps],
     ) -> None:
         super().__init__(
-            stage, vehicle.shape(name), VehicleDrive(stage, name, vehicle, at, self.interrupt)
+            stage,
+            vehicle.shape(name),
+            VehicleDrive(stage, name, vehicle, at, self.interrupt),
+            controller,
+            repeat=repeat,
+            every=every,
         )
         self.record = self._record_by_name
         self.limits = vehicle.limits
@@ -70,25 +74,14 @@ class Amr(CommandedMachine, Evading):
         self._makes_way = makes_way
         self._missions = tuple(missions)
         self._located = tuple(replace(one, go=one.goal(stage.floorplan)) for one in missions)
-        self._every = every
-        self._repeat = repeat
-        self._controller = controller
-        self._round: tuple[Task, ...] = ()
-        self._round_began = -math.inf
         self._rest = Alarm(stage.clock, self._comes_to_rest, Turn.MOTION_ENDS)
         self._course: tuple[TwistCourse, float, float] | None = None
         """The course of the last twist, its begin, and the seconds that it takes."""
         self._twist: Event | None = None
         """The last twist."""
         self._extension = Alarm(stage.clock, self._extend_twist, Turn.MOTION_ENDS)
-        self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
-
-    def begin(self) -> None:
-        """Let its controller begin."""
-        self._watch_approaches()
-        self.start(self._controller(self))
 
     # Its sensors.
 
@@ -109,31 +102,6 @@ class Amr(CommandedMachine, Evading):
         return Twist(vx * c + vy * s, vy * c - vx * s, turning)
 
     # Its commands.
-
-    @commands
-    def move_to(
-        self,
-        x: float,
-        y: float,
-        rotation: float | None = None,
-        *,
-        speed_share: float = 1.0,
-        resume: bool = True,
-    ) -> Event:
-        """Go to x, y (metres) and `rotation` (radians; None for any), around what is on the floor.
-
-        See `CommandedMachine.move_to`. `PlanningError` if there is no route.
-        """
-        goal = self.drive.destination(target("move_to", x, y, rotation, speed_share))
-        move = self.drive.move(goal, speed_share, resume=resume)
-        self._interrupts.command_given()
-        return move
-
-    def preview(
-        self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
-    ) -> Motion:
-        """Return the motion that `move_to` would make from here and now; nothing moves by it."""
-        return self.drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
 
     @commands
     def turn_to(self, rotation: float, *, speed_share: float = 1.0) -> Event:
@@ -178,12 +146,6 @@ class Amr(CommandedMachine, Evading):
         self.drive.extend(self._twist, self._planned_twist)
 
     # Its tasks.
-
-    @commands
-    def do(self, task: Task) -> Process:
-        """Do the steps of a task that are left; see `CommandedMachine.do`."""
-        instance("do(task)", task, Task)
-        return self._command(self._do(task, self.drive.begin()))
 
     def locate(self, task: Task) -> Event:
         """Begin the task: the value is the pose of its next step, once there is a route to it."""
@@ -328,29 +290,10 @@ class Amr(CommandedMachine, Evading):
     def _advance(self, task: Task) -> None:
         task.advance()
         if task.finished:
-            self.jobs_done += 1
-            self.record(JobDone.of({"job": task.kind, **task.fields}))
-            self._go_on()
+            self._finish(task)
 
-    def _begin(self, task: Task) -> None:
-        if not task.announced:
-            task.announced = True
-            self.record(JobStarted.of({"job": task.kind, **task.fields}))
-
-    def _go_on(self) -> None:
-        """Let the next round begin once this one is over."""
-        if all(task.finished for task in self._round) and self.now > self._round_began:
-            if self._every is not None:
-                begun = self._round_began + self._every
-                self._next_round.set(max(begun, self.now))
-            elif self._repeat:
-                self._begin_round()
-        self.tasks.reconsider()
-
-    def _begin_round(self) -> None:
-        self._round_began = self.now
-        self._round = tuple(task_of(mission, self._stage.floorplan) for mission in self._missions)
-        self.tasks.more_to_come = self._every is not None
-        for k, task in enumerate(self._round):
+    def _new_round(self) -> list[Task]:
+        tasks = [task_of(mission, self._stage.floorplan) for mission in self._missions]
+        for k, task in enumerate(tasks):
             task.stage = k
-        self.tasks.add(self._round)
+        return tasks

@@ -94,9 +94,6 @@ class VehicleDrive(Drive):
         self._waits_on: Motion | None = None
         """The stop of a move that other vehicles keep from its target."""
         self._floor_changed = stage.clock.event()
-        self._previewed_at, self._previewed_on = -1.0, body.motion
-        self._previews: dict[tuple[tuple[float, ...], float], Motion] = {}
-        """The motions from here and now: a controller asks again before it moves."""
         self.planned_at = -math.inf
         """When the present motion was planned, or the one from which it stops (s)."""
         self._last_stop = body.motion
@@ -108,34 +105,19 @@ class VehicleDrive(Drive):
         return self.planner.world
 
     def destination(self, target: Sequence[float]) -> Pose:
-        """Return the pose in which a route to x, y, and a rotation if it is given, ends.
-
-        `PlanningError` if there is none.
-        """
+        """Return the pose in which the route to a target ends; `PlanningError` if there is none."""
         return self._route_to(tuple(map(float, target)))[-1]
 
-    def preview(self, target: Sequence[float], speed_share: float) -> Motion:
-        """Return the motion from here and now to `target`, at that share of the top speeds.
-
-        `PlanningError` if there is no route, `ValueError` if the share is not in 0 … 1.
-        """
-        now, motion = self._clock.now, self.body.motion
-        if self._previewed_at != now or self._previewed_on is not motion:
-            self._previewed_at, self._previewed_on = now, motion
-            self._previews.clear()
-        key = (tuple(map(float, target)), self._allowed(speed_share))
-        found = self._previews.get(key)
-        if found is None:
-            limits = self.limits.slower(key[1])
-            route = self._route_to(key[0])
-            try:
-                found = self._along(route, now, limits)
-            except ValueError:  # it does not move along the route
-                self.forget_route()
-                self._route, self._target = self._from_rest(key[0]), key[0]
-                found = self._along(self._route, now, limits)
-            self._previews[key] = found
-        return found
+    def _planned(self, target: tuple[float, ...], speed_share: float) -> Motion:
+        """Return the motion along a route; `PlanningError` if there is none."""
+        now, limits = self._clock.now, self.limits.slower(speed_share)
+        route = self._route_to(target)
+        try:
+            return self._along(route, now, limits)
+        except ValueError:  # it does not move along the route
+            self.forget_route()
+            self._route, self._target = self._from_rest(target), target
+            return self._along(self._route, now, limits)
 
     def _along(self, route: list[Pose], now: float, limits: VehicleLimits) -> Motion:
         """Return the motion along a route, after a stop where that begins elsewhere."""
@@ -260,7 +242,7 @@ class VehicleDrive(Drive):
         It takes at most so many seconds more. A search that is not thorough is fast.
         """
         left = self._rest_of_route()
-        found = None if left is None else self._planned(left[0], left[-1], taken, thorough=thorough)
+        found = None if left is None else self._path_to(left[0], left[-1], taken, thorough=thorough)
         if found is None or left is None or self.seconds(found) > self.seconds(left) + most:
             return False
         self._take(found, left[-1])
@@ -310,13 +292,13 @@ class VehicleDrive(Drive):
         places = [*itertools.islice(passing_places(self.planner, here), TRIED)]
         found = []
         for place in places:
-            there = self._planned(here, place, taken)
-            onwards = [place] if goal is None or there is None else self._planned(there[-1], goal)
+            there = self._path_to(here, place, taken)
+            onwards = [place] if goal is None or there is None else self._path_to(there[-1], goal)
             if there is not None and onwards is not None:
                 found.append((there, onwards))
         return min(found, key=lambda two: sum(map(self.seconds, two)), default=None)
 
-    def _planned(
+    def _path_to(
         self,
         here: Pose,
         goal: Pose,

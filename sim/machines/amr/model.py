@@ -127,6 +127,15 @@ class AmrModel(MachineModel):
         """Return the longest and farthest stop that its limits leave it."""
         return self.limits.longest_stop
 
+    def field_limits(self, plan: Floorplan) -> VehicleLimits:
+        """Return the limits of the vehicle."""
+        return self.limits
+
+    @property
+    def loads(self) -> tuple[bool, ...]:
+        """Whether it is loaded, which does not change."""
+        return (self.load is not None,)
+
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
         """Yield what does not fit: footprint, and rates."""
         if fault := footprint_fault(self._footprint()):

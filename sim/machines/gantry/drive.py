@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+
+from typing_extensions import override
 
 from floorplan import Gantry, UserError
 from navigation import Motion, gantry_move, gantry_stop, join, standing
@@ -46,36 +48,25 @@ class GantryDrive(Drive):
         self.top_speed = math.hypot(gantry.x.max_speed, gantry.y.max_speed)
         self._record = record
         self._disabled_at: float | None = None
-        self._previewed_at, self._previewed_on = clock.now, self.body.motion
-        self._previews: dict[tuple[Pose, float], Motion] = {}
-        """The motions from here and now, by target and share: a controller asks before it moves."""
         self._passing: tuple[Pose, Pose] | None = None
         """The passing place to which it moves first, and the target after it."""
         self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
 
-    def preview(self, target: Pose, speed_share: float) -> Motion:
-        """Return the motion from here and now to `target`, at that share of the top speeds.
+    @override
+    def destination(self, target: Sequence[float]) -> Pose:
+        x, y, *rotation = target
+        return (x, y, rotation[0] if rotation else self.body.state.position[2])
 
-        `ValueError` if the target is out of range, or the share not in 0 … 1.
-        """
-        now, motion = self._clock.now, self.body.motion
-        if self._previewed_at != now or self._previewed_on is not motion:
-            self._previewed_at, self._previewed_on = now, motion
-            self._previews.clear()
-        target = float(target[0]), float(target[1]), float(target[2])
-        speed_share = self._allowed(speed_share)
-        known = self._previews.get((target, speed_share))
-        if known is not None:
-            return known
-        if faults := self._gantry.faults(target):
+    @override
+    def _planned(self, target: tuple[float, ...], speed_share: float) -> Motion:
+        pose = self.destination(target)
+        if faults := self._gantry.faults(pose):
             raise UserError("; ".join(faults))
         limits = self._slower.get(speed_share)
         if limits is None:
             x, y, rotation = (_slower(axis, speed_share) for axis in self._limits)
             limits = self._slower[speed_share] = x, y, rotation
-        found = self._by_passing_place(target, now, limits)
-        self._previews[target, speed_share] = found
-        return found
+        return self._by_passing_place(pose, self._clock.now, limits)
 
     def let_pass_at(self, place: Pose, target: Pose) -> None:
         """Stop at a passing place on the way to a target from now on."""

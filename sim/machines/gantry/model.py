@@ -13,7 +13,8 @@ from floorplan import Floorplan, Gantry, Point
 from floorplan.files.fields import Range, size_fault
 from floorplan.files.problems import Fault, suggestion
 from floorplan.files.values import range_faults
-from navigation.machines import Stop, longest_stop
+from navigation import VehicleLimits
+from navigation.machines import Stop, gantry_limits, longest_stop
 
 from ...core.body import MachineShape
 from ...core.entries import Pose
@@ -92,6 +93,30 @@ class GantryModel(MachineModel):
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return the longest and farthest stop of its axes."""
         return longest_stop(self._on(plan))
+
+    def field_limits(self, plan: Floorplan) -> VehicleLimits | None:
+        """Return the limits of a holonomic drive, because it moves along both axes at once.
+
+        They are the higher speed of both axes, and the lower acceleration and jerk.
+        """
+        if plan.gantry is None:
+            return None
+        x, y, rotation = gantry_limits(plan.gantry)
+        speed = max(x.max_speed, y.max_speed)
+        return VehicleLimits(
+            speed=speed,
+            acceleration=min(x.max_acceleration, y.max_acceleration),
+            jerk=min(x.max_jerk, y.max_jerk),
+            turn_speed=rotation.max_speed,
+            turn_acceleration=rotation.max_acceleration,
+            turn_jerk=rotation.max_jerk,
+            side_speed=speed,
+        )
+
+    @property
+    def loads(self) -> tuple[bool, ...]:
+        """Whether it may be loaded, which changes."""
+        return (False, True)
 
     def _on(self, plan: Floorplan) -> Gantry:
         rails = plan.gantry

@@ -19,10 +19,10 @@ from navigation import Motion
 from ...core.body import MachineShape, commands
 from ...core.clock import MOMENT
 from ...core.entries import Pose
-from ...core.events import JobDone, JobStarted, OrderSubmitted, PartDropped
+from ...core.events import OrderSubmitted, PartDropped
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
-from ..arguments import instance, target
+from ..arguments import instance
 from ..commanded import CommandedMachine
 from ..commanding import Steps
 from ..controllers import STAY
@@ -109,43 +109,15 @@ class GantryRobot(CommandedMachine, Evading):
             record=self.record,
             disabled_or_enabled=self.interrupt,
         )
-        super().__init__(stage, gantry_shape(gantry, name), drive)
+        shape = gantry_shape(gantry, name)
+        super().__init__(stage, shape, drive, controller, repeat=entry.repeat)
         self._entry = entry
         self.on_contact = entry.on_contact
-        self._controller = controller
         self._sites = Worksites(stage, gantry, drive)
         self._floor_changed = stage.clock.event()
         self._begin_round()
 
-    def begin(self) -> None:
-        """Start the controller."""
-        self._watch_approaches()
-        self.start(self._controller(self))
-
     # Its commands.
-
-    @commands
-    @override
-    def move_to(
-        self,
-        x: float,
-        y: float,
-        rotation: float | None = None,
-        *,
-        speed_share: float = 1.0,
-        resume: bool = True,
-    ) -> Event:
-        pose = self._sites.at(*target("move_to", x, y, rotation, speed_share))
-        move = self.drive.move(pose, speed_share, resume=resume)
-        self._interrupts.command_given()
-        return move
-
-    @override
-    def preview(
-        self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
-    ) -> Motion:
-        pose = self._sites.at(*target("preview", x, y, rotation, speed_share))
-        return self.drive.preview(pose, speed_share)
 
     @commands
     def pick(self, place: str) -> Process:
@@ -180,12 +152,6 @@ class GantryRobot(CommandedMachine, Evading):
         return self._visit("place", self.handling.place, place)
 
     # Its tasks.
-
-    @commands
-    @override
-    def do(self, task: Task) -> Process:
-        instance("do(task)", task, Task)
-        return self._command(self._do(task, self.drive.begin()))
 
     def where(self, task: Task) -> Pose | None:
         """Return the pose of the next step of a task, or None if it is out of reach.
@@ -434,11 +400,6 @@ class GantryRobot(CommandedMachine, Evading):
                 yield from self._handle(task, command)
         return task.finished
 
-    def _begin(self, task: Task) -> None:
-        if not task.announced:
-            task.announced = True
-            self.record(JobStarted.of({"job": task.kind, **task.fields}))
-
     def _lose(self, task: Task) -> None:
         """Let the part drop that is carried for `task`, and begin again with another."""
         self.parts_dropped += 1
@@ -466,27 +427,16 @@ class GantryRobot(CommandedMachine, Evading):
             task.give_up()
         self._go_on()
 
-    def _finish(self, task: Task) -> None:
+    @override
+    def _record_done(self, task: Task) -> None:
         if task.kind == "submit":
             self.record(OrderSubmitted.of(task.fields))
-        elif not task.given_up:
-            self.jobs_done += 1
-            self.record(JobDone.of({"job": task.kind, **task.fields}))
-        task.done()
-        self._go_on()
+        else:
+            super()._record_done(task)
 
-    def _go_on(self) -> None:
-        """Begin the next round of jobs if this one is over, and let tasks be chosen anew."""
-        round_over = all(task.finished for task in self._round)
-        if self._entry.repeat and round_over and self.now > self._round_began:
-            self._begin_round()
-        self.tasks.reconsider()
-
-    def _begin_round(self) -> None:
-        """Set out to do the jobs of the trial."""
-        self._round_began = self.now
-        self._round = tasks_of(self._entry.jobs, self.handling)
-        self.tasks.add(self._round)
+    @override
+    def _new_round(self) -> list[Task]:
+        return tasks_of(self._entry.jobs, self.handling)
 
 
 def gantry_shape(gantry: Gantry, name: str) -> MachineShape:

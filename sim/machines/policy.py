@@ -15,10 +15,10 @@ from simpy.events import Event
 from floorplan import UserError
 
 from ..core.entries import Pose
-from ..machines.amr.amr import Amr
-from ..machines.commanded import CommandedMachine, Sighting
-from ..machines.commanding import Steps
-from ..machines.gantry.robot import GantryRobot
+from .amr.amr import Amr
+from .commanded import CommandedMachine, Sighting
+from .commanding import Steps
+from .gantry.robot import GantryRobot
 
 SLOWEST = 0.05
 """Lowest share of the speed of a gantry."""
