@@ -19,17 +19,16 @@ from floorplan import InputError, UserError
 from ..core.recorder import Event, Listener
 from ..machines.commanded import CommandedMachine
 from ..machines.gantry.robot import GantryRobot
+from ..machines.policy import Actions, Array, Interface, Observation, flat, goal_of
 from ..runs.run import Run
 from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
-from ..machines.policy import Actions, Array, Interface, Observation, flat, goal_of
+from .registration import FOLDER
 from .ticks import Ticks, names_of
 
 MOST_DRAWS = 100
 """Number of draws after which a reset gives up."""
-
-FOLDER = Path(__file__).parent.parent / "data" / "gym"
 
 LEVELS = (-1.0, 0.0, 1.0)
 """Shares of each bound that discrete actions of a vehicle combine."""
@@ -94,7 +93,7 @@ class Cell:
             try:
                 trial = replace(self.study, seed=seed + k).row(0).trial
                 self.ticks = Ticks(trial, self.names, self.interface, *listeners)
-            except InputError as why:
+            except (InputError, UserError) as why:
                 fault = why
                 continue
             self.ticks.advance({})
@@ -167,14 +166,14 @@ class Spaces:
                 raise UserError(f"{key} must be {known[0]!r} or {known[1]!r}, not {value!r}")
         machine = cell.ticks.machines[name]
         self._flat = observation == "flat"
-        boxes = {
+        boxes: dict[str, spaces.Space[Any]] = {
             key: spaces.Box(low, high, dtype=np.float32)
             for key, (low, high) in cell.interface.bounds(machine).items()
         }
         self.observation: spaces.Space[Any] = spaces.Dict(boxes)
         if self._flat:
-            low = np.concatenate([box.low.ravel() for box in boxes.values()])
-            high = np.concatenate([box.high.ravel() for box in boxes.values()])
+            bounds = cell.interface.bounds(machine).values()
+            low, high = (np.concatenate([pair[k].ravel() for pair in bounds]) for k in (0, 1))
             self.observation = spaces.Box(low, high, dtype=np.float32)
         self._actions = Actions(machine)
         count = self._actions.count
@@ -305,7 +304,7 @@ class FloorEnv(gymnasium.Env[Any, Any]):
             self.cell.info(step),
         )
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """Return a picture of the floor, as (height, width, 3), with `render_mode="rgb_array"`."""
         if self.render_mode is None:
             return None

@@ -13,14 +13,15 @@ from pettingzoo import ParallelEnv
 
 from floorplan import UserError
 
+from ..machines.policy import goal_of
 from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
-from .environment import FOLDER, Cell, Spaces, Step, interface_of, usual_reward
-from ..machines.policy import goal_of
+from .environment import Cell, Spaces, Step, interface_of, usual_reward
+from .registration import FOLDER
 
 
-class ParallelFloorEnv(ParallelEnv[str, Any, Any]):
+class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no types
     """Environment in which policies drive several machines of a trial.
 
     A machine leaves the episode when its goals are reached or it touches something. Then it stops.

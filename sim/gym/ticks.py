@@ -17,10 +17,10 @@ from ..core.recorder import Event as Recorded, Listener
 from ..core.stage import MachineEntry
 from ..machines.commanded import CommandedMachine
 from ..machines.gantry.robot import GANTRY
+from ..machines.policy import Interface, driven
 from ..runs.run import Run
 from ..simulation import Simulation
 from ..trials.trial import Trial
-from ..machines.policy import Interface, driven
 
 
 class Ticks:

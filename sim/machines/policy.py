@@ -150,8 +150,8 @@ def flat(observation: Observation) -> Array:
 def goal_of(machine: CommandedMachine) -> Pose | None:
     """Return the goal of the current mission or step: x, y (m) and rotation (nan for any)."""
     if isinstance(machine, Amr):
-        going = [mission.go for mission in machine.missions if mission.go is not None]
-        return (*going[0][:2], math.nan) if going else None
+        goals = [one.go for one in machine.missions if isinstance(one.go, tuple)]
+        return (goals[0][0], goals[0][1], math.nan) if goals else None
     if not isinstance(machine, GantryRobot) or not machine.open_tasks:
         return None
     return machine.where(machine.open_tasks[0])
@@ -220,8 +220,9 @@ def driven(choose: Choose, interface: Interface, machine: CommandedMachine) -> S
 def _complete(vehicle: Amr, radius: float) -> None:
     vehicle.begin_mission()
     while vehicle.missions:
+        x, y, _ = vehicle.position
         goal = vehicle.missions[0].go
-        if goal is not None and math.dist(goal[:2], vehicle.position[:2]) > radius:
+        if isinstance(goal, tuple) and math.dist(goal[:2], (x, y)) > radius:
             return
         vehicle.complete()
 

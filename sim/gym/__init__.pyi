@@ -1,0 +1,13 @@
+from ..machines.policy import Interface
+from .environment import FloorEnv, Step, usual_reward
+from .parallel import ParallelFloorEnv
+from .registration import register_envs
+
+__all__ = [
+    "FloorEnv",
+    "Interface",
+    "ParallelFloorEnv",
+    "Step",
+    "register_envs",
+    "usual_reward",
+]
