@@ -1,5 +1,4 @@
-from ..machines.policy import Interface
-from .environment import FloorEnv, Step, usual_reward
+from .environment import FloorEnv, Interface, Step, usual_reward
 from .parallel import ParallelFloorEnv
 from .registration import register_envs
 

@@ -19,7 +19,7 @@ from floorplan import InputError, UserError
 from ..core.recorder import Event, Listener
 from ..machines.commanded import CommandedMachine
 from ..machines.gantry.robot import GantryRobot
-from ..machines.policy import Actions, Array, Interface, Observation, flat, goal_of
+from ..machines.policy import Actions, Array, Interface as Interface, Observation, flat, goal_of
 from ..runs.run import Run
 from ..studies.design import Study
 from ..trials.trial import Trial
