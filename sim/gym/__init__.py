@@ -1,6 +1,21 @@
 """Environments of gymnasium and PettingZoo in which policies drive machines among people."""
 
-import lazy_loader
+try:
+    import gymnasium
+    import pettingzoo  # noqa: F401
+except ImportError as why:
+    message = f"sim.gym needs {why.name}: pip install 'floorwalker[gym]'"
+    raise ImportError(message, name=why.name) from None
 
-# Gymnasium imports this package for its registration while it is itself being imported.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+from ..machines.policy import Interface
+from .environment import FOLDER, FloorEnv, Step, usual_reward
+from .parallel import ParallelFloorEnv
+
+__all__ = ["FloorEnv", "Interface", "ParallelFloorEnv", "Step", "usual_reward"]
+
+for _name in ("Amr", "Gantry"):
+    gymnasium.register(
+        f"floorwalker/{_name}-v0",
+        "sim.gym:FloorEnv",
+        kwargs={"trial": str(FOLDER / f"{_name.lower()}.study.yaml")},
+    )

@@ -24,8 +24,10 @@ from ..runs.run import Run
 from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
-from .registration import FOLDER
 from .ticks import Ticks, names_of
+
+FOLDER = Path(__file__).parent.parent / "data" / "gym"
+"""Folder of the built-in studies."""
 
 MOST_DRAWS = 100
 """Number of draws after which a reset gives up."""

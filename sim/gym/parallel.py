@@ -17,8 +17,7 @@ from ..machines.policy import goal_of
 from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
-from .environment import Cell, Spaces, Step, interface_of, usual_reward
-from .registration import FOLDER
+from .environment import FOLDER, Cell, Spaces, Step, interface_of, usual_reward
 
 
 class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no types

@@ -15,7 +15,7 @@ from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 import sim
 from sim.gym import FloorEnv, Interface, ParallelFloorEnv
-from sim.gym.registration import FOLDER
+from sim.gym.environment import FOLDER
 from sim.gym.ticks import with_controllers
 from sim.machines.policy import Actions, driven, flat
 from sim.studies.design import Choice
