@@ -51,10 +51,12 @@ def same_run(one, other):
 @pytest.mark.parametrize("name", ["floorwalker/Amr-v0", "floorwalker/Gantry-v0"])
 def test_registered_environments_pass_the_checker(name):
     env = gymnasium.make(name, render_mode="rgb_array")
+    env.reset(seed=0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", message=".*render modes")
         check_env(env.unwrapped, skip_render_check=False)
+    env.reset(seed=0)
     assert env.render().shape[2] == 3
 
 
