@@ -59,10 +59,13 @@ def explore(session: nox.Session) -> None:
     session.install("-e", ".[test]")
     first = str(random.randrange(10**9))
     session.run("python", "-m", "tests.random_trials", "--trials", "300", "--first", first)
+    explore = {"HYPOTHESIS_PROFILE": "explore"}
+    halls = "tests/random_trials/test_open_halls.py"
+    session.run("python", "-m", "pytest", "-m", "slow", halls, env=explore)
     session.run(
         *("python", "-m", "pytest", "-m", "hypothesis and not slow"),
         *("-o", "faulthandler_timeout=300", *session.posargs),
-        env={"HYPOTHESIS_PROFILE": "explore"},
+        env=explore,
     )
 
 

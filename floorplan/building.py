@@ -4,7 +4,6 @@ import math
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Field,
     ValidationInfo,
@@ -15,14 +14,16 @@ from pydantic_core import PydanticCustomError
 from shapely.geometry import Polygon, box
 
 from .files.fields import Angle, Flag, Number, Pair, Positive, Range, Strictly
-from .files.problems import UserError, Written
+from .files.problems import CALLED, UserError
 from .model import (
     Axis,
+    Concerns,
     Door,
     Gantry,
     Gate,
     Human,
     Lane,
+    Name,
     Obstacle,
     SafeZone,
     Station,
@@ -31,15 +32,7 @@ from .model import (
 
 Size = tuple[Positive, Positive]
 
-Name = Annotated[str, Field(min_length=1)]
-
 Ring = Annotated[list[Pair], Field(min_length=3)]
-
-Concerns = Annotated[
-    tuple[Name, ...],
-    Written(Annotated[list[Name], Field(min_length=1)]),
-    AfterValidator(tuple),
-]
 
 
 class FootprintSchema(Strictly):
@@ -78,15 +71,6 @@ class ObstacleSchema(FootprintSchema):
         return Obstacle(name=name, footprint=footprint(self), bottom=self.z[0], top=self.z[1])
 
 
-class DoorSchema(Strictly):
-    """A door between two points."""
-
-    ends: tuple[Pair, Pair] = Field(alias="between")
-    is_open: Flag = Field(Door.is_open, alias="open")
-    thickness: Positive = Door.thickness
-    height: Positive = Door.height
-
-
 class ZoneSchema(FootprintSchema):
     """An area, and the rule that holds in it for some."""
 
@@ -113,21 +97,6 @@ class ZoneSchema(FootprintSchema):
 
 def _as_zone(value: Any) -> Any:
     return {"mask": value} if isinstance(value, str) else value
-
-
-class GateSchema(Strictly):
-    """A line between two points, and a place on the side that some may cross to."""
-
-    ends: tuple[Pair, Pair] = Field(alias="between")
-    towards: Pair
-    concerns: Concerns = Gate.concerns
-
-
-class SafeZoneSchema(Strictly):
-    """Start of people."""
-
-    position: Pair = Field(alias="at")
-    heading: Angle = SafeZone.heading
 
 
 class LaneSchema(Strictly):
@@ -232,6 +201,16 @@ OF_BASES = (*OF_DRAWINGS, "remove", "move", "rename")
 """Keys of a floor that are about what lies below it."""
 
 
+def _called(things: Any) -> Any:
+    """Return the keys of things, each with the name that leads to them."""
+    if not isinstance(things, dict):
+        return things
+    return {
+        name: {**keys, CALLED: str(name)} if isinstance(keys, dict) else keys
+        for name, keys in things.items()
+    }
+
+
 class FloorplanSchema(Strictly):
     """A whole floorplan file."""
 
@@ -253,13 +232,13 @@ class FloorplanSchema(Strictly):
     obstacles: dict[str, ObstacleSchema] = {}
     stations: dict[str, Pair] = {}
     patrol: list[str] | None = None
-    safe_zone: SafeZoneSchema | None = None
+    safe_zone: SafeZone | None = None
     human: Human = Human()
     agvs: AgvsSchema | None = None
     gantry: GantrySchema | None = None
-    doors: dict[str, DoorSchema] = {}
+    doors: Annotated[dict[str, Door], BeforeValidator(_called)] = {}
     zones: dict[str, Annotated[ZoneSchema, BeforeValidator(_as_zone)]] = {}
-    gates: dict[str, GateSchema] = {}
+    gates: Annotated[dict[str, Gate], BeforeValidator(_called)] = {}
 
     @field_validator("boundary")
     @classmethod
@@ -288,22 +267,22 @@ _CORNERS = 32
 
 def parts(schema: FloorplanSchema) -> dict[str, Any]:
     """Return what stands on the floor of a file, by the names of a floor's fields."""
-    zone, agvs = schema.safe_zone, schema.agvs
+    agvs = schema.agvs
     return {
         "obstacles": [one.obstacle(name) for name, one in schema.obstacles.items()],
         "stations": [Station(name, at) for name, at in schema.stations.items()],
         "patrol": None if schema.patrol is None else tuple(schema.patrol),
-        "safe_zone": SafeZone(**dict(zone)) if zone else None,
+        "safe_zone": schema.safe_zone,
         "human": schema.human,
         "lanes": [_lane(name, lane, agvs) for name, lane in agvs.lanes.items()] if agvs else (),
         "gantry": _gantry(schema.gantry) if schema.gantry else None,
-        "doors": [Door(name=name, **dict(one)) for name, one in schema.doors.items()],
+        "doors": [*schema.doors.values()],
         "zones": [
             Zone(name=name, area=footprint(one), **{key: getattr(one, key) for key in _RULE})
             for name, one in schema.zones.items()
             if one.mask is None
         ],
-        "gates": [Gate(name=name, **dict(one)) for name, one in schema.gates.items()],
+        "gates": [*schema.gates.values()],
     }
 
 

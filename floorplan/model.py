@@ -9,13 +9,15 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from functools import cached_property
 from itertools import pairwise
+from typing import Annotated
 
 import shapely
+from pydantic import AfterValidator, Field
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
-from .files.fields import KEYS, Positive
-from .files.problems import Problem, UserError
+from .files.fields import KEYS, Angle, Flag, Pair, Positive
+from .files.problems import CALLED, Problem, UserError, Written
 from .files.values import NamedField
 
 DEFAULT_HEIGHT = 3.0
@@ -26,6 +28,22 @@ EVERYBODY = ("*",)
 
 Point = tuple[float, float]
 """A place on the floor: x, y in metres."""
+
+Name = Annotated[str, Field(min_length=1)]
+"""A text that is not empty."""
+
+Called = Annotated[str, Field(alias=CALLED)]
+"""The name of a thing, under which a file has its keys."""
+
+Ends = Annotated[tuple[Pair, Pair], Field(alias="between")]
+"""Both ends (x, y) of a line, in metres."""
+
+Concerns = Annotated[
+    tuple[str, ...],
+    Written(Annotated[list[Name], Field(min_length=1)]),
+    AfterValidator(tuple),
+]
+"""Names of people and AGVs, or patterns of names."""
 
 
 def rectangle(centre: Point, direction: Point, length: float, width: float) -> Polygon:
@@ -124,9 +142,11 @@ class Door:
         Thickness of the closed door and its height in metres.
     """
 
-    name: str
-    ends: tuple[Point, Point]
-    is_open: bool = True
+    __pydantic_config__ = KEYS
+
+    name: Called
+    ends: Ends
+    is_open: Annotated[Flag, Field(alias="open")] = True
     thickness: Positive = 0.1
     height: Positive = DEFAULT_HEIGHT
 
@@ -229,10 +249,12 @@ class Gate:
         Names of people and AGVs, or patterns with `*` and `?`. By default all.
     """
 
-    name: str
-    ends: tuple[Point, Point]
-    towards: Point
-    concerns: tuple[str, ...] = EVERYBODY
+    __pydantic_config__ = KEYS
+
+    name: Called
+    ends: Ends
+    towards: Pair
+    concerns: Concerns = EVERYBODY
 
     def is_about(self, name: str) -> bool:
         """Return whether the gate concerns the person or AGV called `name`."""
@@ -264,8 +286,10 @@ class SafeZone:
         Heading in radians.
     """
 
-    position: Point
-    heading: float = 0.0
+    __pydantic_config__ = KEYS
+
+    position: Annotated[Pair, Field(alias="at")]
+    heading: Angle = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import shapely
+from pydantic import TypeAdapter
 from shapely.geometry import Polygon, box
 
-from .building import AgvsSchema, AxisSchema, DoorSchema, GateSchema, SafeZoneSchema, ZoneSchema
+from .building import AgvsSchema, AxisSchema, ZoneSchema
 from .checks import check
 from .files.documents import MOST_TEXT, yaml_text
 from .files.fields import Strictly
 from .files.problems import UserError
 from .formats import OF_SUFFIX, ROS_MAP, WRITTEN, YAML, function
-from .model import Axis, Floor, Gantry, Human, Lane, Obstacle
+from .model import Axis, Door, Floor, Gantry, Gate, Human, Lane, Obstacle, SafeZone
 
 Data = dict[str, Any]
 """Keys and values as they stand in a file. What is left out has its usual value."""
@@ -34,17 +36,17 @@ def floor_keys(plan: Floor) -> Data:
         "boundary": _ring(plan.boundary.exterior),
         "holes": [_ring(ring) for ring in plan.boundary.interiors],
         "human": _changed(plan.human, Human()),
-        "safe_zone": None if zone is None else _keys(zone, SafeZoneSchema),
+        "safe_zone": None if zone is None else _written(zone),
         "stations": {one.name: _plain(one.position) for one in plan.stations},
         "patrol": None if plan.patrol is None else [*plan.patrol],
         "obstacles": {one.name: obstacle_keys(one) for one in plan.obstacles},
         "agvs": _agvs([*plan.lanes]) if plan.lanes else None,
         "gantry": None if plan.gantry is None else _gantry(plan.gantry),
-        "doors": {door.name: _keys(door, DoorSchema, every=True) for door in plan.doors},
+        "doors": {door.name: _written(door, every=True) for door in plan.doors},
         "zones": {
             one.name: {**_footprint(one.area), **_keys(one, ZoneSchema)} for one in plan.zones
         },
-        "gates": {gate.name: _keys(gate, GateSchema) for gate in plan.gates},
+        "gates": {gate.name: _written(gate) for gate in plan.gates},
     }
     # An empty patrol is not the usual one, which is all stations.
     return {
@@ -74,6 +76,20 @@ def _footprint(footprint: Polygon) -> Data:
         return {"x": [west, east], "y": [south, north]}
     holes = [_ring(ring) for ring in footprint.interiors]
     return {"polygon": _ring(footprint.exterior), **({"holes": holes} if holes else {})}
+
+
+def _written(value: Door | Gate | SafeZone, *, every: bool = False) -> Data:
+    """Return the keys of `value`, those with their defaults only if `every` key is written."""
+    kind: Any = type(value)
+    data = _adapter(kind).dump_python(
+        value, by_alias=True, exclude={"name"}, exclude_defaults=not every, warnings=False
+    )
+    return {key: _plain(one) for key, one in data.items()}
+
+
+@cache
+def _adapter(kind: type) -> TypeAdapter[Any]:
+    return TypeAdapter(kind)
 
 
 def _keys(value: object, form: type[Strictly], *, every: bool = False) -> Data:

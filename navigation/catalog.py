@@ -37,14 +37,11 @@ class Path:
         Clearance in metres, or a function that computes it.
     planner : str
         Name of the planner.
-    checks : int
-        Number of collision queries of the search.
     """
 
     points: NDArray[np.float64]
     clear: float | Callable[[], float] = field(repr=False)
     planner: str
-    checks: int
 
     def __repr__(self) -> str:
         figures = f"{len(self.points)} waypoints, {self.clearance:.3f} m clear"

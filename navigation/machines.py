@@ -69,7 +69,7 @@ def to_position(
     `ValueError` if there are none.
     """
     rows = rows_to_position(_columns(current), _columns(target), limits)
-    return [_phases(axis) for axis in rows]
+    return [phases_in(axis) for axis in rows]
 
 
 def rows_to_position(current: States, target: States, limits: Sequence[AxisLimits]) -> list[Rows]:
@@ -241,7 +241,7 @@ def _columns(states: Sequence[AxisState]) -> States:
     )
 
 
-def _phases(rows: Rows) -> Phases:
+def phases_in(rows: Rows) -> Phases:
     """Return the rows of one axis as phases."""
     return [
         (rows[k], (rows[k + 1], rows[k + 2], rows[k + 3], rows[k + 4]))

@@ -267,7 +267,6 @@ class PathPlanner:
         if self.ignore and (away := self.ignore & {body.name for body in self.world.bodies}):
             without = PathPlanner(self.world.as_if(away=away), self.radius, step=self.step)
             return without.plan(a, b, planner=choice, seed=seed, watch=watch)
-        before = self.world.checks
         if choice.name == ROADMAP:
             leave, found, arrive = self._shortest(a, b)
         else:
@@ -279,7 +278,6 @@ class PathPlanner:
             points=points,
             clear=clear,
             planner=choice.name,
-            checks=self.world.checks - before,
         )
 
     def roadmap(self, step: float | None = None) -> Roadmap:
@@ -530,7 +528,6 @@ class GantryPlanner:
             points=np.column_stack([path.points, turned]),
             clear=lambda: path.clearance,
             planner=path.planner,
-            checks=path.checks,
         )
 
     def _range(self) -> shapely.Polygon:

@@ -61,7 +61,6 @@ class Links:
 
     def clear(self, a: Point, b: Point) -> bool:
         """Return whether the floor leaves room on the link from a, where there is room, to b."""
-        self.world.checks += 1
         return self._floor.clear(*a, *b, True)
 
     def met(self, points: list[Point]) -> list[CollisionBody]:
@@ -69,7 +68,6 @@ class Links:
         met: list[CollisionBody] = []
         near = come_into(self.world.bounds, points, self._keep)
         if near:
-            self.world.checks += len(near)
             bodies = self.world.bodies
             for leg, k in near:
                 if bodies[k] not in met and self.blocks(bodies[k], points[leg], points[leg + 1]):
@@ -148,7 +146,6 @@ class RoadmapSearch:
         while True:
             room = links.room(met)
             points = roadmap.path(self._start, self._goal, straight, met, room, self._refused)
-            links.world.checks += room.asked
             if points is None:
                 return None
             fresh = links.met(points)

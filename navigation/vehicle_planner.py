@@ -63,11 +63,10 @@ class VehiclePath:
     """A path of a vehicle: straight drives and turns on the spot.
 
     `poses` are (N, 3): x, y (metres) and rotation (radians), the start first. Each pose differs
-    from the one before in its place or in its rotation. `checks` is the number of queries of FCL.
+    from the one before in its place or in its rotation.
     """
 
     poses: NDArray[np.float64]
-    checks: int
 
     def __repr__(self) -> str:
         return f"<VehiclePath of {self.length:.3f} m: {len(self.poses)} poses>"
@@ -118,8 +117,6 @@ class VehiclePlanner:
         self.footprint = footprint
         self.limits = limits or VehicleLimits()
         self.seed = seed
-        self.checks = 0
-        """Number of queries of FCL so far."""
         self._corners = [(float(x), float(y)) for x, y in footprint.exterior.coords[:-1]]
         self._outer = float(np.hypot(*np.array(self._corners).T).max())
         self._inner = float(footprint.exterior.distance(shapely.Point(0.0, 0.0)))
@@ -144,7 +141,7 @@ class VehiclePlanner:
         x, y, rotation = map(float, pose)
         self._put(self._shape, (x, y), rotation)
         (low_x, low_y), (high_x, high_y) = self._extent(math.cos(rotation), -math.sin(rotation))
-        return self._free(self._shape, (x + low_x, y + low_y, x + high_x, y + high_y))
+        return self.world.clear_of(self._shape, (x + low_x, y + low_y, x + high_x, y + high_y))
 
     def plan(
         self, start: Sequence[float], goal: Sequence[float], *, thorough: bool = True
@@ -172,7 +169,6 @@ class VehiclePlanner:
             even the disc inside its footprint has no path ("unreachable"), or if the search found
             none ("not_found").
         """
-        before = self.checks
         begin = _pose(start, "start")
         end = _pose(goal, "goal") if len(goal) == 3 else None
         if not self.fits(begin):
@@ -194,7 +190,7 @@ class VehiclePlanner:
                 f"no path was found for the footprint from {_shown(begin)} to {_shown((*to,))}"
             )
             raise PlanningError("not_found", message)
-        return VehiclePath(poses=np.array(_distinct(poses)), checks=self.checks - before)
+        return VehiclePath(poses=np.array(_distinct(poses)))
 
     def free_along(self, poses: Sequence[Sequence[float]]) -> bool:
         """Return whether the vehicle touches nothing on a path through `poses`."""
@@ -345,7 +341,7 @@ class VehiclePlanner:
         x, y = at
         r = self._outer + SLACK
         self._put(self._ball, at, 0.0)
-        if self._free(self._ball, (x - r, y - r, x + r, y + r)):
+        if self.world.clear_of(self._ball, (x - r, y - r, x + r, y + r)):
             return True
         count = max(1, math.ceil(abs(end - begin) / self._step))
         (low, right), (high, left) = self._extent(1.0, 0.0)
@@ -368,14 +364,10 @@ class VehiclePlanner:
         self._put(self._boxes, middle, math.atan2(s, c))
         reach_x = (abs(c) * length + abs(s) * width) / 2
         reach_y = (abs(s) * length + abs(c) * width) / 2
-        return self._free(
+        return self.world.clear_of(
             self._boxes,
             (middle[0] - reach_x, middle[1] - reach_y, middle[0] + reach_x, middle[1] + reach_y),
         )
-
-    def _free(self, shape: Any, bounds: tuple[float, float, float, float]) -> bool:
-        self.checks += 1
-        return self.world.clear_of(shape, bounds)
 
     def _put(self, shape: Any, at: Point, rotation: float) -> None:
         turn, middle = self._rotation, self._middle

@@ -8,16 +8,25 @@ moves on an arc, whose position is no polynomial: it becomes a spline of cubics 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
-from floorplan import UserError
+from floorplan import Point, UserError
 
 from .kernels.arcs import arc_table, twist_axis
 from .kernels.braking import Stops, braking
 from .kernels.pieces import state as state_in
-from .machines import AxisLimits, AxisState, Stop, along_line, longest_of_axis, to_position
+from .machines import (
+    AxisLimits,
+    AxisState,
+    Stop,
+    along_line,
+    longest_of_axis,
+    phases_in,
+    to_position,
+)
 from .motion import Motion, Piece, State, Table, TablePieces, still
 
 Pose = tuple[float, float, float]
@@ -279,11 +288,8 @@ def vehicle_stop(
         angle = math.atan2(s, c) - rotation
         axis = limits.along(math.cos(angle), math.sin(angle))
         rows = braking(0.0, speed, ax * c + ay * s, axis.max_acceleration, axis.max_jerk)
-        phases = [
-            (rows[k], (rows[k + 1], rows[k + 2], rows[k + 3], rows[k + 4]))
-            for k in range(0, len(rows), 5)
-        ]
-        return Motion(tuple(along_line((x, y), (c, s), rotation, phases, float(start))))
+        line = along_line((x, y), (c, s), rotation, phases_in(rows), float(start))
+        return Motion(tuple(line))
     return vehicle_twist(current, (0.0, 0.0, 0.0), start, limits=limits)
 
 
@@ -393,12 +399,23 @@ def vehicle_path(
         See `vehicle_segment` and `vehicle_turn`.
     """
     limits = limits or VehicleLimits()
+    return through(current, poses, start, limits, partial(vehicle_segment, limits=limits))
+
+
+def through(
+    current: Pose | State,
+    poses: Iterable[Sequence[float]],
+    start: float,
+    limits: VehicleLimits,
+    drive: Callable[[State, Point, float], Motion],
+) -> Motion:
+    """Return `vehicle_path` with the straight drives that `drive(state, to, start)` returns."""
     state, t = _state(current), float(start)
     pieces: list[Piece] = []
     for x, y, rotation in poses:
         here = state.position
         if math.dist(here[:2], (x, y)) > NO_TIME:
-            part = vehicle_segment(state, (x, y), t, limits=limits)
+            part = drive(state, (x, y), t)
         else:
             part = vehicle_turn(state, rotation, t, limits=limits)
         pieces += part.pieces

@@ -89,8 +89,6 @@ class CollisionWorld:
         self._bodies: dict[str, CollisionBody] = {}
         self._there: tuple[Named[CollisionBody], MutableSequence[float]] | None = None
         self._agvs: dict[str, float] = {}
-        self.checks = 0
-        """Number of collision queries answered."""
         self.changes = 0
         """Number of times that a body came, moved or went."""
         self._fixed_space: dict[float, FreeSpace] = {}
@@ -318,7 +316,6 @@ class CollisionWorld:
         bool
             True if the disc touches nothing, and crosses no gate against its direction.
         """
-        self.checks += 1
         if self.gates.lines and not self.gates.allow(a, b):
             return False
         if not self._within(a, b, radius):
@@ -334,7 +331,6 @@ class CollisionWorld:
 
     def clear_of(self, shape: Any, bounds: tuple[float, float, float, float]) -> bool:
         """Return whether an FCL object within `bounds` (metres) touches nothing on the floor."""
-        self.checks += 1
         low, high = (bounds[0], bounds[1]), (bounds[2], bounds[3])
         if not self._within(low, high, 0.0) or touch(shape, self._solid):
             return False
@@ -345,7 +341,6 @@ class CollisionWorld:
         near = self.near(a, b, radius)
         if not near:
             return []
-        self.checks += 1
         sweep = self._sweep.between(a, b, radius)
         return [body for body in near if touch(sweep, body.solid)]
 
@@ -354,7 +349,6 @@ class CollisionWorld:
 
         It is 0 inside an obstacle and outside the boundary.
         """
-        self.checks += 1
         if not self._within(point, point, 0.0):
             return 0.0
         solids = [self._solid, *(body.solid for body in self._bodies.values())]
@@ -376,7 +370,6 @@ class CollisionWorld:
             Distance to obstacles, bodies and boundary in metres, 0 if the polyline leaves the
             floor.
         """
-        self.checks += 1
         along = np.asarray(points, dtype=float)
         still = bool((along == along[0]).all())
         line = shapely.Point(along[0]) if still else shapely.linestrings(along)
@@ -395,7 +388,6 @@ class CollisionWorld:
 
     def neighbours(self, point: Point) -> list[tuple[str, float]]:
         """Return names and distances (metres) of all obstacles and bodies, nearest first."""
-        self.checks += 1
         at = shapely.Point(point)
         inside = self.plan.boundary.contains(at)
         edge = float(shapely.distance(self.plan.boundary.exterior, at)) if inside else 0.0

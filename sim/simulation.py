@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from floorplan import InputError, UserError
 from floorplan.files.problems import refuse, suggestion
-from floorplan.files.values import require, require_fields
+from floorplan.files.values import require
 from navigation import CollisionWorld, PlanningError
 
 from .core.body import Body, Machine
@@ -218,9 +218,8 @@ class Simulation(InProgress):
     @_in_run
     def _assemble(self, trial: Trial, listeners: Iterable[Listener]) -> None:
         require(trial, Trial, "sim.Trial.load")
-        require_fields(trial)
-        trial = with_everybody(trial)
         check(trial)
+        trial = with_everybody(trial)
         if any(own_laws(trial.rules)):
             trial = replace(trial, rules=with_new_laws(trial.rules))
         self.trial = trial

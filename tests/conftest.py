@@ -38,6 +38,13 @@ with suppress(ImportError):
 TESTED = str(Path(str(find_spec("navigation").origin)).parents[1])
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [TESTED, os.environ.get("PYTHONPATH")]))
 
+if sys.dont_write_bytecode:
+    # Otherwise each worker and each process that a test starts compiles all sources again.
+    BYTECODE = Path(__file__).resolve().parents[1] / ".pytest_cache" / "bytecode"
+    sys.dont_write_bytecode, sys.pycache_prefix = False, str(BYTECODE)
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    os.environ["PYTHONPYCACHEPREFIX"] = str(BYTECODE)
+
 notice_uncompiled()  # now, and not in the first test that runs a trial
 
 pytest_plugins = ["pytester"]

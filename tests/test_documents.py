@@ -199,12 +199,19 @@ def test_every_study_in_the_examples_can_be_run():
         assert sim.run(sim.Study.load(study).row(0).trial).duration > 0
 
 
-def test_every_example_in_the_folder_runs(capsys):
-    trials = sorted((ROOT / "examples").glob("*.trial.yaml"))
-    assert trials
-    for trial in trials:
-        run = sim.run(sim.Trial.load(trial))
-        assert run.unmet == [], trial.name
+LONG = ("traffic.trial.yaml", "vehicles.trial.yaml")
+"""Examples that take seconds, because several vehicles plan their paths among each other."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(path.name, marks=pytest.mark.slow if path.name in LONG else ())
+        for path in sorted((ROOT / "examples").glob("*.trial.yaml"))
+    ],
+)
+def test_every_example_in_the_folder_runs(name, capsys):
+    assert sim.run(sim.Trial.load(ROOT / "examples" / name)).unmet == []
 
 
 def pages(entries):

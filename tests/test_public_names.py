@@ -81,10 +81,12 @@ def test_functions_say_what_each_parameter_is():
 def documented_members(package):
     """Yield the public functions and methods of a package, as its API page finds them."""
     extensions = griffe.load_extensions("griffe_inherited_docstrings")
+    module = importlib.import_module(package)
+    folder = Path(module.__file__).parents[1]  # of the sources, or where the package is installed
     found = griffe.load(
-        package, search_paths=[ROOT], docstring_parser="numpy", extensions=extensions
+        package, search_paths=[folder], docstring_parser="numpy", extensions=extensions
     )
-    for name in importlib.import_module(package).__all__:
+    for name in module.__all__:
         of = found[name].final_target if found[name].is_alias else found[name]
         if of.is_function:
             yield name, of

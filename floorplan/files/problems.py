@@ -159,6 +159,9 @@ EXPECTED = {
 }
 """Expected values, by pydantic's name for the misfit. Patterns are those of names alone."""
 
+CALLED = "\0name"
+"""Key for the name of a thing, under which a file has its other keys. No file can contain it."""
+
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 MISSING = ("missing", "missing_argument")
 FORMS = (
@@ -286,7 +289,12 @@ def form_keys(form: type) -> Iterator[tuple[str, Any]]:
     elif dataclasses.is_dataclass(form):
         hints = get_type_hints(form, include_extras=True)
         for field in dataclasses.fields(form):
-            yield field.name, hints[field.name]
+            marks = getattr(hints[field.name], "__metadata__", ())
+            alias = next(
+                (key for mark in marks if (key := getattr(mark, "alias", None))), field.name
+            )
+            if alias != CALLED:
+                yield alias, hints[field.name]
 
 
 def forms(kind: object) -> Iterator[type]:

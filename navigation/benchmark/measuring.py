@@ -63,8 +63,6 @@ class Attempt:
     """CPU time of updating the planner after AGVs have moved."""
     memory: float = math.nan
     """MB by which the process grew at its peak; NaN if unknown."""
-    checks: int = 0
-    """Number of collision queries; 0 for a peer."""
     length: float = math.nan
     """Metres, like the following measures except `bends` and `turning`; NaN without a path."""
     clearance: float = math.nan
@@ -228,10 +226,10 @@ def attempts(
             begin = time.process_time()
             ask = prepare()
             prepared = time.process_time() - begin
-        checks, before = world.checks, _start_of_peak()
+        before = _start_of_peak()
         answer = ask(asked.start, asked.goal, asked.seed)
-        memory, checks = max(_megabytes("VmHWM") - before, 0.0), world.checks - checks
-        spent = {"scene_seconds": prepared, "memory": memory, "checks": checks}
+        memory = max(_megabytes("VmHWM") - before, 0.0)
+        spent = {"scene_seconds": prepared, "memory": memory}
         yield evaluate(asked, answer, world, radius, **spent)
 
 

@@ -183,7 +183,6 @@ class PlannerRow:
     simplification: float
     memory: float
     """MB, the maximum by which the process grew in one answer."""
-    checks: float
     length: Estimate
     ratio: Estimate
     """Length over the shortest length."""
@@ -235,7 +234,6 @@ def _row(group: Sequence[Attempt]) -> PlannerRow:
         planning=typical("planning_seconds", group, 1000).value,
         simplification=typical("simplification_seconds", group, 1000).value,
         memory=float(max(attempt.memory for attempt in group)),
-        checks=typical("checks", group).value,
         length=typical("length", found),
         ratio=typical("ratio", found),
         # Unknown if any is, like the median: the maximum of NaN and others is NaN in NumPy.
@@ -310,7 +308,6 @@ _PROPERTIES: dict[str, Callable[[Attempt], object]] = {
     "shortest length REAL": lambda attempt: attempt.asked.shortest,
     "length ratio REAL": _if_solved("ratio"),
     "correct solution BOOLEAN": lambda attempt: int(attempt.right),
-    "collision checks INTEGER": lambda attempt: attempt.checks,
     "query INTEGER": lambda attempt: attempt.asked.query,
     "run INTEGER": lambda attempt: attempt.asked.run,
 }

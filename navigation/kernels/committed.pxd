@@ -23,6 +23,6 @@ cdef class Movers(DiscMotions):
     cdef bytearray among
     cdef double own(self, Py_ssize_t k) noexcept
     cpdef bint meet(self, Py_ssize_t k, Swath swath) noexcept
-    cdef bint meets(self, Py_ssize_t i, Swath swath, double own) noexcept
+    cpdef bint meets(self, Py_ssize_t i, Swath swath, double own) noexcept
     cpdef Py_ssize_t first_hit(self, Py_ssize_t i) except -2
     cpdef Py_ssize_t first_other(self, Py_ssize_t k, Swath swath) except -2

@@ -20,7 +20,6 @@ cdef class Grid:
 cdef class Room:
     cdef Grid floor
     cdef double radius
-    cdef public Py_ssize_t asked
     cdef list[Numbers] bodies, gates
     cdef Numbers bounds, radii
     cpdef bint holds(self, double x, double y)

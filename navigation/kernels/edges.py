@@ -160,7 +160,6 @@ class Room:
     ) -> None:
         self.floor = floor
         self.radius = radius
-        self.asked = 0
         self.bodies = [edges for edges, _ in bodies]
         self.gates = gates
         self.bounds: Numbers = room(0)
@@ -176,9 +175,8 @@ class Room:
     def clear(self, ax: float, ay: float, bx: float, by: float, floor: bool) -> bool:
         """Return whether there is room on the segment from a, where there is, to b.
 
-        The floor and its gates count if `floor` is true. How often this was asked is in `asked`.
+        The floor and its gates count if `floor` is true.
         """
-        self.asked += 1
         gate: Numbers
         if floor:
             for gate in self.gates:

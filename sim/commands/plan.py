@@ -101,7 +101,7 @@ def _move(world: CollisionWorld, text: str) -> None:
 def _path_in_words(planned: PlannedPath, cpu_seconds: float) -> str:
     lines = [
         f"{planned.planner}: length {planned.length:.3f} m, clearance {planned.clearance:.3f} m,"
-        f" {planned.checks} collision checks, {1000 * cpu_seconds:.1f} ms"
+        f" {1000 * cpu_seconds:.1f} ms"
     ]
     lines += [f"  {x:9.3f} {y:9.3f}" for x, y in planned.points]
     return "\n".join(lines)
@@ -116,7 +116,6 @@ def _as_json(planned: PlannedPath, cpu_seconds: float) -> str:
             "length": planned.length,
             "clearance": planned.clearance,
             "planner": planned.planner,
-            "checks": planned.checks,
             "cpu_seconds": cpu_seconds,
         }
     )
@@ -338,7 +337,6 @@ def _print_tables(rows: Sequence[PlannerRow]) -> None:
             "wrong",
             "CPU ms\nmedian",
             "\n99 %",
-            "checks\nmedian",
             "length ÷\nshortest",
             "\nat most",
             *(["÷ listed\nmedian"] if with_listed else []),
@@ -359,7 +357,6 @@ def _cells(row: PlannerRow, with_listed: bool) -> list[str]:
         str(row.wrong),
         f"{row.cpu.value:.2f}{_spread(row)}",
         f"{row.cpu_99:.2f}",
-        f"{row.checks:.0f}",
         _figure(row.ratio.value, 4),
         _figure(row.ratio_most, 4),
         *([_figure(row.listed_ratio.value, 4)] if with_listed else []),

@@ -568,27 +568,6 @@ class Scenario:
         return self.blackouts + (() if self.workload is None else self.workload.blackouts)
 
     @property
-    def has_drops(self) -> bool:
-        """Whether a gripper drops parts."""
-        more = (entry.keys.get("drops") for entry in self.machines.values())
-        ordered = () if self.workload is None else self.workload.drops
-        return any((self.gantry.drops, ordered, *more))
-
-    @property
-    def has_faulty_parts(self) -> bool:
-        """Whether the quality check may find faulty parts."""
-        work = self.workload
-        return work is not None and (
-            bool(work.faulty)
-            or any(item.faulty for slots in work.bins.values() for item in slots.values())
-        )
-
-    @property
-    def has_conveyor(self) -> bool:
-        """Whether parts arrive on a conveyor."""
-        return self.workload is not None and bool(self.workload.conveyor.parts)
-
-    @property
     def has_work(self) -> bool:
         """Whether there are tasks for people."""
         return bool(self.work) or any(person.works for person in self.people)

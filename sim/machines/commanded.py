@@ -551,9 +551,7 @@ class CommandedMachine(Machine):
         """
         drive = self.drive
         moving = sum(piece.end - piece.begin for piece in motion.pieces if not piece.stands)
-        # While it brakes because it is made to stand, both count.
-        busy = moving - drive.braking_time + drive.working_time + drive.standing_time
-        return max(0.0, now - busy)
+        return max(0.0, now - moving - drive.working_time - drive.standing_time)
 
     def _came_near(self) -> None:
         if not self._stage.blind[self.name]:

@@ -26,6 +26,9 @@ from .arguments import number
 Steps = Generator[Event, Any, Any]
 """Steps of a controller: a generator of events to wait for, in SimPy's manner."""
 
+RETRY = 2.0
+"""Seconds after which a blocked vehicle plans again, if nothing has changed on the floor."""
+
 
 class Drive(ABC):
     """Drive of a commanded machine, which passes "disabled" and "enabled" to a function.
@@ -44,7 +47,6 @@ class Drive(ABC):
     ) -> None:
         self.body = body
         self.standing_time = 0.0
-        self.braking_time = 0.0
         self.working_time = 0.0
         self._clock = clock
         self._notify = disabled_or_enabled
@@ -247,7 +249,7 @@ class Drive(ABC):
     def close(self) -> None:
         """Count the time it was made to stand until now: the trial is over."""
         if self._enabled is not None:
-            self.standing_time += self._clock.now - self._stands_since
+            self._count_standing()
 
     @property
     def _may_go_on(self) -> bool:
@@ -259,16 +261,20 @@ class Drive(ABC):
             self._enabled = self._clock.event()
             self._stands_since = self._clock.now
             self._brake()
-            self.braking_time += self.body.motion.end - self._clock.now
             self._notify("disabled")
 
     def _go_on(self) -> None:
         """Be free to move, if nothing makes it stand."""
         if self._enabled is not None and self._may_go_on:
+            self._count_standing()
             enabled, self._enabled = self._enabled, None
-            self.standing_time += self._clock.now - self._stands_since
             enabled.succeed()
             self._notify("enabled")
+
+    def _count_standing(self) -> None:
+        """Count the time at rest, without the braking before, which may still last."""
+        rests_from = max(self._stands_since, self.body.motion.end)
+        self.standing_time += max(0.0, self._clock.now - rests_from)
 
     def _brake(self) -> None:
         self.body.follow(self.stopping(self.body.state, self._clock.now))

@@ -7,6 +7,7 @@ for.
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable, Generator
 from functools import partial
 from typing import Any
@@ -15,10 +16,13 @@ from simpy.events import Event
 from simpy.exceptions import Interrupt
 
 from floorplan import UserError
+from navigation import PlanningError
 
 from ..core.custom_code import FLOORWALKER, code_of, file_of, in_words, own_line
+from ..core.entries import Pose
+from .caution import Caution
 from .commanded import CommandedMachine
-from .commanding import Steps
+from .commanding import RETRY, Steps
 
 STAY = ("parked", "external")
 """Built-in controllers that do not move a machine without a command."""
@@ -38,6 +42,26 @@ def oblivious(machine: CommandedMachine) -> Steps:
     """Do tasks in order on straight paths, and ignore people."""
     while (task := (yield machine.next_task())) is not None:
         yield machine.do(task)
+
+
+def pausing(machine: CommandedMachine) -> Steps:
+    """Do one task after the other, at the speed that people allow."""
+    caution = Caution(machine)
+    while (task := (yield machine.next_task())) is not None:
+        while task.next_step is not None:
+            pose = yield machine.locate(task)
+            if (yield from gone_to(machine, caution, pose, math.inf)):
+                yield machine.handle(task)
+
+
+def gone_to(machine: CommandedMachine, caution: Caution, pose: Pose, seconds: float) -> Steps:
+    """Go to a pose as `Caution.go`; stop where something has closed the way to it."""
+    try:
+        return (yield from caution.go(pose, seconds=seconds))
+    except PlanningError:
+        yield machine.stop()
+        yield machine.look(RETRY)
+        return False
 
 
 def external(machine: CommandedMachine) -> Steps:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Collection
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from random import Random
@@ -18,9 +18,9 @@ from typing import Any, TypeVar
 import bdi
 from bdi.reasoning.beliefs import LiveBeliefs
 from floorplan import Human, Point, UserError
-from navigation import PathPlanner
+from navigation import PathPlanner, standing
 
-from ..core.body import Body, Machine
+from ..core.body import PERSON, Body, Machine
 from ..core.clock import Alarm, Clock, Turn
 from ..core.entries import ALL_ROUND, drawn_figure, seed_of
 from ..core.events import Awaited, Entered, HumanStarted, Left, PersonalityChanged
@@ -30,9 +30,10 @@ from ..core.stage import Stage
 from ..safety.referee import Referee
 from .actions import Actions, MindError
 from .crowd.crowd import Crowd
-from .crowd.parameters import Manners
+from .crowd.parameters import drawn
 from .crowd.places import wings
-from .crowd.traveller import AT_THE_DOOR
+from .crowd.speed_zones import SpeedZones
+from .crowd.traveller import AT_THE_DOOR, Traveller
 from .errand import Errand
 from .interaction import Interaction
 from .minds import Mind, as_term
@@ -132,35 +133,43 @@ MOST_AT_ONCE = 1000
 """Number of times a person may think or act at one instant; more count as an endless program."""
 
 
-class Person:
-    """One person of a stage, as `entry` has them.
+@dataclass(frozen=True, kw_only=True)
+class Surroundings:
+    """Parts of a trial that all people share.
 
-    `make_mind` makes a mind of theirs that runs the program of an entry; `thought` is called when
-    a mind of theirs has thought, so that others can hear the messages it sent. Who comes in
-    later queues at one of the `entrances`. Tasks are on the
-    `board`, if there are any. Somebody who was recorded walks their `walk`.
+    `make_mind` returns a mind of a person that runs the program of an entry, after the mind before
+    it. `thought` is called after each thought, so that others hear the messages that it sent.
+    """
+
+    stage: Stage
+    crowd: Crowd
+    referee: Referee
+    entrances: Entrances
+    board: WorkBoard | None
+    make_mind: Callable[[Person, PersonEntry, Mind | None], Mind]
+    thought: Callable[[Person], None]
+    seed: int
+
+
+class Person:
+    """One person of a stage, as `entry` has them. A recorded person walks their `walk`.
+
+    `index` is their number among all people, and `slot` their place in a group that they follow.
     """
 
     def __init__(
         self,
-        stage: Stage,
+        surroundings: Surroundings,
         entry: PersonEntry,
         human: Human,
         planner: PathPlanner,
         *,
         at: Point,
-        crowd: Crowd,
         index: int,
-        manners: Manners,
-        referee: Referee,
-        entrances: Entrances,
-        make_mind: Callable[[Person, PersonEntry, Mind | None], Mind],
-        thought: Callable[[Person], None],
-        board: WorkBoard | None = None,
-        walk: RecordedWalk | None = None,
-        slot: int | None = None,
-        seed: int = 0,
+        walk: RecordedWalk | None,
+        slot: int | None,
     ) -> None:
+        stage, crowd, seed = surroundings.stage, surroundings.crowd, surroundings.seed
         home = entry.home_on(stage.floorplan)
         assert home is not None  # else the trial is refused
         self.name = entry.name
@@ -175,45 +184,53 @@ class Person:
         self._index = index
         self._seed = seed
         self._sink = entry.sink_on(stage.floorplan)
+        heading = home.heading if entry.at is None else 0.0
+        still = standing(at, heading=heading, start=stage.clock.now)
+        traveller = Traveller(
+            index,
+            Body(stage.clock, entry.name, PERSON, still),
+            human,
+            drawn(entry.manners, seed, entry.name),
+            planner.world,
+            SpeedZones(stage.floorplan.zones, entry.name),
+            recorded=walk is not None,
+            leaves_at=self._sink,
+        )
         self.walker = Walker(
             stage,
-            entry.name,
-            human,
+            traveller,
             planner,
-            at=at,
-            heading=home.heading if entry.at is None else 0.0,
+            crowd,
             arrived=self._arrived,
-            crowd=crowd,
-            index=index,
-            manners=manners,
-            recorded=walk is not None,
             blocked=lambda: self._senses.count("blocked"),
             late=lambda goal: self._errand.resume(goal),
         )
-        self.walker.traveller.leaves_at = self._sink
         self._stage = stage
         self._clock = stage.clock
         self._entry = entry
         self._playback = (
-            None
-            if walk is None
-            else Playback(stage, self.walker.traveller, walk, crowd, self._come_or_go)
+            None if walk is None else Playback(stage, traveller, walk, crowd, self._come_or_go)
         )
-        self._referee = referee
-        self._entrances = entrances
+        self._referee = surroundings.referee
+        self._entrances = surroundings.entrances
         self._eyes = (
             None
             if entry.noticing == ALL_ROUND
             else Vision(stage, self.walker.body, human, entry.noticing)
         )
-        self._thought = thought
+        self._thought = surroundings.thought
         self._senses = Senses(stage.clock, self._think, lag_of(entry, seed))
         self._errand = Errand(stage, self.walker, self._senses)
         self.worker = (
             None
-            if board is None
+            if surroundings.board is None
             else Worker(
-                stage, entry, board, body=self.walker.body, human=human, senses=self._senses
+                stage,
+                entry,
+                surroundings.board,
+                body=self.walker.body,
+                human=human,
+                senses=self._senses,
             )
         )
         self._attention = Interaction(stage, self.walker, self._errand, crowd, slot)
@@ -226,13 +243,13 @@ class Person:
         self._reason = "gantry"
         self._warned_at = stage.clock.now
         self._instant = (stage.clock.now, 0)
-        self._make_mind = partial(make_mind, self)
+        self._make_mind = partial(surroundings.make_mind, self)
         self.mind = self._make_mind(entry, None)
         """The mind that decides for them."""
         self._senses.belong_to(self.mind)
         self._regard.belong_to(self.mind)
         for machine in stage.machines.values():
-            referee.watch(self, machine)
+            self._referee.watch(self, machine)
         for machine in stage.vehicles:
             machine.look_out_for(self.body, human.max_speed)
 

@@ -18,7 +18,6 @@ from ..core.stage import Stage
 from ..safety.proximity import Distancing
 from ..safety.referee import Referee
 from .crowd.custom_steering import make_crowd
-from .crowd.parameters import drawn
 from .crowd.places import starting_places, with_homes
 from .minds import (
     STEPS,
@@ -30,7 +29,7 @@ from .minds import (
     live_beliefs,
     make_agent,
 )
-from .person import Entrances, Person
+from .person import Entrances, Person, Surroundings
 from .programs import EXTERNAL, Programs, find_planner, planner_of
 from .tracks.recorded_walks import RecordedWalk, with_places
 from .work import WorkBoard
@@ -89,7 +88,16 @@ class Population:
         self.people: list[Person] = []
         self._crowd = crowd = make_crowd(stage, scenario.steering, scenario.seed)
         scenario = replace(scenario, people=with_places(scenario, walks))
-        entrances = Entrances(stage.clock)
+        surroundings = Surroundings(
+            stage=stage,
+            crowd=crowd,
+            referee=referee,
+            entrances=Entrances(stage.clock),
+            board=board,
+            make_mind=self._make_mind,
+            thought=self._thought,
+            seed=scenario.seed,
+        )
         starts = starting_places(scenario, stage.world, crowd)
         scenario = replace(scenario, people=with_homes(scenario, starts))
         for index, named in enumerate(scenario.people):
@@ -102,22 +110,14 @@ class Population:
             if listener.wants_thoughts:
                 self._inspectors[entry.name] = MindInspector(entry.name, self._keep)
             person = Person(
-                stage,
+                surroundings,
                 entry,
                 human,
                 self._planner(entry.name, human.radius, planner_of(entry, scenario)),
                 at=starts[index],
-                crowd=crowd,
                 index=index,
-                manners=drawn(entry.manners, scenario.seed, entry.name),
-                referee=referee,
-                entrances=entrances,
-                make_mind=self._make_mind,
-                thought=self._thought,
-                board=board,
                 walk=walk,
                 slot=_slot(entry, scenario),
-                seed=scenario.seed,
             )
             self.people.append(person)
         self._named = {person.name: person for person in self.people}

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Callable, Collection
 
-from floorplan import Human, Point
+from floorplan import Point
 from navigation import (
     CollisionWorld,
     Motion,
@@ -19,13 +19,10 @@ from navigation import (
 )
 from navigation.moving_obstacles import Passage
 
-from ..core.body import PERSON, Body
 from ..core.clock import Alarm, Turn
 from ..core.events import PathBlocked, Replanned
 from ..core.stage import Stage
 from .crowd.crowd import Crowd
-from .crowd.parameters import Manners
-from .crowd.speed_zones import SpeedZones
 from .crowd.traveller import Traveller
 from .crowd.vehicles import TOUCH, among_vehicles, any_moves
 
@@ -47,24 +44,17 @@ class Walker:
     def __init__(
         self,
         stage: Stage,
-        name: str,
-        human: Human,
+        traveller: Traveller,
         planner: PathPlanner,
-        *,
-        at: Point,
-        heading: float,
-        arrived: Callable[[Point], None],
         crowd: Crowd,
-        manners: Manners | None = None,
-        index: int = 0,
-        recorded: bool = False,
-        blocked: Callable[[], None] = lambda: None,
-        late: Callable[[Point], None] = lambda _: None,
+        *,
+        arrived: Callable[[Point], None],
+        blocked: Callable[[], None],
+        late: Callable[[Point], None],
     ) -> None:
-        self.human = human
-        self.body = Body(
-            stage.clock, name, PERSON, standing(at, heading=heading, start=stage.clock.now)
-        )
+        self.traveller = traveller
+        self.human = traveller.human
+        self.body = traveller.body
         self.goal: Point | None = None
         self.speed_share = 1.0
         self.replans = 0
@@ -78,17 +68,8 @@ class Walker:
         self._goes_on_at = 0.0
         self._setting_out = Alarm(stage.clock, self._go_on, Turn.MOTION_ENDS)
         self._crowd = crowd
-        self.traveller = Traveller(
-            index,
-            self.body,
-            human,
-            manners or Manners(),
-            planner.world,
-            SpeedZones(stage.floorplan.zones, name),
-            recorded,
-        )
         crowd.enter(
-            self.traveller,
+            traveller,
             reroute=lambda at: self._path(at, self.traveller.goal or self._bound_for())[1:],
             arrive=self._arrive,
             blocked=blocked,

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from ..core import events
 from ..core.scenario import Scenario
 from ..machines.kinds import may_be, short_laws
+from ..orders.scope import has_conveyor, has_drops, has_faulty_parts, has_orders
 from . import words
 from .finished import CAUSES, Finished
 from .social_metrics import DISTANCES, MOVEMENT, PROGRESS
@@ -60,11 +61,6 @@ def _no_robot(trial: Scenario) -> bool:
     return trial.floorplan.gantry is None and not any(may_be("robot", one) for one in machines)
 
 
-def _has_orders(trial: Scenario) -> bool:
-    """Return True if there are orders, and a gantry that can work on them."""
-    return trial.workload is not None and trial.floorplan.gantry is not None
-
-
 def _has_vehicles(trial: Scenario) -> bool:
     """Return True if there may be vehicles that set out: moved by the trial, or with orders."""
     ordered = trial.workload is not None and bool(trial.floorplan.lanes)
@@ -94,17 +90,15 @@ def _may_touch(trial: Scenario) -> bool:
     return bool(trial.people) and (not _no_robot(trial) or _has_vehicles(trial))
 
 
-_of_orders = partial(SummaryFigure, only=_has_orders)
+_of_orders = partial(SummaryFigure, only=has_orders)
 _of_vehicles = partial(SummaryFigure, only=_has_vehicles)
 _of_machines = partial(SummaryFigure, only=_may_collide)
 _of_fields = partial(SummaryFigure, only=attrgetter("fields"))
 _of_claims = partial(SummaryFigure, only=_may_wait)
 _of_bodies = partial(SummaryFigure, only=_may_touch)
-_of_faulty_parts = partial(
-    SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_faulty_parts
-)
-_of_conveyor = partial(SummaryFigure, only=lambda trial: _has_orders(trial) and trial.has_conveyor)
-_of_drops = partial(SummaryFigure, only=attrgetter("has_drops"))
+_of_faulty_parts = partial(SummaryFigure, only=has_faulty_parts)
+_of_conveyor = partial(SummaryFigure, only=has_conveyor)
+_of_drops = partial(SummaryFigure, only=has_drops)
 _of_work = partial(SummaryFigure, only=attrgetter("has_work"))
 _of_traffic = partial(SummaryFigure, only=attrgetter("has_traffic"))
 _of_zones = partial(SummaryFigure, only=attrgetter("floorplan.zones"))

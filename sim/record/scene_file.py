@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -139,7 +139,9 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
             raise SceneError(f"expected the format {FORMAT!r}, found {found!r}")
         later(f"made in the later format {found}; what this version knows of it is shown")
     try:
-        scene = _SceneFile.model_validate(data)
+        # The fields by their names in Python. Keys of files may have others.
+        extra: Literal["ignore"] | None = None if found == FORMAT else "ignore"
+        scene = _SceneFile.model_validate(data, by_alias=False, by_name=True, extra=extra)
     except ValidationError as misfits:
         first = misfits.errors()[0]
         place = ".".join(str(part) for part in first["loc"])

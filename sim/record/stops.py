@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,12 +25,12 @@ CAUSES_OF_STOPS = {
     "hold": "held by a command",
     "protective stop": "stopped by the rules, for a person",
     "protective field": "stopped by its protective field, for a person",
-    "warning field": "can't drive slowly enough for a person in its warning field",
     "blackout": "stopped as its protective fields are blind",
     "no field set": "stopped at a velocity without protective field",
     "people": "waits at its own decision, to keep the distance to a person",
     "traffic": "waits for another machine",
     "blocked": "waits before what closes its lane or its route",
+    "warning field": "can't drive slowly enough for a person in its warning field",
     "job wait": "waits as a job of the trial says",
     "job": "stands in a job: it handles a part, or its place is out of reach",
     "nothing to do": "has no job, or no move under way",
@@ -113,90 +113,80 @@ JobKey = tuple[object, ...]
 """What tells a job apart from others: its kind and the fields of its events."""
 
 
-@dataclass
-class _State:
-    """What holds for a machine at an instant, as its events tell."""
+_BEGINS = {
+    "gantry_disabled": "penalty",
+    "robot_malfunction": "malfunction",
+    "protective_stop": "protective stop",
+    "gantry_yielded": "people",
+    "agv_yielded": "people",
+    "field_slowdown": "warning field",
+    "machine_waiting": "traffic",
+    "machine_blocked": "blocked",
+    "agv_blocked": "blocked",
+}
+"""Causes that hold from an event on, by its kind."""
 
-    otherwise: str
-    disabled: tuple[str, str] | None = None
-    held: bool = False
-    stopped_for: str | None = None
-    by_fields: tuple[str, str] | None = None
-    slow_for: str | None = None
-    yields_to: str | None = None
-    waits_for: str | None = None
-    blocked: tuple[str, float] | None = None
-    has_route: bool = True
-    jobs: set[JobKey] = field(default_factory=set)
+_ENDS = {
+    "gantry_enabled": ("penalty", "malfunction"),
+    "protective_stop_ended": ("protective stop",),
+    "field_stop_ended": ("protective field", "blackout", "no field set"),
+    "field_slowdown_ended": ("warning field",),
+    "machine_proceeds": ("traffic",),
+}
+"""Causes that no longer hold from an event on, by its kind."""
+
+
+class _State:
+    """Causes for which a machine stands still at an instant, and its jobs."""
+
+    def __init__(self, otherwise: str) -> None:
+        self.holding: dict[str, str] = {}
+        """Whom each cause concerns."""
+        self.jobs: set[JobKey] = set()
+        self._otherwise = otherwise
+        self.blocked_at: float | None = None
+        """Last lane position (m) before what closes the lane of an AGV."""
 
     def cause(self) -> tuple[str, str]:
         """Return why the machine does not move, and for whom."""
-        if self.disabled is not None:
-            return self.disabled
-        if self.held:
-            return "hold", ""
-        if self.stopped_for is not None:
-            return "protective stop", self.stopped_for
-        if self.by_fields is not None:
-            return self.by_fields
-        if self.yields_to is not None:
-            return "people", self.yields_to
-        if self.waits_for is not None:
-            return "traffic", self.waits_for
-        if self.blocked is not None:
-            return "blocked", self.blocked[0]
-        if not self.has_route:
-            return "blocked", ""
-        if self.slow_for is not None and self.otherwise == UNRECORDED:
-            return "warning field", self.slow_for
+        holding = {**self.holding}
         if self.jobs:
-            return ("job wait" if any(job[0] == "wait" for job in self.jobs) else "job"), ""
-        return self.otherwise, ""
+            holding["job wait" if any(job[0] == "wait" for job in self.jobs) else "job"] = ""
+        if self._otherwise != UNRECORDED:  # the machine can drive slowly enough
+            holding.pop("warning field", None)
+        first = next((cause for cause in CAUSES_OF_STOPS if cause in holding), self._otherwise)
+        return first, holding.get(first, "")
+
+    def end(self, *causes: str) -> None:
+        """Take note that causes no longer hold."""
+        for cause in causes:
+            self.holding.pop(cause, None)
 
     def take(self, event: Event, penalised: str) -> None:
         """Take in an event of the machine. `penalised` is the person of the last penalty."""
-        match event["kind"]:
-            case "gantry_disabled":
-                self.disabled = "penalty", penalised
-            case "robot_malfunction":
-                self.disabled = self.disabled or ("malfunction", "")
-            case "gantry_enabled":
-                self.disabled = None
-            case "commanded":
-                self.held = "hold" in event
-            case "protective_stop":
-                self.stopped_for = event["person"]
-            case "protective_stop_ended":
-                self.stopped_for = None
-            case "field_stop":
-                by_person = event["cause"] == "intrusion"
-                cause = "protective field" if by_person else event["cause"]
-                self.by_fields = cause, event.get("person", "")
-            case "field_stop_ended":
-                self.by_fields = None
-            case "gantry_yielded" | "agv_yielded":
-                self.yields_to = event["person"]
-            case "field_slowdown":
-                self.slow_for = event["person"]
-            case "field_slowdown_ended":
-                self.slow_for = None
-            case "machine_blocked":
-                self.has_route = False
-            case "machine_waiting":
-                self.waits_for = event["for_machine"]
-            case "machine_proceeds":
-                self.waits_for = None
-            case "agv_blocked":
-                self.blocked = event["by"], event["at"]
-            case "agv_moved":
-                self.yields_to = None
-                # An AGV that is blocked drives up to the last place before that.
-                if self.blocked is not None and event["to"] != self.blocked[1]:
-                    self.blocked = None
-            case "job_started":
-                self.jobs.add(_job(event))
-            case "job_done" | "order_submitted":
-                self.jobs.discard(_job(event))
+        kind = event["kind"]
+        self.end(*_ENDS.get(kind, ()))
+        cause = _BEGINS.get(kind)
+        if kind == "field_stop":
+            cause = "protective field" if event["cause"] == "intrusion" else event["cause"]
+        elif kind == "commanded":
+            self.end("hold")
+            cause = "hold" if "hold" in event else None
+        if cause is not None:
+            whom = (event.get(name) for name in ("person", "for_machine", "by"))
+            concerned = penalised if cause == "penalty" else next(filter(None, whom), "")
+            self.holding[cause] = concerned
+        if kind == "agv_blocked":
+            self.blocked_at = event["at"]
+        elif kind == "agv_moved":
+            self.end("people")
+            # An AGV that is blocked drives up to the last place before that.
+            if event["to"] != self.blocked_at:
+                self.end("blocked")
+        elif kind == "job_started":
+            self.jobs.add(_job(event))
+        elif kind in ("job_done", "order_submitted"):
+            self.jobs.discard(_job(event))
 
 
 def machine_times(run: Outcome) -> list[MachineTimes]:
@@ -269,8 +259,9 @@ def _stops(
         while following is not None and following[0]["t"] == begin < end:
             state.take(*following)
             following = next(events)
-        state.yields_to = None
-        state.has_route = True
+        state.end("people")
+        if state.blocked_at is None:
+            state.end("blocked")
         at = until
 
 
@@ -301,38 +292,8 @@ def _job(event: Event) -> JobKey:
     return (job, *(event.get(name) for name in ("part", "tray", "from", "to", "quadrant", "order")))
 
 
-_OF_GANTRIES = (
-    "gantry_disabled",
-    "gantry_enabled",
-    "gantry_yielded",
-    "robot_malfunction",
-    "job_started",
-    "job_done",
-    "order_submitted",
-)
-"""Kinds of events that leave out the name of the floor's own gantry."""
-
-
-_OF_MACHINES = (
-    "protective_stop",
-    "protective_stop_ended",
-    "field_stop",
-    "field_stop_ended",
-    "field_slowdown",
-    "field_slowdown_ended",
-    "machine_blocked",
-    "machine_waiting",
-    "machine_proceeds",
-)
-"""Kinds of events that always name their machine."""
-
-
 def _machine_of(event: Event) -> str:
-    """Return the machine that an event is about, or an empty text."""
-    if event["kind"] in _OF_GANTRIES:
-        return str(event.get("machine", GANTRY))
-    if event["kind"] in _OF_MACHINES:
-        return str(event["machine"])
+    """Return the machine that an event concerns, or the gantry if it names no machine."""
     if event["kind"] == "commanded":
         return str(event.get("hold") or event.get("release") or "")
-    return str(event.get("agv", ""))
+    return str(event.get("machine") or event.get("agv") or GANTRY)

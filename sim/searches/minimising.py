@@ -8,9 +8,9 @@ out without the trial being met is left out, in large parts first.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, is_dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -21,8 +21,9 @@ from ..core.scenario import Job, PersonEntry, Scenario
 from ..machines.gantry.robot import GANTRY
 from ..runs.run import Run
 from ..simulation import run
-from ..studies.variables import put_at
+from ..studies.variables import variable
 from ..trials.building import lasting
+from ..trials.paths import places, value_at, with_value
 from ..trials.trial import Trial
 from .objective import Objective, Situation, makes_no_trial
 
@@ -37,6 +38,20 @@ TESTED = ("controller", "rate")
 
 OF_A_PERSON = ("personality", "start", "at", "recorded", "source")
 """Keys of a person without which people differ most from those that broke the objective."""
+
+ROUNDED = (
+    "gantry.at.*",
+    "people.*.start.time",
+    "people.*.max_speed",
+    "people.*.at.*",
+    "machines.*.at.*",
+    "gantry.jobs.*.seconds",
+    "agvs.*.*.time",
+    "blackouts.*.start.time",
+    "blackouts.*.seconds",
+    "commands.*.time",
+)
+"""Paths of numbers that are rounded."""
 
 LISTS = ("missions", "moves")
 """Keys of machines that are lists of entries."""
@@ -109,10 +124,10 @@ class Minimiser:
         self._best = candidate
         return True
 
-    def _try_with(self, path: Path, value: Any) -> bool:
+    def _try_with(self, path: str, value: Any) -> bool:
         """Take the trial with another value at a path, if that is one and breaks the objective."""
         try:
-            return self._try(_with(self._best, path, value))
+            return self._try(with_value(self._best, path, value))
         except (UserError, ValueError, TypeError):
             return False
 
@@ -171,15 +186,15 @@ class Minimiser:
         everybody = self._best.people
         alone = tuple(p for p in everybody if p.name == self._situation.person and p.group is None)
         if alone and len(everybody) > 1:
-            self._try_with(("people",), alone)
-        self._remove(("people",))
+            self._try_with("people", alone)
+        self._remove("people")
 
     def _machines(self) -> None:
         self._try(replace(self._best, agvs={}, yielding=frozenset()))
         for name in [*self._best.agvs]:
-            self._try_with(("agvs",), _without(self._best.agvs, name))
+            self._try_with("agvs", _without(self._best.agvs, name))
         for name in [*self._best.agvs]:
-            self._remove(("agvs", name))
+            self._remove(f"agvs.{name}")
         for name in [*self._best.machines]:
             fields = _without(self._best.fields, name)
             machines = _without(self._best.machines, name)
@@ -189,8 +204,8 @@ class Minimiser:
     def _jobs(self) -> None:
         gantry = self._best.gantry
         self._try(replace(self._best, gantry=replace(gantry, jobs=(), drops=(), repeat=False)))
-        self._try_with(("gantry", "repeat"), False)
-        self._remove(("gantry", "jobs"))
+        self._try_with("gantry.repeat", False)
+        self._remove("gantry.jobs")
         self._skip_ahead()
 
     def _skip_ahead(self) -> None:
@@ -224,47 +239,51 @@ class Minimiser:
             )
         )
         for key in ("blackouts", "obstacles", "commands"):
-            self._remove((key,))
+            self._remove(key)
         for name in [*self._best.doors]:
-            self._try_with(("doors",), _without(self._best.doors, name))
+            self._try_with("doors", _without(self._best.doors, name))
 
     def _keys_of_people(self) -> None:
         """Leave out keys of people: all but those that matter most, or else one by one."""
         for k, person in enumerate(self._best.people):
             plain = PersonEntry(name=person.name)
             kept = {key: getattr(person, key) for key in OF_A_PERSON}
-            self._try_with(("people", k), replace(plain, **kept))
+            self._try_with(f"people.{k}", replace(plain, **kept))
             for key, value in vars(plain).items():
-                self._try_with(("people", k, key), value)
+                self._try_with(f"people.{k}.{key}", value)
 
     def _keys_of_machines(self) -> None:
         """Leave out keys of machines, and entries of their lists, but for what is tested."""
         for name, entry in self._best.machines.items():
             for key in [key for key in entry.keys if key not in TESTED]:
-                path = ("machines", name, "keys")
-                if not self._try_with(path, _without(_at(self._best, path), key)) and key in LISTS:
-                    self._remove((*path, key))
+                path = f"machines.{name}.keys"
+                kept = _without(value_at(self._best, path), key)
+                if not self._try_with(path, kept) and key in LISTS:
+                    self._remove(f"{path}.{key}")
 
     def _others(self) -> None:
         """Leave out the other keys of the trial and of the gantry."""
         plain = Scenario(self._best.floorplan)
         for key in ("work", "sources", "workload", "warm_up", "planner"):
-            self._try_with((key,), getattr(plain, key))
-        self._try_with(("gantry", "at"), None)
+            self._try_with(key, getattr(plain, key))
+        self._try_with("gantry.at", None)
 
-    def _remove(self, path: Path) -> None:
+    def _remove(self, path: str) -> None:
         """Leave out as many entries as can be: halves first, then quarters, then one by one."""
-        size = max(len(_at(self._best, path)) // 2, 1)
-        while size and _at(self._best, path):
+        size = max(len(value_at(self._best, path)) // 2, 1)
+        while size and value_at(self._best, path):
             k = 0
-            while k < len(kept := _at(self._best, path)):
+            while k < len(kept := value_at(self._best, path)):
                 if not self._try_with(path, kept[:k] + kept[k + size :]):
                     k += size
             size //= 2
 
     def _round(self, digits: int) -> None:
         """Round every number to so many decimals: all together, or else one by one."""
-        paths: list[Path | str] = [*_numbers(self._best), *self._paths]
+        paths: dict[str, None] = {}
+        for path in (*ROUNDED, *self._paths):
+            with suppress(UserError):
+                paths |= dict.fromkeys(places(self._best, path))
         together = self._best
         for path in paths:
             together = _rounded(together, path, digits) or together
@@ -273,76 +292,17 @@ class Minimiser:
                 self._try(_rounded(self._best, path, digits))
 
 
-def _without(entries: Mapping[str, _Entry], name: str) -> dict[str, _Entry]:
-    return {other: entry for other, entry in entries.items() if other != name}
-
-
-Path = tuple[str | int, ...]
-"""Names of fields and keys, and numbers of entries, that lead to a value of a trial."""
-
-
-def _at(owner: Any, path: Path) -> Any:
-    """Return the value at a path."""
-    for key in path:
-        owner = getattr(owner, str(key)) if is_dataclass(owner) else owner[key]
-    return owner
-
-
-def _with(owner: Any, path: Path, value: Any) -> Any:
-    """Return `owner` with another value at a path."""
-    if not path:
-        return value
-    changed = _with(_at(owner, path[:1]), path[1:], value)
-    if is_dataclass(owner) and not isinstance(owner, type):
-        return replace(owner, **{str(path[0]): changed})
-    if isinstance(owner, Mapping):
-        return {**owner, path[0]: changed}
-    return type(owner)(changed if k == path[0] else one for k, one in enumerate(owner))
-
-
-def _rounded(trial: Trial, path: Path | str, digits: int) -> Candidate:
+def _rounded(trial: Trial, path: str, digits: int) -> Candidate:
     """Return the trial with a number rounded; None if it is, or can't be there."""
-    number = _at_path(trial, path) if isinstance(path, str) else _at(trial, path)
-    if number is None or round(number, digits) == number:
+    number = value_at(trial, path)
+    if not is_number(number) or round(number, digits) == number:
         return None
     value = float(round(number, digits)) + 0.0  # no negative zero
     try:
-        changed: Trial
-        changed = put_at(trial, path, value) if isinstance(path, str) else _with(trial, path, value)
-    except (UserError, ValueError):
+        return variable(path).put(trial, value, trial.folder)
+    except ValueError:
         return None
-    return changed
 
 
-def _numbers(trial: Trial) -> Iterator[Path]:
-    """Yield the paths of the numbers of a trial that may be round."""
-    places: list[Path] = [("gantry", "at")]
-    for k, person in enumerate(trial.people):
-        if person.start.time is not None:
-            yield "people", k, "start", "time"
-        if is_number(person.max_speed):
-            yield "people", k, "max_speed"
-        places.append(("people", k, "at"))
-    for name, entry in trial.machines.items():
-        places += [("machines", name, "keys", "at")] if "at" in entry.keys else []
-    for place in places:
-        if isinstance(at := _at(trial, place), tuple | list):
-            yield from ((*place, axis) for axis in range(len(at)))
-    for k, job in enumerate(trial.gantry.jobs):
-        if job.kind == "wait":
-            yield "gantry", "jobs", k, "seconds"
-    for name, moves in trial.agvs.items():
-        yield from (("agvs", name, k, "time") for k in range(len(moves)))
-
-
-def _at_path(trial: Trial, path: str) -> float | None:
-    """Return the number at a path as of a study; None where it leads to none or to several."""
-    found: Any = trial
-    for part in path.split("."):
-        if isinstance(found, tuple):
-            found = next((one for one in found if getattr(one, "name", "") == part), None)
-        elif isinstance(found, dict):
-            found = found.get(part)
-        else:
-            found = getattr(found, part, None)
-    return float(found) if is_number(found) else None
+def _without(entries: Mapping[str, _Entry], name: str) -> dict[str, _Entry]:
+    return {other: entry for other, entry in entries.items() if other != name}

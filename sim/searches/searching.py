@@ -405,7 +405,7 @@ def _minimised(
     worst = _worst(wanted, tried)
     if not worst:
         return ()
-    paths = [what.whose for what in wanted.study.random if what.kind == "path"]
+    paths = [what.path for what in wanted.study.random if what.path == what.name]
     trials = [wanted.space.row(one.number, one.point).trial for one in worst]
     one = joblib.delayed(_minimise)
     with without_noise():

@@ -27,7 +27,7 @@ from ..trials.checks import LARGEST_SEED, faults, name_fault
 from ..trials.expectations import summary_fields
 from ..trials.trial import Trial
 from .repeats import UntilKeys
-from .variables import Value, Variable, reordered, variable
+from .variables import Value, Variable, reordered, variable, without_controllers
 
 SIGMAS = 3.0
 """Standard deviations from its mean at which a normal distribution ends, if not given."""
@@ -237,9 +237,9 @@ class Design:
         repetition, index = divmod(number, len(self.combinations))
         combination = self.combinations[index]
         chosen: dict[str, Value] = {"trial": combination.trial.name}
+        decisive: list[tuple[str, Value]] = [("trial", self._compared[combination.trial.name])]
         chosen |= {what.name: one for what, one in zip(self.grid, combination.values, strict=True)}
-        compared = {what.name for what in self.grid if what.is_controller}
-        decisive = [(name, one) for name, one in chosen.items() if name not in compared]
+        decisive += [(what.name, chosen[what.name]) for what in self.grid if not what.is_controller]
         seed = derived_seed("run", self.seed, decisive, repetition)
         trial = replace(combination.trial, seed=seed)
         drawn: dict[str, Value] = {}
@@ -248,6 +248,18 @@ class Design:
             value = drawn[what.name] = distribution.draw(draw, trial)
             trial = self._put(trial, what, value)
         return Row(number, {**chosen, **drawn, "repetition": repetition, "seed": seed}, trial)
+
+    @cached_property
+    def _compared(self) -> dict[str, str]:
+        """The first trial that is the same as each one but for controllers, by name."""
+        found: dict[str, str] = {}
+        first: list[Trial] = []
+        for trial in self.trials:
+            plain = without_controllers(replace(trial, name=""))
+            same = next((k for k, one in enumerate(first) if one == plain), len(first))
+            first.append(plain)
+            found[trial.name] = self.trials[same].name
+        return found
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
@@ -492,7 +504,8 @@ class _Reader:
                 continue
             if what is None:
                 continue
-            for value in distribution.extremes:
+            drawn_one = (distribution.draw(0, one) for one in trials[:1])
+            for value in (*distribution.extremes, *drawn_one):
                 self._try(what, value, trials, "random", name)
             drawn[what] = distribution
         return drawn

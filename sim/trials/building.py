@@ -27,7 +27,7 @@ from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
 from ..people.programs import load_program, modules_of
 from ..people.tracks.recorded_walks import bodies_of
-from .checks import faults
+from .checks import faults, keep_sound
 from .feasibility import people_fault
 from .field_checks import field_slips
 from .keys import TrialKeys, begins_in, commanded
@@ -206,7 +206,9 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
         problems.append(document.problem(fault, "folder"))
     if problems:
         raise TrialError(document.file, problems)
-    return replace(trial, notices=(*trial.notices, *likely_slips(trial, document)))
+    trial = replace(trial, notices=(*trial.notices, *likely_slips(trial, document)))
+    keep_sound(trial)
+    return trial
 
 
 ARIAC_KEYS = {"time_limit", "kitting_trays", "parts", "orders"}

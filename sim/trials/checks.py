@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import shapely
 
@@ -69,14 +70,41 @@ MOST_BYTES = 200
 GROUPS = range(2, 6)
 """Numbers of people who may walk together."""
 
+_SOUND = "_sound"
+"""Key under which a correct trial keeps what it was like when it was checked."""
+
 DENSEST = 0.9
 """Share of a floor that discs can cover, side by side."""
 
 
 def check(trial: Scenario) -> None:
-    """`TrialError` with everything about `trial` that can't be; `TypeError` for a wrong type."""
+    """`TrialError` with everything about `trial` that can't be; `TypeError` for a wrong type.
+
+    A trial that is correct is checked only once, when it is read or first used.
+    """
+    if _SOUND in vars(trial) and vars(trial)[_SOUND] == _dictionaries(trial):
+        return
     require_fields(trial)
-    refuse(f"trial {trial.name!r}", faults(trial), TrialError)
+    refuse(f"trial {trial.name!r}", faults(with_everybody(trial)), TrialError)
+    keep_sound(trial)
+
+
+def keep_sound(trial: Scenario) -> None:
+    """Mark `trial` as correct, so that `check` need not repeat its work."""
+    vars(trial)[_SOUND] = _dictionaries(trial)
+
+
+def _dictionaries(trial: Scenario) -> list[Any]:
+    """Return copies of the dictionaries of a trial, because they can change after a check."""
+    keys = {name: entry.keys for name, entry in trial.machines.items()}
+    values = (trial.agvs, trial.machines, keys, trial.fields, trial.expect, trial.work, trial.doors)
+    return [_copied(value) for value in (*values, trial.sources)]
+
+
+def _copied(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _copied(one) for key, one in value.items()}
+    return [*map(_copied, value)] if isinstance(value, list) else value
 
 
 def check_own_events(trial: Scenario) -> None:

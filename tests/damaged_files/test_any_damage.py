@@ -24,7 +24,7 @@ def test_the_sample_is_accepted(folder, name):
 
 
 @pytest.mark.parametrize("name", READERS)
-@settings(max_examples=settings.default.max_examples // 3)
+@settings(max_examples=settings.default.max_examples // 6)
 @given(data=st.data())
 def test_a_damaged_file_is_read_or_refused_with_a_message(folder, name, data):
     path = folder / name

@@ -339,7 +339,7 @@ class Sampled:
     def _presses(self, vehicle, k):
         """Whether a vehicle touches a wall at some of these samples."""
         room = self.plan.boundary.difference(
-            shapely.union_all([one.footprint for one in self.plan.obstacles])
+            shapely.union_all([one.footprint for one in (*self.plan.obstacles, *self.plan.doors)])
         )
         placed = vehicle.placed(vehicle.outline, k[k < len(self.t)])
         return bool((shapely.distance(room.boundary, placed) < DEEP).any())
@@ -355,15 +355,15 @@ class Sampled:
             applying = self._applying(vehicle, fields)
             inside, clearly, gone = (np.zeros(len(self.t), dtype=bool) for _ in range(3))
             gone[:] = True
-            for person, (at, radius) in self.people_at.items():
-                there = self.there(person) & ~muted
+            for at, radius in self.people_at.values():
+                # Sensors also see a person who has not started.
                 for k, one in enumerate(fields.sets):
                     polygon = Polygon(one.protective)
-                    inside |= there & (applying == k) & self.touches(vehicle, polygon, at, radius)
+                    inside |= ~muted & (applying == k) & self.touches(vehicle, polygon, at, radius)
                     deep = self.touches(vehicle, polygon, at, radius - DEEP)
-                    clearly |= there & (applying == k) & deep
+                    clearly |= ~muted & (applying == k) & deep
                     wide = self.touches(vehicle, polygon, at, radius + DEEP)
-                    gone &= ~(there & (applying == k) & wide)
+                    gone &= muted | (applying != k) | ~wide
             unprotected = (applying < 0) & ~muted
             yield from self._responses(vehicle, fields, clearly)
             yield from self._stops(vehicle, fields, clearly, gone & ~unprotected)
@@ -454,8 +454,9 @@ class Sampled:
                         yield f"{name} does not restart after t = {self.t[first]:.3f} s"
                         break
                 continue
-            k = int(end * RATE) - 1
-            if 0 < k < len(self.t) and vehicle.moves[max(0, k - 2) : k].all():
+            k = int(end * RATE)
+            impact = self.of("contact", machine=name, t=end)
+            if k < len(self.t) and vehicle.moves[k] and not impact:
                 yield f"{name} is released at t = {end:.3f} s while it moves"
             window = (self.t > end - fields.restart_delay + NEAR) & (self.t < end - NEAR)
             if (inside & window & (self.t > begin)).any():
@@ -492,7 +493,47 @@ class Sampled:
                     yield f"field_stops of {name} are not those of the events"
                 if abs(stopped - figures["field_stop_time"]) > 1e-6:
                     yield f"field_stop_time of {name} is {figures['field_stop_time']}"
+                slow = self._intervals("field_slowdown", "field_slowdown_ended", machine=name)
+                slowed = sum(min(end, run.duration) - begin for begin, end in slow)
+                slowed -= sum(
+                    max(0.0, min(end, until, run.duration) - max(begin, since))
+                    for begin, end in slow
+                    for since, until in stops
+                )
+                if abs(slowed - figures["field_slow_time"]) > 1e-6:
+                    yield f"field_slow_time of {name} is {figures['field_slow_time']}, not {slowed}"
+            yield from self._idle(name, figures["idle_time"])
         yield from self._arrivals()
+        yield from self._walked()
+
+    def _idle(self, name, idle):
+        """A vehicle whose idle time is not the time that it stands for no reason."""
+        if self.of("contact", machine=name):
+            return  # it stands until its controller moves it
+        spans = self._intervals("machine_waiting", "machine_proceeds", machine=name)
+        for kind in ("field_stop", "protective_stop"):
+            spans += self._intervals(kind, f"{kind}_ended", machine=name)
+        holds = self.of("commanded", hold=name) + self.of("commanded", release=name)
+        times = [*sorted(e["t"] for e in holds), math.inf]
+        spans += zip(times[::2], times[1::2], strict=False)
+        pieces = self.run.motions[name].pieces
+        spans += [(one.begin, one.end) for one in pieces if not one.stands]
+        end = self.run.duration
+        busy = shapely.union_all([shapely.box(a, 0, min(b, end), 1) for a, b in spans])
+        free = end - busy.area
+        missions = self.vehicles[name].keys.get("missions", ())
+        waits = [one["wait"] for one in missions if "wait" in one]
+        done = len(self.of("job_started", machine=name, job="wait"))
+        if not free - done * max(waits, default=0.0) - 1e-6 <= idle <= free + 1e-6:
+            yield f"idle_time of {name} is {idle}, and it stands freely for {free}"
+
+    def _walked(self):
+        """People whose distance is not that of their samples, unless something moves them."""
+        for person, (at, _) in self.people_at.items():
+            steps = np.hypot(*np.diff(at[self.there(person)], axis=0).T)
+            figure = self.run.summary["people"][person]["distance_walked"]
+            if not self.of("teleport", person=person) and abs(steps.sum() - figure) > 0.02:
+                yield f"{person} walked {steps.sum():.3f} m, not {figure}"
 
     def _arrivals(self):
         """Jobs that are done elsewhere than where they lead."""

@@ -35,8 +35,9 @@ def shy(vehicle):
 def by_hand(vehicle):
     """Twists, stops and waits by turns."""
     while True:
-        yield vehicle.twist((0.5, 0.3), 2.0)
-        yield vehicle.stop()
+        if not vehicle.disabled:
+            yield vehicle.twist((0.5, 0.3), 2.0)
+            yield vehicle.stop()
         yield vehicle.wait(0.5)
         if not vehicle.disabled:
             yield vehicle.twist((-0.2, 0.0), 1.0)

@@ -76,7 +76,7 @@ def random_trial_of_vehicles(number):
         commands=tuple(sorted(_commands(random, [*machines], duration), key=lambda one: one.time)),
         blackouts=_blackouts(random, [*machines], duration),
         doors={
-            door.name: DoorTimes(closed=((t := random.uniform(0.0, 30.0), t + 10.0),))
+            door.name: DoorTimes(closed=((t := min(random.uniform(0.0, 30.0), 24.0), t + 10.0),))
             for door in plan.doors
         },
     )

@@ -157,3 +157,46 @@ def test_a_file_that_could_not_be_read_again_is_not_written(tmp_path, monkeypatc
     with pytest.raises(ValueError, match="of more than 1,000 can't be read"):
         plan.save(tmp_path / "floor.yaml")
     assert not (tmp_path / "floor.yaml").exists()
+
+
+def test_arrays_of_doors_gates_and_the_safe_zone_are_written_as_numbers():
+    plan = floorplan.Floorplan(
+        name="hall",
+        boundary=box(0, 0, 10, 6),
+        doors=[
+            floorplan.Door(
+                name="d",
+                ends=np.array([[5.0, 0.0], [5.0, 6.0]]),
+                is_open=np.bool_(False),
+                thickness=np.float64(0.2),
+            )
+        ],
+        gates=[floorplan.Gate(name="g", ends=((7, 0), (7, 6)), towards=np.array([8.0, 1.0]))],
+        safe_zone=floorplan.SafeZone(np.array([1.0, 1.0])),
+    )
+    again = floorplan.parse(plan.to_yaml())
+    assert again.doors["d"].ends == ((5.0, 0.0), (5.0, 6.0))
+    assert not again.doors["d"].is_open
+    assert again.doors["d"].thickness == 0.2
+    assert again.gates["g"].towards == (8.0, 1.0)
+    assert again.safe_zone == floorplan.SafeZone((1.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("keys", "place"),
+    [
+        ("doors: {d: {betwen: [[5, 0], [5, 6]]}}", "doors.d.betwen"),
+        ("doors: {d: {between: [[5, 0], [5, 6]], name: x}}", "doors.d.name"),
+        ("doors: {d: {between: [[5, 0], [5, 6]], is_open: true}}", "doors.d.is_open"),
+        ("gates: {g: {between: [[5, 0], [5, 6]], toward: [1, 1]}}", "gates.g.toward"),
+        ("safe_zone: {position: [1, 1]}", "safe_zone.position"),
+    ],
+)
+def test_only_the_names_of_keys_are_read_and_suggested(keys, place):
+    with pytest.raises(floorplan.FloorplanError) as info:
+        floorplan.parse(f"name: hall\nboundary: [[0, 0], [9, 0], [9, 6], [0, 6]]\n{keys}\n")
+    problem = next(one for one in info.value.problems if one.field == place)
+    assert problem.message.startswith("unknown key; ")
+    assert problem.line == 3
+    assert "\0" not in problem.message
+    assert "'name'" not in problem.message

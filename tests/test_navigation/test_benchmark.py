@@ -40,7 +40,7 @@ def without_times(attempts):
     """What must be the same again: all but times and memory."""
     return [
         (
-            *(a.asked, a.reason, a.wrong, a.checks, a.length, a.clearance, a.turning),
+            *(a.asked, a.reason, a.wrong, a.length, a.clearance, a.turning),
             a.points.tolist(),
             [(one.iterations, one.length) for one in a.progress],
         )
@@ -53,7 +53,6 @@ def test_answers_are_measured(attempts):
     for a in attempts:
         assert a.solved
         assert a.cpu_seconds > 0
-        assert a.checks > 0
         assert a.clearance >= 0.25 - 1e-9
         assert a.ratio >= 1 - 1e-9
         assert (a.turning == 0) == (a.bends == 0)
@@ -328,7 +327,14 @@ def test_wrong_answers_are_noticed():
     assert (stays.right, stays.ratio, stays.length) == (True, 1.0, 0.0)
 
 
-@pytest.mark.parametrize("name", floorplan.builtin())
+@pytest.mark.parametrize(
+    "name",
+    [
+        "machine_shop",
+        pytest.param("ariac2023", marks=pytest.mark.slow),
+        pytest.param("warehouse", marks=pytest.mark.slow),
+    ],
+)
 def test_ompls_own_roadmap_planner_finds_paths_as_long_as_the_default(name):
     """It has the corner points as samples, FCL judges every link, and OMPL searches them."""
     plan = floorplan.load(name)

@@ -226,7 +226,6 @@ def attempt(query, run, progress, shortest=10.0, longest=math.inf):
         reason="" if progress else "not_found",
         wrong="",
         cpu_seconds=9.0,
-        checks=0,
         bends=0,
         points=None,
         progress=tuple(Progress(0, t, length) for t, length in progress),

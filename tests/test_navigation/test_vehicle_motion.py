@@ -76,7 +76,7 @@ def test_a_turn_on_the_spot_stays_where_it_is(pose, turn):
 
 
 @pytest.mark.parametrize("limits", [CART, FREE])
-@settings(deadline=None, max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 @given(data=st.data())
 def test_a_twist_follows_the_equations_of_motion(limits, data):
     """Against Ruckig's profile of each axis, integrated by Simpson's rule in steps of 0.5 ms."""

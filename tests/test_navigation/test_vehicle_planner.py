@@ -226,12 +226,6 @@ def test_the_estimate_of_seconds_is_that_of_drives_and_turns_from_rest_to_rest()
     assert planner.seconds(poses[:2]) == pytest.approx(6.0 / 1.0 + 1.0 / 0.5)
 
 
-def test_a_path_counts_its_own_queries():
-    planner = VehiclePlanner(hall(), LONG)
-    first, second = (planner.plan((3, 3, 0.0), (9, 5, 1.0)).checks for _ in range(2))
-    assert first == second > 0 and planner.checks == 2 * first
-
-
 def test_a_vehicle_backs_out_of_a_bay_in_which_it_cannot_turn():
     walls = [
         floorplan.Obstacle(name=f"wall{k}", footprint=box(0, low, 6, high), bottom=0.0, top=3.0)

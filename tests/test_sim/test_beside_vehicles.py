@@ -77,7 +77,11 @@ def test_a_person_passes_a_vehicle_that_comes_head_on(tmp_path, seed):
     assert run.motions["p0"].position(run.duration) == pytest.approx([1.0, 2.0], abs=1e-3)
 
 
-CORRIDORS = [(width, seed) for width in (2.0, 2.4, 3.0, 4.0) for seed in range(12)]
+CORRIDORS = [
+    pytest.param(width, seed, marks=pytest.mark.slow if seed > 2 else ())
+    for width in (2.0, 2.4, 3.0, 4.0)
+    for seed in range(12)
+]
 STRUCK = [(3.0, 5209), (3.0, 5366), (4.0, 5183), (4.0, 5220), (4.0, 5531)]
 """Widths and seeds in which the vehicle turns towards a person, who then walked on."""
 

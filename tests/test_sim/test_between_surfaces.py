@@ -1,6 +1,7 @@
 """Rules between surfaces: everything that uses the law, against sampled footprints."""
 
 import json
+from functools import cache
 
 import numpy as np
 import pytest
@@ -51,6 +52,7 @@ STEP = 0.01
 """Seconds between sampled instants."""
 
 
+@cache
 def run_of(seed, law="fixed", controller="oblivious", machine="none"):
     yields = "false" if controller == "oblivious" else "true"
     text = TRIAL.format(

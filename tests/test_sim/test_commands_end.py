@@ -362,20 +362,34 @@ def test_a_tiny_twist_ends(twist, seconds):
     assert move.processed and vehicle.position[:2] == pytest.approx((3, 4), abs=1e-6)
 
 
-def test_a_machine_that_is_held_counts_how_long_it_brakes_and_stands():
+def test_a_machine_that_is_held_counts_how_long_it_stands():
     simulation = external_vehicles((3, 4, 0))
     vehicle = simulation.machines["v0"]
     vehicle.move_to(20.0, 4.0)
     simulation.advance(3.0)
     vehicle.hold(True)
-    braked = vehicle.body.motion.end - 3.0
+    rests_from = vehicle.body.motion.end
     simulation.advance(8.0)
     vehicle.hold(True)
     simulation.advance(9.0)
     vehicle.hold(False)
     vehicle.hold(False)
-    assert vehicle.drive.braking_time == pytest.approx(braked) and braked > 0.5
-    assert vehicle.drive.standing_time == pytest.approx(6.0)
+    assert vehicle.drive.standing_time == pytest.approx(9.0 - rests_from) and rests_from > 3.5
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.2])
+def test_a_machine_that_is_held_only_while_it_brakes_is_not_idle(seconds):
+    simulation = external_vehicles((3, 4, 0))
+    vehicle = simulation.machines["v0"]
+    vehicle.move_to(20.0, 4.0)
+    simulation.advance(3.0)
+    vehicle.hold(True)
+    simulation.advance(3.0 + seconds)
+    vehicle.hold(False)
+    simulation.advance(8.0)
+    motion = vehicle.body.track().cut(0.0, 8.0)
+    assert vehicle.body.motion.end > 8.0
+    assert vehicle.figures(motion, 8.0)["idle_time"] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_machine_stands_until_no_reason_is_left():

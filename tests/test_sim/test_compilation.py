@@ -29,7 +29,9 @@ def stderr_of(code, folder):
     return done.stderr
 
 
-@pytest.mark.parametrize("action", ACTIONS)
+@pytest.mark.parametrize(
+    "action", ["sim.run", *(pytest.param(one, marks=pytest.mark.slow) for one in (*ACTIONS,)[1:])]
+)
 def test_uncompiled_kernels_are_stated_once_with_the_remedy(action, tmp_path):
     stderr = stderr_of(f"{UNCOMPILED}{ACTIONS[action]}", tmp_path)
     assert stderr.count(NOTICE) == 1 and "pip install" in NOTICE

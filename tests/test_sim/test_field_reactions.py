@@ -10,8 +10,10 @@ from small_floors import on_floor
 
 import navigation
 import sim
+from navigation import Apart, FixedDistance, TooClose
 from sim.core.clock import Clock
 from sim.safety.fields.reaction import Reaction
+from sim.safety.proximity import NearnessMonitor, by_conditions
 
 RESPONSE, DELAY = 0.2, 2.0
 
@@ -75,6 +77,38 @@ def test_the_delay_begins_again_with_each_intrusion():
     assert one.until(20.0) == [(1.2, "intrusion", "ann"), 9.0]
     one.at(21.0, "intrusion", "cy")
     assert one.until(25.0)[2:] == [(21.2, "intrusion", "cy")]
+
+
+def test_a_reaction_lasts_through_an_intrusion_during_the_delay():
+    one = Watched()
+    one.at(1.0, "intrusion", "ann")
+    one.at(2.0, "")
+    one.at(3.0, "intrusion", "bob")
+    one.at(8.0, "")
+    assert one.until(20.0) == [(1.2, "intrusion", "ann"), 10.0]
+
+
+def test_the_delay_begins_only_when_an_intrusion_ends():
+    one = Watched()
+    one.at(1.0, "intrusion", "ann")
+    one.at(3.0, "")
+    one.at(4.0, "")
+    assert one.until(20.0) == [(1.2, "intrusion", "ann"), 5.0]
+
+
+def test_each_approach_of_one_motion_is_notified():
+    clock, notified = Clock(), []
+    drive = navigation.Motion.from_samples(
+        [0.0, 2.0, 4.0, 6.0, 8.0], [(5.0, 0.0), (0.5, 0.0), (5.0, 0.0), (0.5, 0.0), (5.0, 0.0)]
+    )
+    bodies = [
+        SimpleNamespace(motion=one, on_change=[]) for one in (navigation.standing((0, 0)), drive)
+    ]
+    near, parted = TooClose(FixedDistance(1.0)), Apart(1.1)
+    stage = SimpleNamespace(clock=clock, end=20.0)
+    NearnessMonitor(stage, bodies, by_conditions(near, parted), notified.append)
+    clock.run(until=20.0)
+    assert notified == [True, False, True, False]
 
 
 def test_a_machine_stands_before_the_reaction_ends():

@@ -107,3 +107,37 @@ def test_a_trial_without_machines_has_no_fields(floorwalker):
     done = floorwalker("fields", "people_door")
     assert done.returncode == 1
     assert "people_door has no machine whose fields can be computed" in done.stderr
+
+
+CUSTOM = """\
+from dataclasses import dataclass
+
+import navigation
+import sim
+
+
+@dataclass(frozen=True)
+class Cart(sim.MachineModel):
+    def shape(self, name, plan):
+        size = {"length": 1.0, "width": 0.6, "top": 0.5, "top_speed": 1.0}
+        return sim.MachineShape(name=name, kind="cart", category="vehicle", **size)
+
+    def make(self, name, stage):
+        raise NotImplementedError
+"""
+
+LIMITS = """
+    def field_limits(self, plan):
+        return navigation.VehicleLimits(speed=1.0)
+"""
+
+
+def test_a_custom_kind_has_fields_if_its_model_has_limits(floorwalker, tmp_path):
+    (tmp_path / "t.yaml").write_text(
+        "floorplan: warehouse\nduration: 9\nmachines: {cart: {kind: 'carts:Cart'}}\n"
+    )
+    for code, known in ((CUSTOM, False), (CUSTOM + LIMITS, True)):
+        (tmp_path / "carts.py").write_text(code)
+        done = floorwalker("fields", tmp_path / "t.yaml", "--machine", "cart")
+        assert (done.returncode == 0) == known
+        assert ("cart" in done.stdout) == known

@@ -100,7 +100,7 @@ def test_a_report_has_every_violation_and_what_was_assumed(run, page):
 
 def test_figures_of_many_people_stand_in_columns(tmp_path):
     many = sim.Trial.parse(
-        "{floorplan: ariac2023, duration: 1, people: [{name: crew, count: 24, at: anywhere}]}"
+        "{floorplan: ariac2023, duration: 1, people: [{name: crew, count: 13, at: anywhere}]}"
     )
     run = sim.run(many)
     sim.safety_report(run, tmp_path / "many.html")
@@ -190,10 +190,11 @@ def test_the_command_reports_recordings(floorwalker, tmp_path):
 
 
 def crowded(keys=""):
-    """Ten people around a gantry that waits for them, one of them beside it at the start."""
+    """Three people around a gantry that waits for them, one of them beside it at the start."""
     return sim.Trial.parse(
         "{floorplan: ariac2023, duration: 12, rules: observe, people:"
-        " [{name: near, at: [-4, 0.7]}, {name: crew, count: 9, at: anywhere}],"
+        " [{name: near, at: [-4, 0.7]}, {name: eve, personality: external, at: [-4, 4]},"
+        " {name: amy, personality: external, at: [-6, 1]}],"
         " gantry: {controller: pausing, at: [-4, 0, 0],"
         f" jobs: [{{pick: bin2, place: agv1}}]}}{keys}}}"
     )
@@ -238,7 +239,7 @@ def test_a_report_says_why_a_gantry_stood_and_that_it_got_no_job_done(tmp_path):
     run = sim.run(crowded())
     assert run.summary["jobs_done"] == 0
     page = report_of(run, tmp_path)
-    assert "gantry: no job done beside 10 people, though there were jobs." in page
+    assert "gantry: no job done beside 3 people, though there were jobs." in page
     heads, *rows = rows_of(page, "By cause")
     gantry = dict(zip(heads, rows[0], strict=True))
     (times,) = (one for one in machine_times(run) if one.machine == "gantry")

@@ -249,7 +249,7 @@ def test_draws_follow_their_distributions():
         (("[indifferent, helpful]", "helpful"), "grid.personality: expected a list"),
         (("personality:", "personalty:"), "did you mean 'personality'?"),
         (("[0.8, 1.2]", "[0.8, -1.2]"), "line 4, grid.people.operator.max_speed[1]"),
-        (("people.operator", "people.nobody"), "no person in it is called 'nobody'"),
+        (("people.operator", "people.nobody"), "there is no 'nobody'"),
         (("[0, 30]}", "[30, 0]}"), "line 6, random.agv_delay: uniform has to be [low, high]"),
         (("{uniform: [0, 30]}", "{uniform: [0, 30], choice: [1]}"), "give one of uniform"),
         (("{uniform: [0, 30]}", "{normal: [0, 30], within: [1, 2]}"), "within has to be"),
@@ -290,7 +290,7 @@ def test_what_only_some_trials_can_have_is_reported_with_the_trial(folder):
     assert "no such file" in said
     (folder / "aisles.trial.yaml").write_text("floorplan: warehouse\n")
     said = problems("trials: [ariac2023, aisles.trial.yaml]\ngrid: {max_speed: [1]}\n", folder)
-    assert "the trial 'aisles' can't have it: there is no person in it" in said
+    assert "the trial 'aisles' can't have it: there is nothing in 'people'" in said
     varied = "grid: {controller: [pausing], duration: [5, 1.0e+12]}"
     said = problems(f"trials: [aisles.trial.yaml]\n{varied}\n", folder)
     assert "line 2, grid.controller[0]: gantry: the floorplan has no gantry" in said

@@ -288,7 +288,7 @@ def test_bad_keys_are_named():
     assert problem(amr("[5.2, 6, 0.0]")) == [("machines.b", "starts where a stands")]
 
 
-def random_trial(seed):
+def random_trial(seed, duration):
     """A trial of two to six vehicles in the warehouse with random missions."""
     draw = random.Random(seed)
     places = [[3, 6], [3, 16.5], [8.5, 10], [12.5, 13], [16.5, 6], [20.5, 9], [24.5, 13], [28, 10]]
@@ -309,28 +309,30 @@ def random_trial(seed):
     listed = "".join(f"  {name}: {{{keys}}}\n" for name, keys in machines.items())
     moves = "[{time: 5, to: east, every: 120}, {time: 65, to: west, every: 120}]"
     agvs = f"agvs: {{tug1: {moves}}}\n" if draw.random() < 0.3 else ""
-    text = f"floorplan: warehouse\nduration: 600\nrules: observe\n{agvs}machines:\n{listed}"
+    text = f"floorplan: warehouse\nduration: {duration}\nrules: observe\n{agvs}machines:\n{listed}"
     return sim.Trial.parse(text)
 
 
-def check_random(seed):
-    found = sim.run(random_trial(seed))
+def check_random(seed, duration):
+    found = sim.run(random_trial(seed, duration))
     assert found.summary["collisions"] == found.summary["traffic_deadlocks"] == 0
     for name, figures in found.summary["machines"].items():
         if name.startswith("v"):
-            late = [e["t"] for e in events(found, "job_done", machine=name) if e["t"] > 300]
+            late = [
+                e["t"] for e in events(found, "job_done", machine=name) if e["t"] > duration / 2
+            ]
             assert late, (seed, name, figures)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_random_vehicles_neither_collide_nor_get_stuck(seed):
-    check_random(seed)
+    check_random(seed, duration=240)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [*range(3, 9), 10, 37, 38, 48])
+@pytest.mark.parametrize("seed", [0, 3, 4, 5, 10, 37, 38, 48])
 def test_many_random_vehicles_neither_collide_nor_get_stuck(seed):
-    check_random(seed)
+    check_random(seed, duration=600)
 
 
 SIDE_BY_SIDE = "[4, {y}, 0]"

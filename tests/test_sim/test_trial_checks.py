@@ -153,3 +153,21 @@ def test_who_waits_for_an_event_does_not_start_at_once():
     run = sim.run(trial)
     assert [e["t"] for e in run.events if e["kind"] == "human_started"] == [4.0]
     assert sim.Trial.parse(trial.to_yaml()) == replace(trial, folder=Path())
+
+
+@pytest.mark.parametrize("by", ["reading", "running"])
+def test_a_dictionary_changed_after_a_check_is_checked_again(by):
+    trial = sim.Trial.parse("floorplan: ariac2023\nduration: 0.5\npeople: []")
+    if by == "running":
+        trial = sim.Trial(trial.floorplan, duration=0.5)
+        sim.run(trial)
+    trial.expect["no_such_figure"] = "< 1"
+    with pytest.raises(sim.TrialError, match=r"expect\.no_such_figure"):
+        sim.run(trial)
+
+
+def test_a_machine_changed_after_reading_is_checked_again():
+    trial = sim.Trial.load("ariac2023")
+    trial.agvs["agv9"] = ()
+    with pytest.raises(sim.TrialError, match=r"agvs\.agv9"):
+        sim.run(trial)

@@ -333,7 +333,7 @@ def slow_drive(zones, begin, to, limits=CHASSIS.limits, rotation=0.0):
         floorplan.Zone(name=f"z{k}", area=area, max_speed=speed)
         for k, (area, speed) in enumerate(zones)
     ]
-    slow = SlowZones.of(made, SHAPE)
+    slow = SlowZones(made, SHAPE)
     return slow.path((*begin, rotation), [(*to, rotation)], 0.0, limits)
 
 
@@ -425,15 +425,15 @@ def test_only_zones_with_a_limit_that_concern_the_vehicle_count():
     zones = [
         floorplan.Zone(name="a", area=area, max_speed=0.4),
         floorplan.Zone(name="b", area=area, max_speed=0.4, concerns=("ann",)),
-        floorplan.Zone(name="c", area=area, max_speed=0.4, concerns=("cart",)),
+        floorplan.Zone(name="c", area=area, max_speed=0.2, concerns=("cart",)),
         floorplan.Zone(name="d", area=area, forbidden=True),
     ]
-    assert [one.name for one in SlowZones.of(zones, SHAPE).zones] == ["a", "c"]
+    assert [speed for _, speed in SlowZones(zones, SHAPE).areas] == [0.4, 0.2]
 
 
 def test_a_vehicle_under_way_slows_down_before_a_zone_or_as_soon_as_it_can():
     zones = [floorplan.Zone(name="z", area=box(12, 0, 18, 8), max_speed=0.4)]
-    slow = SlowZones.of(zones, SHAPE)
+    slow = SlowZones(zones, SHAPE)
     usual = navigation.vehicle_segment((2.0, 4.0, 0.0), (28.0, 4.0))
     for t, before in ((4.0, True), (8.2, False)):
         state = usual.state(t)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 
-import numpy as np
 import shapely
 
-from floorplan import Gate, Lane, Point, Zone, rectangle
+from floorplan import Gate, Lane, Point, rectangle
 from navigation import CollisionWorld, Motion, agv_run, agv_stop, join, walk
 from navigation.machines import AxisState, agv_stops, lane_state
 from navigation.motion import State
@@ -22,36 +20,29 @@ from ...core.body import CONTACT, Body, Machine, MachineShape, commands
 from ...core.clock import Alarm, Turn
 from ...core.events import AgvBlocked, AgvMoved, AgvYielded
 from ...core.scenario import AgvMove
+from ...core.speed_zones import SLIGHT, Stretch, extent, parts_between, slow_areas
 from ...core.stage import Stage
 from ...safety.stopping_check import Pedestrian, Stoppable, StoppingCheck
 
 MARGIN = 0.1
 """Metres. An AGV stops so far from what is in its way."""
 
-SLIGHT = 1e-6
-"""Metres, and m/s. What is less than this counts as nothing."""
-
-Part = tuple[float, float]
+Span = tuple[float, float]
 """Lane positions from the least to the greatest, metres."""
 
 
-def part_within(lane: Lane, area: shapely.Geometry) -> Part | None:
+def part_within(lane: Lane, area: shapely.Geometry) -> Span | None:
     """Return the lane positions at which the AGV covers some of `area`, if there are any."""
     low, high = lane.limits
     middle = lane.position((low + high) / 2)
     # All that the AGV ever covers on its lane: from half a length before its first place to half a
     # length behind its last.
     swept = rectangle(middle, lane.direction, high - low + lane.length, lane.width)
-    shared = shapely.intersection(area, swept)
-    if shared.area <= SLIGHT**2:
-        return None
-    (x, y), (c, s) = lane.origin, lane.direction
-    corners = shapely.get_coordinates(shared) - (x, y)
-    along = corners @ np.array([c, s])
-    return float(along.min()) - lane.length / 2, float(along.max()) + lane.length / 2
+    span = extent(area, swept, lane.origin, lane.direction)
+    return None if span is None else (span[0] - lane.length / 2, span[1] + lane.length / 2)
 
 
-def part_behind(lane: Lane, gate: Gate, at: float, to: float) -> Part | None:
+def part_behind(lane: Lane, gate: Gate, at: float, to: float) -> Span | None:
     """Return the lane positions that `gate` closes to a run from `at` to `to`, if there are any.
 
     Those with the centre on its far side at which the AGV stands on its line: none to a run in its
@@ -73,7 +64,7 @@ def part_behind(lane: Lane, gate: Gate, at: float, to: float) -> Part | None:
     return (q, q + reach) if ahead > 0 else (q - reach, q)
 
 
-def last_before(part: Part, at: float, to: float) -> float | None:
+def last_before(part: Span, at: float, to: float) -> float | None:
     """Return the last lane position before `part` on a run from `at` to `to`; None if it is clear.
 
     Who is in the part already stays.
@@ -85,7 +76,7 @@ def last_before(part: Part, at: float, to: float) -> float | None:
 
 
 def run_slowly(
-    lane: Lane, state: AxisState, to: float, start: float, slow: Iterable[tuple[Part, float]]
+    lane: Lane, state: AxisState, to: float, start: float, slow: Sequence[Stretch]
 ) -> Motion:
     """Return a run on `lane` to the position `to`, begun at `start` (seconds).
 
@@ -95,18 +86,19 @@ def run_slowly(
     at, speed = state.position, state.velocity
     way = 1.0 if to >= at else -1.0
     low, high = sorted((at, to))
-    ahead = [(part, limit) for part, limit in slow if part[0] < high and low < part[1]]
-    if not ahead:
+    parts = parts_between(low, high, lane.max_speed, slow)
+    if all(part.top_speed == lane.max_speed for part in parts):
         return agv_run(lane, state, to, start)
-    edges = {e for part, _ in ahead for e in part if low + SLIGHT < e < high - SLIGHT}
-    points = sorted({at, to, *edges}, reverse=way < 0)
-    if speed * way >= 0.0 and len(points) > 1:
+    if way < 0:
+        parts.reverse()
+    if speed * way >= 0.0 and low < high:
+        ends = [part.end if way > 0 else part.begin for part in parts]
         with suppress(ValueError):  # too fast for a part
             motion = walk(
-                [lane.position(q) for q in points],
+                [lane.position(q) for q in (at, *ends)],
                 start,
                 initial_speed=abs(speed),
-                top_speed=[_limit(lane, sum(leg) / 2, ahead) for leg in pairwise(points)],
+                top_speed=[part.top_speed for part in parts],
                 max_speed=lane.max_speed,
                 max_acceleration=lane.max_acceleration,
             )
@@ -116,23 +108,8 @@ def run_slowly(
     stop = agv_stop(lane, state, start)
     rested = lane_state(lane, stop.state(stop.end))
     # From rest there is nothing to brake for, so this calls itself once at most.
-    onwards = run_slowly(lane, AxisState(rested.position), to, stop.end, ahead)
+    onwards = run_slowly(lane, AxisState(rested.position), to, stop.end, slow)
     return Motion((*stop.pieces, *onwards.pieces))
-
-
-def slow_parts(lane: Lane, zones: Sequence[Zone]) -> list[tuple[Part, float]]:
-    """Return the parts of a lane that lie in zones with a speed limit (m/s) for its AGV."""
-    return [
-        (part, zone.max_speed)
-        for zone in zones
-        if zone.max_speed is not None and zone.is_about(lane.name)
-        for part in [part_within(lane, zone.area)]
-        if part is not None
-    ]
-
-
-def _limit(lane: Lane, q: float, slow: Iterable[tuple[Part, float]]) -> float:
-    return min([lane.max_speed, *(limit for (low, high), limit in slow if low <= q <= high)])
 
 
 def _looking_along(lane: Lane, motion: Motion) -> Motion:
@@ -195,7 +172,12 @@ class Agv(Machine):
         self._awaited: tuple[Body, float, float] | None = None
         """Who stands in its way while it stands, when it would look next, and how often (s)."""
         zones = stage.floorplan.zones
-        self._slow = slow_parts(lane, zones)
+        self._slow = [
+            Stretch(*span, limit)
+            for area, limit in slow_areas(zones, lane.name)
+            for span in [part_within(lane, area)]
+            if span is not None
+        ]
         self._forbidden = [
             (zone.name, part)
             for zone in zones

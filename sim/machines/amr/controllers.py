@@ -5,46 +5,34 @@ from __future__ import annotations
 import ast
 import inspect
 import itertools
-import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from navigation import PlanningError
 from navigation.vehicles import Twist
 
 from ...core.custom_code import CodeFolder, CustomCode, Definition, Kind, argument_fault
-from ...core.entries import Pose
 from ...core.scenario import controller_name
 from ..caution import Caution
 from ..commanding import Steps
 from ..controllers import (
     ControllerError,
     external,
+    gone_to,
     is_controller,
     oblivious,
     parked,
+    pausing,
     supervised,
 )
 from ..policy_files import SUFFIX, PolicyFile
 from .amr import Amr
-from .drive import RETRY
 
 ASIDE = 0.5
 """Metres. `avoiding` passes people at this distance from their bodies, if it can."""
 
 AGAIN = 1.0
 """Seconds after which `avoiding` plans around people again."""
-
-
-def pausing(vehicle: Amr) -> Steps:
-    """Do one task after the other, at the speed that people allow."""
-    caution = Caution(vehicle)
-    while (task := (yield vehicle.next_task())) is not None:
-        while task.next_step is not None:
-            pose = yield vehicle.locate(task)
-            if (yield from _gone(vehicle, caution, pose, math.inf)):
-                yield vehicle.handle(task)
 
 
 def avoiding(vehicle: Amr) -> Steps:
@@ -56,18 +44,8 @@ def avoiding(vehicle: Amr) -> Steps:
             if vehicle.drive.avoid({person.name: person.at for person in people}, ASIDE):
                 vehicle.stop()
             pose = yield vehicle.locate(task)
-            if (yield from _gone(vehicle, caution, pose, AGAIN)):
+            if (yield from gone_to(vehicle, caution, pose, AGAIN)):
                 yield vehicle.handle(task)
-
-
-def _gone(vehicle: Amr, caution: Caution, pose: Pose, seconds: float) -> Steps:
-    """Go to a pose as `Caution.go`; stop where something has closed the way to it."""
-    try:
-        return (yield from caution.go(pose, seconds=seconds))
-    except PlanningError:
-        yield vehicle.stop()
-        yield vehicle.look(RETRY)
-        return False
 
 
 VEHICLE_CONTROLLERS: dict[str, Callable[[Any], Steps]] = {

@@ -33,7 +33,7 @@ from ...core.body import Body, is_there
 from ...core.entries import Pose
 from ...core.events import MachineBlocked
 from ...core.stage import Stage
-from ..commanding import Drive
+from ..commanding import RETRY, Drive
 from ..traffic.evading import Evasion
 from .passing import passing_places
 from .shape import Chassis
@@ -44,9 +44,6 @@ LONGER = 15.0
 
 TRIED = 6
 """Number of passing places to which a path is planned."""
-
-RETRY = 2.0
-"""Seconds after which a blocked vehicle plans again, if nothing has changed on the floor."""
 
 ON_ROUTE = 1e-4
 """Metres and radians. A vehicle this close to a leg of its route is on it."""
@@ -78,7 +75,7 @@ class VehicleDrive(Drive):
         )
         self._stage = stage
         self._shape = vehicle.shape(name)
-        self._slow = SlowZones.of(stage.floorplan.zones, self._shape)
+        self._slow = SlowZones(stage.floorplan.zones, self._shape)
         self._people: dict[str, Disc] = {}
         """The people whom routes avoid."""
         self._placed: set[str] = set()
@@ -131,7 +128,7 @@ class VehicleDrive(Drive):
         self, current: State | Pose, poses: list[Pose], start: float, limits: VehicleLimits
     ) -> Motion:
         """Return the motion through poses, slow in zones that limit the speed."""
-        if self._slow.zones and poses:
+        if self._slow.areas and poses:
             return self._slow.path(current, poses, start, limits)
         return vehicle_path(current, poses, start, limits=limits)
 

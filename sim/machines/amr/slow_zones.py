@@ -4,42 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import shapely
-from shapely.geometry import Polygon
 
 from floorplan import Point, Zone
-from navigation import Motion, Piece, VehicleLimits, vehicle_segment, vehicle_turn
+from navigation import Motion, Piece, VehicleLimits, vehicle_segment
 from navigation.machines import AxisLimits, AxisState, along_line, to_position
 from navigation.motion import State
+from navigation.vehicles import through
 
 from ...core.body import MachineShape
 from ...core.entries import Pose
-
-SLIGHT = 1e-6
-"""Metres. Parts that are shorter than this do not count."""
+from ...core.speed_zones import SLIGHT, Stretch, extent, parts_between, slow_areas
 
 HALVINGS = 40
 """Number of times that the interval of a speed is halved."""
 
-Part = tuple[float, float, float]
-"""Begin and end of a part of a drive (metres from its start), and its top speed (m/s)."""
 
-
-@dataclass(frozen=True, kw_only=True)
 class SlowZones:
     """Zones in which a vehicle is slow while its footprint covers some of them."""
 
-    zones: tuple[Zone, ...]
-    shape: MachineShape
-
-    @classmethod
-    def of(cls, zones: Iterable[Zone], shape: MachineShape) -> SlowZones:
-        """Return those of the zones that limit the speed of a vehicle."""
-        mine = (one for one in zones if one.max_speed is not None and one.is_about(shape.name))
-        return cls(zones=tuple(mine), shape=shape)
+    def __init__(self, zones: Iterable[Zone], shape: MachineShape) -> None:
+        self.areas = slow_areas(zones, shape.name)
+        self._shape = shape
 
     def path(
         self, current: State | Pose, poses: Sequence[Pose], start: float, limits: VehicleLimits
@@ -48,21 +38,9 @@ class SlowZones:
 
         `ValueError` where the vehicle does not move along the path.
         """
-        if not isinstance(current, State):
-            current = _at_rest(current)
-        state, t = current, start
-        pieces: list[Piece] = []
-        for x, y, rotation in poses:
-            if math.dist(state.position[:2], (x, y)) > SLIGHT:
-                drive = self._drive(state, (x, y), t, limits)
-            else:
-                drive = vehicle_turn(state, rotation, t, limits=limits)
-            pieces += drive.pieces
-            t, turned = drive.end, drive.state(drive.end).position[2]
-            state = _at_rest((x, y, turned))
-        return Motion(tuple(pieces))
+        return through(current, poses, start, limits, partial(self._drive, limits))
 
-    def _drive(self, state: State, to: Point, start: float, limits: VehicleLimits) -> Motion:
+    def _drive(self, limits: VehicleLimits, state: State, to: Point, start: float) -> Motion:
         usual = vehicle_segment(state, to, start, limits=limits)
         (x, y, rotation), (vx, vy, _), (ax, ay, _) = state
         length = math.dist((x, y), to)
@@ -70,7 +48,7 @@ class SlowZones:
         angle = math.atan2(s, c) - rotation
         axis = limits.along(math.cos(angle), math.sin(angle))
         parts = self._parts(state.position, to, axis.max_speed)
-        if all(speed == axis.max_speed for _, _, speed in parts):
+        if len(parts) == 1 and parts[0].top_speed == axis.max_speed:
             return usual
         now = AxisState(0.0, vx * c + vy * s, ax * c + ay * s)
         speeds = _speeds_between(parts, now.velocity, axis)
@@ -89,56 +67,35 @@ class SlowZones:
             return vehicle_segment(state, to, start, limits=slow)
         return motion
 
-    def _parts(self, begin: Pose, to: Point, most: float) -> list[Part]:
+    def _parts(self, begin: Pose, to: Point, most: float) -> list[Stretch]:
         """Return the parts of a drive with their top speeds, in order."""
         (x, y, rotation), length = begin, math.dist(begin[:2], to)
         c, s = (to[0] - x) / length, (to[1] - y) / length
-        here = self.shape.footprint((x, y), rotation)
-        swept = shapely.union(here, self.shape.footprint(to, rotation)).convex_hull
+        here = self._shape.footprint((x, y), rotation)
+        swept = shapely.union(here, self._shape.footprint(to, rotation)).convex_hull
         along = [(px - x) * c + (py - y) * s for px, py in here.exterior.coords]
-        slow: list[Part] = []
-        for zone in self.zones:
-            low, high = _extent(shapely.intersection(zone.area, swept), (x, y), (c, s))
-            if low < high and zone.max_speed is not None and zone.max_speed < most:
-                slow.append((low - max(along), high - min(along), zone.max_speed))
-        cuts = sorted({0.0, length, *(q for a, b, _ in slow for q in (a, b) if 0 < q < length)})
-        parts: list[Part] = []
-        for a, b in pairwise(cuts):
-            middle = (a + b) / 2
-            top = min([most, *(speed for low, high, speed in slow if low < middle < high)])
-            if parts and (parts[-1][2] == top or b - a < SLIGHT):
-                parts[-1] = (parts[-1][0], b, min(top, parts[-1][2]))
-            else:
-                parts.append((a, b, top))
-        return parts
-
-
-def _at_rest(pose: Pose) -> State:
-    return State(pose, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-
-
-def _extent(area: shapely.Geometry, at: Point, direction: Point) -> tuple[float, float]:
-    """Return the first and last metre of an area in a direction; (0, 0) if it is empty."""
-    if area.is_empty or not isinstance(area.convex_hull, Polygon):
-        return 0.0, 0.0
-    corners = shapely.get_coordinates(area) - at
-    along = corners @ direction
-    return float(along.min()), float(along.max())
+        slow = [
+            Stretch(span[0] - max(along), span[1] - min(along), speed)
+            for area, speed in self.areas
+            for span in [extent(area, swept, (x, y), (c, s))]
+            if span is not None
+        ]
+        return parts_between(0.0, length, most, slow)
 
 
 def _goes_back(state: State, direction: Point) -> bool:
     return state.velocity[0] * direction[0] + state.velocity[1] * direction[1] < -SLIGHT
 
 
-def _speeds_between(parts: Sequence[Part], begin: float, axis: AxisLimits) -> list[float]:
+def _speeds_between(parts: Sequence[Stretch], begin: float, axis: AxisLimits) -> list[float]:
     """Return the speed at the end of each part: 0 at the last one."""
-    tops = [min(one[2], other[2]) for one, other in pairwise(parts)]
+    tops = [min(one.top_speed, other.top_speed) for one, other in pairwise(parts)]
     speeds = [begin, *tops, 0.0]
     for k in range(len(parts) - 1, 0, -1):
-        length = parts[k][1] - parts[k][0]
+        length = parts[k].end - parts[k].begin
         speeds[k] = _reachable(speeds[k], speeds[k + 1], length, axis)
     for k in range(1, len(parts)):
-        length = parts[k - 1][1] - parts[k - 1][0]
+        length = parts[k - 1].end - parts[k - 1].begin
         speeds[k] = _reachable(speeds[k], speeds[k - 1], length, axis)
     return speeds[1:]
 

@@ -10,23 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...core.custom_code import CodeFolder, CustomCode, Kind
-from ..caution import Caution
-from ..commanded import CommandedMachine
 from ..commanding import Steps
-from ..controllers import ControllerError, external, is_controller, oblivious, parked
+from ..controllers import ControllerError, external, is_controller, oblivious, parked, pausing
 from ..policy_files import SUFFIX, PolicyFile
 from .avoidance import avoiding
 from .robot import GantryRobot
-
-
-def pausing(gantry: CommandedMachine) -> Steps:
-    """Do tasks in order on straight paths, as fast as people allow."""
-    caution = Caution(gantry)
-    while (task := (yield gantry.next_task())) is not None:
-        while task.next_step is not None:
-            yield from caution.go((yield gantry.locate(task)))
-            yield gantry.handle(task)
-
 
 Controller = Callable[[GantryRobot], Steps]
 """Program of the gantry: called once with it, gives a generator of events to wait for."""

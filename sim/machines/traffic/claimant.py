@@ -95,11 +95,12 @@ class Claimant:
         self._company = coordinator
         self._clock = coordinator.stage.clock
         self._footprint = Footprint(machine.shape, CLEAR)
+        self._evading = machine if isinstance(machine, Evading) else None
         self._margins = [Footprint(machine.shape, clear) for clear in MARGINS]
         self._bare = self._margins[-1]
-        self._usual = 0 if isinstance(machine, Evading) else len(MARGINS) - 1
-        self._margin = self._usual
-        """Which of the `MARGINS` it keeps on its present path."""
+        self._usual = self._margins if self._evading is not None else self._margins[-1:]
+        self._kept = self._usual
+        """Footprints with the margin that it keeps on its present path, and with smaller ones."""
         self._course = machine.body.motion
         """The motion on which it set out last."""
         self._left_at: float | None = None
@@ -158,10 +159,10 @@ class Claimant:
         """Return the machines that keep it from moving along poses."""
         here = [ahead[0][0]]
         found = []
-        for margin, footprint in enumerate(self._margins[self._margin :], self._margin):
+        for footprint in self._kept:
             area = Area.of([footprint.along(poses) for poses in ahead])
             found = [peer for peer in self.peers if area.meets(peer.claim)]
-            if margin == self._margin:
+            if footprint is self._kept[0]:
                 found += [one for one in self._let_pass(area) if one not in found]
             # Beside who is nearer already, a smaller distance must do.
             if not any(footprint.along(here).meets(peer.claim) for peer in found):
@@ -210,10 +211,9 @@ class Claimant:
 
         It lets those of a higher rank pass. If there are none, it gives up its right of way.
         """
-        machine, now = self.machine, self._clock.now
-        if not isinstance(machine, Evading) or not self.rests or self._evaded_at == now:
+        machine, now = self._evading, self._clock.now
+        if machine is None or not self._may_look():
             return False
-        self._evaded_at = now
         self._forget_passed()
         others = [one for one in circle if one is not self]
         first = [one for one in others if one.rank > self.rank]
@@ -238,6 +238,13 @@ class Claimant:
         self._go_on()
         return True
 
+    def _may_look(self) -> bool:
+        """Return whether it rests, and looks for another path for the first time at this time."""
+        if not self.rests or self._evaded_at == self._clock.now:
+            return False
+        self._evaded_at = self._clock.now
+        return True
+
     def close(self) -> None:
         """Count the time that it waited until now: the trial is over."""
         if self.waiting is not None:
@@ -245,10 +252,9 @@ class Claimant:
 
     def _with_margin(self, path: Callable[[list[Polygon]], T | None]) -> T | None:
         """Return what is found around the claims of others, with the largest margin possible."""
-        last = len(MARGINS) - 1
-        for margin, wider in enumerate(MARGINS, 1):
+        for k, wider in enumerate(MARGINS, 1):
             if (found := path(self.taken(wider))) is not None:
-                self._margin = min(margin, last)
+                self._kept = self._margins[k:] or [self._bare]
                 return found
         return None
 
@@ -301,7 +307,7 @@ class Claimant:
             self._aside = None
         elif goal != self.goal:
             self.goal, self._since = goal, now
-            self._aside, self._margin = None, self._usual
+            self._aside, self._kept = None, self._usual
             self.lets_pass.clear()
         if goal is None or math.dist(motion.state(motion.end).at, goal) < THERE:
             self._course, self._left_at = motion, None
@@ -377,17 +383,14 @@ class Claimant:
 
     def makes_way_for(self, other: Claimant) -> bool:
         """Move off the course of another machine if it has nothing to do; return whether it can."""
-        machine = self.machine
-        return isinstance(machine, Evading) and machine.make_way(
-            self.taken(MARGINS[1]), other.wide_course
-        )
+        machine = self._evading
+        return machine is not None and machine.make_way(self.taken(CLEAR), other.wide_course)
 
     def _detour_around(self, stands: Claimant, waiting: WaitForMachines[Claimant]) -> bool:
         """Take another path around a machine that stands; return whether there is one."""
-        machine, now = self.machine, self._clock.now
-        if not isinstance(machine, Evading) or not self.rests or self._evaded_at == now:
+        machine = self._evading
+        if machine is None or not self._may_look():
             return False
-        self._evaded_at = now
         most = SHORT if waiting.looks == 1 else math.inf
         if not self._with_margin(lambda taken: machine.detour(taken, most) or None):
             return False

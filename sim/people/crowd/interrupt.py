@@ -84,7 +84,8 @@ class Interruptions:
                 break
             drafts = self.all_stop(me, stop)
             if drafts is not None:
-                self._commit_all(drafts)
+                for who, (slower, ahead) in drafts.items():
+                    self._commit(who, slower, ahead)
                 return
             t += PARAMETERS.clear_time
         me.body.follow(self.braking(me))
@@ -94,11 +95,6 @@ class Interruptions:
         now, motion = self._clock.now, me.body.motion
         stop = stop_walking(motion, t, max_acceleration=me.human.max_acceleration)
         return join([motion.cut(now, t), stop]) if t > now else stop
-
-    def _commit_all(self, drafts: Drafts) -> None:
-        """Commit people to their stops."""
-        for who, (stop, ahead) in drafts.items():
-            self._commit(who, stop, ahead)
 
     def all_stop(
         self, me: Traveller, stop: Motion, *, among_vehicles: bool = False

@@ -269,6 +269,8 @@ class Request:
             refusing = bytearray(b"\1" * len(refusing))
         # With `who`'s own radius for the other's: a sieve, as the kernel checks each step exactly.
         width = 2 * who.radius + GAP
+        margin = manner.margin if manner else 0.0
+        own = who.radius + GAP + margin
         walks = Retreats(
             moving,
             k,
@@ -279,7 +281,7 @@ class Request:
             who.human.max_speed,
             who.human.max_acceleration,
             lead,
-            manner.margin if manner else 0.0,
+            margin,
         )
         path: list[Point] = []
         struck = manner and manner.struck
@@ -289,7 +291,9 @@ class Request:
                 return None
             if who.zones:
                 slower = who.draft([*path, (x, y)], self._now, lead=lead)
-                if slower is None or moving.meet(k, slower):
+                if slower is None or any(
+                    moving.meets(i, slower, own) for i in range(len(moving.indices))
+                ):
                     return None
                 walk = slower
             return None if struck and struck(walk) else walk

@@ -152,8 +152,6 @@ class AvoidanceParameters:
     """Time for which a person may stand in a place before a vehicle comes there."""
     berth: float = _of(0.3, "m", "60 open halls")
     """Distance that a person keeps from a vehicle while stepping aside, beyond the usual one."""
-    inside: float = _of(0.3, "m", "discs are larger than the vehicle")
-    """Distance by which a person comes nearer if there is no other place, down to its surface."""
     escape: float = _of(5.0, "m", "as far as people walk until the vehicle comes")
     """Maximum distance of a step aside."""
     raster: float = _of(0.25, "m", "less than the radius of a body")

@@ -131,7 +131,9 @@ class StepsAside:
             Retreating(),
         ]
         if self._struck(me, me.body.motion):
-            yielding.append(Retreating(alone=True, margin=-PARAMETERS.inside, struck=struck))
+            # The discs are larger than a vehicle, and their middles are in it.
+            size = max(disc.radius for disc in discs)
+            yielding.append(Retreating(alone=True, margin=-size, struck=struck))
         for manner in yielding:
             for lead in leads:
                 request = Request(discs[0], now, self._commitments, self._ground_of)

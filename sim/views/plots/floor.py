@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
@@ -64,35 +65,35 @@ def draw_names(
     room there is depends on it.
     """
     outlines = machines or {}
-    point = _metres_per_point(axes)
+    labels = _Labels(axes)
     marks = [(station.name, station.position, BLACK) for station in plan.stations]
     if plan.safe_zone is not None:
         marks.append(("safe zone", plan.safe_zone.position, GREEN))
     starts = {lane.name: lane.footprint(lane.locations[lane.start]) for lane in plan.lanes}
     lanes = [LineString([lane.position(q) for q in lane.limits]) for lane in plan.lanes]
+    point = labels.point
     taken = [obstacle.footprint for obstacle in plan.obstacles] + list(starts.values())
     taken += [Spot(at).buffer(_MARK * point) for at in (*(at for _, at, _ in marks), *marked)]
     taken += [lane.buffer(_LANE / 2 * point) for lane in lanes]
     taken += outlines.values()
     taken += [line.buffer(_PATH / 2 * point) for path in paths for line in _unbroken(path)]
-    free = plan.boundary.difference(shapely.union_all(taken))
+    labels.free = plan.boundary.difference(shapely.union_all(taken))
     for name, at, colour in marks:
-        taken_up = _write_beside(axes, at, name, colour, free)
-        free = free if taken_up is None else free.difference(taken_up)
+        labels.write_beside(at, name, colour)
     for obstacle in plan.obstacles:
         dark = obstacle.bottom < plan.human.height and obstacle_shade(obstacle) < _DARK
-        written = _write_inside(axes, obstacle.footprint, obstacle.name, "white" if dark else BLACK)
+        colour = "white" if dark else BLACK
+        written = labels.write_inside(obstacle.footprint, obstacle.name, colour)
         if all_names and not written:
-            free = _write_if_free(axes, obstacle.footprint, obstacle.name, BLACK, free, point)
+            labels.write_if_free(obstacle.footprint, obstacle.name, BLACK)
     for name, outline in outlines.items():
-        if not _write_inside(axes, outline, name, BLACK):
-            free = _write_if_free(axes, outline, name, BLACK, free, point)
+        if not labels.write_inside(outline, name, BLACK):
+            labels.write_if_free(outline, name, BLACK)
     if all_names:
         for lane in plan.lanes:
             for name, q in lane.locations.items():
                 if name != lane.start:
-                    spot = Spot(lane.position(q)).buffer(point)
-                    free = _write_if_free(axes, spot, name, GREY, free, point)
+                    labels.write_if_free(Spot(lane.position(q)).buffer(point), name, GREY)
 
 
 def stand_beside(name: Any, side: Point) -> None:
@@ -113,86 +114,102 @@ def _unbroken(path: Array) -> Iterator[LineString]:
             yield LineString(points)
 
 
-def _metres_per_point(axes: Axes) -> float:
-    """Return the metres of the floor that a point of the picture takes."""
-    figure: Any = axes.figure
-    figure.draw_without_rendering()
-    (west, _), (east, _) = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)]).tolist()
-    return float(figure.dpi / (east - west) / 72)
+class _Labels:
+    """The labels of a floor, and the area that is `free` for further ones.
 
-
-def _extent(axes: Axes, name: Any) -> Polygon:
-    """Return the rectangle that a name covers, metres."""
-    return box(*name.get_window_extent().transformed(axes.transData.inverted()).extents)
-
-
-def _write_if_free(
-    axes: Axes, area: Polygon, text: str, colour: str, free: Any, point: float
-) -> Any:
-    """Write a name beside an area unless it covers too much; return what is `free` then.
-
-    `point` is how many metres a point takes.
+    Everything else must have been drawn, because the layout of the figure depends on it.
     """
-    west, south, east, north = area.bounds
-    middle = ((west + east) / 2, (south + north) / 2)
-    half = ((east - west) / 2 / point - _MARK, (north - south) / 2 / point - _MARK)
-    taken = _write_beside(
-        axes, middle, text, colour, free, half=half, size=_INSIDE_SIZE, most=_MOST_COVERED
-    )
-    return free if taken is None else free.difference(taken)
 
+    free: Any
 
-def _write_beside(
-    axes: Axes,
-    at: Point,
-    text: str,
-    colour: str,
-    free: Any,
-    *,
-    half: Point = (0.0, 0.0),
-    size: float = _PLACE_SIZE,
-    most: float = 1.0,
-) -> Polygon | None:
-    """Write a name beside its mark where most of it is `free`; return what it takes up.
+    def __init__(self, axes: Axes) -> None:
+        figure: Any = axes.figure
+        settle(figure)
+        axes.apply_aspect()
+        self.axes = axes
+        # A renderer for all measurements, because Matplotlib creates one for each otherwise.
+        width, height = figure.bbox.size
+        self._renderer = RendererAgg(width, height, figure.dpi)
+        (west, _), (east, _) = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)]).tolist()
+        self.point = float(figure.dpi / (east - west) / 72)
+        """Metres of the floor per point of the picture."""
 
-    It stands on a plate of its own where it covers anything, and nowhere if it covers more than the
-    share `most`. `half` is by how many points the thing reaches farther than a mark, along x and y.
-    """
-    name: Any = axes.annotate(
-        text, at, (0, 0), textcoords="offset points", size=size, color=colour, zorder=4
-    )
+    def write_if_free(self, area: Polygon, text: str, colour: str) -> None:
+        """Write a name beside an area unless it covers too much."""
+        west, south, east, north = area.bounds
+        middle = ((west + east) / 2, (south + north) / 2)
+        half = ((east - west) / 2 / self.point - _MARK, (north - south) / 2 / self.point - _MARK)
+        self.write_beside(middle, text, colour, half=half, size=_INSIDE_SIZE, most=_MOST_COVERED)
 
-    def covered(side: tuple[Point, bool]) -> float:
-        """Put the name there; return which share of it covers something, from 0 to 1."""
-        (x, y), upright = side
-        stand_beside(name, (x + np.sign(x) * half[0], y + np.sign(y) * half[1]))
-        name.set_rotation(90 if upright else 0)
-        area = _extent(axes, name)
-        return round(float(1.0 - area.intersection(free).area / area.area), 6)
+    def write_beside(
+        self,
+        at: Point,
+        text: str,
+        colour: str,
+        *,
+        half: Point = (0.0, 0.0),
+        size: float = _PLACE_SIZE,
+        most: float = 1.0,
+    ) -> None:
+        """Write a name beside its mark where most of its area is free.
 
-    best = min(_SIDES, key=lambda side: covered(side) + side[1] * _UPRIGHT)
-    share = covered(best)
-    if share > most:
+        The name has a plate if it covers anything. It is omitted if it covers more than the share
+        `most`. `half` is the half size (points) of the thing beyond that of a mark, along x and y.
+        """
+        name: Any = self.axes.annotate(
+            text, at, (0, 0), textcoords="offset points", size=size, color=colour, zorder=4
+        )
+        offsets = [(x + np.sign(x) * half[0], y + np.sign(y) * half[1]) for (x, y), _ in _SIDES]
+        sizes = {upright: self._size(name, upright) for upright in (False, True)}
+        areas = self._areas(at, offsets, [sizes[upright] for _, upright in _SIDES])
+        near = shapely.intersection(self.free, box(*shapely.total_bounds(areas)))
+        free = shapely.area(shapely.intersection(near, areas)) / shapely.area(areas)
+        covered = np.round(1.0 - free, 6)
+        best = int(np.argmin(covered + [upright * _UPRIGHT for _, upright in _SIDES]))
+        if covered[best] > most:
+            name.remove()
+            return
+        stand_beside(name, offsets[best])
+        name.set_rotation(90 if _SIDES[best][1] else 0)
+        if covered[best] > 0.0:
+            name.set_bbox({"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.3})
+        self.free = self.free.difference(self._extent(name))
+
+    def write_inside(self, area: Polygon, text: str, colour: str) -> bool:
+        """Write a name in an area, on one or two lines or upright. Return False if none fits."""
+        west, south, east, north = area.bounds
+        at = area.centroid if area.contains(area.centroid) else area.representative_point()
+        look: dict[str, Any] = {"ha": "center", "va": "center", "linespacing": 1.0, "zorder": 4}
+        name = self.axes.text(at.x, at.y, text, size=_INSIDE_SIZE, color=colour, **look)
+        lines = "\n".join(text.rsplit("_", 1))
+        for written, upright in ((text, False), (lines, False), (text, True)):
+            name.set(text=written, rotation=90 if upright else 0)
+            left, low, right, high = self._extent(name).bounds
+            if right - left <= east - west and high - low <= north - south:
+                return True
         name.remove()
-        return None
-    if share > 0.0:
-        name.set_bbox({"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.3})
-    return _extent(axes, name)
+        return False
 
+    def _extent(self, name: Any) -> Polygon:
+        """Return the rectangle (m) that a name covers."""
+        extent = name.get_window_extent(self._renderer)
+        return box(*extent.transformed(self.axes.transData.inverted()).extents)
 
-def _write_inside(axes: Axes, area: Polygon, text: str, colour: str) -> bool:
-    """Write a name in an area, on one or two lines or upright; return False if none fits."""
-    west, south, east, north = area.bounds
-    at = area.centroid if area.contains(area.centroid) else area.representative_point()
-    look: dict[str, Any] = {"ha": "center", "va": "center", "linespacing": 1.0, "zorder": 4}
-    name = axes.text(at.x, at.y, text, size=_INSIDE_SIZE, color=colour, **look)
-    for written, upright in ((text, False), ("\n".join(text.rsplit("_", 1)), False), (text, True)):
-        name.set(text=written, rotation=90 if upright else 0)
-        left, low, right, high = _extent(axes, name).bounds
-        if right - left <= east - west and high - low <= north - south:
-            return True
-    name.remove()
-    return False
+    def _size(self, name: Any, upright: bool) -> Array:
+        """Return the width and height (pixels) of a name."""
+        name.set_rotation(90 if upright else 0)
+        return np.array(name.get_window_extent(self._renderer).size)
+
+    def _areas(self, at: Point, offsets: Sequence[Point], sizes: Sequence[Array]) -> Array:
+        """Return the rectangles (m) of a name at offsets (points), with `sizes` in pixels."""
+        shifts = np.array(offsets)
+        pixels = np.array(sizes)
+        # A name begins at a positive offset, ends at a negative one, and is centred at zero.
+        low = self.axes.transData.transform(at) + shifts * (self.axes.figure.dpi / 72)
+        low = low + pixels * (np.sign(shifts) - 1) / 2
+        corners = np.stack((low, low + pixels), axis=1).reshape(-1, 2)
+        bounds = self.axes.transData.inverted().transform(corners).reshape(-1, 4)
+        return np.asarray(shapely.box(*bounds.T))
 
 
 _DASHES = (0, (3, 2))
