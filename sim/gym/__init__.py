@@ -8,10 +8,10 @@ except ImportError as why:
     raise ImportError(message, name=why.name) from None
 
 from ..machines.policy import Interface
-from .environment import FOLDER, FloorEnv, Step, usual_reward
+from .environment import FOLDER, FloorEnv, Transition, usual_reward
 from .parallel import ParallelFloorEnv
 
-__all__ = ["FloorEnv", "Interface", "ParallelFloorEnv", "Step", "usual_reward"]
+__all__ = ["FloorEnv", "Interface", "ParallelFloorEnv", "Transition", "usual_reward"]
 
 for _name in ("Amr", "Gantry"):
     gymnasium.register(

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw
 from shapely.geometry.base import BaseGeometry
 
 from floorplan import Point
@@ -25,18 +24,21 @@ class Picture:
     """Draws a simulation. The floor is drawn once."""
 
     def __init__(self, simulation: Simulation) -> None:
+        from PIL import Image, ImageDraw
+
+        self._drawing = ImageDraw.Draw
         self._simulation = simulation
         plan = simulation.trial.floorplan
         self._west, south, east, self._north = plan.boundary.bounds
         self._scale = SIZE / max(east - self._west, self._north - south)
         size = [round(side * self._scale) for side in (east - self._west, self._north - south)]
         self._floor = Image.new("RGB", (size[0], size[1]), WALL)
-        self._fill(ImageDraw.Draw(self._floor), plan.free(0.0, plan.human.height), FREE, WALL)
+        self._fill(self._drawing(self._floor), plan.free(0.0, plan.human.height), FREE, WALL)
 
     def frame(self, goal: Sequence[float] | None) -> NDArray[np.uint8]:
         """Return people, machines and the goal of the policy now, as (height, width, 3)."""
         picture = self._floor.copy()
-        draw = ImageDraw.Draw(picture)
+        draw = self._drawing(picture)
         for one in self._simulation.machines.values():
             x, y, rotation = one.body.state.position
             self._fill(draw, one.shape.footprint((x, y), rotation), MACHINE, FREE)

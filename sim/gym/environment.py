@@ -19,7 +19,14 @@ from floorplan import InputError, UserError
 from ..core.recorder import Event, Listener
 from ..machines.commanded import CommandedMachine
 from ..machines.gantry.robot import GantryRobot
-from ..machines.policy import Actions, Array, Interface as Interface, Observation, flat, goal_of
+from ..machines.policy import (
+    ActionBounds,
+    Array,
+    Interface as Interface,
+    Observation,
+    flat,
+    goal_of,
+)
 from ..runs.run import Run
 from ..studies.design import Study
 from ..trials.trial import Trial
@@ -37,7 +44,7 @@ LEVELS = (-1.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
-class Step:
+class Transition:
     """What happened to a machine between two ticks, for a reward.
 
     Attributes
@@ -67,12 +74,12 @@ class Step:
     margin: float
 
 
-def usual_reward(step: Step) -> float:
+def usual_reward(step: Transition) -> float:
     """Return the progress in metres, 10 for a goal, -10 for a contact and -1 for a penalty."""
     return step.progress + 10.0 * step.goals - 10.0 * step.contacts - 1.0 * step.penalties
 
 
-class Cell:
+class Episodes:
     """Trials drawn from a study, and the machines in them that policies drive."""
 
     def __init__(
@@ -108,7 +115,7 @@ class Cell:
         """Return what a machine observes now."""
         return self.interface.observe(self.ticks.machines[name])
 
-    def step(self, name: str) -> Step:
+    def step(self, name: str) -> Transition:
         """Return what has happened to a machine since the last tick."""
         machine, events = self.ticks.machines[name], tuple(self.ticks.events)
         before, distance = self._goals[name], self._distances[name]
@@ -121,7 +128,7 @@ class Cell:
         else:
             distance -= self._distances[name]
         kinds = [one["kind"] for one in events if name in (one.get("machine"), one.get("with"))]
-        return Step(
+        return Transition(
             machine,
             events,
             progress=distance if before is not None else 0.0,
@@ -131,7 +138,7 @@ class Cell:
             margin=self.interface.margin(machine),
         )
 
-    def info(self, step: Step) -> dict[str, Any]:
+    def info(self, step: Transition) -> dict[str, Any]:
         """Return time, events, and the cost: how far the margin is below 0, in metres."""
         now = self.ticks.simulation.clock.now
         return {"time": now, "events": step.events, "cost": max(0.0, -step.margin)}
@@ -159,25 +166,25 @@ def study_of(source: str | Path | Trial | Study) -> Study:
 class Spaces:
     """Spaces of the observations and actions of one machine, and their checks."""
 
-    def __init__(self, cell: Cell, name: str, *, observation: str, actions: str) -> None:
+    def __init__(self, episodes: Episodes, name: str, *, observation: str, actions: str) -> None:
         for key, value, known in (
             ("observation", observation, ("dict", "flat")),
             ("actions", actions, ("continuous", "discrete")),
         ):
             if value not in known:
                 raise UserError(f"{key} must be {known[0]!r} or {known[1]!r}, not {value!r}")
-        machine = cell.ticks.machines[name]
+        machine = episodes.ticks.machines[name]
         self._flat = observation == "flat"
         boxes: dict[str, spaces.Space[Any]] = {
             key: spaces.Box(low, high, dtype=np.float32)
-            for key, (low, high) in cell.interface.bounds(machine).items()
+            for key, (low, high) in episodes.interface.bounds(machine).items()
         }
         self.observation: spaces.Space[Any] = spaces.Dict(boxes)
         if self._flat:
-            bounds = cell.interface.bounds(machine).values()
+            bounds = episodes.interface.bounds(machine).values()
             low, high = (np.concatenate([pair[k].ravel() for pair in bounds]) for k in (0, 1))
             self.observation = spaces.Box(low, high, dtype=np.float32)
-        self._actions = Actions(machine)
+        self._actions = ActionBounds(machine)
         count = self._actions.count
         self._choices: list[tuple[float, ...]] = []
         self.action: spaces.Space[Any] = spaces.Box(-1.0, 1.0, (count,), np.float32)
@@ -219,10 +226,10 @@ class FloorEnv(gymnasium.Env[Any, Any]):
     observation : {"dict", "flat"}, optional
         Form of the observations.
     actions : {"continuous", "discrete"}, optional
-        Form of the actions, which are numbers from -1 to 1 (see `Actions`). Discrete ones combine
-        -1, 0 and 1.
+        Form of the actions, which are numbers from -1 to 1 (see `ActionBounds`). Discrete ones
+        combine -1, 0 and 1.
     reward : callable, optional
-        Function of a `Step` that returns the reward. Defaults to `usual_reward`.
+        Function of a `Transition` that returns the reward. Defaults to `usual_reward`.
     render_mode : {"rgb_array"}, optional
         Mode of `render`.
     **keys
@@ -245,20 +252,20 @@ class FloorEnv(gymnasium.Env[Any, Any]):
         machine: str = "",
         observation: str = "dict",
         actions: str = "continuous",
-        reward: Callable[[Step], float] = usual_reward,
+        reward: Callable[[Transition], float] = usual_reward,
         render_mode: str | None = None,
         **keys: Any,
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             raise UserError(f"render_mode must be 'rgb_array', not {render_mode!r}")
         self.interface = interface_of(keys)
-        self.cell = Cell(trial, [machine] if machine else [], self.interface)
-        self.name = self.cell.names[0]
-        self.cell.names = [self.name]
-        self.cell.ticks = Ticks(self.cell.study.trials[0], [self.name], self.interface)
+        self.episodes = Episodes(trial, [machine] if machine else [], self.interface)
+        self.name = self.episodes.names[0]
+        self.episodes.names = [self.name]
+        self.episodes.ticks = Ticks(self.episodes.study.trials[0], [self.name], self.interface)
         self.render_mode = render_mode
         self._reward = reward
-        self._spaces = Spaces(self.cell, self.name, observation=observation, actions=actions)
+        self._spaces = Spaces(self.episodes, self.name, observation=observation, actions=actions)
         self.observation_space = self._spaces.observation
         self.action_space = self._spaces.action
         self._picture: Picture | None = None
@@ -276,9 +283,9 @@ class FloorEnv(gymnasium.Env[Any, Any]):
             None are known.
         """
         super().reset(seed=seed)
-        self.cell.reset(int(self.np_random.integers(2**31)))
+        self.episodes.reset(int(self.np_random.integers(2**31)))
         self._picture = None
-        return self._spaces.observed(self.cell.observe(self.name)), {"time": 0.0, "cost": 0.0}
+        return self._spaces.observed(self.episodes.observe(self.name)), {"time": 0.0, "cost": 0.0}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Carry out an action until the next tick.
@@ -294,16 +301,16 @@ class FloorEnv(gymnasium.Env[Any, Any]):
         ValueError
             If the action is not within the bounds.
         """
-        self.cell.ticks.advance({self.name: self._spaces.chosen(action)})
-        step = self.cell.step(self.name)
-        observation = self._spaces.observed(self.cell.observe(self.name))
+        self.episodes.ticks.advance({self.name: self._spaces.chosen(action)})
+        step = self.episodes.step(self.name)
+        observation = self._spaces.observed(self.episodes.observe(self.name))
         done = step.contacts > 0 or goal_of(step.machine) is None
         return (
             observation,
             float(self._reward(step)),
             done,
-            self.cell.ticks.over,
-            self.cell.info(step),
+            self.episodes.ticks.over,
+            self.episodes.info(step),
         )
 
     def render(self) -> NDArray[np.uint8] | None:
@@ -311,12 +318,12 @@ class FloorEnv(gymnasium.Env[Any, Any]):
         if self.render_mode is None:
             return None
         if self._picture is None:
-            self._picture = Picture(self.cell.ticks.simulation)
-        return self._picture.frame(goal_of(self.cell.ticks.machines[self.name]))
+            self._picture = Picture(self.episodes.ticks.simulation)
+        return self._picture.frame(goal_of(self.episodes.ticks.machines[self.name]))
 
     def run(self) -> Run:
         """Return the run of this episode up to now, for a recording or a replay page."""
-        return self.cell.ticks.finish()
+        return self.episodes.ticks.finish()
 
 
 def interface_of(keys: dict[str, Any]) -> Interface:

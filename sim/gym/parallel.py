@@ -17,7 +17,7 @@ from ..machines.policy import goal_of
 from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
-from .environment import FOLDER, Cell, Spaces, Step, interface_of, usual_reward
+from .environment import FOLDER, Episodes, Spaces, Transition, interface_of, usual_reward
 
 
 class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no types
@@ -42,19 +42,19 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         machines: Sequence[str] = (),
         observation: str = "dict",
         actions: str = "continuous",
-        reward: Callable[[Step], float] = usual_reward,
+        reward: Callable[[Transition], float] = usual_reward,
         render_mode: str | None = None,
         **keys: Any,
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             raise UserError(f"render_mode must be 'rgb_array', not {render_mode!r}")
-        self.cell = Cell(trial, machines, interface_of(keys))
-        self.possible_agents = [*self.cell.names]
+        self.episodes = Episodes(trial, machines, interface_of(keys))
+        self.possible_agents = [*self.episodes.names]
         self.agents = [*self.possible_agents]
         self.render_mode = render_mode
         self._reward = reward
         self._spaces = {
-            name: Spaces(self.cell, name, observation=observation, actions=actions)
+            name: Spaces(self.episodes, name, observation=observation, actions=actions)
             for name in self.possible_agents
         }
         self._random = np.random.default_rng()
@@ -75,7 +75,7 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         """Begin a trial that is drawn with a seed; see `FloorEnv.reset`."""
         if seed is not None:
             self._random = np.random.default_rng(seed)
-        self.cell.reset(int(self._random.integers(2**31)))
+        self.episodes.reset(int(self._random.integers(2**31)))
         self.agents, self._picture, self._stands = [*self.possible_agents], None, {}
         return self._observed(self.agents), {
             name: {"time": 0.0, "cost": 0.0} for name in self.agents
@@ -88,10 +88,10 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
             if name not in actions:
                 raise UserError(f"actions has none for {name}")
             chosen[name] = self._spaces[name].chosen(actions[name])
-        ticks = self.cell.ticks
+        ticks = self.episodes.ticks
         ticks.advance(chosen)
         agents, over = self.agents, ticks.over
-        steps = {name: self.cell.step(name) for name in agents}
+        steps = {name: self.episodes.step(name) for name in agents}
         done = {n: one.contacts > 0 or goal_of(one.machine) is None for n, one in steps.items()}
         for name in agents:
             if done[name]:
@@ -102,7 +102,7 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
             {name: float(self._reward(one)) for name, one in steps.items()},
             done,
             dict.fromkeys(agents, over),
-            {name: self.cell.info(one) for name, one in steps.items()},
+            {name: self.episodes.info(one) for name, one in steps.items()},
         )
 
     def render(self) -> NDArray[np.uint8] | None:
@@ -110,8 +110,8 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         if self.render_mode is None:
             return None
         if self._picture is None:
-            self._picture = Picture(self.cell.ticks.simulation)
+            self._picture = Picture(self.episodes.ticks.simulation)
         return self._picture.frame(None)
 
     def _observed(self, agents: Sequence[str]) -> dict[str, Any]:
-        return {name: self._spaces[name].observed(self.cell.observe(name)) for name in agents}
+        return {name: self._spaces[name].observed(self.episodes.observe(name)) for name in agents}

@@ -51,7 +51,7 @@ class Ticks:
         controller = partial(driven, self._wait, interface)
         self.simulation = Simulation(
             with_controllers(trial, dict.fromkeys(names, controller)),
-            _Keeper(self.events),
+            _Recent(self.events),
             *listeners,
         )
         machines = self.simulation.machines
@@ -112,7 +112,7 @@ def _commanded(machine: Any) -> CommandedMachine:
     return machine
 
 
-class _Keeper(Listener):
+class _Recent(Listener):
     """Keeps the events since the last tick."""
 
     def __init__(self, events: list[Recorded]) -> None:

@@ -157,8 +157,8 @@ def goal_of(machine: CommandedMachine) -> Pose | None:
     return machine.where(machine.open_tasks[0])
 
 
-class Actions:
-    """Actions of a machine as numbers from -1 to 1, the bounds of what they stand for.
+class ActionBounds:
+    """ActionBounds of a machine as numbers from -1 to 1, the bounds of what they stand for.
 
     Those of a vehicle stand for its twist: m/s forwards, m/s to the left (of a holonomic drive
     only) and rad/s. Those of a gantry stand for its target (x, y in metres) and the share of its

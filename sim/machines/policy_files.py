@@ -17,7 +17,7 @@ from ..core.custom_code import CodeFolder
 from .commanded import CommandedMachine
 from .commanding import Steps
 from .controllers import ControllerError
-from .policy import Actions, Interface, driven, flat
+from .policy import ActionBounds, Interface, driven, flat
 
 SUFFIX = ".onnx"
 
@@ -46,7 +46,7 @@ class PolicyFile:
         return self._controller
 
     def _controller(self, machine: CommandedMachine) -> Steps:
-        actions, interface = Actions(machine), self._interface
+        actions, interface = ActionBounds(machine), self._interface
         for node, count, what in (
             (self._session.get_inputs()[0], interface.size, "input"),
             (self._session.get_outputs()[0], actions.count, "output"),
@@ -59,7 +59,7 @@ class PolicyFile:
                 )
         return driven(partial(self._choose, actions), interface, machine)
 
-    def _choose(self, actions: Actions, machine: CommandedMachine) -> list[float]:
+    def _choose(self, actions: ActionBounds, machine: CommandedMachine) -> list[float]:
         observation = flat(self._interface.observe(machine))[np.newaxis]
         node = self._session.get_inputs()[0].name
         action = np.asarray(self._session.run(None, {node: observation})[0]).ravel()

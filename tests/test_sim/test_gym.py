@@ -17,7 +17,7 @@ import sim
 from sim.gym import FloorEnv, Interface, ParallelFloorEnv
 from sim.gym.environment import FOLDER
 from sim.gym.ticks import with_controllers
-from sim.machines.policy import Actions, driven, flat
+from sim.machines.policy import ActionBounds, driven, flat
 from sim.studies.design import Choice
 from sim.studies.variables import variable
 
@@ -97,10 +97,10 @@ def test_vectors_of_both_kinds_see_the_same():
 def test_a_policy_gives_the_same_run_in_the_environment_and_in_a_trial():
     env = FloorEnv(AMR, observation="flat")
     episode(env, towards_goal, 5)
-    run, trial = env.run(), env.cell.ticks.simulation.trial
+    run, trial = env.run(), env.episodes.ticks.simulation.trial
 
     def choose(machine):
-        return Actions(machine).command(towards_goal(flat(env.interface.observe(machine))))
+        return ActionBounds(machine).command(towards_goal(flat(env.interface.observe(machine))))
 
     controller = partial(driven, choose, env.interface)
     simulation = sim.Simulation(with_controllers(trial, {"bot": controller}))
@@ -145,12 +145,14 @@ def test_an_onnx_file_is_a_controller_with_the_run_of_its_environment(tmp_path):
 
     trial = trial_with("parked", tmp_path)
     env = FloorEnv(trial, observation="flat", **asdict(interface))
-    env.cell.study = replace(env.cell.study, trials=(trial,))
-    env.cell.reset(0)
-    env.cell.ticks = type(env.cell.ticks)(trial, ["bot"], interface)
-    env.cell.ticks.advance({})
-    while not env.cell.ticks.over:
-        env.cell.ticks.advance({"bot": env._spaces.chosen(policy(flat(env.cell.observe("bot"))))})
+    env.episodes.study = replace(env.episodes.study, trials=(trial,))
+    env.episodes.reset(0)
+    env.episodes.ticks = type(env.episodes.ticks)(trial, ["bot"], interface)
+    env.episodes.ticks.advance({})
+    while not env.episodes.ticks.over:
+        env.episodes.ticks.advance(
+            {"bot": env._spaces.chosen(policy(flat(env.episodes.observe("bot"))))}
+        )
     assert same_run(run, env.run())
 
 
@@ -179,7 +181,7 @@ def test_a_scan_measures_the_floor_machines_and_people():
     env = FloorEnv(PAIR, machine="left", rays=0, people=0)
     for seed in range(5):
         env.reset(seed=seed)
-        simulation = env.cell.ticks.simulation
+        simulation = env.episodes.ticks.simulation
         me, other = (simulation.machines[name] for name in ("left", "right"))
         plan = simulation.trial.floorplan
         x, y, rotation = other.position
@@ -203,7 +205,7 @@ def test_observed_people_stand_where_they_are_and_the_nearest_come_first():
     env = FloorEnv(AMR, people=3)
     observation, _ = env.reset(seed=2)
     x, y, c, s = observation["self"][:4]
-    there = [person.body.at for person in env.cell.ticks.simulation.people]
+    there = [person.body.at for person in env.episodes.ticks.simulation.people]
     expected = sorted(there, key=lambda at: math.dist(at, (x, y)))[:3]
     for row, at in zip(observation["people"], expected, strict=True):
         assert (x + row[0] * c - row[1] * s, y + row[0] * s + row[1] * c) == pytest.approx(
@@ -233,7 +235,7 @@ def test_the_margin_is_negative_during_violations_alone():
 def test_a_gantry_that_is_sent_to_its_goals_completes_the_episode():
     env = FloorEnv(FOLDER / "gantry.trial.yaml", observation="dict", people=0, rays=0)
     observation, _ = env.reset(seed=0)
-    axes = env.cell.ticks.machines["gantry"].gantry
+    axes = env.episodes.ticks.machines["gantry"].gantry
     low, high = np.array([axes.x.low, axes.y.low]), np.array([axes.x.high, axes.y.high])
     for _ in range(600):
         x, y, c, s = observation["self"][:4]
@@ -283,7 +285,7 @@ def test_a_bad_argument_is_named(keys, word):
 def test_a_reset_without_a_possible_start_says_why():
     env = FloorEnv(AMR)
     inside = Choice(((-2.0, -1.0, 0.0),))
-    env.cell.study = replace(env.cell.study, random={variable("machines.bot.at"): inside})
+    env.episodes.study = replace(env.episodes.study, random={variable("machines.bot.at"): inside})
     with pytest.raises(ValueError, match="rack1"):
         env.reset(seed=0)
 
