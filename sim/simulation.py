@@ -364,6 +364,21 @@ class Simulation(InProgress):
         if until > now and not self.over:
             self.clock.advance(min(float(until), self.trial.duration), enough)
 
+    def branch(self, *listeners: Listener) -> Simulation:
+        """Return another simulation of the same trial at the current time.
+
+        It repeats the run with the commands that were given, which takes as long as the run did.
+        Afterwards, both are independent. Controllers in Python have to start anew for each run.
+
+        Parameters
+        ----------
+        *listeners : Listener
+            Listeners of the new simulation, for all of its events and motions.
+        """
+        other = Simulation(replace(self.trial, commands=tuple(self.commands)), *listeners)
+        other.advance(self.clock.now)
+        return other
+
     def command(self, command: Command) -> None:
         """Schedule an external command and record it.
 

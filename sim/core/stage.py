@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, ClassVar, Protocol
 
 from pydantic import ConfigDict, TypeAdapter
@@ -559,6 +560,12 @@ class MachineModel(ABC):
     def loads(self) -> tuple[bool, ...]:
         """Whether machines of this model are loaded: one value, or both if that changes."""
         return (False,)
+
+
+@cache
+def _adapter(model: type[MachineModel]) -> TypeAdapter[Any]:
+    """Return the reader of the keys of a model, which takes milliseconds to build."""
+    return TypeAdapter(model)
 
 
 @dataclass(frozen=True)
