@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial, wraps
 from itertools import takewhile
+from numbers import Real
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from floorplan import InputError, UserError
@@ -334,7 +335,7 @@ class Simulation(InProgress):
             if person.name == name:
                 return person
         names = [person.name for person in self.people]
-        raise UserError(f"there is no person {name!r}; {suggestion(name, names)}")
+        raise UserError(f"there is no person {name!r}; {suggestion(str(name), names)}")
 
     @_in_run
     def advance(self, until: float, *, enough: Callable[[], bool] | None = None) -> None:
@@ -343,22 +344,40 @@ class Simulation(InProgress):
         Parameters
         ----------
         until : float
-            Time in seconds. Nothing happens if it is past.
+            Time in seconds, not before the current one.
         enough : callable, optional
             Function that is called after each event, and ends the advance if it returns True.
 
         Raises
         ------
         ValueError
-            If the time is not a number.
+            If the time is not a number, or is past.
         StandstillError
             If simulated time does not progress.
         """
-        if math.isnan(until):
-            raise UserError("a simulation can't be advanced to nan: give seconds")
+        if not isinstance(until, Real) or math.isnan(until):
+            raise UserError(f"advance(until) must be a time in seconds, not {until!r}")
         self.start()
-        if until > self.clock.now and not self.over:
+        now = self.clock.now
+        if rounded(float(until)) < rounded(now):
+            raise UserError(f"advance({until:g}): the simulation is at t = {now:g} s already")
+        if until > now and not self.over:
             self.clock.advance(min(float(until), self.trial.duration), enough)
+
+    def branch(self, *listeners: Listener) -> Simulation:
+        """Return another simulation of the same trial at the current time.
+
+        It repeats the run with the commands that were given, which takes as long as the run did.
+        Afterwards, both are independent. Controllers in Python have to start anew for each run.
+
+        Parameters
+        ----------
+        *listeners : Listener
+            Listeners of the new simulation, for all of its events and motions.
+        """
+        other = Simulation(replace(self.trial, commands=tuple(self.commands)), *listeners)
+        other.advance(self.clock.now)
+        return other
 
     def command(self, command: Command) -> None:
         """Schedule an external command and record it.
@@ -378,6 +397,7 @@ class Simulation(InProgress):
         ValueError
             If its time is past.
         """
+        require(command, Command)
         self.start()
         now = self.clock.now
         if command.time is not None and rounded(command.at) < rounded(now):

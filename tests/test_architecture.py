@@ -34,7 +34,7 @@ ROOMS = (
     ("runs",),
     ("simulation",),
     ("live", "studies", "testing"),
-    ("bridge", "searches"),
+    ("bridge", "gym", "searches"),
     ("commands",),
     ("cli", "pytest_plugin"),
 )

@@ -14,7 +14,7 @@ from typing import Any, Literal, TypeVar, cast, get_args
 from shapely import affinity
 from shapely.geometry import Polygon
 
-from floorplan import Point, rectangle
+from floorplan import Point, UserError, rectangle
 from floorplan.files.fields import brief
 from navigation import Box, CollisionWorld, Cylinder, Motion, Moving, Prism, first_time
 from navigation.encounter import Solid
@@ -22,6 +22,7 @@ from navigation.motion import State, Track
 from navigation.walking import leg_to
 
 from .clock import Clock, InProgress
+from .custom_code import argument_fault
 
 
 class Plans:
@@ -327,8 +328,26 @@ OnCommand = Callable[[str, dict[str, Any], Callable[[], Any]], Any]
 """Carries out a command from outside, with the name of the method and its arguments."""
 
 
+def checked(method: _Method) -> _Method:
+    """Let calls of a machine's method with missing or unknown arguments be a `UserError`."""
+
+    @wraps(method)
+    def called(machine: Machine, *given: Any, **terms: Any) -> Any:
+        try:
+            return method(machine, *given, **terms)
+        except TypeError as why:
+            if fault := argument_fault(partial(method, machine), terms, *given):
+                raise UserError(f"{machine.name}.{method.__name__}: {fault}") from why
+            raise
+
+    return cast(_Method, called)
+
+
 def commands(method: _Method) -> _Method:
-    """Let calls of a machine's method from outside the simulation be commands of the trial."""
+    """Let calls of a machine's method from outside the simulation be commands of the trial.
+
+    Its arguments are `checked`.
+    """
     signature = inspect.signature(method)
 
     @wraps(method)
@@ -340,7 +359,7 @@ def commands(method: _Method) -> _Method:
         return machine.on_command(method.__name__, dict(arguments), carry_out)
 
     vars(commanded)["is_command"] = True
-    return cast(_Method, commanded)
+    return checked(cast(_Method, commanded))
 
 
 OnContact = Literal["stop", "report"]

@@ -204,6 +204,14 @@ def then(event: Event, action: Callable[[Event], None]) -> None:
     event.callbacks.append(action)
 
 
+def occur(event: Event, value: Any) -> None:
+    """Let an event that is not scheduled happen at once, with a value."""
+    callbacks, event.callbacks = event.callbacks, None  # type: ignore[assignment]
+    event._ok, event._value = True, value
+    for callback in callbacks:
+        callback(event)
+
+
 class Alarm(InProgress):
     """Timer that calls `action` once at a time that can be changed or cancelled.
 

@@ -179,14 +179,14 @@ def _fault(kind: Kind, name: str, message: str) -> UserError:
     return kind.error(f"the {kind.noun} {name!r} {message}")
 
 
-def argument_fault(found: Any, given: Mapping[str, Any]) -> str:
+def argument_fault(found: Any, terms: Mapping[str, Any], *given: Any) -> str:
     """Return why a class or function cannot be called with these arguments, or an empty text."""
     try:
         signature = inspect.signature(found)
     except (TypeError, ValueError):  # written in C
         return ""
     try:
-        signature.bind(**given)
+        signature.bind(*given, **terms)
     except TypeError as why:
         return f"{why}; it takes {signature}"
     return ""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
-from floorplan import Floorplan, Obstacle
+from floorplan import Floorplan, Obstacle, UserError
 from floorplan.files.fields import brief
 from navigation import Motion, Shapes
 
@@ -198,6 +198,8 @@ def recording_to(listener: Listener, now: Callable[[], float]) -> Record:
     """Return a function that adds the time to events and passes them to `listener`."""
 
     def record(event: EventKind) -> None:
+        if not isinstance(event, EventKind):
+            raise UserError(f"record(event) must be an event, as a sim.EventKind, not {event!r}")
         recorded: Event = {"t": rounded(now()), "kind": event.kind}
         for name, value in event.fields.items():
             recorded[name] = value if value.__class__ is str else rounded(value)

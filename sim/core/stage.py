@@ -6,15 +6,16 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, ClassVar, Protocol
 
 from pydantic import ConfigDict, TypeAdapter
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
-from floorplan import Door, Floorplan, Obstacle, Point
+from floorplan import Door, Floorplan, Obstacle, Point, UserError
 from floorplan.files.fields import brief
-from floorplan.files.problems import Fault
+from floorplan.files.problems import Fault, suggestion
 from navigation import CollisionWorld, Motion, VehicleLimits
 from navigation.machines import AxisLimits, Stop
 
@@ -179,6 +180,14 @@ class Bystander(Protocol):
         ...
 
 
+class Machines(dict[str, Machine]):
+    """Machines by name; `UserError` for an unknown name."""
+
+    def __missing__(self, name: object) -> Machine:
+        """Name the nearest machine."""
+        raise UserError(f"there is no machine {name!r}; {suggestion(str(name), self)}")
+
+
 @dataclass(eq=False, kw_only=True)
 class Stage(InProgress):
     """State shared by people and machines in a running simulation.
@@ -229,7 +238,7 @@ class Stage(InProgress):
     fastest: float
     widest: float
     people: Sequence[Bystander] = ()
-    machines: dict[str, Machine] = field(default_factory=dict, init=False)
+    machines: dict[str, Machine] = field(default_factory=Machines, init=False)
     """Machines by name. All are complete before the first one acts."""
     vehicles: tuple[Machine, ...] = field(default=(), init=False)
     """Machines that drive on the floor and can block paths."""
@@ -551,6 +560,12 @@ class MachineModel(ABC):
     def loads(self) -> tuple[bool, ...]:
         """Whether machines of this model are loaded: one value, or both if that changes."""
         return (False,)
+
+
+@cache
+def _adapter(model: type[MachineModel]) -> TypeAdapter[Any]:
+    """Return the reader of the keys of a model, which takes milliseconds to build."""
+    return TypeAdapter(model)
 
 
 @dataclass(frozen=True)

@@ -6,16 +6,19 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
 from simpy.events import Event, Process
 from typing_extensions import override
 
 from floorplan import UserError
-from navigation import Motion
+from navigation import Motion, minimum_margin
 from navigation.motion import State
 
-from ..core.body import TRAFFIC, Machine, MachineShape, commands
+from ..core.body import TRAFFIC, Machine, MachineShape, checked, commands
 from ..core.clock import Alarm, Turn
 from ..core.entries import Pose
 from ..core.events import EventKind, JobDone, JobStarted
@@ -24,6 +27,7 @@ from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
 from .arguments import instance, number, target
 from .commanding import Drive, Interruption, Interrupts, Steps
+from .scan import Scanner
 from .tasks import Task, Tasks
 
 OBSERVATION_RATE = 10.0
@@ -56,8 +60,19 @@ class CommandedMachine(Machine):
     record: Record
 
     FOR_CONTROLLERS: ClassVar[frozenset[str]] = frozenset(
-        {"name", "now", "state", "position", "disabled", "rules", "human_speed", "record"}
-        | {"look", "interrupt_on", "move_to", "preview", "follow", "stop", "resume", "stopping"}
+        {"name", "now", "state", "position", "people", "disabled", "rules", "human_speed", "record"}
+        | {
+            "look",
+            "scan",
+            "margin",
+            "interrupt_on",
+            "move_to",
+            "preview",
+            "follow",
+            "stop",
+            "resume",
+            "stopping",
+        }
         | {"wait", "until", "open_tasks", "next_task", "do", "locate", "handle"}
     )
     """Names for controllers. All others are for the simulation."""
@@ -124,6 +139,27 @@ class CommandedMachine(Machine):
         """Whether the machine is disabled or in a protective stop."""
         return self.drive.disabled
 
+    @property
+    def people(self) -> tuple[Sighting, ...]:
+        """People as the sensors see them now. None in a blackout."""
+        return self._sightings()
+
+    @property
+    def margin(self) -> float:
+        """Least distance minus required distance to a person now, in metres.
+
+        It is infinite without people, and where the rules have no law for the machine.
+        """
+        law, now, motion = self.law, self.now, self.body.motion
+        if law is None:
+            return math.inf
+        motions = [person.body.motion for person in self._stage.people if not person.away]
+        return min(
+            (minimum_margin(one, motion, law, now, now, shapes=self.shapes)[1] for one in motions),
+            default=math.inf,
+        )
+
+    @checked
     def look(self, after: float = 0.0) -> Event:
         """Observe the people. The value of the event is a tuple of `Sighting`.
 
@@ -149,6 +185,40 @@ class CommandedMachine(Machine):
         at = math.ceil(earliest - 1e-9) / OBSERVATION_RATE
         return self._clock.ask(at, self._sightings, Turn.NOTICE)
 
+    @checked
+    def scan(
+        self, rays: int = 720, reach: float = 10.0, height: float = 0.2
+    ) -> NDArray[np.float64]:
+        """Return the distances that a laser scanner at the centre of the machine measures now.
+
+        It sees the floor, other machines and people, whatever blackouts do to other sensors.
+
+        Parameters
+        ----------
+        rays : int, optional
+            Number of rays around the machine, counterclockwise. The first points backwards.
+        reach : float, optional
+            Range in metres.
+        height : float, optional
+            Height of the scanned plane in metres.
+
+        Returns
+        -------
+        ndarray
+            Distances in metres, of shape (rays,). It is `reach` where nothing is nearer.
+
+        Raises
+        ------
+        ValueError
+            If the number of rays or the range is invalid.
+        """
+        return self._scanner.ranges(rays, reach, height)
+
+    @cached_property
+    def _scanner(self) -> Scanner:
+        return Scanner(self._stage, self)
+
+    @checked
     def interrupt_on(self, reason: Interruption, distance: float = math.inf) -> None:
         """Interrupt the controller from now on when something happens while it waits.
 
@@ -216,6 +286,7 @@ class CommandedMachine(Machine):
         self._interrupts.command_given()
         return move
 
+    @checked
     def preview(
         self, x: float, y: float, rotation: float | None = None, *, speed_share: float = 1.0
     ) -> Motion:
@@ -293,6 +364,7 @@ class CommandedMachine(Machine):
         """
         return self.drive.stopping(state, t)
 
+    @checked
     def wait(self, seconds: float) -> Process:
         """Wait. Time in which the machine is stopped does not count.
 
@@ -308,6 +380,7 @@ class CommandedMachine(Machine):
         """
         return self._command(self.drive.wait(seconds))
 
+    @checked
     def until(self, t: float) -> Event:
         """Wait for an instant.
 
@@ -466,8 +539,9 @@ class CommandedMachine(Machine):
 
     def _record_by_name(self, event: EventKind) -> None:
         """Record an event with the name of the machine, if it has a field for it."""
-        fields = {**event.fields, "machine": self.name} if "machine" in event.forms else None
-        self._stage.record(event if fields is None else event.of(fields))
+        if "machine" in getattr(event, "forms", ()):
+            event = event.of({**event.fields, "machine": self.name})
+        self._stage.record(event)
 
     def _follow(self, motion: Motion, again: Callable[[], Motion] | None = None) -> Event:
         """Follow a motion, which is compared with the claims of others; see `Drive.follow`."""

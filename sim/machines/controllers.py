@@ -18,7 +18,7 @@ from simpy.exceptions import Interrupt
 from floorplan import UserError
 from navigation import PlanningError
 
-from ..core.custom_code import code_of, file_of, in_words, own_line
+from ..core.custom_code import FLOORWALKER, code_of, file_of, in_words, own_line
 from ..core.entries import Pose
 from .caution import Caution
 from .commanded import CommandedMachine
@@ -144,7 +144,7 @@ def _checked(steps: Steps, machine: CommandedMachine) -> Steps:
 def _place(why: Exception, code: Any, steps: Any) -> str:
     """Return file and line of the code at which it failed, in brackets, where known."""
     source = file_of(code)
-    if source is None:
+    if source is None or code_of(code).__module__.partition(".")[0] in FLOORWALKER:
         return ""
     if place := own_line(why, str(source)):
         return place

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.custom_code import FLOORWALKER, CustomCode, code_of, file_of
+from ..machines.policy_files import PolicyFile
 
 INSTALLED = {"site-packages", "dist-packages"}
 """Folders of installed packages."""
@@ -23,7 +24,7 @@ IMPORTERS |= {"spec_from_file_location"}
 """Functions that import what their first argument states."""
 
 
-def digest_of_source(source: CustomCode) -> str:
+def digest_of_source(source: CustomCode | PolicyFile) -> str:
     """Return the digest of all files that custom code imports from its folder."""
     return _digest(source.file, source.folder, "")
 

@@ -504,9 +504,10 @@ class _Reader:
                 continue
             if what is None:
                 continue
-            drawn_one = (distribution.draw(0, one) for one in trials[:1])
-            for value in (*distribution.extremes, *drawn_one):
+            for value in distribution.extremes:
                 self._try(what, value, trials, "random", name)
+            for one in trials:
+                self._try(what, distribution.draw(0, one), (one,), "random", name)
             drawn[what] = distribution
         return drawn
 

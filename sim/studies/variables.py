@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import PydanticSchemaGenerationError, TypeAdapter, ValidationError
 
 from floorplan import UserError, check
 from floorplan.files.problems import misfits, shown, suggestion
@@ -185,9 +185,9 @@ def _read(before: Any, value: Any, kind: Any, code: CodeFolder) -> Any:
         return find_rules(_text(value), code)
     if is_number(before) and isinstance(value, str):
         raise UserError(f"expected a number, found {value!r}")
-    if kind is not None:
+    if (form := _form(kind)) is not None:
         try:
-            return _form(kind).validate_python(value)
+            return form.validate_python(value)
         except ValidationError as why:
             raise UserError("; ".join(text for text, _ in misfits(why, object, value))) from None
     if isinstance(before, bool) is not isinstance(value, bool) and before is not None:
@@ -200,8 +200,12 @@ def _read(before: Any, value: Any, kind: Any, code: CodeFolder) -> Any:
 
 
 @cache
-def _form(kind: Any) -> TypeAdapter[Any]:
-    return TypeAdapter(kind)
+def _form(kind: Any) -> TypeAdapter[Any] | None:
+    """Return the reader of a type, or None if files have no single value of it."""
+    try:
+        return None if kind is None else TypeAdapter(kind)
+    except PydanticSchemaGenerationError:
+        return None
 
 
 def _ordered(trial: Trial, value: Any) -> tuple[Job, ...]:

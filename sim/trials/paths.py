@@ -97,7 +97,7 @@ def _step(owner: Any, path: str) -> tuple[Any, str]:
     if type(owner) in OMITTED:
         return OMITTED[type(owner)], path
     hint = f"; {suggestion(head, [*names])}" if names else ""
-    raise UserError(f"there is no {head!r} in {path!r}{hint}")
+    raise UserError(f"there is no {head!r}{hint}")
 
 
 def _names(owner: Any) -> dict[str, Any]:

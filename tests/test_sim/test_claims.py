@@ -62,7 +62,7 @@ def test_areas_meet_where_they_have_a_point_in_common():
 
 
 def test_claims_never_meet_and_contain_the_machines():
-    simulation = sim.Simulation(random_trial(1))
+    simulation = sim.Simulation(random_trial(1, 600.0))
     claimants = simulation._traffic._claimants
     for t in np.arange(0.0, 120.0, 0.25):
         simulation.advance(float(t))

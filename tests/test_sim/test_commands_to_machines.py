@@ -230,3 +230,38 @@ def test_machines_commanded_over_a_bridge_repeat_to_the_byte(tmp_path):
     assert {command.call for command in run.trial.commands} == {"move_to", "drive"}
     recorded(run.trial, tmp_path / "second")
     assert in_bytes(tmp_path / "second") == in_bytes(tmp_path / "first")
+
+
+@pytest.mark.parametrize(
+    ("misuse", "words"),
+    [
+        (lambda s: s.machines["a"].twist((0.5, 0.1)), ("a.twist", "'seconds'")),
+        (lambda s: s.machines["a"].move_to("press"), ("a.move_to", "'y'")),
+        (lambda s: s.machines["a"].twist((0.5, 0.1), 1.0, speed=2), ("a.twist", "'speed'")),
+        (lambda s: s.machines["gantry"].wait(), ("gantry.wait", "'seconds'")),
+        (lambda s: s.machines["a"].record("x"), ("record", "'x'")),
+        (lambda s: s.machines["gantry"].record("x"), ("record", "'x'")),
+        (lambda s: s.machines["gantri"], ("'gantri'", "'gantry'")),
+        (lambda s: s.advance("3"), ("advance", "'3'")),
+        (lambda s: s.advance(1.0), ("1", "t = 2 s")),
+    ],
+)
+def test_misuse_from_outside_is_one_sentence_that_names_the_argument(misuse, words):
+    simulation = sim.Simulation(sim.Trial.parse(TRIAL))
+    simulation.advance(2.0)
+    simulation.advance(2.0)
+    with pytest.raises(ValueError) as refused:
+        misuse(simulation)
+    assert all(word in str(refused.value) for word in words)
+    assert simulation.commands == []
+
+
+def test_misuse_in_a_controller_names_the_line_and_the_argument():
+    def hasty(vehicle):
+        yield vehicle.twist((0.5, 0.1))
+
+    keys = {"at": (4.0, 4.0, 0.0), "controller": hasty}
+    machines = {"a": sim.MachineEntry("amr", keys)}
+    trial = sim.Trial(sim.Trial.parse(TRIAL).floorplan, machines=machines)
+    with pytest.raises(ValueError, match=r"py, line \d+.*a\.twist.*'seconds'"):
+        sim.run(trial)

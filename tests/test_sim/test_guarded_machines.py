@@ -2,6 +2,7 @@
 
 import math
 import textwrap
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -414,7 +415,7 @@ def test_fields_can_be_given_in_python_and_are_written(tmp_path):
     )
     text = trial(fields="").to_yaml(tmp_path)
     made = sim.Trial.parse(text, folder=tmp_path)
-    made = type(made)(**{**vars(made), "fields": {"fork": given}})
+    made = replace(made, fields={"fork": given})
     again = sim.Trial.parse(made.to_yaml(tmp_path), folder=tmp_path)
     assert again.fields["fork"].sets[1] == turned
     assert again.fields["fork"].sets[0].linear == (-1e10, 0.5)

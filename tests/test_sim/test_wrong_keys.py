@@ -77,11 +77,11 @@ trials: [one.trial.yaml]
 grid:
 """
 STUDIES = {
-    "  rules.gantry_law.t7: [1]": "there is no 't7' in 'rules.gantry_law.t7'; there are: t1, t2",
-    "  rules.gantry_law: [1]": "is no single figure",
+    "  rules.gantry_law.t7: [1]": "there is no 't7'; there are: t1, t2",
+    "  rules.gantry_law: [1]": "single values",
     "  people.adam.radius: [1]": "there is no 'adam'",
     "  people.eve.radius: [wide]": "expected a",
-    "  people.eve.radius: [-1]": "must be more than 0",
+    "  people.eve.radius: [-1]": "more than 0",
     "  rules.grace: [true]": "expected a number",
     "  gantry.max_speed: [0]": "must be more than 0",
     "  wheels.size: [1]": "nothing is called 'wheels.size' to vary",

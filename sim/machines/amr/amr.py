@@ -19,7 +19,7 @@ from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.stage import Stage
 from ..arguments import instance, number
-from ..commanded import CommandedMachine, Sighting
+from ..commanded import CommandedMachine
 from ..commanding import Steps
 from ..tasks import Step, Task
 from ..traffic.evading import Evading, Evasion
@@ -41,7 +41,7 @@ class Amr(CommandedMachine, Evading):
     drive: VehicleDrive
 
     FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
-        *("people", "missions", "complete", "twist", "twist_now", "turn_to", "limits")
+        *("missions", "complete", "twist", "twist_now", "turn_to", "limits")
     }
 
     def __init__(
@@ -84,11 +84,6 @@ class Amr(CommandedMachine, Evading):
         self._begin_round()
 
     # Its sensors.
-
-    @property
-    def people(self) -> tuple[Sighting, ...]:
-        """The people around, as it sees them now."""
-        return self._sightings()
 
     @property
     def missions(self) -> tuple[Mission, ...]:

@@ -25,6 +25,7 @@ from ..controllers import (
     pausing,
     supervised,
 )
+from ..policy_files import SUFFIX, PolicyFile
 from .amr import Amr
 
 ASIDE = 0.5
@@ -104,10 +105,14 @@ def program(
 
 def find_program(
     given: str | Callable[[Any], Any], rate: float | None, folder: CodeFolder
-) -> CustomCode | None:
+) -> CustomCode | PolicyFile | None:
     """Return the source of a custom controller, which is not imported; None for other ones."""
     if not isinstance(given, str):
         return None
+    if given.endswith(SUFFIX):
+        if rate is None:
+            return PolicyFile.find(given, folder)
+        raise ControllerError(f"the policy {given!r} has a rate of its own; omit it")
     if given in VEHICLE_CONTROLLERS:
         if rate is None:
             return None

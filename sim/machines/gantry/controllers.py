@@ -12,6 +12,7 @@ from collections.abc import Callable
 from ...core.custom_code import CodeFolder, CustomCode, Kind
 from ..commanding import Steps
 from ..controllers import ControllerError, external, is_controller, oblivious, parked, pausing
+from ..policy_files import SUFFIX, PolicyFile
 from .avoidance import avoiding
 from .robot import GantryRobot
 
@@ -51,7 +52,7 @@ def find_controller(name: str | Controller, folder: CodeFolder) -> Controller:
     return CONTROLLERS[name] if isinstance(name, str) else name
 
 
-def controller_source(name: str | Controller, folder: CodeFolder) -> CustomCode | None:
+def controller_source(name: str | Controller, folder: CodeFolder) -> CustomCode | PolicyFile | None:
     """Return the source of the controller at `package.module:name`, which is not imported.
 
     None for a built-in one, and for a controller itself. `ControllerError` if it is not there.
@@ -59,6 +60,8 @@ def controller_source(name: str | Controller, folder: CodeFolder) -> CustomCode 
     if isinstance(name, str):
         if name in CONTROLLERS:
             return None
+        if name.endswith(SUFFIX):
+            return PolicyFile.find(name, folder)
         return folder.find(name, CONTROLLER)
     if callable(name):
         return None
