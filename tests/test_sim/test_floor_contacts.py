@@ -9,6 +9,7 @@ import shapely
 from run_events import events
 from shapely import affinity
 
+import floorplan
 import navigation
 import sim
 
@@ -264,6 +265,7 @@ def test_a_custom_machine_is_held_where_it_touches_something(tmp_path):
     (tmp_path / "carts.py").write_text("""
 from dataclasses import dataclass
 
+import floorplan
 import navigation
 import sim
 
@@ -349,3 +351,20 @@ def test_contacts_with_people_are_events_when_they_happen(drive):
     aside = 3.6 - 3.4
     radius = trial.floorplan.human.radius
     assert 6.0 - (x + 0.6) == pytest.approx(math.sqrt(radius**2 - aside**2), abs=2e-6)
+
+
+@pytest.mark.parametrize(("top", "touches"), [(3.0, 1), (1.2, 0)])
+def test_a_gantry_that_moves_through_something_as_tall_as_its_torso_touches_it(top, touches):
+    plan = sim.Trial.parse("floorplan: ariac2023").floorplan
+    footprint = shapely.box(-6.2, -0.2, -5.8, 0.2)
+    pillar = floorplan.Obstacle(name="pillar", footprint=footprint, bottom=0.0, top=top)
+    plan = replace(plan, obstacles=(*plan.obstacles, pillar))
+    moves = (sim.Job("move", target=(-2.0, 0.0, 0.0)),)
+    gantry = sim.GantryEntry("oblivious", at=(-9.0, 0.0, 0.0), jobs=moves)
+    run = sim.run(sim.Trial(plan, duration=30.0, gantry=gantry))
+    assert [event["with"] for event in run.events if event["kind"] == "contact"] == (
+        ["pillar"] * touches
+    )
+    x, _, _ = run.motions["gantry"].position(30.0)
+    torso, _, _, _ = plan.gantry.torso
+    assert x == pytest.approx(-6.2 - torso / 2 if touches else -2.0, abs=1e-5)

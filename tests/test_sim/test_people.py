@@ -293,11 +293,11 @@ def test_the_rules_of_the_competition():
 def test_a_simulation_goes_on_to_times_that_are_still_to_come():
     trial = sim.Trial.parse(ALONE.format(duration=20) + "people: [{name: ada}]\n")
     simulation = sim.Simulation(trial)
-    for until in (0.0, 5.0, 5.0, 2.0, 12.5, math.inf, 30.0):
+    for until in (0.0, 5.0, 5.0, 12.5, math.inf, 30.0):
         simulation.advance(until)
     assert simulation.over
     assert simulation.finish().events == sim.run(trial).events
-    with pytest.raises(ValueError, match="give seconds"):
+    with pytest.raises(ValueError, match="seconds"):
         simulation.advance(math.nan)
 
 

@@ -219,11 +219,6 @@ class GantryRobot(CommandedMachine, Evading):
         self.drive.disable(seconds)
 
     @property
-    def planned_at(self) -> float:
-        """Minus infinity for a motion that it follows, infinity for its own moves."""
-        return -math.inf if self.drive.target is None else math.inf
-
-    @property
     def goal(self) -> Point | None:
         """The place (x, y) to which it moves, or has moved."""
         target = self.drive.target
