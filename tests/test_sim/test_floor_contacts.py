@@ -365,6 +365,6 @@ def test_a_gantry_that_moves_through_something_as_tall_as_its_torso_touches_it(t
     assert [event["with"] for event in run.events if event["kind"] == "contact"] == (
         ["pillar"] * touches
     )
-    x, _, _ = run.motions["gantry"].position(30.0)
+    x, _ = run.motions["gantry"].position(30.0)
     torso, _, _, _ = plan.gantry.torso
     assert x == pytest.approx(-6.2 - torso / 2 if touches else -2.0, abs=1e-5)
