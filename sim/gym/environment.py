@@ -22,7 +22,7 @@ from ..machines.gantry.robot import GantryRobot
 from ..machines.policy import (
     ActionBounds,
     Array,
-    Interface as Interface,
+    Interface,
     Observation,
     flat,
     goal_of,
@@ -175,14 +175,14 @@ class Spaces:
                 raise UserError(f"{key} must be {known[0]!r} or {known[1]!r}, not {value!r}")
         machine = episodes.ticks.machines[name]
         self._flat = observation == "flat"
-        boxes: dict[str, spaces.Space[Any]] = {
-            key: spaces.Box(low, high, dtype=np.float32)
-            for key, (low, high) in episodes.interface.bounds(machine).items()
-        }
-        self.observation: spaces.Space[Any] = spaces.Dict(boxes)
+        bounds = episodes.interface.bounds(machine)
+        self.observation: spaces.Space[Any] = spaces.Dict(
+            {key: spaces.Box(low, high, dtype=np.float32) for key, (low, high) in bounds.items()}
+        )
         if self._flat:
-            bounds = episodes.interface.bounds(machine).values()
-            low, high = (np.concatenate([pair[k].ravel() for pair in bounds]) for k in (0, 1))
+            low, high = (
+                np.concatenate([pair[k].ravel() for pair in bounds.values()]) for k in (0, 1)
+            )
             self.observation = spaces.Box(low, high, dtype=np.float32)
         self._actions = ActionBounds(machine)
         count = self._actions.count
@@ -256,8 +256,7 @@ class FloorEnv(gymnasium.Env[Any, Any]):
         render_mode: str | None = None,
         **keys: Any,
     ) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise UserError(f"render_mode must be 'rgb_array', not {render_mode!r}")
+        check_render_mode(render_mode)
         self.interface = interface_of(keys)
         self.episodes = Episodes(trial, [machine] if machine else [], self.interface)
         self.name = self.episodes.names[0]
@@ -324,6 +323,12 @@ class FloorEnv(gymnasium.Env[Any, Any]):
     def run(self) -> Run:
         """Return the run of this episode up to now, for a recording or a replay page."""
         return self.episodes.ticks.finish()
+
+
+def check_render_mode(mode: str | None) -> None:
+    """Raise `ValueError` for a mode of `render` that does not exist."""
+    if mode not in (None, "rgb_array"):
+        raise UserError(f"render_mode must be 'rgb_array', not {mode!r}")
 
 
 def interface_of(keys: dict[str, Any]) -> Interface:

@@ -17,7 +17,15 @@ from ..machines.policy import goal_of
 from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
-from .environment import FOLDER, Episodes, Spaces, Transition, interface_of, usual_reward
+from .environment import (
+    FOLDER,
+    Episodes,
+    Spaces,
+    Transition,
+    check_render_mode,
+    interface_of,
+    usual_reward,
+)
 
 
 class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no types
@@ -46,8 +54,7 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         render_mode: str | None = None,
         **keys: Any,
     ) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise UserError(f"render_mode must be 'rgb_array', not {render_mode!r}")
+        check_render_mode(render_mode)
         self.episodes = Episodes(trial, machines, interface_of(keys))
         self.possible_agents = [*self.episodes.names]
         self.agents = [*self.possible_agents]

@@ -158,7 +158,7 @@ def goal_of(machine: CommandedMachine) -> Pose | None:
 
 
 class ActionBounds:
-    """ActionBounds of a machine as numbers from -1 to 1, the bounds of what they stand for.
+    """Actions of a machine as numbers from -1 to 1, and the commands that they stand for.
 
     Those of a vehicle stand for its twist: m/s forwards, m/s to the left (of a holonomic drive
     only) and rad/s. Those of a gantry stand for its target (x, y in metres) and the share of its
