@@ -258,10 +258,10 @@ class FloorEnv(gymnasium.Env[Any, Any]):
     ) -> None:
         check_render_mode(render_mode)
         self.interface = interface_of(keys)
-        self.episodes = Episodes(trial, [machine] if machine else [], self.interface)
+        study = study_of(trial)
+        names = [machine] if machine else names_of(study.trials[0])[:1]
+        self.episodes = Episodes(study, names, self.interface)
         self.name = self.episodes.names[0]
-        self.episodes.names = [self.name]
-        self.episodes.ticks = Ticks(self.episodes.study.trials[0], [self.name], self.interface)
         self.render_mode = render_mode
         self._reward = reward
         self._spaces = Spaces(self.episodes, self.name, observation=observation, actions=actions)
