@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
 from pydantic_core import CoreSchema
 from pydantic_core.core_schema import (
     bool_schema,
@@ -16,8 +16,10 @@ from pydantic_core.core_schema import (
     int_schema,
     no_info_after_validator_function,
     tuple_schema,
+    with_info_after_validator_function,
 )
 
+from .forms import composed, has_fields
 from .problems import UserError
 
 LARGEST = 1e10
@@ -77,8 +79,9 @@ def _checked_size(value: float) -> float:
     return value
 
 
-def _checked_angle(value: float) -> float:
-    if abs(value) > LARGEST_ANGLE:
+def _checked_angle(value: float, info: ValidationInfo) -> float:
+    # A rotated floor adds its rotation to the angles, and a recording has the sums.
+    if abs(value) > LARGEST_ANGLE and not has_fields(info.context):
         raise UserError(f"expected radians, found {value:g}: {value:g}° are {radians(value):.4f}")
     return value
 
@@ -121,7 +124,7 @@ Positive = Annotated[
 ]
 """A field of a file: a number from 1e-6 to `LARGEST`."""
 
-Angle = Annotated[float, Reads(no_info_after_validator_function(_checked_angle, _NUMBER))]
+Angle = Annotated[float, Reads(with_info_after_validator_function(_checked_angle, _NUMBER))]
 """A field of a file: an angle in radians, of two turns at most."""
 
 NotNegative = Annotated[float, Reads(_NOT_NEGATIVE, time_fault)]
@@ -155,7 +158,7 @@ Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_r
 """A field of a file: [low, high] with low < high, from -`LARGEST` to `LARGEST`."""
 
 
-KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True)
+KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True, arbitrary_types_allowed=True)
 """How a dataclass is read that is a part of a file: unknown keys are refused."""
 
 
@@ -188,6 +191,17 @@ class Keyed:
         """Shorten the representation. `dataclass` leaves one that is there already unchanged."""
         super().__init_subclass__()
         cls.__repr__ = brief  # type: ignore[method-assign]
+
+
+class ComposedKeys:
+    """Base of dataclasses with fields that a file gives by several keys: see `Composed`."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = KEYS
+
+    @model_validator(mode="before")
+    @classmethod
+    def _compose(cls, keys: Any, info: ValidationInfo) -> Any:
+        return keys if has_fields(info.context) else composed(cls, keys)
 
 
 class Strictly(BaseModel):

@@ -16,6 +16,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from floorplan import Obstacle, Point, UserError
 from floorplan.files.fields import (
     LARGEST,
+    ComposedKeys,
     Flag,
     Judged,
     Keyed,
@@ -26,7 +27,8 @@ from floorplan.files.fields import (
     Range,
     whole,
 )
-from floorplan.files.problems import Written
+from floorplan.files.forms import Composed, Data, Written, written
+from floorplan.footprints import Bottom, Top
 
 from .schedule import Drawn, Duration
 
@@ -306,8 +308,27 @@ COMMANDS = ("send", "block", "clear", "hold", "release")
 """The fields of a command of which it has one, unless it is a `call`."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Block(Obstacle):
+    """Keys of an obstacle that a command adds."""
+
+    name: Annotated[str, Field(min_length=1, alias="block")]
+    bottom: Bottom = 0.0
+    top: Top = 1.0
+
+    def obstacle(self) -> Obstacle:
+        """Return the obstacle."""
+        parts = {"footprint": self.footprint, "bottom": self.bottom, "top": self.top}
+        return Obstacle(name=self.name, **parts)
+
+
+def _block_keys(command: Command) -> Data:
+    block = command.block
+    return {} if block is None else {"block": block.name, **written(block)}
+
+
 @dataclass(frozen=True)
-class Command(Keyed):
+class Command(ComposedKeys, Keyed):
     """External command during a trial, carried out after all other events of its time.
 
     Exactly one of `send`, `block`, `clear`, `hold`, `release` and `call` must be given. A `call` is
@@ -340,13 +361,26 @@ class Command(Keyed):
     _: KW_ONLY
     send: str | None = None
     to: Place | None = None
-    block: Annotated[Obstacle | None, Written(None)] = None
+    block: Annotated[
+        Obstacle | None,
+        Field(alias="\0block"),
+        Composed(Block, Block.obstacle, _block_keys, only_with="block"),
+    ] = None
     clear: str | None = None
     hold: str | None = None
     release: str | None = None
     call: str | None = None
     machine: str | None = None
     arguments: dict[str, Any] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_command(cls, keys: Any) -> Any:
+        if isinstance(keys, dict) and len(keys.keys() & {*COMMANDS, "call"}) != 1:
+            raise UserError(
+                f"give a time and one of {', '.join(COMMANDS)}; or a machine and a call"
+            )
+        return keys
 
     @property
     def at(self) -> float:

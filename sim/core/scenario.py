@@ -26,7 +26,7 @@ from floorplan.files.fields import (
     brief,
     whole,
 )
-from floorplan.files.problems import Written
+from floorplan.files.forms import Written
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 

@@ -26,6 +26,7 @@ from floorplan import Obstacle, UserError
 from floorplan.files.fields import (
     LARGEST,
     SMALLEST,
+    ComposedKeys,
     Flag,
     Judged,
     Keyed,
@@ -36,7 +37,7 @@ from floorplan.files.fields import (
     size_fault,
     whole,
 )
-from floorplan.files.problems import Written
+from floorplan.files.forms import Composed, Data, Written, written
 
 DAY = 86_400.0
 """Seconds."""
@@ -399,12 +400,20 @@ class DoorTimes(Keyed):
         return (self.open is None) != within(self.intervals, t)
 
 
+def _obstacle_keys(timed: TimedObstacle) -> Data:
+    return written(timed.obstacle)
+
+
 @dataclass(frozen=True)
-class TimedObstacle:
+class TimedObstacle(ComposedKeys):
     """An obstacle that stands on the floor within the intervals of `there`."""
 
-    obstacle: Obstacle
-    there: tuple[Interval, ...]
+    obstacle: Annotated[
+        Obstacle,
+        Field(alias="\0obstacle"),
+        Composed(Obstacle, written=_obstacle_keys),
+    ]
+    there: Intervals
 
 
 def within(intervals: Iterable[Interval], t: float) -> bool:

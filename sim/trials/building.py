@@ -192,7 +192,7 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
         "folder": folder,
         "floorplan_source": schema.floorplan if isinstance(schema.floorplan, str) else "",
         "until_submitted": bool(schema.until_submitted),
-        "obstacles": tuple(keys.value(name) for name, keys in schema.obstacles.items()),
+        "obstacles": tuple(schema.obstacles.values()),
         "commands": () if isinstance(schema.commands, str) else schema.commands,
     }
     trial = form(**given, own_code=code.allowed)
