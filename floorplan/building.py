@@ -16,7 +16,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 from typing_extensions import Self
 
-from .files.fields import Angle, Flag, Number, Pair, Positive, Range, Strictly
+from .files.fields import Angle, Flag, Number, Pair, Position, Positive, Range, Strictly
 from .files.forms import CALLED, Written, called, fields_of, form_keys
 from .files.problems import UserError
 from .footprints import FootprintKeys, Ring
@@ -158,7 +158,7 @@ class FloorplanSchema(Strictly):
     boundary: Ring | None = Field(None, validate_default=True)
     holes: list[Ring] = []
     obstacles: Annotated[dict[str, Obstacle], BeforeValidator(called)] = {}
-    stations: dict[str, Pair] = {}
+    stations: dict[str, Position] = {}
     patrol: list[str] | None = None
     safe_zone: SafeZone | None = None
     human: Human = Human()

@@ -16,7 +16,7 @@ from pydantic import AfterValidator, Field, model_validator
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
-from .files.fields import KEYS, Angle, ComposedKeys, Flag, Number, Pair, Positive, Range
+from .files.fields import KEYS, Angle, ComposedKeys, Flag, Number, Pair, Position, Positive, Range
 from .files.forms import CALLED, Written
 from .files.problems import Problem, UserError
 from .files.values import NamedField
@@ -281,7 +281,7 @@ class Gate:
 
     name: Called
     ends: Ends
-    towards: Pair
+    towards: Position
     concerns: Concerns = EVERYBODY
 
     def is_about(self, name: str) -> bool:
@@ -316,7 +316,7 @@ class SafeZone:
 
     __pydantic_config__ = KEYS
 
-    position: Annotated[Pair, Field(alias="at")]
+    position: Annotated[Position, Field(alias="at")]
     heading: Angle = 0.0
 
 
@@ -370,7 +370,7 @@ class Lane(ComposedKeys):
     """
 
     name: Called
-    origin: Pair
+    origin: Position
     heading: Angle
     limits: Range
     locations: Annotated[Mapping[str, float], Written(dict[str, Number])]

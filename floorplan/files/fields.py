@@ -9,12 +9,13 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
-from pydantic_core import CoreSchema
+from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import (
     bool_schema,
     float_schema,
     int_schema,
     no_info_after_validator_function,
+    no_info_before_validator_function,
     tuple_schema,
     with_info_after_validator_function,
 )
@@ -101,6 +102,31 @@ class Reads:
         return dict(self._schema)
 
 
+class Expected:
+    """Annotation of the types that a value has in a file, with a `hint` for errors."""
+
+    def __init__(self, hint: str, *types: type) -> None:
+        self._types = types
+        names: dict[type, str] = {
+            list: "a list",
+            tuple: "a list",
+            dict: "keys with values",
+            str: "text",
+        }
+        self._context = {
+            "forms": " or ".join(dict.fromkeys(names[one] for one in types)),
+            "hint": hint,
+        }
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_before_validator_function(self._of_type, handler(kind))
+
+    def _of_type(self, value: object) -> object:
+        if not isinstance(value, self._types):
+            raise PydanticCustomError("form", "expected {forms}; give {hint}", self._context)
+        return value
+
+
 class Judged:
     """Annotation whose `fault` says why a value that was given in Python is out of range.
 
@@ -146,6 +172,12 @@ def whole(least: int | None = None, most: int | None = None) -> Reads:
 
 Pair = Annotated[tuple[float, float], Reads(_PAIR)]
 """A field of a file: two numbers from -`LARGEST` to `LARGEST`."""
+
+
+Position = Annotated[
+    tuple[float, float], Reads(_PAIR), Expected("a position [x, y] in metres", list, tuple)
+]
+"""A field of a file: a position (x, y) in metres."""
 
 
 def _rising(pair: tuple[float, float]) -> tuple[float, float]:

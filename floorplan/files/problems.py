@@ -143,6 +143,7 @@ EXPECTED = {
     "finite_number": "a finite number",
     "float_parsing": "a number",
     "float_type": "a number",
+    "form": "{forms}",
     "greater_than": "more than {gt:g}",
     "greater_than_equal": "at least {ge:g}",
     "int_type": "a whole number",
@@ -166,6 +167,7 @@ FORMS = (
     "dataclass_type",
     "dict_type",
     "float_type",
+    "form",
     "int_type",
     "list_type",
     "literal_error",
@@ -257,4 +259,5 @@ def _wrong_form(misfit: dict[str, Any], forms: Iterable[str]) -> str:
         message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
     if last == EXPECTED["string_type"] and isinstance(found, bool):
         message += " (to YAML yes, no, on and off are true or false: put them in quotes)"
-    return f"{message}, found {shown(found)}"
+    hint = misfit.get("ctx", {}).get("hint")
+    return f"{message}, found {shown(found)}" + (f"; give {hint}" if hint else "")

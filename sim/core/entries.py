@@ -17,6 +17,7 @@ from floorplan import Obstacle, Point, UserError
 from floorplan.files.fields import (
     LARGEST,
     ComposedKeys,
+    Expected,
     Flag,
     Judged,
     Keyed,
@@ -32,10 +33,14 @@ from floorplan.footprints import Bottom, Top
 
 from .schedule import Drawn, Duration
 
-Pose = tuple[Number, Number, Number]
+Pose = Annotated[tuple[Number, Number, Number], Expected("a pose [x, y, rotation]", list, tuple)]
 """x, y in metres, rotation in radians."""
 
-Place = Annotated[Point | str, Written(Pair | str)]
+Place = Annotated[
+    Point | str,
+    Written(Pair | str),
+    Expected("a position [x, y] or the name of a station or door", list, tuple, str),
+]
 """A position (x, y in metres), or the name of a station or a door."""
 
 

@@ -27,6 +27,7 @@ from floorplan.files.fields import (
     LARGEST,
     SMALLEST,
     ComposedKeys,
+    Expected,
     Flag,
     Judged,
     Keyed,
@@ -274,7 +275,7 @@ class WorkTask(Keyed):
         Number of times it is offered with `every`. The default is no limit.
     """
 
-    at: Annotated[str, Field(min_length=1)]
+    at: Annotated[str, Field(min_length=1), Expected("the name of a station", str)]
     duration: Annotated[
         Duration,
         Written(Positive | _Distribution),

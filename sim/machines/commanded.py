@@ -404,6 +404,7 @@ class CommandedMachine(Machine):
         """Tasks that can be started or continued now, in order of preference."""
         return self.tasks.open
 
+    @checked
     def next_task(self) -> Event:
         """Wait for a task.
 

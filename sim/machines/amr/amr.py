@@ -14,7 +14,7 @@ from floorplan import Point, UserError
 from navigation import Motion, PlanningError
 from navigation.vehicles import Twist, TwistCourse
 
-from ...core.body import OnContact, commands
+from ...core.body import OnContact, checked, commands
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.stage import Stage
@@ -147,6 +147,7 @@ class Amr(CommandedMachine, Evading):
 
     # Its tasks.
 
+    @checked
     def locate(self, task: Task) -> Event:
         """Begin the task: the value is the pose of its next step, once there is a route to it."""
         return self._command(self._find(instance("locate(task)", task, Task)))
@@ -157,6 +158,7 @@ class Amr(CommandedMachine, Evading):
         instance("handle(task)", task, Task)
         return self._command(self._handle(task, self.drive.begin()))
 
+    @checked
     def complete(self) -> None:
         """Count the current mission as done. `UserError` if there is none.
 
