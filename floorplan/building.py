@@ -17,9 +17,9 @@ from pydantic_core import PydanticCustomError
 from typing_extensions import Self
 
 from .files.fields import Angle, Flag, Number, Pair, Position, Positive, Range, Strictly
+from .files.footprints import FootprintKeys, Ring
 from .files.forms import CALLED, Written, called, fields_of, form_keys
 from .files.problems import UserError
-from .footprints import FootprintKeys, Ring
 from .model import Door, Gantry, Gate, Human, Lane, Name, Obstacle, SafeZone, Station, Zone
 
 

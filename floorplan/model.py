@@ -17,10 +17,7 @@ from shapely.geometry import Polygon
 from typing_extensions import Self
 
 from .files.fields import KEYS, Angle, ComposedKeys, Flag, Number, Pair, Position, Positive, Range
-from .files.forms import CALLED, Written
-from .files.problems import Problem, UserError
-from .files.values import NamedField
-from .footprints import (
+from .files.footprints import (
     Area,
     ArmBottom,
     ArmMount,
@@ -34,6 +31,9 @@ from .footprints import (
     Torso,
     Width,
 )
+from .files.forms import CALLED, Written
+from .files.problems import Problem, UserError
+from .files.values import NamedField
 
 DEFAULT_HEIGHT = 3.0
 """Metres. Height of obstacles from formats that have no heights."""

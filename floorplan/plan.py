@@ -13,9 +13,9 @@ from shapely.geometry import Polygon
 from .building import OF_ONE_LANE
 from .checks import check
 from .files.documents import MOST_TEXT, yaml_text
+from .files.footprints import ring_keys
 from .files.forms import Data, plain, written
 from .files.problems import UserError
-from .footprints import ring_keys
 from .formats import OF_SUFFIX, ROS_MAP, WRITTEN, YAML, function
 from .model import Floor, Lane
 

@@ -127,14 +127,22 @@ class Expected:
         return value
 
 
-class Judged:
-    """Annotation whose `fault` says why a value that was given in Python is out of range.
+class Fits:
+    """Annotation of a rule for a value, whether it is read from a file or given in Python.
 
-    It returns an empty text for values that can be. How a file is read stays as it is.
+    `fault` returns the reason why a value does not fit, or an empty text. None always fits.
     """
 
     def __init__(self, fault: Callable[[Any], str]) -> None:
         self.fault = fault
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_after_validator_function(self._checked, handler(kind))
+
+    def _checked(self, value: Any) -> Any:
+        if value is not None and (fault := self.fault(value)):
+            raise UserError(fault)
+        return value
 
 
 _NUMBER = float_schema(strict=True, ge=-LARGEST, le=LARGEST, allow_inf_nan=False)

@@ -18,8 +18,8 @@ from floorplan.files.fields import (
     LARGEST,
     ComposedKeys,
     Expected,
+    Fits,
     Flag,
-    Judged,
     Keyed,
     NotNegative,
     Number,
@@ -28,8 +28,8 @@ from floorplan.files.fields import (
     Range,
     whole,
 )
+from floorplan.files.footprints import Bottom, Top
 from floorplan.files.forms import Composed, Data, Written, written
-from floorplan.footprints import Bottom, Top
 
 from .schedule import Drawn, Duration
 
@@ -176,7 +176,7 @@ class NoticingEntry(Keyed):
         Delay in seconds between seeing and perceiving.
     """
 
-    field_of_view: Annotated[Drawn | None, Judged(_view_fault)] = None
+    field_of_view: Annotated[Drawn | None, Fits(_view_fault)] = None
     occlusion: Flag = False
     reaction_time: Drawn | None = None
 
@@ -193,7 +193,7 @@ def drawn_figure(value: Drawn, seed: int, what: str) -> float:
     return random.uniform(*value) if isinstance(value, tuple) else value
 
 
-def _at_least(least: float) -> Judged:
+def _at_least(least: float) -> Fits:
     """Return the annotation of a figure, or of two that rise, from `least` on."""
 
     def fault(value: float | tuple[float, float]) -> str:
@@ -202,7 +202,7 @@ def _at_least(least: float) -> Judged:
             return ""
         return f"must be {least:g} or more, or [least, most] of that, not {value!r}"
 
-    return Judged(fault)
+    return Fits(fault)
 
 
 Spread = Annotated[float | tuple[float, float], Written(NotNegative | Range), _at_least(0.0)]
@@ -314,7 +314,7 @@ COMMANDS = ("send", "block", "clear", "hold", "release")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Block(Obstacle):
+class BlockKeys(Obstacle):
     """Keys of an obstacle that a command adds."""
 
     name: Annotated[str, Field(min_length=1, alias="block")]
@@ -369,7 +369,7 @@ class Command(ComposedKeys, Keyed):
     block: Annotated[
         Obstacle | None,
         Field(alias="\0block"),
-        Composed(Block, Block.obstacle, _block_keys, only_with="block"),
+        Composed(BlockKeys, BlockKeys.obstacle, _block_keys, only_with="block"),
     ] = None
     clear: str | None = None
     hold: str | None = None

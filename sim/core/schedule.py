@@ -28,8 +28,8 @@ from floorplan.files.fields import (
     SMALLEST,
     ComposedKeys,
     Expected,
+    Fits,
     Flag,
-    Judged,
     Keyed,
     NotNegative,
     Number,
@@ -244,7 +244,7 @@ Drawn = Annotated[
             Discriminator(_form),
         ]
     ),
-    Judged(_drawn_fault),
+    Fits(_drawn_fault),
 ]
 """A figure; the least and the most, between which it is drawn evenly; or a distribution."""
 

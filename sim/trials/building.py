@@ -316,7 +316,8 @@ def _problems(trial: Scenario, document: Document, owners: list[int]) -> Iterato
     `owners` are the numbers of the entries of people in the file.
     """
     found = (
-        document.problem(text, *_in_file(at, document.data, owners)) for text, at in faults(trial)
+        document.problem(text, *_in_file(at, document.data, owners))
+        for text, at in faults(trial, was_read=True)
     )
     yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
     if trial.floorplan.gantry is not None:

@@ -13,8 +13,8 @@ from hypothesis import given, strategies as st
 import bdi
 import floorplan
 import sim
+from floorplan.files.footprints import FootprintKeys
 from floorplan.files.forms import form_keys, forms
-from floorplan.footprints import FootprintKeys
 from sim.core.entries import RecordedTrack
 from sim.core.fields import Muting
 from sim.core.schedule import DoorTimes

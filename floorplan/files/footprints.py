@@ -8,9 +8,9 @@ from pydantic import Field, model_validator
 from shapely.geometry import Polygon, box
 from typing_extensions import Self
 
-from .files.fields import KEYS, Pair, Positive, Range
-from .files.forms import Composed, Data, plain
-from .files.problems import UserError
+from .fields import KEYS, Pair, Positive, Range
+from .forms import Composed, Data, plain
+from .problems import UserError
 
 Size = tuple[Positive, Positive]
 
