@@ -31,10 +31,6 @@ from .kernels.numbers import numbers
 
 Floats = NDArray[np.float64]
 
-_OVERLAP = 1e-3
-"""Radians. How far a sector reaches into the strips beside it, so that rounding leaves no crack
-between them."""
-
 _FULL = 2 * math.pi
 _BEGIN, _TURN = np.array([math.pi]), np.array([_FULL])
 """Where the corner begins that a disc is, and the angle of its arc (radians)."""
@@ -165,14 +161,6 @@ def _fans_of_disc(step: float) -> tuple[Any, ...]:
     return _fans(_BEGIN, _TURN, step)
 
 
-def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:
-    """Return the room on the left of `edges` that is closer to them than `radius` metres."""
-    strips = _strips(edges, radius)
-    sectors = _sectors(corners(edges), radius, step)
-    # Most floors are many small things far apart: those that don't touch need no overlay.
-    return shapely.disjoint_subset_union_all(np.concatenate([strips, sectors]))
-
-
 def around_disc(centre: tuple[float, float], radius: float, step: float) -> Polygon:
     """Return the regular polygon around a disc whose sides subtend at most `step` radians."""
     return Polygon(bends(round_corner(centre, radius), 0.0, step).point)
@@ -194,32 +182,6 @@ def _sides(edges: list[Floats]) -> tuple[Floats, Floats]:
     begin = np.concatenate([none, *(ring[:-1] for ring in edges)])
     end = np.concatenate([none, *(ring[1:] for ring in edges)])
     return begin, end
-
-
-def _strips(edges: list[Floats], radius: float) -> NDArray[np.object_]:
-    a, b = _sides(edges)
-    along = b - a
-    left = np.column_stack([-along[:, 1], along[:, 0]])
-    left *= radius / np.hypot(along[:, 0], along[:, 1])[:, None]
-    strips: NDArray[np.object_] = shapely.polygons(np.stack([a, b, b + left, a + left], axis=1))
-    return strips
-
-
-def _sectors(around: Corners, radius: float, step: float) -> NDArray[np.object_]:
-    count = len(around.turn)
-    arc = bends(Corners(around.centre, np.zeros(count), around.begin, around.turn), radius, step)
-    # A sector is the centre, the bends of the arc, and both ends of it, a little beyond the strips.
-    first = around.centre + radius * _unit(around.begin + _OVERLAP)
-    last = around.centre + radius * _unit(around.begin - around.turn - _OVERLAP)
-    points = np.concatenate([around.centre, first, arc.point, last])
-    numbers = np.arange(count)
-    of = np.concatenate([numbers, numbers, arc.corner, numbers])
-    # The points of one sector follow each other, in the order they have above.
-    order = np.argsort(of, kind="stable")
-    sectors: NDArray[np.object_] = shapely.polygons(
-        shapely.linearrings(points[order], indices=of[order])
-    )
-    return sectors
 
 
 def _unit(angle: Floats) -> Floats:

@@ -28,7 +28,6 @@ from .bodies import (
     corners,
     edges_of_room,
     flat_sides,
-    grown,
 )
 from .kernels.discs import within_bounds
 from .kernels.edges import Grid, back_through
@@ -39,6 +38,10 @@ _Found = TypeVar("_Found")
 
 STEP = math.radians(3.0)
 """Radians. How finely arcs are drawn here: at most 0.04 % of the radius is lost."""
+
+_CHORDS = math.ceil(0.75 * math.pi / STEP)
+"""Chords per quarter of an arc of GEOS. It rounds the number of chords of an arc to the nearest, so
+a chord spans at most 1.5 times its share of the quarter, which is `STEP`."""
 
 _MOST_KNOWN = 200
 """Number of places of which the piece that they are in, or the nearest place, is kept."""
@@ -148,7 +151,7 @@ def _once(known: dict[Point, _Found], point: Point, find: Callable[[Point], _Fou
 
 def shrunk(room: shapely.Geometry, radius: float) -> shapely.Geometry:
     """Return the part of `room` that is at least `radius` metres from its edges."""
-    return room.difference(grown(edges_of_room(room), radius, STEP))
+    return room.buffer(-radius / math.cos(STEP / 2), quad_segs=_CHORDS)
 
 
 def without(space: FreeSpace, bodies: Sequence[CollisionBody], radius: float) -> FreeSpace:
@@ -181,7 +184,7 @@ def _grown_body(body: CollisionBody, radius: float) -> shapely.Geometry:
     if len(edges) == 1 and len(around.turn) == len(edges[0]) - 1:
         # Convex: the bends around its corners are all there is to the outline.
         return Polygon(bends(around, radius, STEP).point)
-    return body.shape.union(grown(edges, radius, STEP))
+    return body.shape.buffer(radius / math.cos(STEP / 2), quad_segs=_CHORDS)
 
 
 _THIN = 1e-7

@@ -15,13 +15,13 @@ from math import inf
 
 from floorplan.files.values import require
 
-from .condition import Condition
 from .encounter import Shapes
 from .kernels import lookout as kernel
 from .kernels.encounter import Encounter
-from .kernels.watch import ChangeSearch, TooClose, in_kernel, least
+from .kernels.laws import evaluator_of
+from .kernels.watch import ChangeSearch, Condition, TooClose, in_kernel, least
 from .motion import Motion
-from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
+from .separation import AnyLaw, Scaled, is_of_motions
 
 RESOLUTION = 1e-7
 """Seconds. Instants are found at least this exactly; nothing longer is missed."""
@@ -260,7 +260,6 @@ def minimum_margin(
     TypeError, ValueError
         See `first_violation`.
     """
-    require_sense(law)
     _check(person, machine, begin, end)
     encounter = Encounter(person, machine, () if shapes is None else shapes.gauges)
     judged = law
@@ -268,7 +267,7 @@ def minimum_margin(
     while isinstance(judged, Scaled):
         judged = judged.law
     tolerance = EXACT if is_of_motions(judged) else PLAIN
-    return least(kernel_of(law), encounter, float(begin), float(end), tolerance)
+    return least(evaluator_of(law), encounter, float(begin), float(end), tolerance)
 
 
 class StoppingHorizon(kernel.Lookout):
@@ -279,4 +278,4 @@ class StoppingHorizon(kernel.Lookout):
 
     def __init__(self, law: AnyLaw, margin: float, shapes: Shapes | None = None) -> None:
         gauges = [] if shapes is None else [*shapes.gauges]
-        super().__init__(kernel_of(law), margin, RESOLUTION, gauges)
+        super().__init__(evaluator_of(law), margin, RESOLUTION, gauges)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ..enclosure import Bounds, Enclosure
+from .enclosure import Bounds, Enclosure
 from .numbers import numbers
 
 if TYPE_CHECKING:

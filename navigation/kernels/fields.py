@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import cython
 
-    from ..motion import Motion
+    from .encounter import Tabled
 else:
     from . import uncompiled as cython
 
@@ -40,7 +40,7 @@ class FieldSwitches:
     def __init__(self, sets: Numbers) -> None:
         self.sets = sets
 
-    def switches(self, machine: Motion, begin: float, end: float) -> list[tuple[float, int]]:
+    def switches(self, machine: Tabled, begin: float, end: float) -> list[tuple[float, int]]:
         """Return when another set begins to apply, and its number, from `begin` to `end` (seconds).
 
         The number is -1 where no set applies. The first of them is at `begin`.

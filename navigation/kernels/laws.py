@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..enclosure import Enclosure
+from .enclosure import Enclosure
 
 if TYPE_CHECKING:
     import cython
@@ -42,6 +42,39 @@ class LawEvaluator:
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """Return the required distance over an interval."""
         return enclosure_of(self.require(encounter, begin, end))
+
+
+def evaluator_of(law: Any) -> LawEvaluator:
+    """Return the evaluator of a law.
+
+    Raises
+    ------
+    ValueError
+        If a custom law has no method for it, or decreases with a speed.
+    """
+    if isinstance(law, LawEvaluator):
+        return law
+    if hasattr(law, "evaluator"):
+        evaluator: LawEvaluator = law.evaluator()
+        return evaluator
+    return PythonLaw(law, hasattr(law, "distance"), hasattr(law, "required"))
+
+
+def require_sense(law: Any) -> None:
+    """Raise `ValueError` if a law decreases with a speed. Only a few speeds are tested."""
+    least: Any = None
+    for human, robot in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 1.0)):
+        metres = law.distance(human, robot)
+        if least is None:
+            least = metres
+        # NaN fails this comparison too, also with itself.
+        if not metres >= least:
+            raise ValueError(
+                f"{law!r} asks for {metres} m at speeds of {human:g} (human) and"
+                f" {robot:g} m/s (robot), but for {least} m at lower ones;"
+                " a law must not ask for less when speeds grow"
+            )
+        least = metres
 
 
 class LinearLaw(LawEvaluator):
@@ -133,11 +166,15 @@ class ScaledLaw(LawEvaluator):
 
 
 class PythonLaw(LawEvaluator):
-    """A law that is written in Python: `source` has a method `distance`, `required` or both."""
+    """Law in Python: `source` has a method `distance` (`of_speeds`), `required` or both."""
 
     def __init__(self, source: Any, of_speeds: bool, of_motions: bool) -> None:
         super().__init__(of_speeds, source)
         self.of_motions = of_motions
+        if not (of_speeds or of_motions):
+            raise ValueError(f"a law has a method distance or required, {source!r} has neither")
+        if of_speeds:
+            require_sense(source)
 
     def distance(self, human: float, robot: float) -> float:
         return float(self.source.distance(human, robot))

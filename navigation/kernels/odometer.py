@@ -8,16 +8,14 @@ Mathematics 4, 2003). Lengths are integrated by Gauss-Legendre quadrature.
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ..enclosure import Enclosure
 from ..polynomials import NODES_8, WEIGHTS_8, smooth_cuts
+from .enclosure import Enclosure
 from .numbers import numbers
 
 if TYPE_CHECKING:
     import cython
-
-    from ..motion import Motion
 else:
     from . import uncompiled as cython
 
@@ -76,7 +74,7 @@ def speed_along(piece: PosePiece, begin: float, end: float) -> TaylorModel:
 class Odometer:
     """Path length and speed of a motion at any time. Jumps add no length."""
 
-    def __init__(self, motion: Motion) -> None:
+    def __init__(self, motion: Any) -> None:
         self.motion = motion
         self.table = motion.table
         self.stretches: Numbers = room(0)
@@ -149,7 +147,7 @@ def speed_over(table: Numbers, begin: float, end: float) -> TaylorModel:
     return TaylorModel((low + high) / 2, 0.0, (high - low) / 2, 0.0)
 
 
-def smooth_stretches(motion: Motion) -> tuple[Numbers, Numbers, float]:
+def smooth_stretches(motion: Any) -> tuple[Numbers, Numbers, float]:
     """Return stretches in which speed is smooth, the lengths before each, and the whole length."""
     cache = vars(motion)
     if _STRETCHES not in cache:

@@ -1,7 +1,7 @@
 from libc.math cimport cos, sin
 from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport Encounter
-from navigation.kernels.laws cimport LawEvaluator
+from navigation.kernels.laws cimport LawEvaluator, evaluator_of
 
 cdef int UNDECIDED
 cdef double _ROUNDING, _SURE

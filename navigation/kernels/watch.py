@@ -6,16 +6,10 @@ Analysis", 1966). The least margin is found by branch and bound over the same in
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-from ..separation import kernel_of, require_sense
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     import cython
-
-    from ..condition import Condition
-    from ..encounter import Box
-    from ..separation import AnyLaw
 else:
     from . import uncompiled as cython
 
@@ -24,7 +18,7 @@ if not cython.compiled:
 
     from .cubics import *
     from .encounter import Encounter
-    from .laws import LawEvaluator
+    from .laws import LawEvaluator, evaluator_of
 
 UNDECIDED: cython.int = -1
 
@@ -33,6 +27,44 @@ STANDING_SPEED = 0.01
 
 _ROUNDING: float = 1e-11  # metres; laws that look ahead are not sure of less: it is no violation
 _SURE: float = 1e-12  # metres; so that rounding can't leave a tie undecided
+
+
+class Condition(Protocol):
+    """Interface of conditions on the motions of a person and a machine.
+
+    Conditions combine as `~condition` and `condition & other`.
+    """
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
+        """Evaluate the condition over an interval.
+
+        Parameters
+        ----------
+        encounter : Encounter
+            Bounds on the two motions.
+        begin, end : float
+            Interval within the encounter in seconds.
+
+        Returns
+        -------
+        bool or None
+            True if the condition holds throughout, False if it holds nowhere, None if undecided. It
+            must be decided if `begin` equals `end`.
+        """
+        ...
+
+
+class UprightBox(Protocol):
+    """Interface of `navigation.Box`."""
+
+    @property
+    def length(self) -> float: ...
+    @property
+    def width(self) -> float: ...
+
+    def is_level_with(self, other: Any) -> bool:
+        """Return whether the heights of both boxes overlap."""
+        ...
 
 
 class KernelCondition:
@@ -99,11 +131,9 @@ class TooClose(KernelCondition):
 
     __match_args__ = ("law",)
 
-    def __init__(self, law: AnyLaw) -> None:
-        if not isinstance(law, LawEvaluator):
-            require_sense(law)
+    def __init__(self, law: Any) -> None:
         self.law = law
-        self.evaluator = kernel_of(law)
+        self.evaluator = evaluator_of(law)
 
     def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         law: LawEvaluator = self.evaluator
@@ -248,7 +278,7 @@ class Overlapping(KernelCondition):
 
     __match_args__ = ("one", "other", "depth")
 
-    def __init__(self, one: Box, other: Box, depth: float = 0.0) -> None:
+    def __init__(self, one: UprightBox, other: UprightBox, depth: float = 0.0) -> None:
         if not depth >= 0.0:
             raise ValueError(f"boxes can't overlap by more than {depth} m")
         self.one = one

@@ -19,6 +19,7 @@ from navigation import (
     Scaled,
     SeparationLaw,
 )
+from navigation.kernels.encounter import Encounter
 from navigation.kernels.odometer import Odometer
 from navigation.machines import ARIAC_GANTRY, AxisLimits
 from navigation.motion import State
@@ -239,6 +240,39 @@ def test_a_scaled_law_of_more_than_speeds_has_no_distance_at_speeds_alone():
     assert not is_of_speeds(law)
     with pytest.raises(TypeError, match="more than two speeds"):
         law.distance(1.0, 0.0)
+
+
+class RenamedIntegral(IntegralLaw):
+    """Derived class without methods of its own."""
+
+
+class DoubledDistance(SeparationLaw):
+    """Derived class with another distance."""
+
+    def distance(self, human_speed, robot_speed):
+        return 2 * super().distance(human_speed, robot_speed)
+
+
+@pytest.mark.parametrize(
+    ("derived", "same"),
+    [
+        (RenamedIntegral(t1=0.5, t2=0.7), IntegralLaw(t1=0.5, t2=0.7)),
+        (DoubledDistance(t1=0.5, t2=0.7), Scaled(SeparationLaw(t1=0.5, t2=0.7), 2.0)),
+    ],
+)
+def test_a_derived_law_uses_the_methods_that_it_inherits_and_overrides(derived, same):
+    person = navigation.walk([(-6, 0.8), (6, 0.8)], 0.0)
+    machine = navigation.standing((0, 0))
+    span = (0.0, 12.0)
+    expected = navigation.violations(person, machine, same, *span)
+    found = navigation.violations(person, machine, derived, *span)
+    assert found and np.array(found) == pytest.approx(np.array(expected), abs=1e-6)
+    encounter = Encounter(person, machine)
+    encounter.come_to(2.0)
+    encounter.next_stretch(2.0)
+    assert derived.required(encounter, 2.0, 2.0).value == pytest.approx(
+        same.required(encounter, 2.0, 2.0).value
+    )
 
 
 limits = st.builds(AxisLimits, st.floats(0.05, 3.0), st.floats(0.05, 3.0), st.floats(0.05, 20.0))
