@@ -1,7 +1,4 @@
-"""Intrusions of people into the fields of a machine, in continuous time.
-
-Instants are solved for, so that no contact is missed, however short.
-"""
+"""Intrusions of people into the fields of a machine, in continuous time, however short."""
 
 from __future__ import annotations
 
@@ -59,21 +56,20 @@ def intrusions(
     -------
     tuple of Intrusion
         Contacts in the order of their begins. A contact ends at the latest when another set
-        begins to apply. The response time is not counted.
+        begins to apply. The response time is not included.
 
     Notes
     -----
-    Time is continuous: no contact is missed that is deeper than 1e-10 m. Motions that jump begin
-    or end contacts at the jump.
+    No contact that is deeper than 1e-10 m is missed. Contacts may begin or end at jumps of motions.
     """
-    found: list[Intrusion] = []
+    contacts: list[Intrusion] = []
     for each, span, encounter, last in _spans(
         fields, machine, person, radius, (begin, end), loaded
     ):
         for field, search in each.searches.items():
             for since, until in search.spans(encounter, radius, *span, False):
-                found.append(Intrusion(since, end if until == last else until, field, each.name))
-    return tuple(sorted(found, key=lambda each: (each.begin, each.field)))
+                contacts.append(Intrusion(since, end if until == last else until, field, each.name))
+    return tuple(sorted(contacts, key=lambda each: (each.begin, each.field)))
 
 
 def first_intrusion(
@@ -94,7 +90,7 @@ def first_intrusion(
     fields, machine, person, radius, begin, end, loaded
         See `intrusions`.
     field : {"protective", "warning"}, optional
-        Field to look at. By default both: of those that begin at once, the protective field.
+        Field to test. By default both. If both begin together, the protective field counts.
     """
     for each, span, encounter, _ in _spans(fields, machine, person, radius, (begin, end), loaded):
         best: FieldEntry | None = None
@@ -116,9 +112,9 @@ def _spans(
     within: tuple[float, float],
     loaded: bool,
 ) -> Iterator[tuple[FieldSet, tuple[float, float], Encounter, float]]:
-    """Yield sets, their spans, what bounds the encounter, and when both motions are over."""
+    """Yield sets, their spans, the encounter, and the time at which both motions are over."""
     begin, end = map(float, within)
-    # After both have come to rest nothing changes, so the last second stands for ever.
+    # Nothing changes after both have come to rest, so the last second represents all later ones.
     last = min(end, max(begin, machine.end, person.end) + 1.0)
     encounter = Encounter(person, machine)
     # Most people are out of the reach of all fields for most of the time.

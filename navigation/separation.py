@@ -23,10 +23,10 @@ from .machines import Machine, longest_stop
 from .motion import Motion, Piece
 
 _LONG = 1e4
-"""Seconds. Longer than any law looks ahead or back."""
+"""Seconds. More than the horizon of any law."""
 
 WALKING_SPEED = 1.6
-"""m/s. ISO 13855:2010's approach speed of people who walk."""
+"""Approach speed of walking people in ISO 13855:2010, in m/s."""
 
 
 class Law(Protocol):
@@ -83,7 +83,7 @@ AnyLaw: TypeAlias = Law | MotionLaw
 
 @dataclass(frozen=True)
 class _KernelLaw:
-    """A law that the monitor's kernel computes. Its terms are figures of at least 0."""
+    """Law that the monitor's kernel evaluates. Its values are at least 0."""
 
     def __post_init__(self) -> None:
         for term in fields(self):
@@ -358,8 +358,8 @@ def required_at(
 ) -> float:
     """Return the distance in metres that `law` requires of two motions at `t` (seconds).
 
-    At a change of speed it is the requirement after it. The encounter that a law is asked about
-    measures between centres, or between the surfaces of `shapes`.
+    At a change of speed it is the requirement after it. The encounter for the law has distances
+    between centres, or between the surfaces of `shapes`.
     """
     return required_along(law, person, machine, shapes)(t)
 
@@ -390,7 +390,7 @@ def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> f
 
 
 def _steady(speed: float) -> Motion:
-    """Return going straight on at `speed` (m/s) for long before t = 0 and after."""
+    """Return a straight motion at `speed` (m/s) long before and after t = 0."""
     nowhere = (0.0, 0.0, 0.0, 0.0)
     return Motion((Piece(-_LONG, _LONG, (0.0, speed, 0.0, 0.0), nowhere, nowhere),))
 

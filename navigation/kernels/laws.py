@@ -1,4 +1,4 @@
-"""Separation laws: what they require at two speeds, and over an interval of an encounter.
+"""Evaluation of separation laws at two speeds, and over an interval of an encounter.
 
 Over an interval the required distance is a Taylor model (see `odometer`). The linear law is that of
 speed and separation monitoring in ISO/TS 15066, 5.5.4.
@@ -22,10 +22,10 @@ if not cython.compiled:
 
 
 class LawEvaluator:
-    """A separation law: `distance` from two speeds, `require` of an encounter.
+    """Separation law with `distance` for two speeds, and `require` for an encounter.
 
-    `of_speeds` is False where two speeds are not all it asks for, and `steady` True where not even
-    they matter; `source` is named in messages.
+    `of_speeds` is true if the law depends on two speeds alone, and `steady` if it depends on
+    neither. Messages name `source`.
     """
 
     def __init__(self, of_speeds: bool, source: Any = None, *, steady: bool = False) -> None:
@@ -105,7 +105,7 @@ class LinearLaw(LawEvaluator):
 
 
 class PathIntegralLaw(LawEvaluator):
-    """The integral form (`navigation.IntegralLaw`); `stopping` is negative where it is braking."""
+    """Integral form (`navigation.IntegralLaw`). A negative `stopping` means linear braking."""
 
     def __init__(self, t1: float, t2: float, stopping: float, allowance: float) -> None:
         super().__init__(False)
@@ -151,8 +151,7 @@ class ScaledLaw(LawEvaluator):
     def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
         whole: TaylorModel = self.law.require(encounter, begin, end)
         around: float = radius_of(whole, (end - begin) / 2)
-        # The cap bends the figure. Where it is out of reach nothing changes; else two bounds
-        # remain.
+        # Where the cap is in reach, the requirement is no Taylor model, and only two bounds remain.
         if whole.value + around <= self.cap:
             return TaylorModel(
                 whole.value * self.factor,
@@ -185,8 +184,8 @@ class PythonLaw(LawEvaluator):
             return TaylorModel(required.value, required.slope, required.slack, required.curve)
         human: Range = encounter.person.speeds(begin, end)
         robot: Range = encounter.machine.speeds(begin, end)
-        # A law of two speeds must not ask for less when they grow (`TooClose` checks it), so its
-        # bounds are those of the speeds.
+        # A law of two speeds does not decrease with either, so the bounds of the speeds give its
+        # bounds.
         low: float = self.distance(human.low, robot.low)
         high: float = self.distance(human.high, robot.high)
         return TaylorModel((low + high) / 2, 0.0, (high - low) / 2, 0.0)

@@ -51,8 +51,8 @@ cdef class ChangeSearch:
     cdef KernelCondition condition
     cdef Encounter encounter
     cdef double end, resolution
-    cdef bint held, over
+    cdef bint holding, over
 
 cdef double next_change(
-    KernelCondition condition, Encounter encounter, double end, double resolution, bint held
+    KernelCondition condition, Encounter encounter, double end, double resolution, bint holding
 ) except? -1

@@ -316,7 +316,7 @@ def test_a_link_that_is_refused_is_gone_round(world, monkeypatch):
     def path():
         # A radius of its own: what was asked for others is remembered with the floor.
         planner = PathPlanner(world, 0.3 + 2e-9)
-        planner.roadmap().asked.clear()
+        planner.roadmap().verdicts.clear()
         return [*map(tuple, planner.plan(start, goal).points.tolist())]
 
     shortest = path()
