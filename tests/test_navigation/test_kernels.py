@@ -1,4 +1,4 @@
-"""Kernels, compiled or not to the last bit the same, and against their definitions written out."""
+"""Kernels: the same bits compiled and not, and comparisons with their definitions."""
 
 import heapq
 import itertools
@@ -33,7 +33,7 @@ class Sources:
 
 sys.meta_path.insert(0, Sources())
 """
-"""Code after which kernels are imported from their sources."""
+"""Code that imports kernels from their sources."""
 
 RUN = """
 import hashlib, pathlib, random, sys, tempfile
@@ -145,7 +145,7 @@ METRES = st.floats(-25.0, 25.0)
 
 
 def least_cost(blocked: bytearray, columns: int, start: int, goal: int) -> int | None:
-    """The cost of a shortest path, by Dijkstra's algorithm."""
+    """Return the cost of a shortest path, by Dijkstra's algorithm."""
     known = {start: 0}
     queue = [(0, start)]
     while queue:
@@ -161,7 +161,7 @@ def least_cost(blocked: bytearray, columns: int, start: int, goal: int) -> int |
     return None
 
 
-def test_paths_are_shortest_and_avoid_what_is_blocked():
+def test_paths_are_the_shortest_and_avoid_blocked_cells():
     rng = random.Random(5)
     found = 0
     for _ in range(200):
@@ -191,7 +191,7 @@ def test_paths_are_shortest_and_avoid_what_is_blocked():
     assert found > 50
 
 
-def test_discs_block_the_cells_whose_middle_they_cover():
+def test_discs_block_the_cells_whose_centre_they_cover():
     columns, rows, width, low = 12, 9, 0.3, (-1.0, 2.0)
     blocked = bytearray(columns * rows)
     discs = numbers([0.2, 3.1, 0.62, -0.9, 2.1, 0.3])
@@ -204,7 +204,7 @@ def test_discs_block_the_cells_whose_middle_they_cover():
 
 
 def ways_round() -> tuple[WaysRound, Legs]:
-    """Return ways in the hall for somebody of `CLEARANCE`."""
+    """Return the path search in the hall for a person with `CLEARANCE`."""
     room = HALL.buffer(-CLEARANCE)
 
     def chunk(i: int, j: int) -> bytes:
@@ -217,7 +217,7 @@ def ways_round() -> tuple[WaysRound, Legs]:
 
 
 @given(st.lists(st.tuples(METRES, METRES), max_size=20), st.tuples(METRES, METRES))
-def test_ways_round_keep_off_all_discs(discs, end):
+def test_detours_avoid_all_discs(discs, end):
     ways, legs = ways_round()
     begin, away = (-30.0, -30.0), 0.7
     standing = numbers(number for x, y in discs for number in (x, y, away))
@@ -231,7 +231,7 @@ def test_ways_round_keep_off_all_discs(discs, end):
     assert all(line.distance(shapely.Point(disc)) > away - 1e-9 for disc in discs)
 
 
-def test_ways_round_are_as_good_on_every_side_of_the_origin():
+def test_detours_are_the_same_on_every_side_of_the_origin():
     ways, legs = ways_round()
     lengths = set()
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
@@ -246,7 +246,7 @@ NOWHERE = (False, math.inf, math.inf)
 
 
 def committed(*motions: navigation.Motion) -> CommittedMotions:
-    """Return discs that are committed to these motions from `NOW` on, bound for nowhere."""
+    """Return discs without routes that are committed to these motions from `NOW` on."""
     made = CommittedMotions(GAP)
     for motion in motions:
         made.add(swath(motion, NOW), RADIUS)
@@ -257,21 +257,21 @@ def standing(*places: tuple[float, float]) -> CommittedMotions:
     return committed(*(navigation.standing(place) for place in places))
 
 
-def test_directions_are_those_of_velocities_or_else_of_routes():
+def test_headings_are_those_of_velocities_or_routes():
     east = navigation.walk([(0.0, 0.0), (9.0, 0.0)], NOW - 1.0)
     seen = committed(east, navigation.standing((5.0, 5.0)), navigation.standing((1.0, 1.0)))
     seen.send(0, True, 0.0, 9.0)
     seen.send(1, True, 8.0, 9.0)
     assert seen.between(0, 1, NOW) == 0.6
     assert seen.between(1, 0, NOW) == 0.6
-    # Who has come to the end of their walk would go on by their route.
+    # At the end of a walk, the heading is that of the route.
     assert math.isclose(seen.between(0, 1, east.end), (0.8 - 0.6) / math.sqrt(2))
     assert seen.between(0, 2, NOW) == 0.0
     seen.send(1, *NOWHERE)
     assert seen.between(0, 1, NOW) == 0.0
 
 
-def test_who_stands_around_is_told_with_how_far_to_stay():
+def test_standing_people_nearby_are_returned_with_their_distance():
     later = navigation.walk([(1.0, 0.0), (1.0, 5.0)], NOW)
     seen = committed(navigation.standing((0.0, 0.0)), navigation.standing((2.0, 0.0)), later)
     near = numbers([0.0, 0.0, 0.0, 0.0])
@@ -284,13 +284,13 @@ def test_who_stands_around_is_told_with_how_far_to_stay():
 
 
 def test_a_ring_grows_through_gaps_that_are_too_narrow():
-    # From the goal at 0, 0 by two to the third; the fourth leaves a gap to them.
+    # From (0, 0) by two people to the third. The fourth leaves a gap to them.
     seen = standing((9.0, 9.0), (0.2, 0.0), (1.3, 0.0), (2.4, 0.0), (4.0, 0.0))
     around = [k for k in range(1, 5) if seen.encloses(0, k, 0.0, 0.0, 6.0, NOW)]
     assert around == [1, 2, 3]
 
 
-def test_segments_are_free_of_walls_and_of_what_is_asked_about():
+def test_segments_are_tested_against_walls_and_bodies():
     asked = []
 
     def ask(a: tuple[float, float], b: tuple[float, float]) -> bool:
