@@ -7,8 +7,8 @@ from .field_design import needed_fields
 from .field_intrusions import FieldEntry, Intrusion, first_intrusion, intrusions
 from .field_lengths import FieldSupplements, ShortField, short_fields, stopping_reach
 from .fields import FieldGap, FieldSet, FieldSpan, ProtectiveFields
-from .kernels.enclosure import Enclosure
 from .kernels.encounter import Encounter
+from .kernels.results import Enclosure
 from .kernels.watch import Apart, Approaching, Condition, Moving, Overlapping, TooClose
 from .machines import agv_run, agv_stop, gantry_move, gantry_stop
 from .monitor import (

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import ompl.base as ob
@@ -227,11 +227,10 @@ def check_parameters(info: PlannerInfo, parameters: Mapping[str, Setting]) -> No
         if name not in info.parameters:
             hint = suggestion(name, info.parameters)
             raise UserError(f"{info.name} has no parameter {name!r}; {hint}")
-    *_, settings = divided(parameters)
-    if settings:
+    if own := settings_of(parameters).own:
         space = ob.RealVectorStateSpace(2)
         planner = getattr(og, info.name)(ob.SpaceInformation(space))
-        for name, value in settings.items():
+        for name, value in own.items():
             set_parameter(planner, name, value)
 
 
@@ -241,27 +240,29 @@ def check_own(kind: type, parameters: Mapping[str, Setting]) -> None:
         signature = inspect.signature(kind)
     except (TypeError, ValueError):  # a class in C++
         return
-    *_, settings = divided(parameters)
+    own = settings_of(parameters).own
     try:
-        signature.bind(None, **settings)
+        signature.bind(None, **own)
     except TypeError as why:
         names = [*list(signature.parameters)[1:], *EVERY]
-        unknown = [name for name in settings if name not in names]
+        unknown = [name for name in own if name not in names]
         hint = f"; {suggestion(unknown[0], names)}" if unknown else ""
         raise UserError(f"{kind.__qualname__}: {why}{hint}") from None
 
 
-def divided(
-    parameters: Mapping[str, Setting], iterations: int = ITERATIONS
-) -> tuple[int, bool, dict[str, Setting]]:
-    """Return `iterations`, whether to simplify paths, and the other parameters.
+class Settings(NamedTuple):
+    """Parameters of a search: its budget, whether to simplify paths, and those of the planner."""
 
-    `UserError` if one of the first two is invalid.
-    """
-    rest = dict(parameters)
-    budget: int = fit("iterations", rest.pop("iterations", iterations), 1)
-    simplify: bool = fit("simplify", rest.pop("simplify", True), True)
-    return budget, simplify, rest
+    iterations: int
+    simplify: bool
+    own: dict[str, Setting]
+
+
+def settings_of(parameters: Mapping[str, Setting], iterations: int = ITERATIONS) -> Settings:
+    """Return the settings of a search. `UserError` if one for all planners is invalid."""
+    own = dict(parameters)
+    budget = fit("iterations", own.pop("iterations", iterations), 1)
+    return Settings(budget, fit("simplify", own.pop("simplify", True), True), own)
 
 
 def _setters(kind: type) -> tuple[str, ...]:
@@ -360,7 +361,7 @@ class PlannerChoice:
         if self.kind is not None:
             check_own(self.kind, dict(self.parameters))
         elif self.is_own:
-            divided(dict(self.parameters))
+            settings_of(dict(self.parameters))
         else:
             check_parameters(planner_info(self.name), dict(self.parameters))
 

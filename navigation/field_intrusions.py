@@ -63,12 +63,11 @@ def intrusions(
     No contact that is deeper than 1e-10 m is missed. Contacts may begin or end at jumps of motions.
     """
     contacts: list[Intrusion] = []
-    for each, span, encounter, last in _spans(
-        fields, machine, person, radius, (begin, end), loaded
-    ):
-        for field, search in each.searches.items():
-            for since, until in search.spans(encounter, radius, *span, False):
-                contacts.append(Intrusion(since, end if until == last else until, field, each.name))
+    for part in _parts(fields, machine, person, radius, (begin, end), loaded):
+        for field, search in part.set.searches.items():
+            for since, until in search.spans(part.encounter, radius, part.begin, part.end, False):
+                until = end if until == part.last else until
+                contacts.append(Intrusion(since, until, field, part.set.name))
     return tuple(sorted(contacts, key=lambda each: (each.begin, each.field)))
 
 
@@ -92,27 +91,37 @@ def first_intrusion(
     field : {"protective", "warning"}, optional
         Field to test. By default both. If both begin together, the protective field counts.
     """
-    for each, span, encounter, _ in _spans(fields, machine, person, radius, (begin, end), loaded):
+    for part in _parts(fields, machine, person, radius, (begin, end), loaded):
         best: FieldEntry | None = None
-        for kind, search in each.searches.items():
+        for kind, search in part.set.searches.items():
             if field in (None, kind):
-                contacts = search.spans(encounter, radius, *span, True)
+                contacts = search.spans(part.encounter, radius, part.begin, part.end, True)
                 if contacts and (best is None or contacts[0][0] < best.t):
-                    best = FieldEntry(contacts[0][0], kind, each.name)
+                    best = FieldEntry(contacts[0][0], kind, part.set.name)
         if best is not None:
             return best
     return None
 
 
-def _spans(
+class _Part(NamedTuple):
+    """Time span of an encounter (s) with one field set, and the time when both are at rest."""
+
+    set: FieldSet
+    begin: float
+    end: float
+    encounter: Encounter
+    last: float
+
+
+def _parts(
     fields: ProtectiveFields,
     machine: Motion,
     person: Motion,
     radius: float,
     within: tuple[float, float],
     loaded: bool,
-) -> Iterator[tuple[FieldSet, tuple[float, float], Encounter, float]]:
-    """Yield sets, their spans, the encounter, and the time at which both motions are over."""
+) -> Iterator[_Part]:
+    """Yield the parts of an encounter in which a field set applies."""
     begin, end = map(float, within)
     # Nothing changes after both have come to rest, so the last second represents all later ones.
     last = min(end, max(begin, machine.end, person.end) + 1.0)
@@ -122,4 +131,4 @@ def _spans(
     if since <= until:
         for span in fields.applying(machine, since, until, loaded):
             if span.set is not None:
-                yield span.set, span[:2], encounter, last
+                yield _Part(span.set, span.begin, span.end, encounter, last)

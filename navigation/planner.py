@@ -267,17 +267,12 @@ class PathPlanner:
             without = PathPlanner(self.world.as_if(away=away), self.radius, step=self.step)
             return without.plan(a, b, planner=choice, seed=seed, watch=watch)
         if choice.name == ROADMAP:
-            leave, points_between, arrive = self._shortest(a, b)
+            path = self._shortest(a, b)
         else:
-            leave, arrive = self._ends_of(a, b)
-            points_between = self._sampled(leave, arrive, choice, seed, watch)
-        points = np.array(distinct([a, leave, *points_between, arrive, b], _STEP))
+            path = self._sampled(*self._ends_of(a, b), choice, seed, watch)
+        points = np.array(distinct([a, *path, b], _STEP))
         clear = partial(self.world.clearance, points, self.world.bodies)
-        return Path(
-            points=points,
-            clear=clear,
-            planner=choice.name,
-        )
+        return Path(points=points, clear=clear, planner=choice.name)
 
     def roadmap(self, step: float | None = None) -> Roadmap:
         """Return the visibility graph of the floor, with turns of at most `step` radians."""
@@ -329,8 +324,8 @@ class PathPlanner:
         message = f"{choice.name} found no path within its budget; give it more iterations"
         raise PlanningError("not_found", message)
 
-    def _shortest(self, start: Point, goal: Point) -> tuple[Point, list[Point], Point]:
-        """Return the shortest path, and the positions where it leaves the start and meets the goal.
+    def _shortest(self, start: Point, goal: Point) -> list[Point]:
+        """Return the shortest path between the positions next to start and goal.
 
         Sweeps from the start and to the goal include the discs there. If both are free in the
         plane, FCL tests only the sweeps.
@@ -341,12 +336,12 @@ class PathPlanner:
         hopeful = links.holds(start) and links.holds(goal)
         points = self._queries.path(start, goal, self.step) if hopeful else None
         if points is not None:
-            return start, points, goal
+            return points
         leave, arrive = self._ends_of(start, goal)
         if not hopeful or (leave, arrive) != (start, goal):
             points = self._queries.path(leave, arrive, self.step)
         if points is not None:
-            return leave, points, arrive
+            return points
         if not self._connected(leave, arrive):
             raise self._unreachable(leave, arrive)
         raise PlanningError("not_found", "no path was found, though there should be one")

@@ -11,7 +11,7 @@ import inspect
 import itertools
 import math
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from numbers import Integral
@@ -28,11 +28,11 @@ from .catalog import (
     ITERATIONS,
     PlannerChoice,
     PlannerError,
-    Setting,
+    Settings,
     Watch,
-    divided,
     planner_info,
     set_parameter,
+    settings_of,
 )
 
 Free = Callable[[Point, Point], bool]
@@ -260,13 +260,13 @@ def sample_path(
     if choice.name in _LOST_IF_STRAIGHT and query.free(query.start, query.goal):
         return [query.start, query.goal]
     usual = planner_info(choice.name).iterations if choice.kind is None else ITERATIONS
-    iterations, simplify, settings = divided(dict(choice.parameters), usual)
+    settings = settings_of(dict(choice.parameters), usual)
     # OMPL accepts only a first seed that is not 0.
     with no_log():
         ou.RNG.setSeed(int(seed) + 1)
-        search = _Search(query, iterations, watch or Watch())
+        search = _Search(query, settings, watch or Watch())
         try:
-            return search.run(choice, settings, simplify)
+            return search.run(choice)
         except (TooManyChecksError, PlannerError) as why:
             if isinstance(why, PlannerError):
                 raise
@@ -284,27 +284,25 @@ def sample_path(
 class _Search:
     """Query to an OMPL planner, with a budget of iterations."""
 
-    def __init__(self, query: OmplQuery, iterations: int, watch: Watch) -> None:
+    def __init__(self, query: OmplQuery, settings: Settings, watch: Watch) -> None:
         self._query = query
         self._watch = watch
-        self._iterations = iterations
-        self._setup = OmplSetup(query, MOST_CHECKS * iterations)
+        self._settings = settings
+        self._setup = OmplSetup(query, MOST_CHECKS * settings.iterations)
         self.release = self._setup.release
 
-    def run(
-        self, choice: PlannerChoice, settings: Mapping[str, Setting], simplify: bool
-    ) -> list[Point] | None:
+    def run(self, choice: PlannerChoice) -> list[Point] | None:
         """Return the path of the planner of `choice`, or None."""
         if choice.kind is not None:
-            planner = choice.kind(self._setup.information, **settings)
+            planner = choice.kind(self._setup.information, **self._settings.own)
         else:
             planner = getattr(og, choice.name)(self._setup.information)
-            for parameter, value in settings.items():
+            for parameter, value in self._settings.own.items():
                 set_parameter(planner, parameter, value)
         self._setup.use(planner)
         if choice.name in ("PRM", "PRMstar"):
             points = self._through_roadmap()
-            return points and self._finished(self._setup.path(points), simplify)
+            return points and self._finished(self._setup.path(points))
         path = self._setup.solve(self._budget())
         if path is None:
             if choice.kind is not None and self._setup.solved:
@@ -315,7 +313,7 @@ class _Search:
             return None
         if choice.kind is not None:
             self._require_answer(choice, path)
-        return self._finished(path, simplify)
+        return self._finished(path)
 
     def _require_answer(self, choice: PlannerChoice, path: Any) -> None:
         """Raise `PlannerError` unless the path of a custom planner answers the query."""
@@ -340,7 +338,7 @@ class _Search:
 
     def _budget(self) -> Any:
         count = itertools.count(1)
-        setup, watch, limit = self._setup, self._watch, self._iterations
+        setup, watch, limit = self._setup, self._watch, self._settings.iterations
 
         # AORRTC keeps this function, so it must not refer to the planner, except by `setup`.
         def spent() -> bool:
@@ -361,9 +359,9 @@ class _Search:
         links: list[list[int]] = [sorted(data.getEdges(k)) for k in range(data.numVertices())]
         return _over_samples(places, links, self._query)
 
-    def _finished(self, path: Any, simplify: bool) -> list[Point]:
+    def _finished(self, path: Any) -> list[Point]:
         self._watch.solved()
-        if simplify:
+        if self._settings.simplify:
             og.PathSimplifier(self._setup.information).simplifyMax(path)
         return self._setup.points(path)
 

@@ -9,7 +9,6 @@ from numbers import Real
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
 from .encounter import Shapes
-from .kernels.enclosure import Enclosure
 from .kernels.encounter import Encounter
 from .kernels.laws import (
     LawEvaluator,
@@ -19,6 +18,7 @@ from .kernels.laws import (
     ScaledLaw,
     evaluator_of,
 )
+from .kernels.results import Enclosure
 from .machines import Machine, longest_stop
 from .motion import Motion, Piece
 

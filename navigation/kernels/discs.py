@@ -21,6 +21,7 @@ else:
     from . import uncompiled as cython
 
 from .numbers import numbers
+from .results import NearestDiscs
 
 if not cython.compiled:
     from math import sqrt
@@ -251,8 +252,8 @@ class DiscWindow:
         n: cython.Py_ssize_t = i * len(self.times) + k - self.first
         return self.xs[n], self.ys[n]
 
-    def nearest(self, best: float) -> tuple[int, int, int, float]:
-        """Return the indices of the nearest two discs, the index of the time, and their distance.
+    def nearest(self, best: float) -> NearestDiscs:
+        """Return the nearest two discs at any time of the window.
 
         The first of several minima counts. The distance is `best` if no pair is nearer.
         """
@@ -275,8 +276,7 @@ class DiscWindow:
                         one = i
                         two = j
                     k += self._passed(i, j, k, gap - best, end)
-        found: tuple[int, int, int, float] = (one, two, when, best)
-        return found
+        return NearestDiscs(one, two, when, best)
 
     def nearer_between(self, best: float) -> list[tuple[int, int, int]]:
         """Return pairs of discs that come nearer than `best` metres, and the time before that."""

@@ -14,8 +14,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from .enclosure import Bounds, Enclosure
 from .numbers import numbers
+from .results import Bounds, DistanceBounds, Enclosure
 
 if TYPE_CHECKING:
     import cython
@@ -527,14 +527,13 @@ class Encounter:
 
     def apart(
         self, begin: float, end: float, slope: float = 0.0, curve: float = 0.0
-    ) -> tuple[float, float, float]:
+    ) -> DistanceBounds:
         """Return bounds on distance − `slope` u − `curve` u² / 2, u from the interval's middle.
 
-        Slope (m/s) and curve (m/s²) are derivatives of a required distance. The third value is a
-        time near the minimum.
+        Slope (m/s) and curve (m/s²) are derivatives of a required distance.
         """
         apart: Closest = self.closest(begin, end, slope, curve)
-        return apart.low, apart.high, apart.t
+        return DistanceBounds(apart.low, apart.high, apart.t)
 
     def human_speed(self, begin: float, end: float) -> Enclosure:
         """Return the human's speed in m/s over an interval within this time span."""

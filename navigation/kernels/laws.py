@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .enclosure import Enclosure
+from .results import Enclosure
 
 if TYPE_CHECKING:
     import cython

@@ -10,9 +10,9 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING, Any
 
-from ..polynomials import NODES_8, WEIGHTS_8, smooth_cuts
-from .enclosure import Enclosure
 from .numbers import numbers
+from .results import Enclosure
+from .smoothness import NODES_8, WEIGHTS_8, smooth_cuts
 
 if TYPE_CHECKING:
     import cython

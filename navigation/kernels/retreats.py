@@ -19,6 +19,7 @@ from .committed import Movers
 from .discs import Swath
 from .edges import Legs, legs_of
 from .numbers import Place, flat
+from .results import Retreat
 
 if not cython.compiled:
     from .cubics import *
@@ -106,8 +107,8 @@ class Retreats:
         limit: cython.Py_ssize_t,
         fit: Callable[[float, float, Swath], Swath | None] | None,
         refusing: bytearray,
-    ) -> tuple[Swath | None, int, int, int]:
-        """Return the next possible walk, the index of its place, an obstacle and the trials.
+    ) -> Retreat:
+        """Return the next possible walk.
 
         The walk is None, and the index -1, if there is none among the next `limit` walks. The
         obstacle is the index of the first person without a draft in the way, or -1. Walks with an
@@ -128,8 +129,8 @@ class Retreats:
             tried += 1
             hit: cython.Py_ssize_t = self.movers.first_other(self.me, walk)
             if hit < 0 or not refusing[hit]:
-                return walk, self.index, hit, tried
-        return None, -1, -1, tried
+                return Retreat(walk, self.index, hit, tried)
+        return Retreat(None, -1, -1, tried)
 
     def _note_ends(self) -> cython.int:
         """Set `stood` to the circles in which the movers stop."""

@@ -1,11 +1,13 @@
 """Kernels: the same bits compiled and not, and comparisons with their definitions."""
 
+import ast
 import heapq
 import itertools
 import math
 import random
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ import shapely
 from hypothesis import assume, given, strategies as st
 
 import navigation
-from navigation import polynomials as quadrature
+from navigation import kernels, polynomials as quadrature
 from navigation.freespace import Walls
 from navigation.kernels import COMPILED
 from navigation.kernels.committed import CommittedMotions
@@ -39,6 +41,7 @@ RUN = """
 import hashlib, pathlib, random, sys, tempfile
 import floorplan, navigation, sim
 from navigation.carried import carried
+from navigation import kernels
 from navigation.kernels import COMPILED
 from navigation.kernels.lookout import most_remote, nearest_on
 from navigation.machines import agv_stops, gantry_stops
@@ -130,6 +133,14 @@ def test_results_are_the_same_compiled_and_not(tmp_path):
     ]
     assert [run.stderr.split()[0] for run in runs] == ["True", "False"]
     assert runs[0].stdout == runs[1].stdout
+
+
+def test_kernels_import_no_modules_above_them():
+    for module in Path(kernels.__file__).parent.glob("*.py"):
+        tree = ast.parse(module.read_text(encoding="utf-8"))
+        imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+        assert all(node.level < 2 for node in imports), module.name
+        assert not any((node.module or "").startswith("navigation") for node in imports)
 
 
 @pytest.mark.parametrize("n", [5, 8])
