@@ -148,22 +148,22 @@ def with_controller(
 ) -> _Scenario:
     """Return the scenario with this controller of one machine, or of each gantry and vehicle.
 
-    A built-in controller has no `rate`. `MachineError` if there is no such machine, and
-    `ControllerError` if there is no such controller.
+    Built-in controllers and generators have no `rate`. `MachineError` if there is no such machine,
+    and `ControllerError` if there is no such controller.
     """
-    machines, found = {**scenario.machines}, False
+    machines = {}
     for name, entry in scenario.machines.items():
-        keys = keys_of(entry, scenario) or (["controller"] if name == machine else [])
-        if machine in ("", name) and "controller" in keys:
-            given = {**entry.keys, "controller": controller}
-            if controller in VEHICLE_CONTROLLERS:
-                given.pop("rate", None)
-            machines[name], found = replace(entry, keys=given), True
-    changed = replace(scenario, machines=machines)
-    if machine in ("", GANTRY) and (scenario.floorplan.gantry is not None or not found):
+        names = keys_of(entry, scenario) or (["controller"] if name == machine else [])
+        if machine in ("", name) and "controller" in names:
+            keys = {**entry.keys, "controller": controller}
+            if controller in VEHICLE_CONTROLLERS or inspect.isgeneratorfunction(controller):
+                keys.pop("rate", None)
+            machines[name] = replace(entry, keys=keys)
+    changed = replace(scenario, machines=scenario.machines | machines)
+    if machine in ("", GANTRY) and (scenario.floorplan.gantry is not None or not machines):
         controller_source(controller, scenario.code_folder)
         return replace(changed, gantry=replace(scenario.gantry, controller=controller))
-    if not found:
+    if not machines:
         raise MachineError(f"no machine with a controller is called {machine!r}")
     return changed
 

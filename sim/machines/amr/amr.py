@@ -19,8 +19,8 @@ from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.stage import Stage
 from ..arguments import instance, number
-from ..commanded import CommandedMachine
 from ..commanding import Steps
+from ..policy_driven import PolicyDriven
 from ..tasks import Step, Task
 from ..traffic.evading import Evading, Evasion
 from .drive import VehicleDrive
@@ -31,7 +31,7 @@ AHEAD = 60.0
 """Seconds of a twist that are planned, and known to others, at a time."""
 
 
-class Amr(CommandedMachine, Evading):
+class Amr(PolicyDriven, Evading):
     """A vehicle that drives freely, to be commanded by a controller.
 
     Its tasks are the missions of the trial: to go to a place, to turn, to wait. While it is held,
@@ -40,7 +40,7 @@ class Amr(CommandedMachine, Evading):
 
     drive: VehicleDrive
 
-    FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
+    FOR_CONTROLLERS = PolicyDriven.FOR_CONTROLLERS | {
         *("missions", "complete", "twist", "twist_now", "turn_to", "limits")
     }
 
@@ -94,13 +94,6 @@ class Amr(CommandedMachine, Evading):
         pairs = zip(self._located, self._round, strict=True)
         return tuple(mission for mission, task in pairs if not task.finished)
 
-    @property
-    def twist_now(self) -> Twist:
-        """Its velocity now: m/s forwards and to the left, rad/s."""
-        (_, _, rotation), (vx, vy, turning), _ = self.state
-        c, s = math.cos(rotation), math.sin(rotation)
-        return Twist(vx * c + vy * s, vy * c - vx * s, turning)
-
     # Its commands.
 
     @commands
@@ -145,6 +138,12 @@ class Amr(CommandedMachine, Evading):
     def _extend_twist(self) -> None:
         self.drive.extend(self._twist, self._planned_twist)
 
+    def steer(self, twist: Sequence[float], until: float) -> None:
+        """Drive with a twist until a time (s). A stationary vehicle does not start with zeros."""
+        may_move = self.only_waits or not self.disabled
+        if may_move and (self.body.motion.end > self.now or any(Twist.of(twist))):
+            self.twist(twist, until - self.now)
+
     # Its tasks.
 
     def locate(self, task: Task) -> Event:
@@ -167,6 +166,41 @@ class Amr(CommandedMachine, Evading):
             raise UserError("there is no mission to complete")
         self._begin(task)
         self._advance(task)
+
+    # For policies.
+
+    @property
+    def goal_pose(self) -> Pose | None:
+        """The position of the first mission that has one, with any rotation."""
+        goals = [mission.go for mission in self.missions if isinstance(mission.go, tuple)]
+        return (goals[0][0], goals[0][1], math.nan) if goals else None
+
+    @property
+    def action_bounds(self) -> tuple[list[float], list[float]]:
+        """Lowest and highest twist, without m/s to the left for a differential drive."""
+        limits = self.limits
+        high = [limits.speed, *filter(None, [limits.side_speed]), limits.turn_speed]
+        return [-value for value in high], high
+
+    @property
+    def stop_action(self) -> list[float]:
+        """Twist of zeros."""
+        return [0.0] * len(self.action_bounds[0])
+
+    def count_goals(self, radius: float) -> None:
+        """Complete missions until one leads to a position farther than `radius` metres."""
+        self.begin_mission()
+        while self.missions:
+            goal = self.missions[0].go
+            if isinstance(goal, tuple) and math.dist(goal[:2], self.position[:2]) > radius:
+                return
+            self.complete()
+
+    def act(self, action: Sequence[float], until: float, radius: float) -> Steps:
+        """Drive with a twist until the next tick. See `PolicyDriven.act`."""
+        self.steer(action, until)
+        return
+        yield
 
     # The simulation's side of it.
 

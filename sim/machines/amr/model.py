@@ -22,7 +22,8 @@ from ...core.custom_code import CodeFolder
 from ...core.entries import Pose
 from ...core.scenario import Controller
 from ...core.stage import MachineModel, Stage
-from ..controllers import STAY, ControllerError
+from ..controllers import STAY
+from ..supervision import ControllerError
 from .amr import Amr
 from .controllers import find_program, program
 from .drive import floor_of

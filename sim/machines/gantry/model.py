@@ -20,7 +20,7 @@ from ...core.body import MachineShape
 from ...core.entries import Pose
 from ...core.scenario import GantryEntry, Job
 from ...core.stage import MachineModel, Stage
-from ..controllers import supervised
+from ..supervision import supervised
 from .controllers import find_controller
 from .robot import GantryRobot, gantry_shape
 from .tasks import fixed_places

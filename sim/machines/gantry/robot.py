@@ -23,9 +23,9 @@ from ...core.events import OrderSubmitted, PartDropped
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ..arguments import instance
-from ..commanded import CommandedMachine
 from ..commanding import Steps
 from ..controllers import STAY
+from ..policy_driven import PolicyDriven
 from ..tasks import Passing, Step, Task
 from ..traffic.evading import Evading, Evasion
 from .drive import GantryDrive
@@ -35,6 +35,9 @@ GANTRY = "gantry"
 """The name of the floor's own gantry, which events leave out."""
 
 
+SLOWEST = 0.05
+"""Lowest share of the speed that a policy can choose."""
+
 PASSING = 0.5
 """Metres between places at which it might let others pass."""
 
@@ -42,7 +45,7 @@ FARTHEST = 20
 """Number of places along each axis, on each side."""
 
 
-class GantryRobot(CommandedMachine, Evading):
+class GantryRobot(PolicyDriven, Evading):
     """Gantry robot as seen by its controller.
 
     A controller is a function or class that takes this robot and returns a generator. It yields
@@ -81,7 +84,7 @@ class GantryRobot(CommandedMachine, Evading):
 
     drive: GantryDrive
 
-    FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
+    FOR_CONTROLLERS = PolicyDriven.FOR_CONTROLLERS | {
         *("gantry", "floorplan", "law", "pick", "place", "where", "way")
     }
 
@@ -200,6 +203,46 @@ class GantryRobot(CommandedMachine, Evading):
         if (task.given_up and task.finished) or not self._sites.stands_at(_next_step(task)):
             return self._command(_not_done())
         return self._command(self._handle(task, self.drive.begin()))
+
+    # For policies.
+
+    @property
+    def goal_pose(self) -> Pose | None:
+        """The pose of the next step of the preferred task."""
+        return self.where(self.open_tasks[0]) if self.open_tasks else None
+
+    @property
+    def action_bounds(self) -> tuple[list[float], list[float]]:
+        """Lowest and highest x and y (m), and share of the speed."""
+        axes = self.gantry.x, self.gantry.y
+        return [*(axis.low for axis in axes), SLOWEST], [*(axis.high for axis in axes), 1.0]
+
+    @property
+    def stop_action(self) -> list[float]:
+        """The present position as the target."""
+        return [*self.position[:2], 1.0]
+
+    def act(self, action: Sequence[float], until: float, radius: float) -> Steps:
+        """Move towards a target, or carry out the step of a task at its pose.
+
+        Parameters
+        ----------
+        action, until, radius
+            See `PolicyDriven.act`.
+
+        Yields
+        ------
+        Event
+            End of the step.
+        """
+        x, y, share = action
+        goal = self.goal_pose
+        if goal is None or math.dist(goal[:2], (x, y)) > radius:
+            self.move_to(x, y, speed_share=share)
+        elif self.body.motion.end <= self.now and self.position == goal:
+            yield self.handle(self.open_tasks[0])
+        else:
+            self.move_to(*goal, speed_share=share)
 
     # The simulation's side of it.
 
