@@ -39,7 +39,13 @@ class PolicyDriven(CommandedMachine):
         """Action with which the machine stops."""
 
     def count_goals(self, radius: float) -> None:
-        """Complete the missions whose goals are within `radius` metres."""
+        """Complete the missions whose goals are near. A gantry has none.
+
+        Parameters
+        ----------
+        radius : float
+            Distance in metres.
+        """
 
     @abstractmethod
     def act(self, action: Sequence[float], until: float, radius: float) -> Steps:

@@ -115,14 +115,14 @@ def test_a_machine_stands_before_the_reaction_ends():
     one = Watched(delay=0.01)
     one.at(1.0, "intrusion", "ann")
     one.clock.run(until=1.3)
-    one.reaction.stands_from(4.0)
+    one.reaction.rests_from(4.0)
     one.at(1.5, "")
     assert one.until(20.0) == [(1.2, "intrusion", "ann"), 4.0]
     late = Watched()
     late.at(1.0, "intrusion", "ann")
     late.at(1.5, "")
     late.clock.run(until=3.0)
-    late.reaction.stands_from(8.0)
+    late.reaction.rests_from(8.0)
     assert late.until(20.0) == [(1.2, "intrusion", "ann"), 8.0]
 
 
