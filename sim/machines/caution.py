@@ -149,7 +149,7 @@ class Caution:
             Observed people.
         """
         gantry = self._gantry
-        plan = Stoppable(motion, gantry.drive.stops)
+        plan = Stoppable(motion, gantry.stops)
         seen = [Pedestrian(person.name, person.at, self._human_speed) for person in people]
         until, who = self._foresight.safe_until(plan, seen, gantry.now, LEAST)
         self._hindered_by = None if who is None else who.name

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -16,19 +15,20 @@ from typing_extensions import override
 
 from floorplan import UserError
 from navigation import Motion, minimum_margin
+from navigation.kernels.braking import Stops
 from navigation.motion import State
 
 from ..core.body import TRAFFIC, Machine, MachineShape, checked, commands
-from ..core.clock import Alarm, Turn
+from ..core.clock import Turn
 from ..core.entries import Pose
-from ..core.events import EventKind, JobDone, JobStarted
+from ..core.events import EventKind
 from ..core.recorder import Record
 from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
 from .arguments import instance, number, target
-from .commanding import Drive, Interruption, Interrupts, Steps
+from .commanding import Drive, Steps
+from .interrupts import Interruption, Interrupts
 from .scan import Scanner
-from .tasks import Task, Tasks
 
 OBSERVATION_RATE = 10.0
 """Hz. Rate at which a machine sees where people are."""
@@ -73,7 +73,7 @@ class CommandedMachine(Machine):
             "resume",
             "stopping",
         }
-        | {"wait", "until", "open_tasks", "next_task", "do", "locate", "handle"}
+        | {"wait", "until"}
     )
     """Names for controllers. All others are for the simulation."""
 
@@ -87,30 +87,19 @@ class CommandedMachine(Machine):
         shape: MachineShape,
         drive: Drive,
         controller: Callable[[Any], Steps],
-        *,
-        repeat: bool = False,
-        every: float | None = None,
     ) -> None:
         self.rules = stage.rules
         self.human_speed = stage.fastest
-        self.tasks = Tasks(stage.clock)
-        self.tasks.more_to_come = every is not None
-        self.jobs_done = 0
         self.shape = shape
         self.law = stage.rules.law_of(shape)
         self.shapes = stage.rules.shapes_of(shape, stage.widest)
-        self.drive = drive
+        self._drive = drive
         self.body = drive.body
         self._stage = stage
         self._clock = stage.clock
         self._interrupts = Interrupts()
         self._proximity: ApproachMonitor | None = None
         self._controller = controller
-        self._repeat = repeat
-        self._every = every
-        self._round: Sequence[Task] = ()
-        self._round_began = -math.inf
-        self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
 
     def begin(self) -> None:
         """Start the controller."""
@@ -137,7 +126,7 @@ class CommandedMachine(Machine):
     @property
     def disabled(self) -> bool:
         """Whether the machine is disabled or in a protective stop."""
-        return self.drive.disabled
+        return self._drive.disabled
 
     @property
     def people(self) -> tuple[Sighting, ...]:
@@ -281,8 +270,8 @@ class CommandedMachine(Machine):
         PlanningError
             If there is no route.
         """
-        pose = self.drive.destination(target("move_to", x, y, rotation, speed_share))
-        move = self.drive.move(pose, speed_share, resume=resume)
+        pose = self._drive.destination(target("move_to", x, y, rotation, speed_share))
+        move = self._drive.move(pose, speed_share, resume=resume)
         self._interrupts.command_given()
         return move
 
@@ -297,7 +286,7 @@ class CommandedMachine(Machine):
         x, y, rotation, speed_share
             See `move_to`.
         """
-        return self.drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
+        return self._drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
 
     @commands
     def follow(self, motion: Motion) -> Event:
@@ -331,7 +320,7 @@ class CommandedMachine(Machine):
         Process
             Event to yield.
         """
-        return self._command(self.drive.stop())
+        return self._command(self._drive.stop())
 
     @commands
     def resume(self) -> Event:
@@ -347,10 +336,15 @@ class CommandedMachine(Machine):
         ValueError
             If the last command before `stop` was not a move.
         """
-        if self.drive.last_move is None:
+        if self._drive.last_move is None:
             raise UserError("there is no move to resume")
-        pose, speed_share = self.drive.last_move
+        pose, speed_share = self._drive.last_move
         return self.move_to(*pose, speed_share=speed_share)
+
+    @property
+    def stops(self) -> Stops:
+        """Stops of the machine at all times of a motion."""
+        return self._drive.stops
 
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop without moving the machine.
@@ -362,7 +356,7 @@ class CommandedMachine(Machine):
         t : float
             Start time in seconds.
         """
-        return self.drive.stopping(state, t)
+        return self._drive.stopping(state, t)
 
     @checked
     def wait(self, seconds: float) -> Process:
@@ -378,7 +372,7 @@ class CommandedMachine(Machine):
         Process
             Event to yield.
         """
-        return self._command(self.drive.wait(seconds))
+        return self._command(self._drive.wait(seconds))
 
     @checked
     def until(self, t: float) -> Event:
@@ -396,81 +390,6 @@ class CommandedMachine(Machine):
         """
         self._interrupts.command_given()
         return self._clock.at(number("until(t)", t), Turn.NOTICE)
-
-    # Its tasks.
-
-    @property
-    def open_tasks(self) -> tuple[Task, ...]:
-        """Tasks that can be started or continued now, in order of preference."""
-        return self.tasks.open
-
-    def next_task(self) -> Event:
-        """Wait for a task.
-
-        Returns
-        -------
-        Event
-            Event to yield. Its value is the preferred open task, or None if there will be none.
-        """
-        self._interrupts.command_given()
-        return self.tasks.next()
-
-    @commands
-    def do(self, task: Task) -> Process:
-        """Carry out the remaining steps of a task.
-
-        An interrupted step is repeated from its begin.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Process
-            Event to yield. Its value is False if another command replaced this one, otherwise True.
-        """
-        instance("do(task)", task, Task)
-        return self._command(self._do(task, self.drive.begin()))
-
-    @abstractmethod
-    def locate(self, task: Task) -> Event:
-        """Start or continue a task, and wait until its next step is in reach.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Event
-            Event to yield. Its value is the pose of the next step.
-        """
-
-    @abstractmethod
-    def handle(self, task: Task) -> Process:
-        """Carry out the next step of a task at the current pose.
-
-        An interrupted step is repeated from its begin.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Process
-            Event to yield. Its value is False if the machine is elsewhere or another command
-            replaced this one, otherwise True.
-
-        Raises
-        ------
-        ValueError
-            If the task is done.
-        """
 
     # The simulation's side of it.
 
@@ -496,7 +415,7 @@ class CommandedMachine(Machine):
 
     @override
     def hold(self, stands: bool) -> None:
-        self.drive.hold(stands)
+        self._drive.hold(stands)
 
     @commands
     def limit_speed(self, speed: float | None) -> bool:
@@ -516,7 +435,7 @@ class CommandedMachine(Machine):
         """
         if speed is not None and not number("limit_speed(speed)", speed) > 0:
             raise UserError(f"limit_speed(speed) must be more than 0, not {speed}")
-        self.drive.limit_speed(speed)
+        self._drive.limit_speed(speed)
         return True
 
     def touched(self) -> None:
@@ -528,7 +447,7 @@ class CommandedMachine(Machine):
 
     def close(self) -> None:
         """Finish at the end of the trial."""
-        self.drive.close()
+        self._drive.close()
 
     def sight_changed(self) -> None:
         """Handle the begin or end of a blackout."""
@@ -547,7 +466,7 @@ class CommandedMachine(Machine):
         """Follow a motion, which is compared with the claims of others; see `Drive.follow`."""
         if self.only_waits:
             self.stand_for(TRAFFIC, False)
-        move = self.drive.follow(motion, again)
+        move = self._drive.follow(motion, again)
         self._interrupts.command_given()
         return move
 
@@ -556,7 +475,7 @@ class CommandedMachine(Machine):
 
         `motion` is all that it did.
         """
-        drive = self.drive
+        drive = self._drive
         moving = sum(piece.end - piece.begin for piece in motion.pieces if not piece.stands)
         return max(0.0, now - moving - drive.working_time - drive.standing_time)
 
@@ -567,44 +486,6 @@ class CommandedMachine(Machine):
     def _command(self, steps: Steps) -> Process:
         self._interrupts.command_given()
         return self._clock.process(steps)
-
-    @abstractmethod
-    def _do(self, task: Task, command: int) -> Steps:
-        """Do the steps of a task that are left, as a part of a command."""
-
-    def _begin(self, task: Task) -> None:
-        if not task.announced:
-            task.announced = True
-            self.record(JobStarted.of({"job": task.kind, **task.fields}))
-
-    def _finish(self, task: Task) -> None:
-        if not task.given_up:
-            self._record_done(task)
-        task.done()
-        self._go_on()
-
-    def _record_done(self, task: Task) -> None:
-        self.jobs_done += 1
-        self.record(JobDone.of({"job": task.kind, **task.fields}))
-
-    def _go_on(self) -> None:
-        """Let the next round begin if this one is over, and let tasks be chosen anew."""
-        if all(task.finished for task in self._round) and self.now > self._round_began:
-            if self._every is not None:
-                self._next_round.set(max(self._round_began + self._every, self.now))
-            elif self._repeat:
-                self._begin_round()
-        self.tasks.reconsider()
-
-    def _begin_round(self) -> None:
-        """Set out to do all tasks of the trial."""
-        self._round_began = self.now
-        self._round = self._new_round()
-        self.tasks.add(self._round)
-
-    @abstractmethod
-    def _new_round(self) -> Sequence[Task]:
-        """Return the tasks of a round."""
 
     def _sightings(self) -> tuple[Sighting, ...]:
         if self._stage.blind[self.name]:

@@ -18,6 +18,7 @@ from .caution import Caution
 from .commanded import CommandedMachine
 from .commanding import RETRY, Steps
 from .policy_files import SUFFIX, PolicyFile
+from .tasked import TaskedMachine
 
 STAY = ("parked", "external")
 """Built-in controllers that do not move a machine without a command."""
@@ -32,13 +33,13 @@ def parked(machine: CommandedMachine) -> Steps:
     yield
 
 
-def oblivious(machine: CommandedMachine) -> Steps:
+def oblivious(machine: TaskedMachine) -> Steps:
     """Do tasks in order on straight paths, and ignore people."""
     while (task := (yield machine.next_task())) is not None:
         yield machine.do(task)
 
 
-def pausing(machine: CommandedMachine) -> Steps:
+def pausing(machine: TaskedMachine) -> Steps:
     """Do one task after the other, at the speed that people allow."""
     caution = Caution(machine)
     while (task := (yield machine.next_task())) is not None:

@@ -15,8 +15,8 @@ from ..core.body import Machine
 from ..core.custom_code import argument_fault
 from .agv.agv import Agv
 from .amr.amr import Amr
-from .commanded import CommandedMachine
 from .gantry.robot import GantryRobot
+from .tasked import TaskedMachine
 from .tasks import Task
 
 CLASSES: Mapping[str, type[Machine]] = {"gantry": GantryRobot, "agv": Agv, "amr": Amr}
@@ -44,7 +44,7 @@ def given_arguments(machine: Machine, written: Mapping[str, Any]) -> dict[str, A
     given = dict(written)
     if "motion" in given:
         given["motion"] = Motion(tuple(map(_piece, given["motion"])))
-    if "task" in given and isinstance(machine, CommandedMachine):
+    if "task" in given and isinstance(machine, TaskedMachine):
         given["task"] = machine.tasks.numbered(given["task"])
     return given
 

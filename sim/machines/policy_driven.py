@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from navigation.vehicles import Twist
 
 from ..core.entries import Pose
-from .commanded import CommandedMachine
 from .commanding import Steps
+from .tasked import TaskedMachine
 
 
-class PolicyDriven(CommandedMachine):
+class PolicyDriven(TaskedMachine):
     """Machine that a policy can drive."""
 
     @property

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..core.body import Machine
 from ..core.entries import AssemblyTask, CombinedTask, KittingTask, Order, Workload
-from ..core.events import OrderAnnounced, OrderSubmitted, RobotMalfunction
+from ..core.events import OrderAnnounced, OrderSubmitted
 from ..core.stage import Stage
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot
@@ -96,7 +96,7 @@ class Dispatcher:
         for order in self._workload.orders:
             triggers.add(order.announcement, partial(self._announce, order))
         for malfunction in self._workload.malfunctions:
-            stand = partial(self._gantry.drive.disable, malfunction.seconds, RobotMalfunction)
+            stand = partial(self._gantry.malfunction, malfunction.seconds)
             triggers.add(malfunction.start, stand)
 
     @property

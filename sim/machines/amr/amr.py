@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -38,7 +38,7 @@ class Amr(PolicyDriven, Evading):
     it stands, and whatever was under way goes on afterwards.
     """
 
-    drive: VehicleDrive
+    _drive: VehicleDrive
 
     FOR_CONTROLLERS = PolicyDriven.FOR_CONTROLLERS | {
         *("missions", "complete", "twist", "twist_now", "turn_to", "limits")
@@ -115,11 +115,11 @@ class Amr(PolicyDriven, Evading):
         wanted.check(self.limits)
 
         def begun(left: float) -> Motion:
-            slow = self.drive.slowed(wanted)
+            slow = self._drive.slowed(wanted)
             self._course = TwistCourse(self.state, slow, self.limits), self.now, left
             return self._planned_twist()
 
-        self.drive.forget_route()
+        self._drive.forget_route()
         self._twist = self._follow(begun(seconds), lambda: begun(max(0.0, until - self.now)))
         return self._twist
 
@@ -136,13 +136,20 @@ class Amr(PolicyDriven, Evading):
         return motion
 
     def _extend_twist(self) -> None:
-        self.drive.extend(self._twist, self._planned_twist)
+        self._drive.extend(self._twist, self._planned_twist)
 
     def steer(self, twist: Sequence[float], until: float) -> None:
         """Drive with a twist until a time (s). A stationary vehicle does not start with zeros."""
         may_move = self.only_waits or not self.disabled
         if may_move and (self.body.motion.end > self.now or any(Twist.of(twist))):
             self.twist(twist, until - self.now)
+
+    def avoid(self, people: Mapping[str, Point], aside: float) -> bool:
+        """Plan around people from now on. Return whether the present route is given up.
+
+        Routes keep `aside` metres from the bodies of people if there is room for that.
+        """
+        return self._drive.avoid(people, aside)
 
     # Its tasks.
 
@@ -154,7 +161,7 @@ class Amr(PolicyDriven, Evading):
     def handle(self, task: Task) -> Process:
         """Do the work of the task's next step, here. The value is True if it was done."""
         instance("handle(task)", task, Task)
-        return self._command(self._handle(task, self.drive.begin()))
+        return self._command(self._handle(task, self._drive.begin()))
 
     def complete(self) -> None:
         """Count the current mission as done. `UserError` if there is none.
@@ -220,18 +227,18 @@ class Amr(PolicyDriven, Evading):
 
     def floor_changed(self) -> None:
         """Find another way if something stands in the present one now."""
-        self.drive.floor_changed()
+        self._drive.floor_changed()
         under_way = self.body.motion.end > self.now and not self.disabled
-        if under_way and not self.drive.route_is_free():
-            self.drive.forget_route()
+        if under_way and not self._drive.route_is_free():
+            self._drive.forget_route()
             # It brakes, and sets out again from there.
-            self.drive.hold(True)
-            self.drive.hold(False)
+            self._drive.hold(True)
+            self._drive.hold(False)
 
     @property
     def planned_at(self) -> float:
         """When its planner planned its present motion, or the one from which it stops (s)."""
-        return self.drive.planned_at
+        return self._drive.planned_at
 
     @property
     def may_leave(self) -> bool:
@@ -241,21 +248,21 @@ class Amr(PolicyDriven, Evading):
     @property
     def goal(self) -> Point | None:
         """The place (x, y) to which its route leads, if there is one."""
-        return self.drive.goal
+        return self._drive.goal
 
     def detour(self, taken: Sequence[Polygon], most: float) -> bool:
         """Choose another path to the goal around other machines; see `Evading.detour`."""
-        return self.drive.detour(taken, most)
+        return self._drive.detour(taken, most)
 
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
         """Choose another path to the goal, or to a passing place first; see `Evading.evade`."""
-        return self.drive.evade(taken, courses)
+        return self._drive.evade(taken, courses)
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
         """Move off the courses of other machines if it has no mission; see `Evading.make_way`."""
         if not self._makes_way or self.is_held or any(not task.finished for task in self._round):
             return False
-        return self.drive.make_way(taken, courses)
+        return self._drive.make_way(taken, courses)
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
         """Return its figures; it is idle while it neither moves, waits nor is made to stand."""
@@ -289,33 +296,33 @@ class Amr(PolicyDriven, Evading):
         None if `command` was replaced.
         """
         goal = self._goal(step)
-        while command is None or self.drive.is_under_way(command):
+        while command is None or self._drive.is_under_way(command):
             try:
-                return self.drive.destination(goal)
+                return self._drive.destination(goal)
             except PlanningError as why:
-                self.drive.record_blocked(goal, why)
-            again = self.drive.change_of_floor()
-            yield again if command is None else again | self.drive.replaced
+                self._drive.record_blocked(goal, why)
+            again = self._drive.change_of_floor()
+            yield again if command is None else again | self._drive.replaced
         return None
 
     def _do(self, task: Task, command: int) -> Steps:
-        while self.drive.is_under_way(command) and (step := task.next_step) is not None:
+        while self._drive.is_under_way(command) and (step := task.next_step) is not None:
             self._begin(task)
             goal = self._goal(step)
-            while self.drive.is_under_way(command) and not self.drive.is_at(goal):
+            while self._drive.is_under_way(command) and not self._drive.is_at(goal):
                 pose = yield from self._routed(step, command)
-                if self.drive.is_under_way(command):
-                    yield self.drive.move(pose, command=command)
-            if self.drive.is_under_way(command):
+                if self._drive.is_under_way(command):
+                    yield self._drive.move(pose, command=command)
+            if self._drive.is_under_way(command):
                 yield from self._handle(task, command)
         return task.finished
 
     def _handle(self, task: Task, command: int) -> Steps:
         self._begin(task)
         step = task.next_step
-        if step is None or not self.drive.is_at(self._goal(step)):
+        if step is None or not self._drive.is_at(self._goal(step)):
             return False
-        done: bool = yield from self.drive.work(step.seconds, command, stays=step.action == "wait")
+        done: bool = yield from self._drive.work(step.seconds, command, stays=step.action == "wait")
         if not done or task.next_step is not step:
             return False
         self._advance(task)

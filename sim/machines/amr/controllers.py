@@ -41,7 +41,7 @@ def avoiding(vehicle: Amr) -> Steps:
     while (task := (yield vehicle.next_task())) is not None:
         while task.next_step is not None:
             people = yield from caution.look()
-            if vehicle.drive.avoid({person.name: person.at for person in people}, ASIDE):
+            if vehicle.avoid({person.name: person.at for person in people}, ASIDE):
                 vehicle.stop()
             pose = yield vehicle.locate(task)
             if (yield from gone_to(vehicle, caution, pose, AGAIN)):

@@ -30,10 +30,11 @@ from navigation.vehicle_planner import SLACK
 from navigation.vehicles import Twist, stops_of
 
 from ...core.body import Body, is_there
+from ...core.clock import then
 from ...core.entries import Pose
 from ...core.events import MachineBlocked
 from ...core.stage import Stage
-from ..commanding import RETRY, Drive
+from ..commanding import RETRY, Drive, Move
 from ..traffic.evading import Evasion
 from .passing import passing_places
 from .shape import Chassis
@@ -166,9 +167,12 @@ class VehicleDrive(Drive):
                 self._waits_on = stop
             return stop
 
-    def try_again(self) -> Event | None:
-        """Return the event at which a vehicle that others block plans again."""
-        return self.change_of_floor() if self.body.motion is self._waits_on else None
+    def pauses(self, move: Move) -> bool:
+        """Return whether a move waits for other vehicles that block it."""
+        if self.body.motion is not self._waits_on:
+            return False
+        then(self.change_of_floor(), move.proceed)
+        return True
 
     def change_of_floor(self) -> Event:
         """Return the event at which a blocked vehicle plans again: a change, or after `RETRY`."""

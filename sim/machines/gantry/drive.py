@@ -102,7 +102,7 @@ class GantryDrive(Drive):
         self._ready.set(max(self._clock.now + seconds, self._ready.time or 0.0))
         if self._disabled_at is None:
             self._disabled_at = self._clock.now
-        self._stand()
+        self._stop()
 
     def close(self) -> None:
         """Count the time it was disabled until now: the trial is over."""
@@ -111,15 +111,15 @@ class GantryDrive(Drive):
         super().close()
 
     @property
-    def _may_go_on(self) -> bool:
-        return self._disabled_at is None and super()._may_go_on
+    def _may_move(self) -> bool:
+        return self._disabled_at is None and super()._may_move
 
     def _enable(self) -> None:
         assert self._disabled_at is not None
         self.disabled_time += self._clock.now - self._disabled_at
         self._disabled_at = None
         self._record(GantryEnabled())
-        self._go_on()
+        self._release()
 
 
 def _slower(axis: AxisLimits, share: float) -> AxisLimits:

@@ -19,7 +19,7 @@ from navigation import Motion
 from ...core.body import MachineShape, commands
 from ...core.clock import MOMENT
 from ...core.entries import Pose
-from ...core.events import OrderSubmitted, PartDropped
+from ...core.events import OrderSubmitted, PartDropped, RobotMalfunction
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ..arguments import instance
@@ -82,7 +82,7 @@ class GantryRobot(PolicyDriven, Evading):
         Function that records an `EventKind`.
     """
 
-    drive: GantryDrive
+    _drive: GantryDrive
 
     FOR_CONTROLLERS = PolicyDriven.FOR_CONTROLLERS | {
         *("gantry", "floorplan", "law", "pick", "place", "where", "way")
@@ -202,7 +202,7 @@ class GantryRobot(PolicyDriven, Evading):
         instance("handle(task)", task, Task)
         if (task.given_up and task.finished) or not self._sites.stands_at(_next_step(task)):
             return self._command(_not_done())
-        return self._command(self._handle(task, self.drive.begin()))
+        return self._command(self._handle(task, self._drive.begin()))
 
     # For policies.
 
@@ -259,12 +259,22 @@ class GantryRobot(PolicyDriven, Evading):
         seconds : float
             Duration in seconds.
         """
-        self.drive.disable(seconds)
+        self._drive.disable(seconds)
+
+    def malfunction(self, seconds: float) -> None:
+        """Stop the gantry because of a malfunction.
+
+        Parameters
+        ----------
+        seconds : float
+            Duration in seconds.
+        """
+        self._drive.disable(seconds, RobotMalfunction)
 
     @property
     def goal(self) -> Point | None:
         """The place (x, y) to which it moves, or has moved."""
-        target = self.drive.target
+        target = self._drive.target
         return None if target is None else target[:2]
 
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
@@ -280,11 +290,11 @@ class GantryRobot(PolicyDriven, Evading):
         Evasion or None
             None if there is no such place.
         """
-        target = self.drive.target
+        target = self._drive.target
         place = self._passing_place(taken, courses)
         if target is None or place is None:
             return None
-        self.drive.let_pass_at(place, target)
+        self._drive.let_pass_at(place, target)
         return Evasion(aside=place)
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
@@ -305,7 +315,7 @@ class GantryRobot(PolicyDriven, Evading):
         place = self._passing_place(taken, courses)
         if place is None:
             return False
-        self.drive.move(place, command=self.drive.begin())
+        self._drive.move(place, command=self._drive.begin())
         return True
 
     def _passing_place(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Pose | None:
@@ -337,7 +347,7 @@ class GantryRobot(PolicyDriven, Evading):
             Time in seconds.
         """
         return {
-            "disabled_time": self.drive.disabled_time,
+            "disabled_time": self._drive.disabled_time,
             "idle_time": self._idle_time(motion, now),
             "jobs_done": self.jobs_done,
             **({"parts_dropped": self.parts_dropped} if self.gripper.drops else {}),
@@ -377,8 +387,8 @@ class GantryRobot(PolicyDriven, Evading):
         ):
             if command is None:
                 yield self._floor_changed
-            elif self.drive.is_under_way(command):
-                yield self._floor_changed | self.drive.replaced
+            elif self._drive.is_under_way(command):
+                yield self._floor_changed | self._drive.replaced
             else:
                 break
         return pose
@@ -386,19 +396,19 @@ class GantryRobot(PolicyDriven, Evading):
     def _visit(self, action: str, seconds: float, place: str) -> Process:
         """Go to a place and handle something there, as one command."""
         instance(f"{action}(place)", place, str)
-        step, command = Step(action, seconds=seconds, place=place), self.drive.begin()
+        step, command = Step(action, seconds=seconds, place=place), self._drive.begin()
 
         def steps() -> Steps:
             yield from self._go_to(step, command)
-            return (yield from self.drive.work(seconds, command))
+            return (yield from self._drive.work(seconds, command))
 
         return self._command(steps())
 
     def _go_to(self, step: Step, command: int, task: Task | None = None) -> Steps:
         """As a part of `command`, go to where `step` is, once it can be reached."""
         pose = yield from self._reached(step, task, command)
-        if pose is not None and self.drive.is_under_way(command):
-            yield self.drive.move(pose, command=command)
+        if pose is not None and self._drive.is_under_way(command):
+            yield self._drive.move(pose, command=command)
 
     def _handle(self, task: Task, command: int) -> Steps:
         self._begin(task)
@@ -407,7 +417,7 @@ class GantryRobot(PolicyDriven, Evading):
         comes_by = None if passing is None else self._sites.comes_by(passing)
         if comes_by is not None:
             seconds = max(seconds, comes_by - self.now)
-        done: bool = yield from self.drive.work(seconds, command)
+        done: bool = yield from self._drive.work(seconds, command)
         if not done or task.next_step is not step:  # what it was about to put down has dropped
             return False
         if passing is not None:
@@ -426,7 +436,7 @@ class GantryRobot(PolicyDriven, Evading):
         return True
 
     def _do(self, task: Task, command: int) -> Steps:
-        while self.drive.is_under_way(command):
+        while self._drive.is_under_way(command):
             step = self._catchable(task).next_step
             if step is None:
                 break
@@ -434,7 +444,7 @@ class GantryRobot(PolicyDriven, Evading):
             yield from self._go_to(step, command, task)
             # An AGV may have left in the meantime, or the part has dropped.
             there = step is task.next_step and self._sites.stands_at(step)
-            if self.drive.is_under_way(command) and there:
+            if self._drive.is_under_way(command) and there:
                 yield from self._handle(task, command)
         return task.finished
 
