@@ -268,10 +268,13 @@ class Drive(ABC):
         self.standing_time += max(0.0, self._clock.now - rests_from)
 
     def _brake(self) -> None:
-        self.body.follow(self.stopping(self.body.state, self._clock.now))
+        self._follow_stop()
         if self._move is not None:
             self._move.broken_off()
         self._interrupt_waits()
+
+    def _follow_stop(self) -> None:
+        self.body.follow(self.stopping(self.body.state, self._clock.now))
 
     def _interrupt_waits(self) -> None:
         """Interrupt `wait` and `work`, so that their time does not count while it is stopped."""
@@ -308,7 +311,7 @@ class Drive(ABC):
     def ended(self) -> None:
         """Handle the end of the current move."""
         self._move = None
-        self._arrival.set(None)
+        self.await_arrival(None)
 
     def _until(self, t: float) -> Steps:
         yield self._clock.at(t)

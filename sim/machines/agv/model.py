@@ -27,7 +27,8 @@ from ...core.body import MachineShape
 from ...core.scenario import AgvMove
 from ...core.schedule import times_until
 from ...core.stage import MachineModel, Stage
-from .agv import Agv, agv_shape, last_before, part_behind, part_within
+from .agv import Agv, agv_shape
+from .lanes import last_before, part_behind, part_within
 
 MOST_MOVES = 100_000
 """Moves of all AGVs in a trial; more of them are a slip."""
