@@ -1,4 +1,4 @@
-"""Machines with a controller: their sensors, commands and tasks, the same for every kind."""
+"""Machines with a controller: their sensors and commands, the same for every kind."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from .interrupts import Interruption, Interrupts
 from .scan import Scanner
 
 OBSERVATION_RATE = 10.0
-"""Hz. Rate at which a machine sees where people are."""
+"""Hz. Rate of the observations of people."""
 
 
 @dataclass(frozen=True)
 class Sighting:
-    """A person as a machine's sensors see them: x, y in metres, velocity in m/s."""
+    """Observation of a person: x, y in metres, velocity in m/s."""
 
     name: str
     at: tuple[float, float]
@@ -44,17 +44,17 @@ class Sighting:
 
     @property
     def speed(self) -> float:
-        """The speed over the floor, m/s."""
+        """Speed, m/s."""
         return math.hypot(*self.velocity)
 
 
 class CommandedMachine(Machine):
-    """A machine to be commanded by a controller.
+    """A machine that a controller commands.
 
-    A controller yields what its methods return: `yield machine.move_to(-2.5, 0.5)`. It does one
-    thing at a time, so a command takes the place of what was under way. While it is made to stand
-    it stands, and whatever was under way goes on afterwards. `record(event)` records an event,
-    which may be of a custom `EventKind`.
+    A controller yields the results of its methods: `yield machine.move_to(-2.5, 0.5)`. The machine
+    carries out one command at a time: a new one replaces the current one. A stopped machine resumes
+    the current command afterwards. `record(event)` records an event, which may be of a custom
+    `EventKind`.
     """
 
     record: Record
@@ -106,7 +106,7 @@ class CommandedMachine(Machine):
         self._proximity = ApproachMonitor(self._stage, self, self._came_near)
         self.start(self._controller(self))
 
-    # Its sensors.
+    # Sensors.
 
     @property
     def now(self) -> float:
@@ -142,9 +142,9 @@ class CommandedMachine(Machine):
         law, now, motion = self.law, self.now, self.body.motion
         if law is None:
             return math.inf
-        motions = [person.body.motion for person in self._stage.people if not person.away]
+        walks = [person.body.motion for person in self._stage.people if not person.away]
         return min(
-            (minimum_margin(one, motion, law, now, now, shapes=self.shapes)[1] for one in motions),
+            (minimum_margin(walk, motion, law, now, now, shapes=self.shapes)[1] for walk in walks),
             default=math.inf,
         )
 
@@ -229,11 +229,11 @@ class CommandedMachine(Machine):
         ValueError
             If the reason is unknown or the distance invalid.
         """
-        self._interrupts.ask_for(reason, distance)
+        self._interrupts.request(reason, distance)
         if self._proximity is not None:
             self._proximity.near(self._interrupts.close_distance)
 
-    # Its commands.
+    # Commands.
 
     @commands
     def move_to(
@@ -391,7 +391,7 @@ class CommandedMachine(Machine):
         self._interrupts.command_given()
         return self._clock.at(number("until(t)", t), Turn.NOTICE)
 
-    # The simulation's side of it.
+    # For the simulation.
 
     def start(self, controller: Steps) -> None:
         """Start or replace the controller.
@@ -404,7 +404,7 @@ class CommandedMachine(Machine):
         self._interrupts.start(self._clock, controller)
 
     def interrupt(self, reason: str) -> None:
-        """Interrupt the controller as soon as possible if it has asked for that.
+        """Interrupt the controller as soon as possible if it has requested that.
 
         Parameters
         ----------
@@ -439,11 +439,11 @@ class CommandedMachine(Machine):
         return True
 
     def touched(self) -> None:
-        """Interrupt the controller at the begin of a contact, if it has asked for that."""
+        """Interrupt the controller at the begin of a contact, if it has requested that."""
         self.interrupt("contact")
 
     def stopped_by_contact(self) -> None:
-        """Stay free, so that the controller can leave what the machine touches."""
+        """Do nothing, so that the controller can move away from the contact."""
 
     def close(self) -> None:
         """Finish at the end of the trial."""
@@ -463,7 +463,7 @@ class CommandedMachine(Machine):
         self._stage.record(event)
 
     def _follow(self, motion: Motion, again: Callable[[], Motion] | None = None) -> Event:
-        """Follow a motion, which is compared with the claims of others; see `Drive.follow`."""
+        """Follow a motion, which traffic checks for conflicts. See `Drive.follow`."""
         if self.only_waits:
             self.stand_for(TRAFFIC, False)
         move = self._drive.follow(motion, again)
@@ -471,9 +471,9 @@ class CommandedMachine(Machine):
         return move
 
     def _idle_time(self, motion: Motion, now: float) -> float:
-        """Return how long it neither moved, handled nor was made to stand (s).
+        """Return the time (s) in which it neither moved, worked nor was stopped.
 
-        `motion` is all that it did.
+        `motion` is its whole track.
         """
         drive = self._drive
         moving = sum(piece.end - piece.begin for piece in motion.pieces if not piece.stands)

@@ -18,37 +18,36 @@ from .arguments import number
 from .commanding import Steps
 
 Interruption = Literal["person_close", "disabled", "enabled", "part_dropped", "contact"]
-"""Reasons for which a controller can ask to be interrupted."""
+"""Reasons for which a controller can request interrupts."""
 
 REASONS = get_args(Interruption)
 
 
 class Interrupts:
-    """The interrupts of one controller, masked while it handles one, as an operating system's are.
+    """Interrupts of one controller, masked while it handles one.
 
-    From one interrupt on there is no other until the controller has given a command outside the
-    `except` (or `finally`) in which it handles that one; then what happened meanwhile interrupts
-    it, each reason once. A command that ends at the instant of an interrupt is answered first, so
-    that its outcome is not lost.
+    After an interrupt there is no other one until the controller gives a command outside the
+    `except` or `finally` block that handles it. Reasons that occur meanwhile interrupt it then,
+    each once. If a command ends at the time of an interrupt, its result is delivered first.
     """
 
-    # The masking is that of POSIX signals (`sigaction` with all of them in `sa_mask`): while a
-    # handler runs they are blocked, and one that arrives stays pending, once however often it came.
-    # Without that, a person who comes near while the controller backs off would break off the
-    # handler at its `yield`. A signal handler unmasks by its return; a generator does not say when
-    # it leaves its `except`. But Python has the exception at hand for as long as that runs, so that
-    # the first command given without it is given outside.
+    # The masking is that of POSIX signals (`sigaction` with all of them in `sa_mask`): signals are
+    # blocked while a handler runs, and each stays pending once. Without masking, a person who
+    # comes near while the controller backs off would break off the handler at its `yield`. A
+    # signal handler unmasks by its return. A generator gives no sign when it leaves its `except`
+    # block, but `sys.exc_info` has the exception as long as that block runs. So the first command
+    # without this exception is outside of it.
 
     def __init__(self) -> None:
         self.close_distance: float | None = None
-        """Metres within which a person's coming interrupts, if the controller asked for it."""
+        """Distance (m) of a person that interrupts, if the controller has requested it."""
         self._wanted: set[str] = set()
         self._pending: list[str] = []
         self._handled: Interrupt | None = None
         self._process: Process | None = None
 
-    def ask_for(self, reason: str, distance: float) -> None:
-        """Interrupt for this reason from now on; see `GantryRobot.interrupt_on`."""
+    def request(self, reason: str, distance: float) -> None:
+        """Interrupt for this reason from now on. See `CommandedMachine.interrupt_on`."""
         if reason not in REASONS:
             hint = suggestion(str(reason), REASONS)
             raise UserError(f"nothing called {reason!r} interrupts a controller; {hint}")
@@ -59,11 +58,11 @@ class Interrupts:
         self._wanted.add(reason)
 
     def start(self, clock: Clock, controller: Steps) -> None:
-        """Run `controller` from now on, and interrupt it."""
+        """Run `controller` with interrupts from now on."""
         self._process = clock.process(self._delivered_to(controller))
 
     def happened(self, reason: str) -> None:
-        """Interrupt the controller, now or as soon as it may be, if it asked for this reason."""
+        """Interrupt the controller as soon as possible if it has requested this reason."""
         process = self._process
         if process is None or not process.is_alive or reason not in self._wanted:
             return
@@ -73,8 +72,8 @@ class Interrupts:
                 process.interrupt()
 
     def command_given(self) -> None:
-        """Unmask interrupts, unless the caller is still in the `except` that handles the last."""
-        # Inside `except`, Python has the exception, or one that was raised on top of it, at hand.
+        """Unmask interrupts, unless the caller is still in the `except` block of the last one."""
+        # Within this block, the present exception is the interrupt or was raised while handling it.
         exception = sys.exc_info()[1]
         while exception is not None and exception is not self._handled:
             exception = exception.__context__
@@ -82,17 +81,17 @@ class Interrupts:
             self._handled = None
 
     def _delivered_to(self, controller: Steps) -> Steps:
-        """Yield the steps of `controller`, and throw interrupts into it where they may be."""
-        go_on: Callable[[], Event] = partial(next, controller)
+        """Yield the steps of `controller`, and throw interrupts into it where allowed."""
+        proceed: Callable[[], Event] = partial(next, controller)
         while True:
             try:
-                event = go_on()
+                event = proceed()
             except StopIteration:
                 return
-            go_on = yield from self._waited_for(event, controller)
+            proceed = yield from self._waited_for(event, controller)
 
     def _waited_for(self, event: Event, controller: Steps) -> Steps:
-        """Wait for `event`, or for an interrupt; the value resumes the controller."""
+        """Wait for `event` or an interrupt. Return a function that resumes the controller."""
         while True:
             if self._pending and self._handled is None and not event.triggered:
                 self._handled = Interrupt(self._pending.pop(0))
@@ -100,7 +99,7 @@ class Interrupts:
             try:
                 answer: Any = yield event
             except Interrupt:
-                continue  # a reason is pending; where it may not be thrown yet, wait on
+                continue  # thrown now, or still masked
             except Exception as why:
                 return partial(controller.throw, why)
             return partial(controller.send, answer)

@@ -172,7 +172,7 @@ class Agv(CommandedMachine):
 
 
 def agv_shape(lane: Lane) -> MachineShape:
-    """Return the shape of the AGV on `lane`, as others see it."""
+    """Return the shape of the AGV on `lane`."""
     return MachineShape(
         name=lane.name,
         kind="agv",

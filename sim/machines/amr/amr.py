@@ -1,4 +1,4 @@
-"""A vehicle that drives freely, as its controller sees it: its commands, tasks and sensors."""
+"""Vehicles that drive freely: their commands, missions and twists."""
 
 from __future__ import annotations
 
@@ -28,15 +28,11 @@ from .missions import Mission, task_of
 from .shape import Chassis
 
 AHEAD = 60.0
-"""Seconds of a twist that are planned, and known to others, at a time."""
+"""Seconds of a twist that are planned at a time, and that other machines can expect."""
 
 
 class Amr(PolicyDriven, Evading):
-    """A vehicle that drives freely, to be commanded by a controller.
-
-    Its tasks are the missions of the trial: to go to a place, to turn, to wait. While it is held,
-    it stands, and whatever was under way goes on afterwards.
-    """
+    """A vehicle that drives freely. Its tasks are the missions of the trial."""
 
     _drive: VehicleDrive
 
@@ -76,47 +72,47 @@ class Amr(PolicyDriven, Evading):
         self._located = tuple(replace(one, go=one.goal(stage.floorplan)) for one in missions)
         self._rest = Alarm(stage.clock, self._comes_to_rest, Turn.MOTION_ENDS)
         self._course: tuple[TwistCourse, float, float] | None = None
-        """The course of the last twist, its begin, and the seconds that it takes."""
+        """Course of the last twist, its begin and its duration (s)."""
         self._twist: Event | None = None
-        """The last twist."""
+        """Last twist."""
         self._extension = Alarm(stage.clock, self._extend_twist, Turn.MOTION_ENDS)
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
 
-    # Its sensors.
+    # Sensors.
 
     @property
     def missions(self) -> tuple[Mission, ...]:
-        """The missions that are left of this round, the current one first.
+        """Remaining missions of this round, the current one first.
 
         `go` is a position (x, y) in metres, with a rotation in radians if the trial gives one.
         """
         pairs = zip(self._located, self._round, strict=True)
         return tuple(mission for mission, task in pairs if not task.finished)
 
-    # Its commands.
+    # Commands.
 
     @commands
     def turn_to(self, rotation: float, *, speed_share: float = 1.0) -> Event:
-        """Turn on the spot to `rotation` (radians), to be waited for."""
+        """Turn on the spot to `rotation` (radians). Return an event to yield."""
         x, y, _ = self.position
         rotation = number("turn_to(rotation)", rotation)
         return self.move_to(x, y, rotation, speed_share=speed_share)
 
     @commands
     def twist(self, twist: Sequence[float], seconds: float) -> Event:
-        """Drive with a twist for `seconds`, and stop unless another command comes before.
+        """Drive with a twist for `seconds`, then stop unless there is another command.
 
         The twist is (v, ω), or (vx, vy, ω): m/s forwards and to the left, rad/s. `UserError` if it
-        is not finite or too fast. Of a longer twist, `AHEAD` seconds are planned at a time.
+        is not finite or too fast. `AHEAD` seconds of a longer twist are planned at a time.
         """
-        seconds, wanted = number("twist(seconds)", seconds, 0.0), Twist.of(twist)
+        seconds, requested = number("twist(seconds)", seconds, 0.0), Twist.of(twist)
         until = self.now + seconds
-        wanted.check(self.limits)
+        requested.check(self.limits)
 
-        def begun(left: float) -> Motion:
-            slow = self._drive.slowed(wanted)
-            self._course = TwistCourse(self.state, slow, self.limits), self.now, left
+        def begun(remaining: float) -> Motion:
+            slow = self._drive.slowed(requested)
+            self._course = TwistCourse(self.state, slow, self.limits), self.now, remaining
             return self._planned_twist()
 
         self._drive.forget_route()
@@ -124,13 +120,13 @@ class Amr(PolicyDriven, Evading):
         return self._twist
 
     def _planned_twist(self) -> Motion:
-        """Return the motion of the twist under way for `AHEAD` seconds at most."""
+        """Return the motion of the current twist for `AHEAD` seconds at most."""
         assert self._course is not None
         (course, begun, seconds), now = self._course, self.now
         until = min(seconds, now - begun + AHEAD)
         motion = course.motion(self.position, now, until, now - begun)
         half = now + AHEAD / 2
-        node = motion.pieces_from(half)[0].begin  # of a spline, whose velocity is exact there
+        node = motion.pieces_from(half)[0].begin  # where the velocity of a spline is exact
         again = node if node > now + AHEAD / 4 else half
         self._extension.set(again if until < seconds else None)
         return motion
@@ -151,15 +147,15 @@ class Amr(PolicyDriven, Evading):
         """
         return self._drive.avoid(people, aside)
 
-    # Its tasks.
+    # Tasks.
 
     def locate(self, task: Task) -> Event:
-        """Begin the task: the value is the pose of its next step, once there is a route to it."""
+        """Wait for a route to the next step of a task, whose pose is the value of the event."""
         return self._command(self._find(instance("locate(task)", task, Task)))
 
     @commands
     def handle(self, task: Task) -> Process:
-        """Do the work of the task's next step, here. The value is True if it was done."""
+        """Carry out the next step of a task here. The value of the event is True if done."""
         instance("handle(task)", task, Task)
         return self._command(self._handle(task, self._drive.begin()))
 
@@ -209,10 +205,10 @@ class Amr(PolicyDriven, Evading):
         return
         yield
 
-    # The simulation's side of it.
+    # For the simulation.
 
     def begin_mission(self) -> None:
-        """Record that the current mission is started, unless it was."""
+        """Record the start of the current mission, once."""
         if (task := self._current) is not None:
             self._begin(task)
 
@@ -222,50 +218,50 @@ class Amr(PolicyDriven, Evading):
 
     @property
     def loaded(self) -> bool:
-        """Whether it carries the load of its model."""
+        """Whether it carries a load."""
         return self.shape.loaded
 
     def floor_changed(self) -> None:
-        """Find another way if something stands in the present one now."""
+        """Plan another route if the present one is blocked."""
         self._drive.floor_changed()
         under_way = self.body.motion.end > self.now and not self.disabled
         if under_way and not self._drive.route_is_free():
             self._drive.forget_route()
-            # It brakes, and sets out again from there.
+            # Brake, and plan from the end of the stop.
             self._drive.hold(True)
             self._drive.hold(False)
 
     @property
     def planned_at(self) -> float:
-        """When its planner planned its present motion, or the one from which it stops (s)."""
+        """Time at which its present motion was planned, or the one from which it stops (s)."""
         return self._drive.planned_at
 
     @property
     def may_leave(self) -> bool:
-        """Whether it can be expected to leave when it is in the way."""
+        """Whether it makes way when it is idle."""
         return self._makes_way
 
     @property
     def goal(self) -> Point | None:
-        """The place (x, y) to which its route leads, if there is one."""
+        """End (x, y) of its route, if there is one."""
         return self._drive.goal
 
     def detour(self, taken: Sequence[Polygon], most: float) -> bool:
-        """Choose another path to the goal around other machines; see `Evading.detour`."""
+        """Choose another path to the goal around other machines. See `Evading.detour`."""
         return self._drive.detour(taken, most)
 
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
-        """Choose another path to the goal, or to a passing place first; see `Evading.evade`."""
+        """Choose another path to the goal, or to a passing place first. See `Evading.evade`."""
         return self._drive.evade(taken, courses)
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
-        """Move off the courses of other machines if it has no mission; see `Evading.make_way`."""
+        """Move off the courses of other machines if it has no mission. See `Evading.make_way`."""
         if not self._makes_way or self.is_held or any(not task.finished for task in self._round):
             return False
         return self._drive.make_way(taken, courses)
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
-        """Return its figures; it is idle while it neither moves, waits nor is made to stand."""
+        """Return its figures. It is idle while it neither moves, works nor is stopped."""
         return {"jobs_done": self.jobs_done, "idle_time": self._idle_time(motion, now)}
 
     def _motion_changed(self) -> None:
@@ -275,7 +271,7 @@ class Amr(PolicyDriven, Evading):
         self._stage.came_to_rest(self)
 
     def _goal(self, step: Step) -> tuple[float, ...]:
-        """Return x, y, and the rotation if there is one, of a step."""
+        """Return x, y, and the rotation if required, of a step."""
         if step.target is None:
             return self.position
         x, y, rotation = step.target
@@ -284,14 +280,14 @@ class Amr(PolicyDriven, Evading):
         return (x, y) if math.isnan(rotation) else (x, y, rotation)
 
     def _find(self, task: Task) -> Steps:
-        """Return the pose of the next step of a task, once there is a route to it."""
+        """Wait for a route to the next step of a task, and return its pose."""
         self._begin(task)
         step = task.next_step
         assert step is not None
         return (yield from self._routed(step, None))
 
     def _routed(self, step: Step, command: int | None) -> Steps:
-        """Return the pose in which a route to a step ends, once there is one.
+        """Wait for a route to a step, and return the pose at its end.
 
         None if `command` was replaced.
         """
@@ -301,8 +297,8 @@ class Amr(PolicyDriven, Evading):
                 return self._drive.destination(goal)
             except PlanningError as why:
                 self._drive.record_blocked(goal, why)
-            again = self._drive.change_of_floor()
-            yield again if command is None else again | self._drive.replaced
+            change = self._drive.change_of_floor()
+            yield change if command is None else change | self._drive.replaced
         return None
 
     def _do(self, task: Task, command: int) -> Steps:

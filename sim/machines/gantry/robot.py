@@ -1,4 +1,4 @@
-"""The gantry as its controller sees it: its commands and its sensors."""
+"""Gantries: their commands, tasks and passing places."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ from .drive import GantryDrive
 from .tasks import Gripper, Handling, Worksites, tasks_of
 
 GANTRY = "gantry"
-"""The name of the floor's own gantry, which events leave out."""
+"""Name of the gantry of the floor, which events omit."""
 
 
 SLOWEST = 0.05
 """Lowest share of the speed that a policy can choose."""
 
 PASSING = 0.5
-"""Metres between places at which it might let others pass."""
+"""Metres between candidates for passing places."""
 
 FARTHEST = 20
-"""Number of places along each axis, on each side."""
+"""Number of candidates along each axis, on each side."""
 
 
 class GantryRobot(PolicyDriven, Evading):
@@ -120,7 +120,7 @@ class GantryRobot(PolicyDriven, Evading):
         self._floor_changed = stage.clock.event()
         self._begin_round()
 
-    # Its commands.
+    # Commands.
 
     @commands
     def pick(self, place: str) -> Process:
@@ -154,7 +154,7 @@ class GantryRobot(PolicyDriven, Evading):
         """
         return self._visit("place", self.handling.place, place)
 
-    # Its tasks.
+    # Tasks.
 
     def where(self, task: Task) -> Pose | None:
         """Return the pose of the next step of a task, or None if it is out of reach.
@@ -244,7 +244,7 @@ class GantryRobot(PolicyDriven, Evading):
         else:
             self.move_to(*goal, speed_share=share)
 
-    # The simulation's side of it.
+    # For the simulation.
 
     @property
     def loaded(self) -> bool:
@@ -273,7 +273,7 @@ class GantryRobot(PolicyDriven, Evading):
 
     @property
     def goal(self) -> Point | None:
-        """The place (x, y) to which it moves, or has moved."""
+        """Target (x, y) of the last move."""
         target = self._drive.target
         return None if target is None else target[:2]
 
@@ -368,7 +368,7 @@ class GantryRobot(PolicyDriven, Evading):
         return self.position if pose is None else pose
 
     def _catchable(self, task: Task) -> Task:
-        """Return `task`, with another part in place of one that goes by and can't be met."""
+        """Return `task`, with another part if the present one on the conveyor cannot be met."""
         while (
             (step := task.next_step) is not None
             and step.passing
@@ -378,9 +378,9 @@ class GantryRobot(PolicyDriven, Evading):
         return task
 
     def _reached(self, step: Step, task: Task | None = None, command: int | None = None) -> Steps:
-        """Wait until a step can be reached; the value is its pose then.
+        """Wait until a step can be reached, and return its pose.
 
-        None if it is not the next of its task any more, or `command` was replaced.
+        None if it is no longer the next step of its task, or `command` was replaced.
         """
         while (pose := self._sites.pose_for(step)) is None and (
             task is None or task.next_step is step
@@ -394,7 +394,7 @@ class GantryRobot(PolicyDriven, Evading):
         return pose
 
     def _visit(self, action: str, seconds: float, place: str) -> Process:
-        """Go to a place and handle something there, as one command."""
+        """Go to a place and handle a part there, as one command."""
         instance(f"{action}(place)", place, str)
         step, command = Step(action, seconds=seconds, place=place), self._drive.begin()
 
@@ -405,7 +405,7 @@ class GantryRobot(PolicyDriven, Evading):
         return self._command(steps())
 
     def _go_to(self, step: Step, command: int, task: Task | None = None) -> Steps:
-        """As a part of `command`, go to where `step` is, once it can be reached."""
+        """As a part of `command`, go to a step when it can be reached."""
         pose = yield from self._reached(step, task, command)
         if pose is not None and self._drive.is_under_way(command):
             yield self._drive.move(pose, command=command)
@@ -418,11 +418,11 @@ class GantryRobot(PolicyDriven, Evading):
         if comes_by is not None:
             seconds = max(seconds, comes_by - self.now)
         done: bool = yield from self._drive.work(seconds, command)
-        if not done or task.next_step is not step:  # what it was about to put down has dropped
+        if not done or task.next_step is not step:  # the carried part has dropped
             return False
         if passing is not None:
             if comes_by is None or abs(comes_by - self.now) > MOMENT:
-                return False  # it has been held up, and what it was to pick is past
+                return False  # delayed, so that the part has passed
             passing.taken()
         if step.action == "pick":
             self.gripper.close(task)
@@ -442,14 +442,14 @@ class GantryRobot(PolicyDriven, Evading):
                 break
             self._begin(task)
             yield from self._go_to(step, command, task)
-            # An AGV may have left in the meantime, or the part has dropped.
+            # The AGV may have left, or the part may have dropped.
             there = step is task.next_step and self._sites.stands_at(step)
             if self._drive.is_under_way(command) and there:
                 yield from self._handle(task, command)
         return task.finished
 
     def _lose(self, task: Task) -> None:
-        """Let the part drop that is carried for `task`, and begin again with another."""
+        """Drop the part of a task, and begin the task again with another part."""
         self.parts_dropped += 1
         part, order = (task.fields.get(name) for name in ("part", "order"))
         self.record(PartDropped(part=part, order=order, at=self.body.at))
@@ -488,7 +488,7 @@ class GantryRobot(PolicyDriven, Evading):
 
 
 def gantry_shape(gantry: Gantry, name: str) -> MachineShape:
-    """Return the shape of a gantry, as others see it."""
+    """Return the shape of a gantry."""
     length, width, bottom, top = gantry.torso
     return MachineShape(
         name=name,
