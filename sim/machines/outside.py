@@ -24,14 +24,14 @@ CLASSES: Mapping[str, type[Machine]] = {"gantry": GantryRobot, "agv": Agv, "amr"
 
 
 def call_fault(kind: str, method: str, arguments: Mapping[str, Any]) -> str:
-    """Return why a machine of a built-in kind cannot be commanded so, or an empty text."""
+    """Return the fault of a command to a machine of a built-in kind, or an empty text."""
     machine = CLASSES.get(kind)
-    known = [name for name in dir(machine) if hasattr(getattr(machine, name), "is_command")]
+    names = [name for name in dir(machine) if hasattr(getattr(machine, name), "is_command")]
     if machine is None:
         return ""
-    if method in known:
+    if method in names:
         return argument_fault(partial(getattr(machine, method), None), arguments)
-    return f"a machine of the kind {kind} has no command {method!r}; {suggestion(method, known)}"
+    return f"a machine of the kind {kind} has no command {method!r}; {suggestion(method, names)}"
 
 
 def written_arguments(arguments: Mapping[str, Any]) -> dict[str, Any]:
@@ -41,12 +41,12 @@ def written_arguments(arguments: Mapping[str, Any]) -> dict[str, Any]:
 
 def given_arguments(machine: Machine, written: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of a method of a machine from their plain values."""
-    given = dict(written)
-    if "motion" in given:
-        given["motion"] = Motion(tuple(map(_piece, given["motion"])))
-    if "task" in given and isinstance(machine, TaskedMachine):
-        given["task"] = machine.tasks.numbered(given["task"])
-    return given
+    arguments = dict(written)
+    if "motion" in arguments:
+        arguments["motion"] = Motion(tuple(map(_piece, arguments["motion"])))
+    if "task" in arguments and isinstance(machine, TaskedMachine):
+        arguments["task"] = machine.tasks.numbered(arguments["task"])
+    return arguments
 
 
 def _piece(written: Sequence[Any]) -> Piece:
@@ -62,5 +62,5 @@ def _written(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, list | tuple):
-        return [_written(one) for one in value]
+        return [_written(item) for item in value]
     return value

@@ -46,8 +46,6 @@ class TaskedMachine(CommandedMachine):
         self._round_began = -math.inf
         self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
 
-    # Its tasks.
-
     @property
     def open_tasks(self) -> tuple[Task, ...]:
         """Tasks that can be started or continued now, in order of preference."""
@@ -123,7 +121,7 @@ class TaskedMachine(CommandedMachine):
 
     @abstractmethod
     def _do(self, task: Task, command: int) -> Steps:
-        """Do the steps of a task that are left, as a part of a command."""
+        """Carry out the remaining steps of a task as a part of a command."""
 
     def _begin(self, task: Task) -> None:
         if not task.announced:
@@ -141,7 +139,7 @@ class TaskedMachine(CommandedMachine):
         self.record(JobDone.of({"job": task.kind, **task.fields}))
 
     def _go_on(self) -> None:
-        """Let the next round begin if this one is over, and let tasks be chosen anew."""
+        """Start the next round if this one is over, and notify the controller."""
         if all(task.finished for task in self._round) and self.now > self._round_began:
             if self._every is not None:
                 self._next_round.set(max(self._round_began + self._every, self.now))
@@ -150,7 +148,7 @@ class TaskedMachine(CommandedMachine):
         self.tasks.reconsider()
 
     def _begin_round(self) -> None:
-        """Set out to do all tasks of the trial."""
+        """Add all tasks of the trial."""
         self._round_began = self.now
         self._round = self._new_round()
         self.tasks.add(self._round)
