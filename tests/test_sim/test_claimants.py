@@ -10,7 +10,7 @@ import navigation
 from sim.core.body import TRAFFIC
 from sim.machines.traffic.areas import CLEAR
 from sim.machines.traffic.evading import Evasion
-from sim.machines.traffic.waiting import Driving, GivingWay, Waiting
+from sim.machines.traffic.waiting import Driving, GivingWay, WaitingForMachines
 
 FAR = (40.0, 40.0)
 
@@ -284,7 +284,8 @@ def test_who_evades_lets_those_of_a_higher_rank_pass(floor):
     assert right.body.at == pytest.approx((1.0, 0.0), abs=1e-6)
     # At the passing place it waited until the other one had passed.
     waits, proceeds = (
-        floor.recorded(f"Machine{kind}", machine="right") for kind in ("Waiting", "Proceeds")
+        floor.recorded(f"Machine{kind}", machine="right")
+        for kind in ("WaitingForMachines", "Proceeds")
     )
     assert waits[-1][1].for_machine == "left"
     assert left.body.track().position(proceeds[-1][0])[0] > x
@@ -313,7 +314,7 @@ def evading(floor, carts, all_of, k, to=(50.0, 50.0, 0.0)):
     floor.until(10.0)
     mine = all_of[k]
     ahead = [[carts[k].body.state.position]]
-    mine.state = Waiting(ahead, [all_of[k - 1]], 9.0, Driving())
+    mine.state = WaitingForMachines(ahead, [all_of[k - 1]], 9.0, Driving())
     carts[k].evasion = Evasion(aside=to)
     carts[k].to = (77.0, 7.0)
     mine.goal = carts[k].goal

@@ -17,7 +17,7 @@ from ...safety.stopping_check import StoppingCheck
 from ..commanded import CommandedMachine
 from ..controllers import parked
 from .drive import LaneDrive
-from .yielding import RESUME, Lookout
+from .yielding import RESUME, PedestrianWatch
 
 
 class Agv(CommandedMachine):
@@ -49,7 +49,7 @@ class Agv(CommandedMachine):
         self._beyond = math.hypot(*stage.rules.measured_at(self.shape)) + check.around
         self._moves = moves
         self._is_on_floor = any(lane is other for other in stage.floorplan.lanes)
-        self._lookout = Lookout(stage, drive, self.shape, check) if yields else None
+        self._lookout = PedestrianWatch(stage, drive, self.shape, check) if yields else None
 
     def begin(self) -> None:
         """Schedule the moves."""

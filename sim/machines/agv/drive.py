@@ -27,7 +27,7 @@ ON_LANE = 1e-3
 """Metres and radians. Tolerance of targets beside the lane."""
 
 
-class Block(NamedTuple):
+class ClosedPart(NamedTuple):
     """The first closed part on the path of an AGV: its name, and the last position before it."""
 
     name: str
@@ -63,7 +63,7 @@ class LaneDrive(Drive):
         self._rest: tuple[Motion | None, float] = (None, 0.0)
         """The motion on which it has come to rest, and its lane position there (m)."""
         self._last_stop: Motion | None = None
-        self._block: Block | None = None
+        self._block: ClosedPart | None = None
         zones = stage.floorplan.zones
         self._slow = [
             Stretch(*span, limit)
@@ -208,7 +208,7 @@ class LaneDrive(Drive):
         self._stage.record(AgvMoved(agv=self.lane.name, to=self._goal, arrives=arrives))
         return motion
 
-    def _next_block(self) -> Block | None:
+    def _next_block(self) -> ClosedPart | None:
         """Return the first closed part on the path to the target."""
         closures = self._stage.active_closures
         if self.to is None or not (closures or self._forbidden or self._gates):
@@ -222,7 +222,7 @@ class LaneDrive(Drive):
             if one.overlaps(0.0, lane.height)
         ]
         blocks = [
-            Block(name, q)
+            ClosedPart(name, q)
             for name, part in parts
             if part is not None and (q := last_before(part, at, to)) is not None
         ]
@@ -295,7 +295,7 @@ class LaneDrive(Drive):
             raise UserError(f"speed_share must be more than 0 and at most 1, not {speed_share}")
 
 
-def _same(one: Block | None, other: Block | None) -> bool:
+def _same(one: ClosedPart | None, other: ClosedPart | None) -> bool:
     if one is None or other is None:
         return one is other
     return one.name == other.name and abs(one.at - other.at) < SLIGHT

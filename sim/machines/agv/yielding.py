@@ -20,7 +20,7 @@ RESUME = 1.0
 """Seconds for which a run must be safe to begin. Shorter runs would make the AGV creep."""
 
 
-class Lookout:
+class PedestrianWatch:
     """Lookout of a yielding AGV.
 
     It checks the people nearby often enough to stop before any of them can come too close, and

@@ -18,7 +18,7 @@ from ...core.events import MachineEvades, MachineProceeds, MachineWaiting
 from ...core.stage import Stage
 from .areas import CLEAR, Area, Footprint, Part
 from .evading import Evading
-from .waiting import Driving, GivingWay, Waiting
+from .waiting import Driving, GivingWay, WaitingForMachines
 
 T = TypeVar("T")
 
@@ -78,7 +78,7 @@ class Coordinator(Protocol):
 class Claimant:
     """A machine with its claim.
 
-    Its state is `Driving`, `GivingWay` on the way to a passing place, or `Waiting`. It begins to
+    Its state is `Driving`, `GivingWay` on the way to a passing place, or `WaitingForMachines`. It begins to
     wait when the next part of its motion is not free. It returns to its former state when that area
     is free, when it finds another path, or when its controller chooses a motion that is free.
     """
@@ -90,7 +90,7 @@ class Claimant:
         """Machines that it may meet."""
         self.claim: Area
         """Area that it covers until the claim is renewed."""
-        self.state: Driving | GivingWay | Waiting[Claimant] = Driving()
+        self.state: Driving | GivingWay | WaitingForMachines[Claimant] = Driving()
         self.waiting_time = 0.0
         state, now = machine.body.state, coordinator.stage.clock.now
         self.stops = machine.stopping(state, now) is not None
@@ -126,9 +126,9 @@ class Claimant:
         self._motion_changed()
 
     @property
-    def waiting(self) -> Waiting[Claimant] | None:
+    def waiting(self) -> WaitingForMachines[Claimant] | None:
         """Its state if it waits, otherwise None."""
-        return self.state if isinstance(self.state, Waiting) else None
+        return self.state if isinstance(self.state, WaitingForMachines) else None
 
     @property
     def rank(self) -> tuple[int, float, int]:
@@ -191,7 +191,7 @@ class Claimant:
             self.lets_pass.clear()
 
     def _stop_giving_way(self) -> None:
-        if isinstance(self.state, Waiting):
+        if isinstance(self.state, WaitingForMachines):
             self.state.before = Driving()
         else:
             self.state = Driving()
@@ -260,11 +260,11 @@ class Claimant:
             return
         ahead = Part.of(self.machine, motion, now, self._seconds).courses
         blockers = self._blockers(ahead)
-        if isinstance(self.state, Waiting):
+        if isinstance(self.state, WaitingForMachines):
             announced, since, before = self.state.blockers[:1], self.state.since, self.state.before
         else:
             announced, since, before = [], now, self.state
-        self.state = Waiting(ahead, blockers, since, before)
+        self.state = WaitingForMachines(ahead, blockers, since, before)
         if announced != blockers[:1]:
             name = blockers[0].name
             self._traffic.stage.record(MachineWaiting(machine=self.name, for_machine=name))
@@ -274,7 +274,7 @@ class Claimant:
 
     def reconsider(self) -> None:
         """Continue if the area for which it waits is free."""
-        assert isinstance(self.state, Waiting)
+        assert isinstance(self.state, WaitingForMachines)
         before, self.state.blockers = self.state.blockers, self._blockers(self.state.ahead)
         if not self.state.blockers:
             self._proceed()
@@ -287,7 +287,7 @@ class Claimant:
         self.machine.stand_for(TRAFFIC, False)
 
     def _end_wait(self) -> None:
-        assert isinstance(self.state, Waiting)
+        assert isinstance(self.state, WaitingForMachines)
         waited = self._clock.now - self.state.since
         self.waiting_time += waited
         self.state = self.state.before
@@ -319,7 +319,7 @@ class Claimant:
         if self.waiting is waiting:
             self._retry.set(now + min(LONGEST, PATIENCE * 2 ** (waiting.looks - 1)))
 
-    def _others_move(self, waiting: Waiting[Claimant]) -> bool:
+    def _others_move(self, waiting: WaitingForMachines[Claimant]) -> bool:
         """Request way from other machines, or take a detour. Return whether any machine moves."""
         stationary = [one for one in waiting.blockers if one.rests and one.waiting is None]
         if any(one.makes_way_for(self) for one in stationary):
@@ -333,7 +333,7 @@ class Claimant:
         machine = self._evading
         return machine is not None and machine.make_way(self.taken(CLEAR), other.wide_course)
 
-    def _detour_around(self, blocker: Claimant, waiting: Waiting[Claimant]) -> bool:
+    def _detour_around(self, blocker: Claimant, waiting: WaitingForMachines[Claimant]) -> bool:
         """Take another path around a stationary machine. Return whether there is one."""
         machine = self._evading
         if machine is None or not self._may_search():
@@ -371,7 +371,7 @@ class Claimant:
         if not higher:
             self._since = now
             self._traffic.gave_way(self)
-        assert isinstance(self.state, Waiting)
+        assert isinstance(self.state, WaitingForMachines)
         self.state.before = Driving() if evasion.aside is None else GivingWay(evasion.aside)
         if evasion.aside:
             self.lets_pass |= {one: one.goal for one in higher or others}
@@ -381,7 +381,7 @@ class Claimant:
     @property
     def _aside(self) -> Pose | None:
         """The passing place to which it is under way, or returns after a wait."""
-        state = self.state.before if isinstance(self.state, Waiting) else self.state
+        state = self.state.before if isinstance(self.state, WaitingForMachines) else self.state
         return state.aside if isinstance(state, GivingWay) else None
 
     def _to_let_pass(self, area: Area) -> list[Claimant]:

@@ -24,7 +24,7 @@ class GivingWay:
 
 
 @dataclass
-class Waiting(Generic[T]):
+class WaitingForMachines(Generic[T]):
     """State of a machine that is held until the area ahead is free.
 
     `ahead` has the poses of its next part and of the stops from there, and `before` is the state to

@@ -10,8 +10,8 @@ from ...core.clock import Alarm, Clock, Turn
 from ...core.fields import MachineFields
 
 
-class State(Enum):
-    """State of a reaction."""
+class ReactionState(Enum):
+    """ReactionState of a reaction."""
 
     IDLE = "idle"
     RESPONDING = "responding"
@@ -34,7 +34,7 @@ class Reaction:
         begin: Callable[[str, str], None],
         end: Callable[[], None],
     ) -> None:
-        self.state = State.IDLE
+        self.state = ReactionState.IDLE
         self._clock = clock
         self._fields = fields
         self._begin, self._end = begin, end
@@ -50,7 +50,7 @@ class Reaction:
     @property
     def active(self) -> bool:
         """Whether it has begun and not ended."""
-        return self.state is State.ACTIVE
+        return self.state is ReactionState.ACTIVE
 
     @property
     def intervals(self) -> list[tuple[float, float]]:
@@ -62,8 +62,8 @@ class Reaction:
         now = self._clock.now
         if cause and not self._triggered:
             self._release.set(None)
-            if self.state is State.IDLE:
-                self.state = State.RESPONDING
+            if self.state is ReactionState.IDLE:
+                self.state = ReactionState.RESPONDING
                 self._cause, self._person = cause, person
                 self._response.set(now + self._fields.response_time)
         elif self._triggered and not cause:
@@ -79,8 +79,8 @@ class Reaction:
     def trip(self) -> None:
         """Begin at once if the response time runs."""
         self._response.set(None)
-        if self.state is State.RESPONDING:
-            self.state, self._began = State.ACTIVE, self._clock.now
+        if self.state is ReactionState.RESPONDING:
+            self.state, self._began = ReactionState.ACTIVE, self._clock.now
             self._begin(self._cause, self._person)
             self._await_release()
 
@@ -91,5 +91,5 @@ class Reaction:
 
     def _over(self) -> None:
         self._past.append((self._began, self._clock.now))
-        self.state = State.IDLE
+        self.state = ReactionState.IDLE
         self._end()
