@@ -284,8 +284,7 @@ def test_who_evades_lets_those_of_a_higher_rank_pass(floor):
     assert right.body.at == pytest.approx((1.0, 0.0), abs=1e-6)
     # At the passing place it waited until the other one had passed.
     waits, proceeds = (
-        floor.recorded(f"Machine{kind}", machine="right")
-        for kind in ("WaitingForMachines", "Proceeds")
+        floor.recorded(f"Machine{kind}", machine="right") for kind in ("Waiting", "Proceeds")
     )
     assert waits[-1][1].for_machine == "left"
     assert left.body.track().position(proceeds[-1][0])[0] > x

@@ -13,6 +13,7 @@ import floorplan
 import navigation
 import sim
 from navigation import PlanningError, VehicleLimits
+from sim.core.body import TRAFFIC
 from sim.machines.amr.drive import floor_of
 from sim.machines.amr.shape import Chassis
 from sim.machines.amr.slow_zones import SlowZones
@@ -135,6 +136,20 @@ def test_a_route_avoids_those_that_stand_and_not_those_that_drive():
     simulation.advance(30.0)
     vehicle.preview(17.0, 4.0)
     assert sorted(body.name for body in vehicle._drive.world.bodies) == ["drives", "stands"]
+
+
+def test_a_route_avoids_no_vehicle_that_waits_in_traffic():
+    machines = {
+        "cart": "at: [3, 5, 0.0], controller: parked",
+        "waits": "at: [10, 5, 1.57], controller: parked",
+    }
+    simulation = started(machines, t=1.0)
+    vehicle, other = (simulation.machines[name] for name in machines)
+    for waits in (True, False):
+        other.stand_for(TRAFFIC, waits)
+        vehicle.preview(18.0, 5.0 if waits else 5.1)
+        placed = [body.name for body in vehicle._drive.world.bodies]
+        assert placed == ([] if waits else ["waits"])
 
 
 def test_a_vehicle_that_may_leave_is_no_obstacle_for_good():

@@ -78,9 +78,9 @@ class Coordinator(Protocol):
 class Claimant:
     """A machine with its claim.
 
-    Its state is `Driving`, `GivingWay` on the way to a passing place, or `WaitingForMachines`. It begins to
-    wait when the next part of its motion is not free. It returns to its former state when that area
-    is free, when it finds another path, or when its controller chooses a motion that is free.
+    Its state is `Driving`, `GivingWay` on the way to a passing place, or `WaitingForMachines`. It
+    begins to wait when the next part of its motion is not free. It returns to its former state when
+    that area is free, when it finds another path, or when its controller chooses a free motion.
     """
 
     def __init__(self, coordinator: Coordinator, machine: Machine, order: int) -> None:
