@@ -14,6 +14,7 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from floorplan import InputError, UserError
+from floorplan.files.collector import frozen_collector
 from floorplan.files.problems import refuse, suggestion
 from floorplan.files.values import require
 from navigation import CollisionWorld, PlanningError
@@ -660,9 +661,10 @@ def run(trial: Trial, *listeners: Listener) -> Run:
     >>> run.summary["penalties"]
     9
     """
-    simulation = Simulation(trial, *listeners)
-    simulation.advance(trial.duration)
-    return simulation.finish()
+    with frozen_collector():
+        simulation = Simulation(trial, *listeners)
+        simulation.advance(trial.duration)
+        return simulation.finish()
 
 
 def _fastest(trial: Trial, walks: Mapping[str, RecordedWalk]) -> float:
