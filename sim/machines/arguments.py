@@ -23,7 +23,8 @@ def target(
     command: str, x: float, y: float, rotation: float | None, speed_share: float
 ) -> tuple[float, ...]:
     """Return the target of a command: x, y and the rotation, if there is one."""
-    number(f"{command}(speed_share)", speed_share)
+    if not 0 < number(f"{command}(speed_share)", speed_share) <= 1:
+        raise UserError(f"speed_share must be more than 0 and at most 1, not {speed_share}")
     at = number(f"{command}(x)", x), number(f"{command}(y)", y)
     return at if rotation is None else (*at, number(f"{command}(rotation)", rotation))
 

@@ -418,21 +418,8 @@ class CommandedMachine(Machine):
         self._drive.hold(stands)
 
     @commands
+    @override
     def limit_speed(self, speed: float | None) -> bool:
-        """Limit the top speed. See `Machine.limit_speed`.
-
-        A motion that is followed and faster ends: the machine is stopped until the limit ends.
-
-        Parameters
-        ----------
-        speed : float or None
-            Top speed in m/s, or None to end the limit.
-
-        Returns
-        -------
-        bool
-            True.
-        """
         if speed is not None and not number("limit_speed(speed)", speed) > 0:
             raise UserError(f"limit_speed(speed) must be more than 0, not {speed}")
         self._drive.limit_speed(speed)

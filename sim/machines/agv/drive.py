@@ -138,7 +138,6 @@ class LaneDrive(Drive):
         resume: bool = True,
         command: int | None = None,
     ) -> Event:
-        self._check(speed_share)
         return self.go(self._along(target[:2])[0], speed_share, resume=resume)
 
     def go(self, to: str | float, speed_share: float = 1.0, *, resume: bool = True) -> Move:
@@ -168,7 +167,6 @@ class LaneDrive(Drive):
 
     @override
     def _planned(self, target: tuple[float, ...], speed_share: float) -> Motion:
-        self._check(speed_share)
         return self.run_to(self._along((target[0], target[1]))[0], speed_share)
 
     def run_to(self, to: str | float, speed_share: float = 1.0) -> Motion:
@@ -289,10 +287,6 @@ class LaneDrive(Drive):
     def _arrived(self) -> None:
         super()._arrived()
         self._rested()
-
-    def _check(self, speed_share: float) -> None:
-        if not 0 < speed_share <= 1:
-            raise UserError(f"speed_share must be more than 0 and at most 1, not {speed_share}")
 
 
 def _same(one: ClosedPart | None, other: ClosedPart | None) -> bool:

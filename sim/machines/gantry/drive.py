@@ -64,7 +64,9 @@ class GantryDrive(Drive):
             raise UserError("; ".join(faults))
         limits = self._slower.get(speed_share)
         if limits is None:
-            x, y, rotation = (_slower(axis, speed_share) for axis in self._limits)
+            x, y, rotation = (
+                replace(axis, max_speed=axis.max_speed * speed_share) for axis in self._limits
+            )
             limits = self._slower[speed_share] = x, y, rotation
         return self._by_passing_place(pose, self._clock.now, limits)
 
@@ -117,9 +119,3 @@ class GantryDrive(Drive):
         self._disabled_at = None
         self._record(GantryEnabled())
         self._release()
-
-
-def _slower(axis: AxisLimits, share: float) -> AxisLimits:
-    if not 0 < share <= 1:
-        raise UserError(f"speed_share must be more than 0 and at most 1, not {share}")
-    return replace(axis, max_speed=axis.max_speed * share)

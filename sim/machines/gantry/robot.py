@@ -207,34 +207,23 @@ class GantryRobot(PolicyDriven, Evading):
     # For policies.
 
     @property
+    @override
     def goal_pose(self) -> Pose | None:
-        """The pose of the next step of the preferred task."""
         return self.where(self.open_tasks[0]) if self.open_tasks else None
 
     @property
+    @override
     def action_bounds(self) -> tuple[list[float], list[float]]:
-        """Lowest and highest x and y (m), and share of the speed."""
         axes = self.gantry.x, self.gantry.y
         return [*(axis.low for axis in axes), SLOWEST], [*(axis.high for axis in axes), 1.0]
 
     @property
+    @override
     def stop_action(self) -> list[float]:
-        """The present position as the target."""
         return [*self.position[:2], 1.0]
 
+    @override
     def act(self, action: Sequence[float], until: float, radius: float) -> Steps:
-        """Move towards a target, or carry out the step of a task at its pose.
-
-        Parameters
-        ----------
-        action, until, radius
-            See `PolicyDriven.act`.
-
-        Yields
-        ------
-        Event
-            End of the step.
-        """
         x, y, share = action
         goal = self.goal_pose
         if goal is None or math.dist(goal[:2], (x, y)) > radius:
@@ -247,18 +236,12 @@ class GantryRobot(PolicyDriven, Evading):
     # For the simulation.
 
     @property
+    @override
     def loaded(self) -> bool:
-        """Whether the gripper holds a part."""
         return self.gripper.holds_part
 
+    @override
     def disable(self, seconds: float) -> None:
-        """Disable the gantry as a penalty.
-
-        Parameters
-        ----------
-        seconds : float
-            Duration in seconds.
-        """
         self._drive.disable(seconds)
 
     def malfunction(self, seconds: float) -> None:
@@ -272,24 +255,13 @@ class GantryRobot(PolicyDriven, Evading):
         self._drive.disable(seconds, RobotMalfunction)
 
     @property
+    @override
     def goal(self) -> Point | None:
-        """Target (x, y) of the last move."""
         target = self._drive.target
         return None if target is None else target[:2]
 
+    @override
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
-        """Let others pass at a place off their courses. See `Evading.evade`.
-
-        Parameters
-        ----------
-        taken, courses : sequence of Polygon
-            Areas that other machines occupy now, and on their way.
-
-        Returns
-        -------
-        Evasion or None
-            None if there is no such place.
-        """
         target = self._drive.target
         place = self._passing_place(taken, courses)
         if target is None or place is None:
@@ -297,19 +269,8 @@ class GantryRobot(PolicyDriven, Evading):
         self._drive.let_pass_at(place, target)
         return Evasion(aside=place)
 
+    @override
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
-        """Move off the courses of other machines if it has no job. See `Evading.make_way`.
-
-        Parameters
-        ----------
-        taken, courses
-            See `evade`.
-
-        Returns
-        -------
-        bool
-            Whether the gantry moves.
-        """
         if self._entry.controller in STAY or self.disabled or self.tasks.unfinished:
             return False
         place = self._passing_place(taken, courses)
@@ -336,16 +297,8 @@ class GantryRobot(PolicyDriven, Evading):
                     return pose
         return None
 
+    @override
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
-        """Return values for the summary. A gantry that may move but does not is idle.
-
-        Parameters
-        ----------
-        motion : Motion
-            Track of the whole trial.
-        now : float
-            Time in seconds.
-        """
         return {
             "disabled_time": self._drive.disabled_time,
             "idle_time": self._idle_time(motion, now),
@@ -353,8 +306,8 @@ class GantryRobot(PolicyDriven, Evading):
             **({"parts_dropped": self.parts_dropped} if self.gripper.drops else {}),
         }
 
+    @override
     def floor_changed(self) -> None:
-        """Handle that a machine has stopped on the floor."""
         changed, self._floor_changed = self._floor_changed, self._clock.event()
         changed.succeed()
         self.tasks.reconsider()
