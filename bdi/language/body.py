@@ -17,8 +17,10 @@ from .terms import Literal, Term, Var, text
 
 
 @cache
-def _compared_fields(kind: type) -> tuple[str, ...]:
-    """Return the names of the fields that count when parts of a program are compared."""
+def _compared_fields(kind: type) -> tuple[str, ...] | None:
+    """Return the names of the fields that count in comparisons, or None if it is no dataclass."""
+    if not is_dataclass(kind):
+        return None
     return tuple(field.name for field in fields(kind) if field.compare)
 
 
@@ -36,8 +38,8 @@ def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
 
     if isinstance(part, tuple):
         return tuple(map(inside, part))
-    if is_dataclass(part) and not isinstance(part, type):
-        names = _compared_fields(type(part))
+    names = _compared_fields(part.__class__)
+    if names is not None:
         return replace(part, **{name: inside(getattr(part, name)) for name in names})
     return rebuilt(part, inside)
 
@@ -48,13 +50,11 @@ def all_parts(part: Any) -> Iterator[Any]:
     while pending:
         inner = pending.pop()
         yield inner
-        kind = inner.__class__
-        if kind is tuple:
+        if inner.__class__ is tuple:
             pending += inner
-        elif is_dataclass(kind):
-            pending += [getattr(inner, name) for name in _compared_fields(kind)]
-        elif kind is not str and kind is not float:
-            pending += parts(inner)
+            continue
+        names = _compared_fields(inner.__class__)
+        pending += parts(inner) if names is None else [getattr(inner, name) for name in names]
 
 
 def has_variables(part: Any) -> bool:

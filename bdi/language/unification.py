@@ -25,7 +25,6 @@ from .terms import (
     RestVar,
     Term,
     Var,
-    is_placed,
     make_list,
     namespace_of,
     placed,
