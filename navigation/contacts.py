@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from itertools import pairwise
 
 import shapely
@@ -17,6 +18,7 @@ Bounds = tuple[float, float, float, float]
 """Minimum x and y, maximum x and y, metres."""
 
 
+@lru_cache(maxsize=1024)
 def edges_of(area: BaseGeometry) -> Table:
     """Return a row of the edges of all rings of polygons: both ends of each, metres."""
     ends: list[float] = []
@@ -26,6 +28,7 @@ def edges_of(area: BaseGeometry) -> Table:
     return numbers(ends)
 
 
+@lru_cache(maxsize=1024)
 def shrunk(area: BaseGeometry, depth: float) -> BaseGeometry:
     """Return polygons with all sides moved inwards by `depth` metres."""
     return shapely.buffer(area, -depth, join_style="mitre", mitre_limit=100.0)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from floorplan import Floorplan
 
     from .. import Trial
+    from ..machines.kinds import ShortDistance, ShortLaw
 
 
 def check(
@@ -83,7 +84,7 @@ def _read(file: str, own_code: bool) -> str:
 
 
 def _built_in(name: str) -> Iterator[str]:
-    """Return the built-ins of that name: a trial may share it with its floorplan, or its rules."""
+    """Return the built-ins of that name. Trials, floorplans and rule sets may share a name."""
     import floorplan
 
     from ..core.rules import RULE_SETS
@@ -115,7 +116,7 @@ def _program(file: str) -> str:
     from ..people.programs import load_program
 
     program = load_program(file, CodeFolder())
-    assert program is not None  # it is no name of somebody outside
+    assert program is not None  # external agents have no program to check
     _print_doubts(bdi.doubts(program))
     return f"a program of {_number(len(program.plans), 'plan')}"
 
@@ -135,31 +136,44 @@ def _trial(trial: Trial, file: str) -> str:
 
 
 def _print_doubts(doubts: Iterable[ProgramProblem]) -> None:
-    """Print what is doubtful in programs."""
+    """Print the warnings about programs."""
     for doubt in doubts:
         say(str(doubt), err=True)
 
 
 def _warn_of_short_laws(trial: Trial, file: str) -> None:
-    """Warn, at its place, of a rule set that counts on shorter stops than machines may take."""
+    """Print warnings about rule sets that assume shorter stops than machines may need."""
     import floorplan
     from floorplan.files.documents import read_yaml
 
     from ..machines.kinds import in_words, short_laws
 
-    found = short_laws(trial)
-    if not found:
+    short_ones = [short for short in short_laws(trial) if not _scores(trial, short)]
+    if not short_ones:
         return
-    message = f"warning: the law's stopping distance is shorter than that of {in_words(found)}"
+    message = f"warning: the law's stopping distance is shorter than that of {in_words(short_ones)}"
     problem = floorplan.Problem(message, "rules")
     path = Path(file)
     if path.suffix in (".yaml", ".yml") and path.exists():
         document = read_yaml(path, floorplan.FloorplanError)
-        laws = {("rules", short.law) for short in found}
+        laws = {("rules", short.law) for short in short_ones}
         place = laws.pop() if len(laws) == 1 and laws <= document.lines.keys() else ("rules",)
         if place in document.lines:
             problem = document.problem(message, *place)
     say(f"{file}: {problem}", err=True)
+
+
+def _scores(trial: Trial, short: ShortLaw | ShortDistance) -> bool:
+    """Return whether a law is the competition's for its own machine: a score, not a protection."""
+    from ..core.rules import ARIAC2023, PAPER
+
+    plan, rules = trial.floorplan, trial.rules
+    return (
+        plan.name == ARIAC2023.name
+        and rules.machine != "stop"
+        and short.machine in {"gantry", *(lane.name for lane in plan.lanes)}
+        and getattr(rules, short.law, None) in (PAPER.gantry_law, ARIAC2023.agv_law)
+    )
 
 
 def _floor(plan: Floorplan) -> str:
@@ -207,7 +221,7 @@ def convert(
     print_floor_notices(plan)
     suffix = ".pgm" if resolution is not None else target.suffix.lower()
     files = map_files(target) if suffix == ".pgm" else (target,)
-    written = sorted(files, key=lambda file: file != target)  # OUT itself comes first
+    written = sorted(files, key=lambda file: file != target)  # OUT is first
     if Path(source).exists():
         for one in written:
             if one.exists() and one.samefile(source):
@@ -273,7 +287,7 @@ def list_all(
 
 
 def _opening(file: Path, mark: str) -> str:
-    """Return the first sentence of the comment that a file begins with, after a `mark` a line."""
+    """Return the first sentence of the comment at the begin of a file, marked by `mark`."""
     lines = file.read_text(encoding="utf-8").splitlines()
     comment = " ".join(
         line.removeprefix(mark).strip()

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from floorplan import UserError
+from floorplan.files.collector import frozen_collector
 from floorplan.files.values import require
 
 from ..core.custom_code import CodeFolder
@@ -19,8 +20,9 @@ from ..runs.run import Run
 from ..simulation import Simulation
 from ..studies.code_files import digest_of_code, digest_of_source
 from ..studies.design import Study, derived_seed
-from ..studies.folder import RESULTS, StudyFolder, read_table, writing_to
+from ..studies.folder import StudyFolder, writing_to
 from ..studies.running import WorkerError, backend_of, left_of, without_noise
+from ..studies.table import Record, plain
 from ..trials.trial import Trial
 from ..trials.writing import out_of_reach
 from ..views.replay import render
@@ -33,7 +35,6 @@ from .evaluations import (
     distinct,
     evaluation_of,
     failed,
-    plain,
     record,
 )
 from .minimising import Minimised, Minimiser
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from joblib import Parallel
 
 Report = Callable[[SearchProgress], None]
-"""Is called after each batch."""
+"""Function called after each batch."""
 
 STARTUP = 2
 """Number of batches at the beginning that are random."""
@@ -60,8 +61,8 @@ CASES = "cases"
 class WorstCaseSearch:
     """A search of a study, ready to run.
 
-    `random_share` is the share of each batch that is random, after the first batches, which are
-    random. `cases` is the greatest number of distinct cases that are minimised.
+    `random_share` is the random share of each batch. The first batches are random. `cases` is the
+    maximum number of distinct cases that are minimised.
     """
 
     study: Study
@@ -75,9 +76,9 @@ class WorstCaseSearch:
 
     def __post_init__(self) -> None:
         for name, low in (("evaluations", 1), ("batch", 1), ("cases", 0)):
-            given = getattr(self, name)
-            if not isinstance(given, int) or isinstance(given, bool) or given < low:
-                raise UserError(f"{name} must be a whole number of at least {low}, not {given!r}")
+            value = getattr(self, name)
+            if not isinstance(value, int) or isinstance(value, bool) or value < low:
+                raise UserError(f"{name} must be a whole number of at least {low}, not {value!r}")
         if not 0.0 <= self.random_share <= 1.0:
             raise UserError(f"random_share must be from 0 to 1, not {self.random_share!r}")
         object.__setattr__(self, "space", Space(self.study))
@@ -91,7 +92,7 @@ class WorstCaseSearch:
         return self.sampler if isinstance(self.sampler, str) else str(name)
 
     def is_random(self, number: int) -> bool:
-        """Return whether the evaluation of that number is random."""
+        """Return True if the evaluation of that number is random."""
         at_random = round(self.random_share * self.batch)
         return (
             self.sampler == "random"
@@ -100,7 +101,7 @@ class WorstCaseSearch:
         )
 
     def folder(self, out: str | Path | None) -> Path:
-        """Return the folder of its results; `UserError` if its trials can't stand there."""
+        """Return the folder of the results. `UserError` if trials cannot be saved there."""
         path = folder_for(self.study.name, "searches") if out is None else Path(out)
         faults = [out_of_reach(trial, path / CASES) for trial in self.study.trials]
         if any(faults) and out is None:  # below the study its code is found again
@@ -119,13 +120,13 @@ class WorstCaseSearch:
     def identity(self) -> dict[str, str]:
         """Return the texts that decide the evaluations beside the study."""
         terms = [self.objective.minimise, self.objective.slack, self.sampler_name, self.batch]
-        known = {"the search": json.dumps([*terms, self.random_share, STARTUP])}
+        digests = {"the search": json.dumps([*terms, self.random_share, STARTUP])}
         if not isinstance(self.sampler, str):
-            return known | {"the sampler": digest_of_code(self.sampler)}
+            return digests | {"the sampler": digest_of_code(self.sampler)}
         if self.sampler not in SAMPLERS:
             source = self.code.find(self.sampler, SAMPLER)
-            return known | {"the sampler": digest_of_source(source)}
-        return known
+            return digests | {"the sampler": digest_of_source(source)}
+        return digests
 
 
 def search(
@@ -214,7 +215,7 @@ def run_search(
     backend: str = "loky",
     progress: Report = lambda _: None,
 ) -> SearchResults:
-    """Run a search; see `search`."""
+    """Run a search. See `search`."""
     make = find_sampler(wanted.sampler, wanted.code)
     path = wanted.folder(out)
     with StudyFolder(path, wanted.study, wanted.identity()) as folder:
@@ -253,26 +254,25 @@ def _evaluated(
     parallel: Parallel,
     progress: Report,
 ) -> Iterator[Evaluation]:
-    """Yield the evaluations batch by batch; those that the folder has are not run again."""
+    """Yield the evaluations batch by batch. Evaluations in the folder are not run again."""
     space, objective = wanted.space, wanted.objective
     sampler = Checked(make, space, derived_seed("sampler", wanted.study.seed))
-    known = read_table(folder.path / RESULTS) if folder.table.rows else {}
+    measured = folder.table.records()
     keep = Keep(objective)
     best: Evaluation | None = None
     done = 0
     while done < wanted.evaluations:
-        # Always whole batches are asked for, so that a search can be extended.
+        # Only whole batches are requested, so that a search can be extended.
         numbers = range(done, done + wanted.batch)
-        asked = iter(sampler.ask(sum(not wanted.is_random(k) for k in numbers)))
-        points = [space.random_point(k) if wanted.is_random(k) else next(asked) for k in numbers]
+        proposed = iter(sampler.ask(sum(not wanted.is_random(k) for k in numbers)))
+        points = [space.random_point(k) if wanted.is_random(k) else next(proposed) for k in numbers]
         wanted_now = min(wanted.batch, wanted.evaluations - done)
         batch = []
-        for one, found in _run(
+        for one, outcome in _run(
             space,
             [*zip(numbers, points, strict=True)],
             wanted_now,
-            folder,
-            known,
+            measured,
             keep,
             wanted,
             parallel,
@@ -280,7 +280,7 @@ def _evaluated(
             batch.append(one)
             if one.number >= folder.table.rows:
                 with writing_to(folder.path):
-                    folder.table.add(record(one, found))
+                    folder.table.add(record(one, outcome))
             yield one
         values = [
             None if one.result == "no trial" else told(one.value, failed=one.result == "error")
@@ -296,10 +296,9 @@ def _evaluated(
 
 def _run(
     space: Space,
-    asked: list[tuple[int, Point]],
+    batch: list[tuple[int, Point]],
     count: int,
-    folder: StudyFolder,
-    known: Mapping[str, Any],
+    measured: Sequence[Record],
     keep: Keep,
     wanted: WorstCaseSearch,
     parallel: Parallel,
@@ -311,24 +310,24 @@ def _run(
     rows: list[tuple[int, Point, Mapping[str, Any], Found | None]] = []
     tasks = []
     one = joblib.delayed(left_of)
-    for number, point in asked[:count]:
+    for number, point in batch[:count]:
         values: Mapping[str, Any] = dict(point)
-        found: Found | None = None
+        outcome: Found | None = None
         try:
             row = space.row(number, point)
             values = row.parameters
         except (UserError, OSError) as why:
-            found = {**failed(why), "result": "no trial"}
-        if number < folder.table.rows:
-            found = _known(known, number, values, wanted)
-        if found is None:
+            outcome = {**failed(why), "result": "no trial"}
+        if number < len(measured):
+            outcome = _repeated(measured[number], number, values, wanted)
+        if outcome is None:
             tasks.append(one(row.trial, keep, failed, f"evaluation {number}: "))
-        rows.append((number, point, values, found))
+        rows.append((number, point, values, outcome))
     try:
         with without_noise():
             results = iter(parallel(tasks)) if tasks else iter(())
-            for number, point, values, found in rows:
-                left = next(results) if found is None else found
+            for number, point, values, outcome in rows:
+                left = next(results) if outcome is None else outcome
                 random = wanted.is_random(number)
                 yield evaluation_of(number, point, values, left, is_random=random), left
     except TerminatedWorkerError:
@@ -336,37 +335,23 @@ def _run(
         raise WorkerError(f"{message}. Run the same command to resume") from None
 
 
-def _known(
-    known: Mapping[str, Any], number: int, values: Mapping[str, Any], wanted: WorstCaseSearch
+def _repeated(
+    measured: Record, number: int, values: Mapping[str, Any], wanted: WorstCaseSearch
 ) -> Found:
-    """Return what a table has of an evaluation; `UserError` if it is not the one asked for."""
+    """Return the outcome of an evaluation from the table. `UserError` if its values differ."""
     for name, value in values.items():
-        written = known[name][number] if name in known else None
-        text = str(plain(value))
-        if written is None or not _same(written, text):
+        cell, written = plain(value), measured.get(name)
+        if written != cell:
             raise UserError(
                 f"the search can't be resumed: the sampler {wanted.sampler_name} asks for"
-                f" {name} {text} in evaluation {number}, and asked for {written} before;"
+                f" {name} {cell} in evaluation {number}, and asked for {written} before;"
                 " give another folder with --out"
             )
-    found: Found = {
-        key: known[key][number] if key in known else None
-        for key in ("result", "error", "value", *SITUATION)
-    }
-    return found
-
-
-def _same(written: Any, text: str) -> bool:
-    if isinstance(written, str):
-        return written == text
-    try:
-        return float(written) == float(text)
-    except ValueError:
-        return False
+    return {key: measured[key] for key in ("result", "error", "value", *SITUATION)}
 
 
 def _require_a_number(wanted: WorstCaseSearch, batch: list[Evaluation]) -> None:
-    """Raise `UserError` after the first batch if no run has the objective, and none failed."""
+    """Raise `UserError` if no run of the first batch has the objective and none failed."""
     tried = [one for one in batch if one.result != "no trial"]
     if tried and all(one.result == "run" and one.value is None for one in tried):
         raise UserError(
@@ -376,7 +361,7 @@ def _require_a_number(wanted: WorstCaseSearch, batch: list[Evaluation]) -> None:
 
 
 def notices(wanted: WorstCaseSearch, tried: list[Evaluation]) -> Iterator[str]:
-    """Yield what is odd about a search: an objective that never changes, values without trials."""
+    """Yield notices about a constant objective and about values that make no trial."""
     runs = [one for one in tried if one.result == "run"]
     values = {one.value for one in runs}
     if len(runs) > 1 and len(values) == 1:
@@ -399,7 +384,7 @@ def _worst(wanted: WorstCaseSearch, tried: list[Evaluation]) -> list[Evaluation]
 def _minimised(
     wanted: WorstCaseSearch, tried: list[Evaluation], folder: Path, parallel: Parallel
 ) -> tuple[Case, ...]:
-    """Minimise the worst distinct cases, and save each that no other is the same as."""
+    """Minimise the worst distinct cases, and save each trial once."""
     import joblib
 
     worst = _worst(wanted, tried)
@@ -412,14 +397,14 @@ def _minimised(
         smallest = [*parallel(one(trial, wanted.objective, paths) for trial in trials)]
     cases: list[Case] = []
     seen: list[Trial] = []
-    for evaluation, found in zip(worst, smallest, strict=True):
-        if found is None:
+    for evaluation, smallest_trial in zip(worst, smallest, strict=True):
+        if smallest_trial is None:
             cases.append(Case(evaluation))
             continue
-        if found.trial in seen:
+        if smallest_trial.trial in seen:
             continue
-        seen.append(found.trial)
-        cases.append(_saved(wanted, evaluation, found, folder, len(seen)))
+        seen.append(smallest_trial.trial)
+        cases.append(_saved(wanted, evaluation, smallest_trial, folder, len(seen)))
     return tuple(cases)
 
 
@@ -428,14 +413,14 @@ def _minimise(trial: Trial, objective: Objective, paths: list[str]) -> Minimised
 
 
 def _saved(
-    wanted: WorstCaseSearch, evaluation: Evaluation, found: Minimised, folder: Path, number: int
+    wanted: WorstCaseSearch, evaluation: Evaluation, minimised: Minimised, folder: Path, number: int
 ) -> Case:
     """Write a minimised trial and its replay page."""
     name = f"{wanted.study.name}-{number}"
     place = folder / CASES
     path = place / f"{name.replace('/', '-')}.trial.yaml"
-    trial = replace(found.trial, name=name)
-    case = Case(evaluation, replace(found, trial=trial), path)
+    trial = replace(minimised.trial, name=name)
+    case = Case(evaluation, replace(minimised, trial=trial), path)
     with writing_to(place):
         place.mkdir(parents=True, exist_ok=True)
         write_whole(path, f"{_origin(wanted, case)}{trial.to_yaml(place)}")
@@ -445,7 +430,7 @@ def _saved(
 
 
 def _origin(wanted: WorstCaseSearch, case: Case) -> str:
-    """Return comments that say where a minimised trial comes from, and how to see it."""
+    """Return comments about the origin of a minimised trial, its replay and its film."""
     evaluation = case.evaluation
     assert case.minimised is not None and case.replay is not None
     value = case.minimised.value
@@ -453,14 +438,15 @@ def _origin(wanted: WorstCaseSearch, case: Case) -> str:
         what = evaluation.situation.error
     else:
         what = f"{wanted.objective} {rounded(value)}, before minimising {shown(evaluation)}"
-    found = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
+    source = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
     seen = f"Replay: {case.replay.name}. Film: {case.film}"
-    return f"# Minimised from {found}:\n# {what}\n# {seen}\n"
+    return f"# Minimised from {source}:\n# {what}\n# {seen}\n"
 
 
 def _run_of(trial: Trial) -> Run:
-    """Return the run of a trial: up to where somebody's code fails, if it does."""
-    simulation = Simulation(trial)
-    with suppress(Exception):
-        simulation.advance(trial.duration)
-    return simulation.finish()
+    """Return the run of a trial, which ends where custom code fails."""
+    with frozen_collector():
+        simulation = Simulation(trial)
+        with suppress(Exception):
+            simulation.advance(trial.duration)
+        return simulation.finish()
