@@ -6,8 +6,8 @@
 All people are on patrol on the ARIAC floor: from station to station in the trial's order, from the
 same starts in both. JuPedSim (`pip install jupedsim`) runs its collision-free speed model at 0.05 s
 with bodies and top speeds of the floor's people. There, a person has reached a station at
-`--in-reach` metres from it. Both do one run before the first that counts, so that what depends on the
-floor alone is worked out. Minds, the separation monitor and the record are in ours. Medians of
+`--in-reach` metres from it. Both do one run before the first that counts, so that the
+floor has been analysed. Minds, the separation monitor and the record are in ours. Medians of
 several.
 """
 
