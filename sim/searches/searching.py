@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from floorplan import UserError
+from floorplan.files.collector import frozen_collector
 from floorplan.files.values import require
 
 from ..core.custom_code import CodeFolder
@@ -444,7 +445,8 @@ def _origin(wanted: WorstCaseSearch, case: Case) -> str:
 
 def _run_of(trial: Trial) -> Run:
     """Return the run of a trial: up to where somebody's code fails, if it does."""
-    simulation = Simulation(trial)
-    with suppress(Exception):
-        simulation.advance(trial.duration)
-    return simulation.finish()
+    with frozen_collector():
+        simulation = Simulation(trial)
+        with suppress(Exception):
+            simulation.advance(trial.duration)
+        return simulation.finish()
