@@ -1,11 +1,11 @@
-"""CPU time to load floors of many obstacles and to plan on them, in seconds.
+"""How long floors of many obstacles take to load and to plan on: CPU seconds.
 
     python benchmarks/big_floors.py [--obstacles 100 1000 10000] [--queries 20] [--plot FILE]
 
-Bins and tables are at random places in a square hall that grows with their number, one per 100 m²
-or one per 12 m². Paths lead from one random place to another. Each number is one run in a fresh
-process. RRTConnect and JuPedSim (if installed) answer the same queries as the roadmap. `--plot`
-draws the median over the number of obstacles in the denser halls (with matplotlib).
+Bins and tables stand at random in a square hall that grows with their number: one in 100 m² or one
+in 12 m². Paths lead from one random place to another. Each number is one run in a fresh process.
+Beside the roadmap, RRTConnect and JuPedSim (if installed) answer the same questions. `--plot` draws
+the median over the number of obstacles in the denser halls (with matplotlib).
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
     from navigation import CollisionWorld
 
 SPACINGS = {"loose": 10.0, "dense": 3.5}
-"""Mean distance between obstacles in metres."""
+"""Metres from one thing to the next, on average."""
 
 RADIUS = 0.3
 
 MOST_CORNERS = 20_000
-"""Maximum number of corners for JuPedSim, which takes minutes for more."""
+"""Floors of more corners, when shrunk, are not given to JuPedSim: it takes minutes to look."""
 
 COLUMNS = (
     "load",
@@ -50,7 +50,7 @@ _T = TypeVar("_T")
 
 
 def hall(count: int, spacing: float) -> str:
-    """Return a floorplan file with `count` obstacles in the YAML format."""
+    """A floorplan file of `count` things, in the YAML format."""
     rng = random.Random(count)
     across = math.ceil(math.sqrt(count))
     side = across * spacing
@@ -80,24 +80,26 @@ def measure(count: int, spacing: float, queries: int) -> None:
         at = (rng.uniform(0, side), rng.uniform(0, side))
         if world.free(at, RADIUS + 1e-3):
             places.append(at)
-    ends = list(zip(places[::2], places[1::2], strict=True))
-    times = [timed(lambda a=a, b=b: planner.plan(a, b))[0] for a, b in ends]
-    sampled = [timed(lambda a=a, b=b: planner.plan(a, b, planner="RRTConnect"))[0] for a, b in ends]
-    row = [load, build, prepare, times[0], statistics.median(times), max(times)]
-    row += [statistics.median(sampled), *peer(world, ends)]
-    print(" | ".join(f"{seconds:.6f}" for seconds in row))
+    asked = list(zip(places[::2], places[1::2], strict=True))
+    ways = [timed(lambda a=a, b=b: planner.plan(a, b))[0] for a, b in asked]
+    sampled = [
+        timed(lambda a=a, b=b: planner.plan(a, b, planner="RRTConnect"))[0] for a, b in asked
+    ]
+    figures = [load, build, prepare, ways[0], statistics.median(ways), max(ways)]
+    figures += [statistics.median(sampled), *peer(world, asked)]
+    print(" | ".join(f"{figure:.6f}" for figure in figures))
 
 
-def peer(world: CollisionWorld, ends: list[Any]) -> tuple[float, float]:
-    """Return the times (s) of JuPedSim to prepare a floor and for a path, or NaN."""
+def peer(world: CollisionWorld, asked: list[Any]) -> tuple[float, float]:
+    """Seconds that JuPedSim takes to load a floor, and for a path. NaN without JuPedSim."""
     from navigation.benchmark import PEERS
 
     jupedsim = PEERS["JuPedSim"]
     corners = shapely.get_num_coordinates(world.free_space(RADIUS).pieces).sum()
     if corners > MOST_CORNERS or not jupedsim.installed:
         return math.nan, math.nan
-    prepare, search = timed(lambda: jupedsim.prepare(world, RADIUS))
-    return prepare, statistics.median(timed(lambda a=a, b=b: search(a, b))[0] for a, b in ends)
+    look, search = timed(lambda: jupedsim.prepare(world, RADIUS))
+    return look, statistics.median(timed(lambda a=a, b=b: search(a, b))[0] for a, b in asked)
 
 
 def draw(file: str, counts: list[int], rows: list[list[float]]) -> None:
@@ -126,22 +128,22 @@ def main() -> None:
     parser.add_argument("--queries", type=int, default=20)
     parser.add_argument("--plot", metavar="FILE")
     parser.add_argument("--one", nargs=2, help=argparse.SUPPRESS)
-    options = parser.parse_args()
-    if options.one:
-        measure(int(options.one[0]), float(options.one[1]), options.queries)
+    given = parser.parse_args()
+    if given.one:
+        measure(int(given.one[0]), float(given.one[1]), given.queries)
         return
     print(f"| obstacles | | {' | '.join(COLUMNS)} |")
     print("|---|---" + "|---" * len(COLUMNS) + "|")
     drawn = []
-    for count in options.obstacles:
+    for count in given.obstacles:
         for title, spacing in SPACINGS.items():
-            command = [sys.executable, __file__, "--queries", str(options.queries)]
-            command += ["--one", str(count), str(spacing)]
-            row = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-            print(f"| {count:,} | {title} | {row.strip()} |", flush=True)
-        drawn.append([float(seconds) for seconds in row.split("|")])
-    if options.plot:
-        draw(options.plot, options.obstacles, drawn)
+            again = [sys.executable, __file__, "--queries", str(given.queries)]
+            again += ["--one", str(count), str(spacing)]
+            found = subprocess.run(again, capture_output=True, text=True, check=True).stdout
+            print(f"| {count:,} | {title} | {found.strip()} |", flush=True)
+        drawn.append([float(figure) for figure in found.split("|")])
+    if given.plot:
+        draw(given.plot, given.obstacles, drawn)
 
 
 if __name__ == "__main__":

@@ -2,9 +2,10 @@
 
     python benchmarks/monitor.py [--repetitions N] [--changes N]
 
-Both get a new goal `--changes` times in 275 s. The monitor is compared with sampling at 1 kHz, with
-the linear law between centres, in arrays and in a loop as in a controller. The results include
-errors of sampling: missed violations, and delays of the others.
+Both change their mind `--changes` times in 275 s: the person turns towards another place, the
+gantry is sent elsewhere on its way. Beside the monitor stand two that sample at 1 kHz, with the
+linear law between centres: one of whole arrays, and a loop as a controller would have it. The
+result is how often they are wrong: violations that they miss, and the delay of the others.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ INTEGRAL = IntegralLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
 
 
 def pair(changes: int, seed: int = 0, *, span: float = SPAN) -> tuple[Motion, Motion]:
-    """Return motions of a person and a gantry with `changes` new goals in `span` seconds."""
+    """A person and a gantry that change course together, `changes` times in `span` seconds."""
     rng = random.Random(seed)
     instants = [span * k / changes for k in range(changes)]
     moves: list[Motion] = []
@@ -44,7 +45,7 @@ def pair(changes: int, seed: int = 0, *, span: float = SPAN) -> tuple[Motion, Mo
 
 
 def sampled_arrays(person: Motion, machine: Motion) -> list[tuple[float, float]]:
-    """Return violations from 275 001 samples in arrays."""
+    """Violations as 275 001 samples in arrays show them."""
     ts = np.arange(int(SPAN * 1000) + 1) / 1000
     apart = np.hypot(*(person.position(ts) - machine.position(ts)).T)
     human, robot = (np.hypot(*motion.velocity(ts).T) for motion in (person, machine))
@@ -54,8 +55,8 @@ def sampled_arrays(person: Motion, machine: Motion) -> list[tuple[float, float]]
 
 
 def sampled_loop(person: Motion, machine: Motion) -> list[tuple[float, float]]:
-    """Return violations from samples in a plain loop."""
-    spans: list[tuple[float, float]] = []
+    """The same in a plain loop, one state after another."""
+    found: list[tuple[float, float]] = []
     since: float | None = None
     t = 0.0
     for k in range(int(SPAN * 1000) + 1):
@@ -65,13 +66,13 @@ def sampled_loop(person: Motion, machine: Motion) -> list[tuple[float, float]]:
         if close and since is None:
             since = t
         elif not close and since is not None:
-            spans.append((since, t))
+            found.append((since, t))
             since = None
-    return spans if since is None else [*spans, (since, t)]
+    return found if since is None else [*found, (since, t)]
 
 
 def milliseconds(job: Callable[[], object], repetitions: int) -> tuple[float, float]:
-    """Return median and minimum CPU time of a job."""
+    """Median and least CPU time of a job."""
     taken = []
     for _ in range(repetitions):
         begin = time.process_time()

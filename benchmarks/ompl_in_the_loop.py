@@ -1,8 +1,8 @@
-"""Ratio of CPU times of the main job with paths through OMPL and directly from the roadmap.
+"""CPU time of the main job with people's paths out of OMPL, over that of asking the roadmap itself.
 
     python benchmarks/ompl_in_the_loop.py [--trial ariac2023] [--rounds 15]
 
-Both alternate in one process, so that other load of the machine affects both equally.
+Both run in turn in one process, so that other load on the machine slows both.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from navigation.roadmap_planner import RoadmapQuestions, RoadmapSearch
 
 
 class Directly(RoadmapQuestions):
-    """The same search without OMPL."""
+    """The same search, without OMPL around it."""
 
     def path(self, start: Point, goal: Point, step: float) -> list[Point] | None:
         return RoadmapSearch(self.links, start, goal, step, self.links.free).path()
 
 
 def cpu_seconds(trial: sim.Trial, questions: type[RoadmapQuestions]) -> float:
-    """Return the CPU seconds of a run with paths by `questions`."""
+    """CPU seconds of a run with paths by `questions`."""
     navigation.planner.RoadmapQuestions = questions
     begin = time.process_time()
     sim.run(trial)

@@ -1,10 +1,10 @@
-"""CPU time of the default planner for a path, median and 99 %, in milliseconds.
+"""How long the default planner takes for a path: CPU milliseconds, median and 99 %.
 
     python benchmarks/path_queries.py [FLOORPLAN] [--queries 200] [--radius 0.3] [--rounds 5]
 
-The queries are those of `floorwalker benchmark` with seed 0, after `prepare`. On a floor with AGVs,
-they are repeated with all AGVs moved before each. The time of a query is the median over the
-rounds.
+The questions are those of `floorwalker benchmark`, seed 0, after `prepare`. Where the floor has
+AGVs, they are asked with these standing still, and again with all of them moved before each. Every
+query runs once a round. Its time is the median over the rounds.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from navigation import CollisionWorld, PathPlanner, PlanningError
 from navigation.benchmark import Question, drawn_questions
 
 
-def milliseconds(planner: PathPlanner, questions: list[Question], moved: bool) -> list[float]:
-    """Return the CPU milliseconds of each query, alternating between placements of the AGVs."""
+def milliseconds(planner: PathPlanner, asked: list[Question], moved: bool) -> list[float]:
+    """Return CPU milliseconds for each question, in turn one of each placement of the AGVs."""
     taken = []
-    placements = [list(group) for _, group in itertools.groupby(questions, lambda q: q.agvs)]
+    placements = [list(group) for _, group in itertools.groupby(asked, key=lambda one: one.agvs)]
     turns = itertools.chain(*itertools.zip_longest(*placements))
     for question in filter(None, turns):
         for name, at in question.agvs if moved else ():
@@ -46,13 +46,13 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
     plan = floorplan.load(options.floorplan)
-    questions = [*drawn_questions(plan, queries=options.queries, seed=0, radius=options.radius)]
+    asked = [*drawn_questions(plan, queries=options.queries, seed=0, radius=options.radius)]
     for moved in (False, True) if plan.lanes else (False,):
         planner = PathPlanner(CollisionWorld(plan), options.radius)
         planner.prepare()
-        rounds = [milliseconds(planner, questions, moved) for _ in range(options.rounds)]
+        rounds = [milliseconds(planner, asked, moved) for _ in range(options.rounds)]
         median, high = np.percentile(np.median(rounds, axis=0), [50, 99])
-        how = ", AGVs moved before each" if moved else ", AGVs at their starts" * bool(plan.lanes)
+        how = ", AGVs moved before each" if moved else ", AGVs where they start" * bool(plan.lanes)
         print(f"{plan.name}{how}: median {median:.2f} ms, 99 % {high:.2f} ms")
 
 

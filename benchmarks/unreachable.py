@@ -1,10 +1,10 @@
-"""CPU time to prove that there is no path, in milliseconds.
+"""How long it takes to prove that there is no way: CPU milliseconds.
 
     python benchmarks/unreachable.py [--queries 200]
 
 On `ariac2023`, the goal is in a pen whose only gap is narrower than the person. Every query has
-another start and other positions of all four AGVs. The explanation, which is computed when it is
-read, is timed separately.
+another start, and other positions of all four AGVs on their lanes. The wording of the reason, which
+is worked out when it is read, is timed apart.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ PEN = {
     "west": (-12.0, -7.7, -11.7, -5.9),
     "east": (-9.3, -7.2, -9.0, -5.9),
 }
-"""Walls around the goal, with a gap of 0.5 m in the south-east."""
+"""Walls around the goal; a gap of 0.5 m is left in the south-east."""
 
 
 def main() -> None:
@@ -52,7 +52,7 @@ def main() -> None:
         begin = time.process_time()
         try:
             planner.plan(start, GOAL)
-            raise SystemExit(f"there is a path from {start}")
+            raise SystemExit(f"there is a way from {start}")
         except PlanningError as why:
             proofs.append(time.process_time() - begin)
             if why.reason != "unreachable":
