@@ -22,7 +22,7 @@ UNCLEAR = re.compile(
     r"\b(?:some|every|no|any)body\b"
     r"|\b(?:of|past|behind|by|from|to|for|with|beside|and|but|than|as|at) (?:who|whoever)\b"
     r"|\b(?:heeds?|owes?|tells?|lets?|forgets|believes in|knows? nothing|is told)\b"
-    r"|\b(?:anew|hence|(?<!or )else|besides|all the same|at all|ever|alike|in vain)\b"
+    r"|\b(?:anew|hence|(?<!thing )(?<!or )else|besides|all the same|at all|ever|alike|in vain)\b"
     r"|\b(?:stands? (?:in|for|there|by|behind)|it stands|is (?:read|asked) (?:as|for))\b"
     r"|\bof (?:one's|your|its|their|my|our) own\b"
     r"|\b(?:throng|outlook|wish(?:es)?|footing|ways? round|every thing|(?:the|of|fixed) things?)\b"
