@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,8 +55,17 @@ _LEEWAY = 1e-5
 _SHORT = 0.5
 """Metres. So far short of where they would be touched people may wait on their path."""
 
-_SAMPLES = 24
-"""Number of instants at which a body is drawn for the area that it covers on its way."""
+_BRIEF = 1.0
+"""Seconds. No detour is searched if a wait on the shortest path is at most this long."""
+
+_TURN = 0.3
+"""Radians. Largest turn of a body between two footprints that share a hull."""
+
+_STRAIGHT = 1e-6
+"""Metres. A detour by less is straight."""
+
+Pose = tuple[float, float, float]
+"""x, y (m) and rotation (rad)."""
 
 Limits = tuple[float, float]
 """Top speed (m/s) and acceleration (m/s²)."""
@@ -134,6 +143,16 @@ class _Watch:
                     return found
         return None
 
+    def occupies_from(self, place: Point, at: float) -> float:
+        """Return when it occupies a place for good (s, not before `at`), or infinity."""
+        rests = max(self.mover.motion.end, at)
+        stands = standing(place)
+        if self.touched(stands, rests, rests) is None:
+            return math.inf
+        pair = (stands, self.mover.motion)
+        *_, (begin, _) = when(self.condition, *pair, at, rests + 1.0, shapes=self.shapes)
+        return max(begin, self.sets_out)
+
     def leaves(self, place: Point, t: float) -> float:
         """Return when it leaves a place free that it touches at `t`; infinity if it stays."""
         moves = next((max(begin, t) for begin, end in self.moves if end > t), math.inf)
@@ -168,7 +187,8 @@ def plan_among(
 
     Candidates are the shortest path regardless of moving bodies, and paths around where they are
     now, where they stop, and everything that they cover. The person waits at most once: at the
-    start, at a waypoint, or before a body would touch them.
+    start, at a waypoint, or before a body would touch them. A wait of at most 1 s on the shortest
+    path is preferred to all other paths.
 
     Parameters
     ----------
@@ -205,10 +225,17 @@ def plan_among(
     watches = [_watch(planner, mover, start, at, height, gap) for mover in moving]
     best: Passage | None = None
     limits = (max_speed, max_acceleration)
+    x, y = map(float, np.asarray(goal, dtype=float))
+    latest = min((watch.occupies_from((x, y), at) for watch in watches), default=math.inf)
     for path in _paths(planner, start, goal, moving, at):
-        latest = math.inf if best is None else best.arrives
         for passage in _passages(path, watches, at, heading, limits, patience, latest):
-            best = passage
+            best, latest = passage, passage.arrives
+        if best is None:
+            # Other paths are longer. So nobody arrives before a body occupies the goal for good.
+            if at + path.length / max_speed >= latest:
+                break
+        elif sum(wait for _, wait in best.waits) <= _BRIEF:
+            break
     if best is not None:
         return best
     names = ", ".join(mover.name for mover in moving)
@@ -254,16 +281,19 @@ def _paths(
     free = planner.world.as_if(away=[mover.name for mover in moving if mover.name in there])
     direct = _path_in(free, planner, start, goal)
     yield direct
-    last = max([mover.motion.end for mover in moving], default=at)
-    sweep = np.linspace(at, max(last, at), _SAMPLES).tolist()
     seen, cut_off = [direct.points.tolist()], False
     line = shapely.linestrings(direct.points)
-    # Round what moves where it stands now, round where it comes to rest, and round all that it
-    # covers on its way: what is best among them depends on who is where when.
-    for times in ([at], [math.inf], sweep):
-        if cut_off and times is sweep:  # that covers what cuts it off, too
+    # The best path leads around the present places of bodies, around their last ones, or around
+    # all that they cover, depending on the times.
+    covers: list[Callable[[Mover], list[Polygon]]] = [
+        lambda mover: _footprints(mover, [at]),
+        lambda mover: _footprints(mover, [math.inf]),
+        lambda mover: _swept(mover, at),
+    ]
+    for cover in covers:
+        if cut_off and cover is covers[-1]:  # it includes what cuts off the goal
             return
-        covered = [part for mover in moving for part in _footprints(mover, times)]
+        covered = [part for mover in moving for part in cover(mover)]
         if not shapely.dwithin(covered, line, planner.radius + SLACK).any():
             continue  # the shortest path is as it was
         parts = shapely.get_parts(shapely.union_all(covered))
@@ -290,19 +320,44 @@ def _path_in(
 
 
 def _footprints(mover: Mover, times: Sequence[float]) -> list[Polygon]:
-    """Return the areas that a body covers at some instants."""
+    """Return the areas that a body covers at each of `times` (s)."""
     motion = mover.motion
-    known = np.clip(times, motion.start, motion.end)
-    places = motion.position(known)
+    clipped = np.clip(times, motion.start, motion.end)
+    places = motion.position(clipped)
     if isinstance(mover.solid, Cylinder):
         radius = mover.solid.radius
         discs = (Disc((x, y), radius) for x, y in places.tolist())
         return [CollisionBody.of(mover.name, disc).footprint for disc in discs]
-    rotation = motion.rotation(known)[:, None]
+    rotation = motion.rotation(clipped)[:, None]
     along, across = np.array(mover.solid.corners).T
     c, s = np.cos(rotation), np.sin(rotation)
     turned = np.stack([c * along - s * across, s * along + c * across], axis=-1)
     return [*shapely.polygons(places[:, None] + turned)]
+
+
+def _swept(mover: Mover, at: float) -> list[Polygon]:
+    """Return the areas that a body covers from `at` (s) on: one hull for each straight drive."""
+    motion = mover.motion
+    times, poses = [at], [motion.state(at).position]
+    for piece in motion.pieces_from(at):
+        begin, end = max(piece.begin, at), max(piece.end, at)
+        turn = abs(motion.state(end).position[2] - poses[-1][2])
+        steps = math.ceil(turn / _TURN) or 1
+        for t in np.linspace(begin, end, steps + 1)[1:].tolist():
+            pose = motion.state(t).position
+            if len(poses) > 1 and _is_between(poses[-1], poses[-2], pose):
+                del times[-1], poses[-1]
+            times.append(t)
+            poses.append(pose)
+    placed = _footprints(mover, times)
+    pairs = [shapely.MultiPolygon([*pair]) for pair in itertools.pairwise(placed)]
+    return [*shapely.convex_hull(pairs or placed)]
+
+
+def _is_between(pose: Pose, a: Pose, b: Pose) -> bool:
+    """Return whether a pose is on the straight drive from a to b."""
+    detour = math.dist(a[:2], pose[:2]) + math.dist(pose[:2], b[:2]) - math.dist(a[:2], b[:2])
+    return a[2] == pose[2] == b[2] and detour < _STRAIGHT
 
 
 def _passages(

@@ -104,6 +104,24 @@ def test_no_passage_is_said_with_its_reason():
     assert parked.value.reason == "not_found"
 
 
+def test_a_person_arrives_before_a_vehicle_parks_on_the_goal():
+    planner = PathPlanner(CollisionWorld(floor()), RADIUS)
+    parks = Mover("cart", drive([(8.0, 1.0), (8.0, 5.0)], 20.0), SOLID)
+    passage = plan_among(planner, (2.0, 5.0), (8.0, 5.0), [parks])
+    assert passage.arrives == walk([(2.0, 5.0), (8.0, 5.0)]).end
+    assert not passage.waits
+
+
+def test_a_brief_wait_is_preferred_to_a_detour():
+    planner = PathPlanner(CollisionWorld(floor()), RADIUS)
+    crosses = Mover("cart", drive([(5.0, 3.0), (5.0, 9.0)], speed=2.0), SOLID)
+    passage = plan_among(planner, (3.0, 5.0), (8.0, 5.0), [crosses])
+    ((_, wait),) = passage.waits
+    assert 0.0 < wait <= 1.0
+    assert np.allclose(passage.path.points[:, 1], 5.0)
+    assert clear(passage.motion, crosses.motion, 0.0, passage.arrives) >= GAP - 1e-3
+
+
 def test_who_stands_too_near_to_a_body_that_will_move_comes_no_nearer():
     stands = join([standing((5.0, 5.0)), drive([(5.0, 5.0), (8.5, 5.0)], 8.0)])
     planner = PathPlanner(CollisionWorld(floor()), RADIUS)
