@@ -34,14 +34,14 @@ from .inventory import (
 from .scoring import assembly_score, kitting_score
 
 Found = tuple[Item, Step]
-"""A part, and the step by which it is picked."""
+"""A part, and the step that picks it."""
 
 
 class Carried:
-    """A part that the gantry carries for an order; another takes its place if it is lost.
+    """A part that the gantry carries for an order, replaced by another if it is lost.
 
-    The `last` step brings it where it belongs, `put` takes note of that. `another()` finds the
-    next one; where there is none, the part is one of those that are `missing`.
+    The `last` step puts it in its place, and `put` records that. `another()` returns the next part.
+    If there is none, the part is added to the `missing` ones.
     """
 
     def __init__(
@@ -61,18 +61,18 @@ class Carried:
         self._missing = missing
 
     def put_down(self) -> None:
-        """Take note that it is where it belongs, if it has not been given up."""
+        """Record that the part is in its place, unless it was given up."""
         if self.item is not None:
-            self._put(Item(self.item.part, faulty=self.item.faulty))  # turned over, if need be
+            self._put(Item(self.item.part, faulty=self.item.faulty))  # turned over if necessary
 
     def lost(self) -> tuple[Step, ...]:
-        """Return the steps that bring another; none if there is none."""
-        found = self._another()
-        if found is None:
+        """Return the steps that bring another part, none if there is none."""
+        another = self._another()
+        if another is None:
             self.item = None
             self._missing.append(self._part)
             return ()
-        self.item, pick = found
+        self.item, pick = another
         return (pick, self._last)
 
 
@@ -80,11 +80,11 @@ Action = Callable[[], None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell:
-    """Workcell as orders use it: the floor, its inventory, the AGVs, and times of handling.
+class Shop:
+    """Workshop of orders: the floor, its inventory, the AGVs, and handling times.
 
-    `faulty` has the quadrants of kits in which the first part is faulty, by order; the parts that
-    were found so are in `found_faulty`.
+    `faulty` contains the quadrants of kits in which the first part is faulty, by order.
+    `found_faulty` contains the parts that were rejected.
     """
 
     plan: Floorplan
@@ -96,48 +96,48 @@ class Cell:
     found_faulty: list[PartType] = field(default_factory=list)
 
     def place(self, obstacle: str) -> Point:
-        """Return the middle of an obstacle: x, y in metres."""
+        """Return the centre of an obstacle (m)."""
         middle = self.plan.obstacle(obstacle).footprint.centroid
         return (middle.x, middle.y)
 
     def home(self, agv: str) -> Point:
-        """Return the place where kits are made on an AGV: x, y in metres."""
+        """Return the position of kitting on an AGV (m)."""
         lane = self.fleet.lane(agv)
         return lane.position(lane.locations[lane.start])
 
     def nearest(self, obstacles: Iterable[str], point: Point) -> str:
-        """Return the obstacle whose middle is nearest to a point."""
+        """Return the obstacle whose centre is nearest to a point."""
         return min(obstacles, key=lambda name: math.dist(self.place(name), point))
 
 
 class Work(ABC):
     """The work on one order.
 
-    No other order is begun that needs what this one `holds`, AGVs and stations, until it has been
-    submitted. `missing` are the parts that it lacks.
+    Until it is submitted, no other order may begin that needs the AGVs and stations that it
+    `holds`. `missing` are the parts that it lacks.
     """
 
-    def __init__(self, order: Order, cell: Cell, holds: tuple[str, ...]) -> None:
+    def __init__(self, order: Order, shop: Shop, holds: tuple[str, ...]) -> None:
         self.order = order
         self.holds = holds
         self.missing: list[PartType] = []
-        self._cell = cell
+        self._shop = shop
 
     @abstractmethod
     def begin(self) -> list[Task]:
-        """Send the AGVs; return the gantry's tasks that come before the order is submitted."""
+        """Send the AGVs. Return the gantry's tasks before the order is submitted."""
 
     @abstractmethod
     def ready(self) -> bool:
-        """Return True if all is where it has to be for submission."""
+        """Return True if everything is in its place for submission."""
 
     @abstractmethod
     def score(self) -> int:
-        """Return the points for the order as things stand."""
+        """Return the current points for the order."""
 
     @abstractmethod
     def hand_over(self) -> None:
-        """Take away the kit or assembly: the order has been submitted."""
+        """Remove the kit or assembly of a submitted order."""
 
     def _task(
         self,
@@ -153,7 +153,7 @@ class Work(ABC):
     ) -> Task:
         fields = {**fields, "order": self.order.id}
         if (passing := steps[0].passing) is not None:
-            ready = partial(self._cell.inventory.belt.has_come, passing)
+            ready = partial(self._shop.inventory.belt.has_come, passing)
         return Task(
             kind,
             steps,
@@ -166,11 +166,11 @@ class Work(ABC):
         )
 
     def _carried(self, item: Item, last: Step, put: Callable[[Item], None], near: Point) -> Carried:
-        """Return a part on its way; others of its kind are looked for in bins near `near`."""
+        """Return a part on its way. Replacements are taken from bins near `near`."""
 
         def another() -> Found | None:
-            found = self._cell.inventory.take(item.part, near)
-            return None if found is None else (found[2], self._from_bin(*found))
+            source = self._shop.inventory.take(item.part, near)
+            return None if source is None else (source[2], self._from_bin(*source))
 
         return Carried(item, last, put, another=another, missing=self.missing)
 
@@ -178,7 +178,7 @@ class Work(ABC):
         """Yield the steps that take an item from its bin and turn it over if it is flipped."""
         seconds = self._picking(item)
         if bin == BELT:
-            return self._cell.inventory.belt.step(slot, seconds)
+            return self._shop.inventory.belt.step(slot, seconds)
         return Step("pick", seconds=seconds, place=bin, offset=bin_slot(slot))
 
     def _from_agv(self, agv: str, quadrant: int, item: Item) -> Step:
@@ -189,30 +189,30 @@ class Work(ABC):
     def _onto_agv(self, agv: str, quadrant: int) -> Step:
         return Step(
             "place",
-            seconds=self._cell.handling.place,
+            seconds=self._shop.handling.place,
             place=agv,
             offset=self._quadrant(agv, quadrant),
         )
 
     def _quadrant(self, agv: str, quadrant: int) -> Offset:
-        return quadrant_on(self._cell.fleet.lane(agv), quadrant)
+        return quadrant_on(self._shop.fleet.lane(agv), quadrant)
 
     def _picking(self, item: Item) -> float:
-        handling = self._cell.handling
+        handling = self._shop.handling
         return handling.pick + (handling.turn_over if item.flipped else 0.0)
 
     def _fetch_tray(self, agv: str, tray: int, slot: int) -> Task:
         """Change the gripper, put the tray on the AGV, and change the gripper back."""
-        handling, lane = self._cell.handling, self._cell.fleet.lane(agv)
+        handling, lane = self._shop.handling, self._shop.fleet.lane(agv)
         table, at = tray_slot(slot)
-        nearest = self._cell.nearest(TABLES, self._cell.home(agv))
+        nearest = self._shop.nearest(TABLES, self._shop.home(agv))
         steps = (
             _change_tool(table, "trays", handling),
             Step("pick_tray", seconds=handling.pick_tray, place=table, offset=at),
             Step("place_tray", seconds=handling.place_tray, place=agv, offset=tray_on(lane)),
             _change_tool(nearest, "parts", handling),
         )
-        done = partial(self._cell.inventory.lay_tray, agv, tray)
+        done = partial(self._shop.inventory.lay_tray, agv, tray)
         return self._task("tray", steps, done, {"tray": tray, "from": table, "to": agv})
 
 
@@ -226,7 +226,7 @@ def _change_tool(table: str, tool: str, handling: Handling) -> Step:
 
 
 def when_all_are_done(tasks: list[Task], action: Action) -> None:
-    """Call `action` after the last of `tasks` is done; at once if there are none."""
+    """Call `action` after the last of `tasks` is done, immediately if there are none."""
     left = len(tasks)
 
     def count(done: Action) -> None:
@@ -243,24 +243,24 @@ def when_all_are_done(tasks: list[Task], action: Action) -> None:
 
 
 class KittingWork(Work):
-    """Fetch the tray, put the parts on it in any order, and send the AGV off.
+    """Fetches the tray, puts the parts on it in any order, and sends the AGV off.
 
-    Parts that already lie where they should stay; others that are in the way are thrown away.
+    Parts that are already in their places stay. Others that are in the way are thrown away.
     """
 
-    def __init__(self, order: Order, task: KittingTask, cell: Cell) -> None:
-        super().__init__(order, cell, (task.agv,))
+    def __init__(self, order: Order, task: KittingTask, shop: Shop) -> None:
+        super().__init__(order, shop, (task.agv,))
         self._kit = task
-        self._faulty = {*cell.faulty.get(order.id, ())}
+        self._faulty = {*shop.faulty.get(order.id, ())}
 
     def begin(self) -> list[Task]:
         """See `Work.begin`."""
-        kit, cell = self._kit, self._cell
-        lane = cell.fleet.lane(kit.agv)
-        cell.fleet.send(kit.agv, lane.start)
-        load = cell.inventory.load(kit.agv)
+        kit, shop = self._kit, self._shop
+        lane = shop.fleet.lane(kit.agv)
+        shop.fleet.send(kit.agv, lane.start)
+        load = shop.inventory.load(kit.agv)
         tasks: list[Task] = []
-        if load.tray != kit.tray and (slot := cell.inventory.take_tray(kit.tray)) is not None:
+        if load.tray != kit.tray and (slot := shop.inventory.take_tray(kit.tray)) is not None:
             tasks.append(self._fetch_tray(kit.agv, kit.tray, slot))
             load = Load(kit.tray)
         for quadrant, part in kit.products.items():
@@ -268,55 +268,55 @@ class KittingWork(Work):
         for quadrant in load.items:
             if quadrant not in kit.products:
                 tasks.append(self._clear(quadrant))
-        when_all_are_done(tasks, partial(cell.fleet.send, kit.agv, kit.destination))
+        when_all_are_done(tasks, partial(shop.fleet.send, kit.agv, kit.destination))
         return tasks
 
     def ready(self) -> bool:
         """See `Work.ready`."""
-        return self._cell.fleet.is_at(self._kit.agv, self._kit.destination)
+        return self._shop.fleet.is_at(self._kit.agv, self._kit.destination)
 
     def score(self) -> int:
         """See `Work.score`."""
         return kitting_score(
-            self._kit, self._cell.inventory.load(self._kit.agv), arrived=self.ready()
+            self._kit, self._shop.inventory.load(self._kit.agv), arrived=self.ready()
         )
 
     def hand_over(self) -> None:
-        """Take the kit off its AGV, unless it is at an assembly station: there it is needed."""
-        lane = self._cell.fleet.lane(self._kit.agv)
+        """Take the kit off its AGV, unless an assembly station needs it."""
+        lane = self._shop.fleet.lane(self._kit.agv)
         location = lane.serves.get(self._kit.destination, self._kit.destination)
         if location not in lane.serves.values():
-            self._cell.inventory.unload(self._kit.agv)
+            self._shop.inventory.unload(self._kit.agv)
 
     def _fill(self, quadrant: int, part: PartType, there: Item | None) -> list[Task]:
-        """Return the tasks that get `part` into a quadrant in which there is `there`."""
-        agv, cell = self._kit.agv, self._cell
+        """Return the tasks that put `part` into a quadrant that contains `there`."""
+        agv, shop = self._kit.agv, self._shop
         if there == Item(part):
             return []
         if there is not None and there.part == part:
             return [self._placing(quadrant, there, agv, self._from_agv(agv, quadrant, there))]
-        found = cell.inventory.take(part, cell.home(agv))
-        if found is None:
+        source = shop.inventory.take(part, shop.home(agv))
+        if source is None:
             self.missing.append(part)
             return []
-        bin, slot, item = found
+        bin, slot, item = source
         cleared = [self._clear(quadrant)] if there is not None else []
         return [*cleared, self._placing(quadrant, item, bin, self._from_bin(bin, slot, item))]
 
     def _placing(self, quadrant: int, item: Item, origin: str, pick: Step) -> Task:
-        agv, cell = self._kit.agv, self._cell
-        put = partial(cell.inventory.lay, agv, quadrant)
+        agv, shop = self._kit.agv, self._shop
+        put = partial(shop.inventory.lay, agv, quadrant)
         place = self._onto_agv(agv, quadrant)
-        carried = self._carried(item, place, put, cell.home(agv))
+        carried = self._carried(item, place, put, shop.home(agv))
 
         def lost() -> tuple[Step, ...]:
-            cell.inventory.lift(agv, quadrant)  # if it came from there
+            shop.inventory.lift(agv, quadrant)  # if it came from there
             return carried.lost()
 
         def check() -> tuple[Step, ...]:
             if carried.item is None or not self._is_faulty(quadrant, carried.item):
                 return ()
-            # What is thrown away is nothing that the gripper was to lose.
+            # Drops of the trial do not concern parts that are thrown away.
             away = self._throwing_away(quadrant, "take_away")
             another = lost()
             task.given_up = not another
@@ -334,42 +334,42 @@ class KittingWork(Work):
         return task
 
     def _is_faulty(self, quadrant: int, item: Item) -> bool:
-        """Return the outcome of the quality check of what was placed, and record a fault."""
+        """Return the outcome of the quality check of a placed part, and record a fault."""
         if not (item.faulty or quadrant in self._faulty):
             return False
         self._faulty.discard(quadrant)
-        self._cell.found_faulty.append(item.part)
+        self._shop.found_faulty.append(item.part)
         fields = {"part": str(item.part), "order": self.order.id, "agv": self._kit.agv}
-        self._cell.record(PartFaulty(**fields, quadrant=quadrant))
+        self._shop.record(PartFaulty(**fields, quadrant=quadrant))
         return True
 
     def _clear(self, quadrant: int) -> Task:
-        """Return the task of throwing away the part in a quadrant."""
-        agv, cell = self._kit.agv, self._cell
-        item = cell.inventory.load(agv).items[quadrant]
+        """Return the task that throws away the part in a quadrant."""
+        agv, shop = self._kit.agv, self._shop
+        item = shop.inventory.load(agv).items[quadrant]
         steps = self._throwing_away(quadrant, "pick")
-        done = partial(cell.inventory.lift, agv, quadrant)
+        done = partial(shop.inventory.lift, agv, quadrant)
         fields = {"part": str(item.part), "from": agv, "to": steps[1].place}
         return self._task("dispose", steps, done, fields, stage=1)
 
     def _throwing_away(self, quadrant: int, action: str) -> tuple[Step, Step]:
-        agv, cell = self._kit.agv, self._cell
-        bin = cell.nearest(DISPOSAL_BINS, cell.home(agv))
+        agv, shop = self._kit.agv, self._shop
+        bin = shop.nearest(DISPOSAL_BINS, shop.home(agv))
         return (
             Step(
-                action, seconds=cell.handling.pick, place=agv, offset=self._quadrant(agv, quadrant)
+                action, seconds=shop.handling.pick, place=agv, offset=self._quadrant(agv, quadrant)
             ),
-            Step("place", seconds=cell.handling.place, place=bin),
+            Step("place", seconds=shop.handling.place, place=bin),
         )
 
 
 class _AtStation(Work):
-    """Common part of assembly and combined orders: parts are inserted at a station."""
+    """Base of assembly and combined orders, whose parts are inserted at a station."""
 
     def __init__(
-        self, order: Order, task: AssemblyTask | CombinedTask, cell: Cell, agvs: tuple[str, ...]
+        self, order: Order, task: AssemblyTask | CombinedTask, shop: Shop, agvs: tuple[str, ...]
     ) -> None:
-        super().__init__(order, cell, (*agvs, task.station))
+        super().__init__(order, shop, (*agvs, task.station))
         self._assembly = task
 
     def ready(self) -> bool:
@@ -378,25 +378,25 @@ class _AtStation(Work):
 
     def score(self) -> int:
         """See `Work.score`."""
-        inserted = self._cell.inventory.inserted(self._assembly.station)
+        inserted = self._shop.inventory.inserted(self._assembly.station)
         return assembly_score(self._assembly, inserted)
 
     def hand_over(self) -> None:
         """See `Work.hand_over`."""
-        self._cell.inventory.hand_over(self._assembly.station)
+        self._shop.inventory.hand_over(self._assembly.station)
 
     def _insert_from_agv(self, agv: str, quadrant: int, item: Item, *, stage: int) -> Task:
-        """Take an item from an AGV that has come to the station, and insert it."""
-        station, cell = self._assembly.station, self._cell
+        """Take an item from an AGV at the station, and insert it."""
+        station, shop = self._assembly.station, self._shop
         carried = self._inserted(item)
 
         def done() -> None:
             if not task.given_up:
-                cell.inventory.lift(agv, quadrant)
+                shop.inventory.lift(agv, quadrant)
                 carried.put_down()
 
         def lost() -> tuple[Step, ...]:
-            cell.inventory.lift(agv, quadrant)
+            shop.inventory.lift(agv, quadrant)
             return carried.lost()
 
         task = self._task(
@@ -405,7 +405,7 @@ class _AtStation(Work):
             done,
             {"part": str(item.part), "from": agv, "to": station},
             stage=stage,
-            ready=partial(cell.fleet.is_at, agv, station),
+            ready=partial(shop.fleet.is_at, agv, station),
             lost=lost,
         )
         return task
@@ -424,69 +424,69 @@ class _AtStation(Work):
 
     def _inserted(self, item: Item) -> Carried:
         """Return a part on its way to be inserted."""
-        station, cell = self._assembly.station, self._cell
-        near = cell.place(assembly_table(station))
+        station, shop = self._assembly.station, self._shop
+        near = shop.place(assembly_table(station))
         return self._carried(
-            item, self._inserting(), lambda one: cell.inventory.insert(station, one.part), near
+            item, self._inserting(), lambda one: shop.inventory.insert(station, one.part), near
         )
 
     def _inserting(self) -> Step:
         table = assembly_table(self._assembly.station)
-        return Step("insert", seconds=self._cell.handling.insert, place=table)
+        return Step("insert", seconds=self._shop.handling.insert, place=table)
 
 
 class AssemblyWork(_AtStation):
-    """Send the AGVs with the parts to the station, and insert the parts there in any order.
+    """Sends the AGVs with the parts to the station, and inserts the parts in any order.
 
-    A part that none of them has is carried over from a bin.
+    Parts that no AGV has are carried over from bins.
     """
 
-    def __init__(self, order: Order, task: AssemblyTask, cell: Cell) -> None:
-        super().__init__(order, task, cell, task.agvs)
+    def __init__(self, order: Order, task: AssemblyTask, shop: Shop) -> None:
+        super().__init__(order, task, shop, task.agvs)
         self._agvs = task.agvs
 
     def begin(self) -> list[Task]:
         """See `Work.begin`."""
-        task, cell = self._assembly, self._cell
+        task, shop = self._assembly, self._shop
         on_agvs = {
             (agv, quadrant): item
             for agv in self._agvs
-            for quadrant, item in cell.inventory.load(agv).items.items()
+            for quadrant, item in shop.inventory.load(agv).items.items()
         }
-        near = cell.place(assembly_table(task.station))
+        near = shop.place(assembly_table(task.station))
         tasks = []
         for part in task.products:
             place = next((place for place, item in on_agvs.items() if item.part == part), None)
             if place is not None:
-                cell.fleet.send(place[0], task.station)
+                shop.fleet.send(place[0], task.station)
                 tasks.append(self._insert_from_agv(*place, on_agvs.pop(place), stage=0))
-            elif (found := cell.inventory.take(part, near)) is not None:
-                tasks.append(self._insert_from_bin(*found, stage=0))
+            elif (source := shop.inventory.take(part, near)) is not None:
+                tasks.append(self._insert_from_bin(*source, stage=0))
             else:
                 self.missing.append(part)
         return tasks
 
 
 class CombinedWork(_AtStation):
-    """Make a kit on an AGV, send it to the station, and insert the parts there in any order.
+    """Makes a kit on an AGV, sends it to the station, and inserts the parts in any order.
 
-    A part for which the AGV has no room is carried over from its bin.
+    Parts for which the AGV has no room are carried over from bins.
     """
 
     def __init__(
-        self, order: Order, task: CombinedTask, cell: Cell, agv: str, needed_trays: set[int]
+        self, order: Order, task: CombinedTask, shop: Shop, agv: str, needed_trays: set[int]
     ) -> None:
-        super().__init__(order, task, cell, (agv,))
+        super().__init__(order, task, shop, (agv,))
         self._agv = agv
         self._needed_trays = needed_trays
 
     def begin(self) -> list[Task]:
         """See `Work.begin`."""
-        task, cell, agv = self._assembly, self._cell, self._agv
-        lane = cell.fleet.lane(agv)
+        task, shop, agv = self._assembly, self._shop, self._agv
+        lane = shop.fleet.lane(agv)
         kit: list[Task] = []
         assembly: list[Task] = []
-        load = cell.inventory.load(agv)
+        load = shop.inventory.load(agv)
         present = dict(load.items)
         free = [quadrant for quadrant in QUADRANTS if quadrant not in present]
         for part in task.products:
@@ -494,33 +494,33 @@ class CombinedWork(_AtStation):
             if at is not None:
                 assembly.append(self._insert_from_agv(agv, at, present.pop(at), stage=2))
                 continue
-            found = cell.inventory.take(part, cell.home(agv))
-            if found is None:
+            source = shop.inventory.take(part, shop.home(agv))
+            if source is None:
                 self.missing.append(part)
             elif free:
                 quadrant = free.pop(0)
                 inserting = self._insert_from_agv(agv, quadrant, Item(part), stage=2)
-                kit.append(self._kit(quadrant, *found, inserting))
+                kit.append(self._kit(quadrant, *source, inserting))
                 assembly.append(inserting)
             else:
-                assembly.append(self._insert_from_bin(*found, stage=2))
+                assembly.append(self._insert_from_bin(*source, stage=2))
         if kit and load.tray is None:
-            spare = cell.inventory.take_spare_tray(self._needed_trays)
+            spare = shop.inventory.take_spare_tray(self._needed_trays)
             if spare is not None:
                 slot, tray = spare
                 kit.insert(0, self._fetch_tray(agv, tray, slot))
         if kit:
-            cell.fleet.send(agv, lane.start)
+            shop.fleet.send(agv, lane.start)
         if assembly:
-            when_all_are_done(kit, partial(cell.fleet.send, agv, task.station))
+            when_all_are_done(kit, partial(shop.fleet.send, agv, task.station))
         return kit + assembly
 
     def _kit(self, quadrant: int, bin: str, slot: int, item: Item, inserting: Task) -> Task:
-        """Return the task of placing a part; without the part it is not `inserting` it either."""
-        agv, cell = self._agv, self._cell
+        """Return the task that places a part. Without it, the part is not `inserted` either."""
+        agv, shop = self._agv, self._shop
         place = self._onto_agv(agv, quadrant)
-        put = partial(cell.inventory.lay, agv, quadrant)
-        carried = self._carried(item, place, put, cell.home(agv))
+        put = partial(shop.inventory.lay, agv, quadrant)
+        carried = self._carried(item, place, put, shop.home(agv))
 
         def lost() -> tuple[Step, ...]:
             steps = carried.lost()
