@@ -43,13 +43,13 @@ from .entries import (
     Drop,
     MannersEntry,
     NoticingEntry,
+    OrderedWork,
     Place,
     Pose,
     RecordedTrack,
     SignOff,
     Spread,
     Start,
-    Workload,
     seed_of,
 )
 from .fields import MachineFields
@@ -505,7 +505,7 @@ class Scenario:
     expect: dict[str, Any] = field(default_factory=dict)
     folder: Path = Path()
     floorplan_source: str = field(default="", compare=False)
-    workload: Workload | None = None
+    workload: OrderedWork | None = None
     until_submitted: bool = False
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     own_code: bool = field(default=True, compare=False)

@@ -82,8 +82,8 @@ def parts(trial: Scenario) -> list[str]:
 
 def orders(trial: Scenario) -> list[str]:
     """Return the names of the orders that are handed in."""
-    ariac = trial.workload.orders if trial.workload else ()
-    return [*(order.id for order in ariac), *(job.order for job in trial.gantry.jobs if job.order)]
+    ariac = trial.workload.ids if trial.workload else ()
+    return [*ariac, *(job.order for job in trial.gantry.jobs if job.order)]
 
 
 def _locations(trial: Scenario) -> list[str]:

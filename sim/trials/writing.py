@@ -20,7 +20,7 @@ from floorplan.plan import floor_keys
 from navigation import FieldSet, Motion
 from navigation.catalog import PlannerChoice
 
-from ..core.entries import Command, Start, Workload
+from ..core.entries import Command, OrderedWork, Start
 from ..core.fields import keys_of_set
 from ..core.scenario import (
     USUAL_PLANNER,
@@ -98,7 +98,7 @@ def _trial(trial: Scenario) -> Data:
     return data if trial.workload is None else data | _orders(trial, trial.workload)
 
 
-def _orders(trial: Scenario, workload: Workload) -> Data:
+def _orders(trial: Scenario, workload: OrderedWork) -> Data:
     """Return the keys of the orders and of the other values in their file."""
     if not workload.source:
         raise UserError(
