@@ -118,7 +118,7 @@ def form_keys(form: type) -> Iterator[tuple[str, Any]]:
 
 
 def forms(kind: object) -> Iterator[type]:
-    """Yield the models and dataclasses in a type: those of a union, of a list's elements."""
+    """Yield the models and dataclasses in a type, including options of unions and elements."""
     if isinstance(kind, type) and (issubclass(kind, BaseModel) or dataclasses.is_dataclass(kind)):
         yield kind
     inner = get_args(kind)
@@ -147,7 +147,7 @@ def called(entries: Any) -> Any:
 
 
 def has_fields(context: Any) -> bool:
-    """Return whether the values that are validated have the names of fields, not of keys."""
+    """Return whether the validated values have the names of fields instead of keys."""
     return bool(context) and BY_FIELDS in context
 
 
