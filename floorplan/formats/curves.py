@@ -154,8 +154,7 @@ def _spline(curve: BSpline, begin: float, end: float, distance: float) -> Floats
 
 
 def _from_line(points: Floats, along: Floats) -> Floats:
-    """Return the distances of `points` (N, 3) from lines through the origin in directions
-    `along`."""
+    """Return the distances of `points` (N, 3) from lines through 0 in directions `along`."""
     length = np.maximum((along**2).sum(axis=1), 1e-300)
     share = (points * along).sum(axis=1) / length
     distances: Floats = np.linalg.norm(points - share[:, None] * along, axis=1)

@@ -156,8 +156,7 @@ def opened(areas: Sequence[Polygon]) -> list[Polygon]:
 
 
 def pieces_of(areas: Sequence[shapely.Geometry]) -> tuple[NDArray[np.object_], NDArray[np.intp]]:
-    """Return `areas` as polygons without holes, cut through each hole, and the index of each
-    area."""
+    """Return `areas` cut into polygons without holes, and the index of the area of each."""
     pieces, of = np.array(areas, object), np.arange(len(areas))
     while True:
         pieces, part_of = shapely.get_parts(pieces, return_index=True)

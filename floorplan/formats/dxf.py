@@ -255,8 +255,7 @@ class _Inserted:
         return f"{self.within}, {name}" if self.within else name
 
     def block(self, name: str, layer: str, within: str, step: Floats) -> _Inserted:
-        """Return a copy of the block of this name, placed into this one by the matrix `step` (4,
-        4)."""
+        """Return a copy of the block of this name, placed into this one by the matrix `step`."""
         at = step if self.at is None else step @ self.at
         return _Inserted(layer, within, self.blocks | {name.casefold()}, at)
 

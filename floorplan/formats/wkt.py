@@ -1,5 +1,4 @@
-"""Floors in well-known text, in JuPedSim's convention: a walkable polygon with obstacles as
-holes.
+"""Floors in well-known text: a walkable polygon with obstacles as holes, as for JuPedSim.
 
 The text is a POLYGON in metres, or a MULTIPOLYGON or GEOMETRYCOLLECTION of polygons that form one
 area.
@@ -45,8 +44,7 @@ def parse_wkt(text: str, *, file: str = "<text>", metre: float = 1.0) -> Floorpl
 
 
 def joined(geometry: shapely.Geometry, file: str) -> Polygon:
-    """Return the area that the polygons of `geometry` form. `FloorplanError` if it is not one
-    area."""
+    """Return the area of the polygons of `geometry`. `FloorplanError` if it is not one."""
     problems = list(_problems(geometry))
     if problems:
         raise FloorplanError(file, problems)

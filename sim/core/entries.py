@@ -33,35 +33,35 @@ from floorplan.files.forms import Composed, Data, Written, written
 from .schedule import Drawn, Duration
 
 Pose = Annotated[tuple[Number, Number, Number], Expected("a pose [x, y, rotation]", list, tuple)]
-"""x, y in metres, rotation in radians."""
+"""Pose: x and y in metres, rotation in radians."""
 
 Place = Annotated[
     Point | str,
     Written(Pair | str),
     Expected("a position [x, y] or the name of a station or door", list, tuple, str),
 ]
-"""A position (x, y in metres), or the name of a station or a door."""
+"""Position (x, y in metres), or the name of a station or a door."""
 
 
 def is_number(value: Any) -> bool:
-    """Return whether `value` is a finite number, and not true or false."""
+    """Return whether `value` is a finite number, but no bool."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return number and abs(value) <= sys.float_info.max
 
 
 def seed_of(seed: int, what: str) -> int:
-    """Return the seed for `what` in a trial with this `seed`: the same whatever else is there."""
-    # Not `hash`, which is salted anew in every process.
+    """Return the seed for `what` in a trial with this `seed`, independent of other entries."""
+    # `hash` is salted in every process.
     return zlib.crc32(f"{seed} {what}".encode())
 
 
 def _as_text(value: Any) -> Any:
-    """Return a revision or a date, which YAML may read as a number or a date, as text."""
+    """Return text for a revision or date, which YAML may read as a number or a date."""
     return str(value) if isinstance(value, date) or is_number(value) else value
 
 
 Text = Annotated[str, BeforeValidator(_as_text)]
-"""A text, which may look like a number or a date."""
+"""Text that may look like a number or a date."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +102,7 @@ UNSIGNED = SignOff()
 
 
 CONDITIONS = ("time", "part_placed", "order_submitted", "event")
-"""Conditions of a start or a change of personality, one of them."""
+"""Conditions of a start or a change of personality, of which one is given."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ class Start(Keyed):
 
 
 AT_ONCE = Start()
-"""The beginning of the trial."""
+"""Start at the beginning of the trial."""
 
 
 def _view_fault(view: Any) -> str:
@@ -181,11 +181,11 @@ class NoticingEntry(Keyed):
 
 
 ALL_ROUND = NoticingEntry()
-"""Noticing of which nothing is given: by distance alone, and at once."""
+"""Noticing by default: by distance alone, without delay."""
 
 
 def drawn_figure(value: Drawn, seed: int, what: str) -> float:
-    """Return a figure, drawn for `what` from the `seed` of a trial unless it is fixed."""
+    """Return a value, drawn for `what` from the `seed` of a trial unless it is fixed."""
     random = Random(seed_of(seed, what))
     if isinstance(value, Duration):
         return value.draw(random)
@@ -193,7 +193,7 @@ def drawn_figure(value: Drawn, seed: int, what: str) -> float:
 
 
 def _at_least(least: float) -> Fits:
-    """Return the annotation of a figure, or of two that rise, from `least` on."""
+    """Return the rule for a number of at least `least`, or a range of such numbers."""
 
     def fault(value: float | tuple[float, float]) -> str:
         low, high = value if isinstance(value, tuple) else (value, value)
@@ -205,20 +205,20 @@ def _at_least(least: float) -> Fits:
 
 
 Spread = Annotated[float | tuple[float, float], Written(NotNegative | Range), _at_least(0.0)]
-"""A figure, or the least and the most between which each person has one of their own."""
+"""Number, or range from which a number is drawn for each person."""
 
 PositiveSpread = Annotated[float | tuple[float, float], Written(Positive | Range)]
-"""The same in a file, of figures above 0."""
+"""The same in a file, for positive numbers."""
 
 Side = Literal["right", "left"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class MannersEntry(Keyed):
-    """Manners of one person, or of each of several; what is None is as usual.
+    """Manners of one or several people. None is the default.
 
-    `comfort` is in metres, `time_gap`, `foresight`, `reaction_time` and `patience` in seconds. They
-    mean what they do in `sim.people.crowd.parameters.Manners`.
+    `comfort` is in metres, `time_gap`, `foresight`, `reaction_time` and `patience` in seconds. See
+    `sim.people.crowd.parameters.Manners`.
     """
 
     comfort: Spread | None = None
@@ -231,7 +231,7 @@ class MannersEntry(Keyed):
 
 
 AS_USUAL = MannersEntry()
-"""Manners of which nothing is given."""
+"""Default manners."""
 
 
 def _as_name(value: Any) -> Any:
@@ -309,7 +309,7 @@ class Blackout(Keyed):
 
 
 COMMANDS = ("send", "block", "clear", "hold", "release")
-"""The fields of a command of which it has one, unless it is a `call`."""
+"""Fields of a command, of which it has one unless it is a `call`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -392,15 +392,15 @@ class Command(ComposedKeys, Keyed):
 
     @property
     def at(self) -> float:
-        """Its time in seconds; infinity if it has none."""
+        """Time in seconds, or infinity without a time."""
         return math.inf if self.time is None else float(self.time)
 
 
 @dataclass(frozen=True)
 class Drop(Keyed):
-    """The gripper loses a `part` once, `delay` seconds after it was picked, if it still holds it.
+    """Loss of a `part` by the gripper, `delay` seconds after the pick.
 
-    That is the next one of its name once `after` of them were picked.
+    It is the next part of this name after `after` of them were picked.
     """
 
     part: str = "part"
@@ -410,9 +410,9 @@ class Drop(Keyed):
 
 @dataclass(frozen=True, kw_only=True)
 class OrderedWork:
-    """Orders that a trial has from another file: see `sim.orders.workload`.
+    """Orders of a trial from another file. See `sim.orders.workload`.
 
-    `blackouts` are those of the orders. `source` is the file, as the trial names it.
+    `blackouts` are those of the orders. `source` is the name of the file in the trial.
     """
 
     blackouts: tuple[Blackout, ...] = ()

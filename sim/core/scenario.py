@@ -58,13 +58,13 @@ from .schedule import Break, DoorTimes, Drawn, Shift, TimedObstacle, WorkList, W
 from .stage import MachineEntry
 
 RECORDED = "recorded"
-"""The personality, in reports, of those who walk as they were measured."""
+"""Personality of recorded people in reports."""
 
 ANYWHERE = "anywhere"
-"""The place of who starts at a free place, drawn from the trial's seed."""
+"""Place of people who start at a random free position."""
 
 USUAL_PLANNER = PlannerChoice()
-"""The planner of people's paths where a trial names none."""
+"""Default path planner of people."""
 
 
 ASSUMED = (
@@ -79,7 +79,7 @@ ASSUMED = (
     "work",
     "recorded",
 )
-"""What a trial assumes, and whose source a report names."""
+"""Assumed values of a trial, whose sources a report names."""
 
 IN_FRONT = 0.05
 """Distance in metres between a door and a person who enters by it."""
@@ -95,10 +95,10 @@ NAME = r"[^\W\d_][\w-]*"
 Name = Annotated[str, Field(pattern=f"^{NAME}$")]
 
 Personality = Annotated[str | bdi.Program, Written(str)]
-"""A built-in name, an .asl file, "external", or a program itself."""
+"""Built-in name, .asl file, "external", or a program."""
 
 Planner = Annotated[PlannerChoice, Written(Any), AfterValidator(PlannerChoice.of)]
-"""A planner; in a file its name, or `{name: RRTConnect, range: 1.0}`."""
+"""Planner. A file contains its name, or `{name: RRTConnect, range: 1.0}`."""
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ class Source(Keyed):
 
 @lru_cache
 def _stream(seed: int, name: str, rate: float) -> tuple[list[float], Iterator[float]]:
-    """Return the known entry times (s) of a stream from its begin, and an iterator of others."""
+    """Return the cached entry times (s) of a stream, and an iterator of later ones."""
     random = Random(seed_of(seed, f"source {name}"))
     return [], accumulate(random.expovariate(rate) for _ in count())
 
@@ -522,7 +522,7 @@ class Scenario:
 
     @property
     def code_folder(self) -> CodeFolder:
-        """The folder in which the code stands that it names."""
+        """Folder of its custom code."""
         return CodeFolder(self.folder, self.own_code)
 
     def with_people(self, change: Callable[[PersonEntry], PersonEntry]) -> Self:

@@ -18,7 +18,7 @@ COLORS = ("blue", "green", "orange", "purple", "red")
 
 @dataclass(frozen=True, order=True)
 class PartType:
-    """A kind of part: its colour and its type."""
+    """Type of part with its colour."""
 
     color: str
     type: str
@@ -29,7 +29,7 @@ class PartType:
 
 @dataclass(frozen=True)
 class Item:
-    """One part as it lies somewhere; one that is `faulty` looks like any other."""
+    """Part at a place. Faulty parts look like others."""
 
     part: PartType
     flipped: bool = False
@@ -38,7 +38,7 @@ class Item:
 
 @dataclass(frozen=True)
 class Load:
-    """Load of an AGV: the id of its tray, and an item in each quadrant (1 to 4) that has one."""
+    """Load of an AGV: the id of its tray, and the items by quadrant (1 to 4)."""
 
     tray: int | None = None
     items: Mapping[int, Item] = field(default_factory=dict)
@@ -46,7 +46,7 @@ class Load:
 
 @dataclass(frozen=True, kw_only=True)
 class KittingTask:
-    """Put a part into each quadrant of `products` on a tray, and send the AGV to `destination`."""
+    """Task to put a part into each quadrant of `products` on a tray, and send the AGV away."""
 
     agv: str
     tray: int
@@ -56,7 +56,7 @@ class KittingTask:
 
 @dataclass(frozen=True)
 class AssemblyTask:
-    """Insert `products`, which `agvs` bring, at `station`."""
+    """Task to insert `products` from `agvs` at `station`."""
 
     station: str
     agvs: tuple[str, ...]
@@ -65,7 +65,7 @@ class AssemblyTask:
 
 @dataclass(frozen=True)
 class CombinedTask:
-    """Make a kit of `products` on any AGV, and insert them at `station`."""
+    """Task to make a kit of `products` on any AGV, and insert them at `station`."""
 
     station: str
     products: tuple[PartType, ...]
@@ -73,7 +73,7 @@ class CombinedTask:
 
 @dataclass(frozen=True)
 class Order:
-    """One order: its task, the condition of its announcement, and its priority."""
+    """Order: its task, the condition of its announcement, and its priority."""
 
     id: str
     task: KittingTask | AssemblyTask | CombinedTask
@@ -83,13 +83,13 @@ class Order:
 
     @property
     def kind(self) -> str:
-        """The kind of its task: kitting, assembly or combined."""
+        """Kind of its task: kitting, assembly or combined."""
         return type(self.task).__name__.removesuffix("Task").lower()
 
 
 @dataclass(frozen=True)
 class Malfunction:
-    """The ceiling robot stands for `seconds` from `start` on."""
+    """Malfunction of the ceiling robot, for `seconds` from `start`."""
 
     start: Start
     seconds: float
@@ -97,10 +97,10 @@ class Malfunction:
 
 @dataclass(frozen=True)
 class Conveyor:
-    """Parts that come along the conveyor, one every `seconds`: an item each, and its place across.
+    """Parts on the conveyor, one every `seconds`: items with their offsets.
 
-    That is in metres from the middle of the belt. Where they come in `random_order`, it is drawn
-    from the trial's seed.
+    Offsets are in metres from the middle of the belt. A `random_order` is drawn from the trial's
+    seed.
     """
 
     parts: tuple[tuple[Item, float], ...] = ()
@@ -108,7 +108,7 @@ class Conveyor:
     random_order: bool = False
 
     def coming(self, seed: int) -> list[tuple[float, Item, float]]:
-        """Return the instants (s) at which parts are put on it, the items, and their places."""
+        """Return the times (s) at which parts appear, the items, and their offsets (m)."""
         parts = [*self.parts]
         if self.random_order:
             Random(seed_of(seed, "conveyor")).shuffle(parts)
@@ -117,7 +117,7 @@ class Conveyor:
 
 @dataclass(frozen=True)
 class ChallengePerson:
-    """A person of the human challenge, who begins at `start`."""
+    """Person of the human challenge, who starts at `start`."""
 
     behavior: str
     start: Start
@@ -125,13 +125,12 @@ class ChallengePerson:
 
 @dataclass(frozen=True)
 class Workload(OrderedWork):
-    """The work of an ARIAC trial.
+    """Orders and parts of an ARIAC trial.
 
-    `bins` has the items in the slots (1 to 9) of each bin, `trays` the id of the tray in each
-    slot (1 to 6) of the tray tables, `loads` what is on the AGVs at the start. `faulty` has the
-    quadrants of kits in which the first part that is placed is faulty, by order; `drops` are the
-    parts that the gripper loses; others come along the `conveyor`. `time_limit` is in seconds, None
-    if there is none. `source` is the file it was read from, as the trial names it.
+    `bins` has the items in the slots (1 to 9) of each bin, `trays` the id of the tray in each slot
+    (1 to 6) of the tray tables, and `loads` the initial loads of AGVs. `faulty` has the quadrants
+    of each order in which the first placed part is faulty. The gripper loses the parts of `drops`.
+    `time_limit` is in seconds, None if there is none.
     """
 
     orders: tuple[Order, ...]
@@ -153,5 +152,5 @@ class Workload(OrderedWork):
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """Names of all parts that can be, whether or not the trial has them."""
+        """Names of all possible parts."""
         return tuple(str(PartType(color, type)) for color in COLORS for type in TYPES)

@@ -1,4 +1,4 @@
-"""Keys of a trial file and of commands that stand for more than one value of a trial."""
+"""Keys of a trial file."""
 
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -54,7 +54,7 @@ CommandEntries = Annotated[
     Annotated[str, Tag("file")] | Annotated[tuple[Command, ...], Tag("list")],
     Discriminator(lambda value: "file" if isinstance(value, str) else "list"),
 ]
-"""Commands in order of time, or the file that has them."""
+"""Commands in order of time, or the name of their file."""
 
 
 class _CommandFile(Strictly):
@@ -68,7 +68,7 @@ class _OneCommand(Strictly):
 def commanded(trial: _Made, path: Path) -> _Made:
     """Return the trial with the commands in the file at `path`.
 
-    `TrialError` names the file, and the lines in it that can't be or can't be in this trial.
+    `TrialError` lists the faults of the file, with its lines.
     """
     document = read_yaml(path, TrialError)
     made = replace(trial, commands=document.checked(_CommandFile, TrialError).commands)
@@ -79,13 +79,13 @@ def commanded(trial: _Made, path: Path) -> _Made:
 
 
 def read_command(keys: Any) -> Command:
-    """Return the command with these keys; pydantic's `ValidationError` says what is wrong."""
+    """Return the command with these keys. Raise `ValidationError` if they are invalid."""
     return _OneCommand.model_validate({"command": keys}).command
 
 
 @dataclass(frozen=True, kw_only=True)
 class SourceKeys(Source):
-    """A source of one person, or of so many."""
+    """Keys of a source of one or several people."""
 
     count: Annotated[int, whole(1)] | None = None
 
@@ -97,12 +97,12 @@ class SourceKeys(Source):
 
 
 OF_RECORDED = frozenset({"name", "start", "radius", "recorded"})
-"""Keys of somebody who walks as they were measured."""
+"""Keys of a recorded person."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PersonKeys(PersonEntry):
-    """One person, or so many alike."""
+    """Keys of one or several people."""
 
     count: Annotated[int, whole(1)] | None = None
     source: SourceKeys | None = None
@@ -126,11 +126,11 @@ class PersonKeys(PersonEntry):
 
     @property
     def many(self) -> int | None:
-        """The number of people that this stands for, None for one who is called as it says."""
+        """Number of people of the entry, or None for one person with its name."""
         return self.count if self.source is None else self.source.count
 
     def values(self) -> list[PersonEntry]:
-        """Return the people: the one, or so many of them, who are numbered from 1."""
+        """Return the people of the entry. Several are numbered from 1."""
         one = PersonEntry(**{key.name: getattr(self, key.name) for key in fields(PersonEntry)})
         if self.source is not None:
             source = Source(**{key.name: getattr(self.source, key.name) for key in fields(Source)})
@@ -153,7 +153,7 @@ def _name_or_keys(value: Any) -> Any:
 
 
 def begins_in(data: Any) -> float:
-    """Return the time of day (s) at which the trial in a file begins; 0 if none can be told."""
+    """Return the time of day (s) at which the trial in a file begins, or 0 if it is invalid."""
     try:
         return time_of_day(data["begins"])
     except (LookupError, TypeError, UserError):
@@ -167,7 +167,7 @@ def _as_assumed(name: str) -> str:
 
 
 class TrialKeys(Strictly):
-    """A whole trial."""
+    """Keys of a trial."""
 
     name: str | None = None
     floorplan: Annotated[Any, BeforeValidator(_name_or_keys)]
