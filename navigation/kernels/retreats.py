@@ -32,13 +32,13 @@ _JUST_NOW: float = 2e-3  # metres; at least the tolerance of `met` for an initia
 
 
 class Retreats:
-    """Walks of the `me`-th person, from rest, along a path and on to one of several places.
+    """Walks of a person, from rest, along a path and on to one of several places.
 
     Parameters
     ----------
     movers : Movers
         Drafts that the walks must not meet. Walks start at the time of the drafts.
-    me : int
+    person : int
         Index of the person.
     course : list of tuple of float
         Polyline (m) from which the final place is at least `width` metres away.
@@ -57,7 +57,7 @@ class Retreats:
     def __init__(
         self,
         movers: Movers,
-        me: int,
+        person: int,
         course: list[Place],
         width: float,
         legs: Legs,
@@ -68,7 +68,7 @@ class Retreats:
         margin: float = 0.0,
     ) -> None:
         self.movers = movers
-        self.me = me
+        self.person = person
         self.course = legs_of(course)
         self.width = width
         self.legs = legs
@@ -76,7 +76,7 @@ class Retreats:
         at(self.tops)[0] = top_speed
         start: float = movers.now if lead is None else lead.rests
         self.pace = SpeedLimits(start, 0.0, max_speed, acceleration)
-        self.own = movers.own(me) + margin
+        self.own = movers.own(person) + margin
         none: Numbers = room(0)
         self.lead = none if lead is None else lead.walk
         self.before = none if lead is None else lead.table
@@ -127,7 +127,7 @@ class Retreats:
                 if walk is None:
                     continue
             tried += 1
-            hit: cython.Py_ssize_t = self.movers.first_other(self.me, walk)
+            hit: cython.Py_ssize_t = self.movers.first_other(self.person, walk)
             if hit < 0 or not refusing[hit]:
                 return Retreat(walk, self.index, hit, tried)
         return Retreat(None, -1, -1, tried)
