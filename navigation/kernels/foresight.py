@@ -37,22 +37,10 @@ _BEYOND: float = 0.5  # metres by which walks beside a course are longer than th
 
 
 class TrajectoryChoice:
-    """Choice of a person among the committed `motions` of others, from the candidates `walks`.
+    """Choice of a person (`walker`) among candidate `walks` and the `motions` of all people.
 
-    Parameters
-    ----------
-    walks : Candidates
-        Candidate walks.
-    motions : CommittedMotions
-        Motions of all people.
-    walker : Passer
-        Person.
-    narrow, narrow_outside : Cells
-        Narrow places for a person who is inside of one, and for a person outside.
-    legs : Legs
-        Segments that are free of walls.
-    parameters : ChoiceParameters
-        Parameters.
+    `narrow` has the narrow places for a person who is inside of one, `narrow_outside` for others.
+    `legs` tests segments for walls.
     """
 
     def __init__(

@@ -34,24 +34,9 @@ _JUST_NOW: float = 2e-3  # metres; at least the tolerance of `met` for an initia
 class Retreats:
     """Walks of a person, from rest, along a path and on to one of several places.
 
-    Parameters
-    ----------
-    movers : Movers
-        Drafts that the walks must not meet. Walks start at the time of the drafts.
-    person : int
-        Index of the person.
-    course : list of tuple of float
-        Polyline (m) from which the final place is at least `width` metres away.
-    width : float
-        Distance in metres.
-    legs : Legs
-        Walls that the part after the path must not meet.
-    top_speed, max_speed, acceleration : float
-        Limits in m/s and m/s².
-    lead : Swath, optional
-        Walk that precedes the retreat.
-    margin : float, optional
-        Additional distance from the movers in metres.
+    They start with the drafts of `movers` and meet none of them, with `margin` metres in addition.
+    The places are `width` metres off the polyline `course`, and the last segment is free of walls
+    by `legs`. Speeds are in m/s, at most `top_speed` and `max_speed`. A `lead` precedes the walks.
     """
 
     def __init__(
