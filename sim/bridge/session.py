@@ -392,8 +392,7 @@ class Session:
         self._changed.set()
         if request["until"] < workcell.now:
             return {"time": workcell.now, "ended": self._is_over}
-        outside.wake_at = request["until"]
-        workcell.person.wake()
+        workcell.person.decide_by(request["until"])
         while not self._is_over:
             if await self._stood_still():
                 continue

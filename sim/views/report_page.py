@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -16,6 +17,7 @@ from floorplan import UserError
 from ..record.output import OutputError, write_whole
 
 if TYPE_CHECKING:
+    from jinja2 import Environment
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -52,6 +54,9 @@ BROWN = "#8a6d3b"
 INK = "#123456"
 """Stands for the page's colour of text, and is replaced by it."""
 
+_SVG_DPI = 72
+"""Dots per inch of SVG files, as Matplotlib assumes them."""
+
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN)
 """Colours of rows and lines, in their order."""
 
@@ -72,9 +77,26 @@ def page_chart(name: str, size: tuple[float, float], draw: Callable[[Figure], No
     with mpl.rc_context(settings):
         figure = Figure(figsize=size, layout="constrained")
         draw(figure)
-        text = io.StringIO()
-        figure.savefig(text, format="svg", transparent=True, metadata={"Date": None})
-    return _for_a_page(text.getvalue())
+        drawn = svg_of(figure, transparent=True)
+    return as_element(drawn).replace(INK, "currentColor")
+
+
+def svg_of(figure: Figure, *, transparent: bool = False) -> str:
+    """Return a figure with constrained layout as the text of an SVG file.
+
+    Matplotlib would draw the whole figure an additional time to execute its layout.
+    """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    FigureCanvasSVG(figure)  # whose measures of text decide the layout
+    figure.set_dpi(_SVG_DPI)
+    engine = figure.get_layout_engine()
+    assert engine is not None
+    engine.execute(figure)
+    figure.set_layout_engine(None)
+    text = io.StringIO()
+    figure.savefig(text, format="svg", transparent=transparent, metadata={"Date": None})
+    return text.getvalue()
 
 
 def name_rows(axes: Axes, names: Sequence[str]) -> None:
@@ -113,11 +135,6 @@ def draw_grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
     axes.set_axisbelow(True)
 
 
-def _for_a_page(drawn: str) -> str:
-    """Return the SVG element alone, in the text colour of the page."""
-    return as_element(drawn).replace(INK, "currentColor")
-
-
 def as_element(drawn: str) -> str:
     """Return the SVG element of a drawn file alone, without what is said about it."""
     return re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
@@ -154,6 +171,13 @@ def write_report_page(
 
     `filters` are functions that the template names.
     """
+    environment = _environment(frozenset(filters.items()))
+    write_whole(path, environment.get_template(template).render(**values))
+
+
+@cache
+def _environment(filters: frozenset[tuple[str, Callable[..., Any]]]) -> Environment:
+    """Return the environment of templates with these filters, which caches compiled templates."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -163,5 +187,5 @@ def write_report_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= filters
-    write_whole(path, environment.get_template(template).render(**values))
+    environment.filters |= dict(filters)
+    return environment

@@ -118,20 +118,8 @@ def write_safety_page(path: Path, template: str, **values: Any) -> None:
 
 
 def _write(path: Path, template: str, values: Mapping[str, Any]) -> None:
-    filters: dict[str, Callable[..., Any]] = {
-        "anchor": _anchor,
-        "clock": clock,
-        "counted": counted,
-        "css": _in_css,
-        "figure": figure,
-        "incident_rows": incident_rows,
-        "kind": lambda law: type(law).__name__,
-        "metres": metres,
-        "minus_signs": _minus_signs,
-        "signed": signed,
-    }
     shared = {"titles": [], "infinity": math.inf, "moment": MOMENT, "cell": CELL}
-    write_report_page(path, template, filters, **shared, **values)
+    write_report_page(path, template, _FILTERS, **shared, **values)
 
 
 def _anchor(title: str) -> str:
@@ -148,6 +136,19 @@ def _in_css(text: str) -> str:
     """Return a text as it stands in quotes in a style sheet."""
     return "".join(one if one.isalnum() or one in " -_.,:" else f"\\{ord(one):x} " for one in text)
 
+
+_FILTERS: dict[str, Callable[..., Any]] = {
+    "anchor": _anchor,
+    "clock": clock,
+    "counted": counted,
+    "css": _in_css,
+    "figure": figure,
+    "incident_rows": incident_rows,
+    "kind": lambda law: type(law).__name__,
+    "metres": metres,
+    "minus_signs": _minus_signs,
+    "signed": signed,
+}
 
 Picture = dict[str, str]
 """A picture of a report: its `title`, the `words` below it, and the SVG `element`."""

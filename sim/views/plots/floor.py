@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,25 @@ from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
+from matplotlib.text import Text
+from matplotlib.transforms import Affine2D
 from shapely.geometry import LineString, Point as Spot, Polygon, box
 
 from floorplan import Floorplan, Gate, Lane, Obstacle, Point
 
 from ...core.body import MachineShape
 from ..report_page import BLACK, GREEN, GREY, PALE, VERMILION
-from .style import MACHINES, Array, Width, explain, inches, new_figure, obstacle_shade, styled
+from .style import (
+    MACHINES,
+    Array,
+    Width,
+    explain,
+    inches,
+    new_figure,
+    obstacle_shade,
+    settle,
+    styled,
+)
 
 _DARK = 0.6
 """Names on what is darker than this are white."""
@@ -127,11 +140,11 @@ class _Labels:
         settle(figure)
         axes.apply_aspect()
         self.axes = axes
-        # A renderer for all measurements, because Matplotlib creates one for each otherwise.
-        width, height = figure.bbox.size
-        self._renderer = RendererAgg(width, height, figure.dpi)
-        (west, _), (east, _) = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)]).tolist()
-        self.point = float(figure.dpi / (east - west) / 72)
+        self._dpi = figure.dpi
+        self._to_pixels = Affine2D(axes.transData.get_affine().get_matrix())
+        self._to_metres = self._to_pixels.inverted()
+        self._pixel = 1 / float(self._to_pixels.get_matrix()[0, 0])
+        self.point = self._pixel * self._dpi / 72
         """Metres of the floor per point of the picture."""
 
     def write_if_free(self, area: Polygon, text: str, colour: str) -> None:
@@ -156,60 +169,61 @@ class _Labels:
         The name has a plate if it covers anything. It is omitted if it covers more than the share
         `most`. `half` is the half size (points) of the thing beyond that of a mark, along x and y.
         """
-        name: Any = self.axes.annotate(
-            text, at, (0, 0), textcoords="offset points", size=size, color=colour, zorder=4
-        )
         offsets = [(x + np.sign(x) * half[0], y + np.sign(y) * half[1]) for (x, y), _ in _SIDES]
-        sizes = {upright: self._size(name, upright) for upright in (False, True)}
-        areas = self._areas(at, offsets, [sizes[upright] for _, upright in _SIDES])
+        sizes = [_text_size(text, size, self._dpi, upright=upright) for _, upright in _SIDES]
+        areas = self._areas(at, offsets, sizes)
         near = shapely.intersection(self.free, box(*shapely.total_bounds(areas)))
         free = shapely.area(shapely.intersection(near, areas)) / shapely.area(areas)
         covered = np.round(1.0 - free, 6)
         best = int(np.argmin(covered + [upright * _UPRIGHT for _, upright in _SIDES]))
         if covered[best] > most:
-            name.remove()
             return
+        look: dict[str, Any] = {"size": size, "color": colour, "zorder": 4}
+        name = self.axes.annotate(text, at, (0, 0), textcoords="offset points", **look)
         stand_beside(name, offsets[best])
         name.set_rotation(90 if _SIDES[best][1] else 0)
         if covered[best] > 0.0:
             name.set_bbox({"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.3})
-        self.free = self.free.difference(self._extent(name))
+        self.free = self.free.difference(areas[best])
 
     def write_inside(self, area: Polygon, text: str, colour: str) -> bool:
         """Write a name in an area, on one or two lines or upright. Return False if none fits."""
         west, south, east, north = area.bounds
-        at = area.centroid if area.contains(area.centroid) else area.representative_point()
-        look: dict[str, Any] = {"ha": "center", "va": "center", "linespacing": 1.0, "zorder": 4}
-        name = self.axes.text(at.x, at.y, text, size=_INSIDE_SIZE, color=colour, **look)
         lines = "\n".join(text.rsplit("_", 1))
         for written, upright in ((text, False), (lines, False), (text, True)):
-            name.set(text=written, rotation=90 if upright else 0)
-            left, low, right, high = self._extent(name).bounds
-            if right - left <= east - west and high - low <= north - south:
+            size = _text_size(written, _INSIDE_SIZE, self._dpi, upright=upright, linespacing=1.0)
+            across, along = self._pixel * size
+            if across <= east - west and along <= north - south:
+                at = area.centroid
+                at = at if area.contains(at) else area.representative_point()
+                look: dict[str, Any] = {"ha": "center", "va": "center", "linespacing": 1.0}
+                look |= {"size": _INSIDE_SIZE, "color": colour, "zorder": 4}
+                self.axes.text(at.x, at.y, written, rotation=90 if upright else 0, **look)
                 return True
-        name.remove()
         return False
-
-    def _extent(self, name: Any) -> Polygon:
-        """Return the rectangle (m) that a name covers."""
-        extent = name.get_window_extent(self._renderer)
-        return box(*extent.transformed(self.axes.transData.inverted()).extents)
-
-    def _size(self, name: Any, upright: bool) -> Array:
-        """Return the width and height (pixels) of a name."""
-        name.set_rotation(90 if upright else 0)
-        return np.array(name.get_window_extent(self._renderer).size)
 
     def _areas(self, at: Point, offsets: Sequence[Point], sizes: Sequence[Array]) -> Array:
         """Return the rectangles (m) of a name at offsets (points), with `sizes` in pixels."""
         shifts = np.array(offsets)
         pixels = np.array(sizes)
         # A name begins at a positive offset, ends at a negative one, and is centred at zero.
-        low = self.axes.transData.transform(at) + shifts * (self.axes.figure.dpi / 72)
+        low = self._to_pixels.transform(at) + shifts * (self._dpi / 72)
         low = low + pixels * (np.sign(shifts) - 1) / 2
         corners = np.stack((low, low + pixels), axis=1).reshape(-1, 2)
-        bounds = self.axes.transData.inverted().transform(corners).reshape(-1, 4)
+        bounds = self._to_metres.transform(corners).reshape(-1, 4)
         return np.asarray(shapely.box(*bounds.T))
+
+
+@cache
+def _text_size(
+    text: str, size: float, dpi: float, *, upright: bool, linespacing: float | None = None
+) -> Array:
+    """Return the width and height (pixels) of a text with letters of `size` points."""
+    measured: Any = Text(
+        text=text, size=size, rotation=90 if upright else 0, linespacing=linespacing
+    )
+    measured.set_figure(Figure(dpi=dpi))
+    return np.array(measured.get_window_extent(RendererAgg(1, 1, dpi)).size)
 
 
 _DASHES = (0, (3, 2))
@@ -259,18 +273,6 @@ def floor_figure(plan: Floorplan, width: Width, *, beside: float = 0.0) -> tuple
     """Return a figure as high as the floor needs, and its axes; `beside` inches stay free."""
     figure = new_figure(width, floor_height(plan, width, beside=beside))
     return figure, floor_axes(figure.add_subplot(), plan)
-
-
-def settle(figure: Figure) -> Figure:
-    """Lay a figure out once before it is drawn, and return it.
-
-    Beside a bar of colours axes that must not be distorted end up narrower than the layout takes
-    them for; the next time it knows.
-    """
-    engine = figure.get_layout_engine()
-    assert engine is not None  # as of `new_figure`
-    engine.execute(figure)
-    return figure
 
 
 def floor_height(plan: Floorplan, width: Width, *, beside: float = 0.0) -> float:

@@ -21,8 +21,8 @@ from ...record.outcome import Outcome, span_of
 from ...record.sampling import Span, cells_of, moments, spread
 from ...record.warm_up import started
 from ..report_page import GREY
-from .floor import draw_floor, floor_figure, settle
-from .style import Array, Width, styled
+from .floor import draw_floor, floor_figure
+from .style import Array, Width, settle, styled
 
 _TICKS = MaxNLocator(4)
 

@@ -42,6 +42,7 @@ from ..report_page import (
     VERMILION,
     as_element,
     require_place,
+    svg_of,
 )
 
 Width = Literal["single", "double"]
@@ -141,12 +142,16 @@ def _as_png(figure: Figure) -> bytes:
     return picture.getvalue()
 
 
-def as_svg(figure: Figure, name: str) -> str:
-    """Return a figure as the text of an SVG file; its `name` is that of no other on its page."""
-    text = io.StringIO()
-    with styled(**{"svg.hashsalt": name}):
-        figure.savefig(text, format="svg", metadata=_METADATA[".svg"])
-    return text.getvalue()
+def settle(figure: Figure) -> Figure:
+    """Execute the layout of a figure once before it is drawn, and return the figure.
+
+    Beside a colour bar, axes with equal scales end up narrower than the layout assumes. The next
+    execution takes their width into account.
+    """
+    engine = figure.get_layout_engine()
+    assert engine is not None  # as of `new_figure`
+    engine.execute(figure)
+    return figure
 
 
 @styled()
@@ -337,6 +342,7 @@ def disabled_spans(run: Outcome, machine: str) -> list[Span]:
 
 
 def figure_element(figure: Figure, name: str, words: str) -> str:
-    """Return a figure as an SVG element; `name` is that of no other on the page."""
-    drawn = as_element(as_svg(figure, name))
+    """Return a figure as an SVG element. Its `name` is unique on the page."""
+    with styled(**{"svg.hashsalt": name}):
+        drawn = as_element(svg_of(figure))
     return drawn.replace("<svg", f'<svg role="img" aria-label="{html.escape(words)}"', 1)
