@@ -155,7 +155,7 @@ class BesideVehicles:
         person.on_change.append(self._changed)
 
     def add(self, vehicle: Body, watch: Reconsidering) -> None:
-        """Let a watch reconsider when the person or the vehicle changes course."""
+        """Add a monitor, which is updated after new motions of the person or the vehicle."""
         self._watches.append((vehicle, watch))
         vehicle.on_change += (self._vehicle_changed, watch.reconsider)
         self._idle = False
@@ -174,10 +174,10 @@ class BesideVehicles:
 
 
 class SeparationMonitor:
-    """Notifies when a person and a machine get closer than a law requires, and when it is over.
+    """Monitor of the violations of a law by a person and a machine.
 
-    They are while `condition` holds, which follows from the law. `violated` is called as they get
-    too close; each interval in which they are stays in `intervals`.
+    A violation lasts while `condition` holds, which follows from the law. `violated` is called at
+    its begin, and `intervals` contains all that have ended.
     """
 
     def __init__(
@@ -191,9 +191,9 @@ class SeparationMonitor:
         self.law = law
         self.intervals: list[tuple[float, float]] = []
         self.lasts = False
-        """Whether they are too close now."""
+        """Whether there is a violation now."""
         self.plans = None if is_of_speeds_alone(law) else pair.remember_plans()
-        """The plans of the two, where `law` asks for more than their speeds."""
+        """Plans of both, if `law` depends on more than their speeds."""
         self._violated = violated
         self._since: float | None = None
         self._notified_at = -math.inf
@@ -203,9 +203,9 @@ class SeparationMonitor:
         self.reconsider()
 
     def reconsider(self) -> None:
-        """Compute the next instant of change anew; called whenever a motion changes."""
+        """Recompute the next begin or end of a violation after a change of motion."""
         now, machine = self.pair.clock.now, self.pair.machine.body
-        # A vehicle that stands never counts, and most stand most of the time.
+        # Stationary vehicles never violate.
         idle = self._needs_motion and machine.motion.end <= now
         if idle and self._since is None:
             self._alarm.set(None)
@@ -214,12 +214,11 @@ class SeparationMonitor:
             self._alarm.set(self.pair.first_time(self._condition))
             return
         coming = None if idle else self.pair.next_interval(self._condition)
-        # It held until now, so an interval that goes on begins now, but for what instants are exact
-        # to; one that begins later is another, and this one is over.
+        # The present interval begins now, within the resolution. One that begins later is another.
         if coming is None or coming[0] > now + 10 * RESOLUTION:
             self._alarm.set(now)
         else:
-            # One that lasts to the horizon lasts for good, unless somebody changes course.
+            # An interval that lasts to the horizon lasts until a motion changes.
             self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
 
     def required_before(self, t: float, person: Motion, machine: Motion) -> float:
@@ -234,9 +233,9 @@ class SeparationMonitor:
 
     @cached_property
     def requirement(self) -> Curve:
-        """The distance that `law` required until now, where it looks at more than speeds.
+        """Distance that `law` required until now, if it depends on more than speeds.
 
-        It is computed once, when the trial is over. Empty for other laws.
+        It is computed once, after the trial. Empty for other laws.
         """
         if self.plans is None:
             return ()
@@ -244,18 +243,17 @@ class SeparationMonitor:
 
     @property
     def known(self) -> list[tuple[float, float]]:
-        """The intervals so far; one that still lasts is taken to last to the trial's end."""
+        """Intervals so far. One in progress lasts to the end of the trial."""
         lasting = [] if self._since is None else [(self._since, self.pair.end)]
         return [*self.intervals, *lasting]
 
     def recheck(self) -> None:
-        """Call `violated` again if they are still too close now."""
-        # Once an instant: a watch may be rechecked for several reasons at the same time.
+        """Call `violated` again if the violation is in progress, at most once at each time."""
         if self._since is not None and self._notified_at < self.pair.clock.now:
             self._notify()
 
     def close(self) -> None:
-        """End an interval that still lasts, now."""
+        """End the interval in progress now."""
         if self._since is not None:
             self.intervals.append((self._since, self.pair.clock.now))
             self._since, self.lasts = None, False
@@ -284,11 +282,11 @@ class Noticing:
 
 
 class NoticingMonitor:
-    """Lets a person notice the gantry once per approach: inside the noticing distance and closing.
+    """Noticing of a gantry by a person, once per approach within the noticing distance.
 
-    It then follows the approach to its nearest point, and is alert anew only after the two have
-    parted by `rule.parting` metres from there (or `rule.every` seconds have gone by). Who does not
-    see it looks again every `GLANCE`; who sees it perceives it after their reaction time.
+    The monitor follows the approach to its nearest point. It is alert again after both have parted
+    by `rule.parting` metres from there, or after `rule.every` seconds. People who do not see the
+    gantry look again after `GLANCE`. People who see it perceive it after their reaction time.
     """
 
     # Three stages, of which each waits for the one instant that ends it:
