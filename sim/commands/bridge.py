@@ -1,4 +1,4 @@
-"""`floorwalker bridge`: a trial over the rosbridge protocol, or an agent at somebody else's."""
+"""`floorwalker bridge`: a trial over the rosbridge protocol, or an agent of a remote trial."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def plan(
 
 
 def _move(world: CollisionWorld, text: str) -> None:
-    """Move an AGV to the place that NAME=PLACE gives, a location or a lane position."""
+    """Move an AGV to the place of NAME=PLACE, a location or a lane position."""
     from floorplan import UserError
 
     name, equals, place = text.partition("=")
@@ -128,10 +128,10 @@ def _draw(world: CollisionWorld, planned: PlannedPath, radius: float, path: Path
 
 
 _ODD = r"[^\w.-]"
-"""Characters of names that are left out of names of files."""
+"""Characters of names that are not used in file names."""
 
 QUERIES = 20
-"""Number of seeded questions where none is given."""
+"""Default number of seeded queries."""
 
 
 def benchmark(
@@ -250,7 +250,7 @@ def benchmark(
 
 
 def _warn_of_unknown(attempts: Sequence[Attempt], longest: float | None) -> None:
-    """Say on which floors lengths are not compared, and what `--longest` cannot judge there."""
+    """Print the floors without comparable lengths, which `--longest` cannot judge."""
     from navigation.benchmark import MOST_CORNERS
 
     unjudged = "" if longest is None else "; --longest ignores these"
@@ -265,7 +265,7 @@ def _warn_of_unknown(attempts: Sequence[Attempt], longest: float | None) -> None
 
 
 def _planner(text: str) -> str | PlannerChoice:
-    """Return the peer, or the choice of a planner; one of the user's own is imported from here."""
+    """Return the peer or the planner of that name. A custom one is imported from here."""
     from floorplan import UserError
     from navigation import planners
     from navigation.benchmark import PEERS
@@ -290,7 +290,7 @@ def _planner(text: str) -> str | PlannerChoice:
 def _floors(
     floorplan: list[str] | None, questions: Path | None, cell: float | None
 ) -> list[Floorplan]:
-    """Return the floors to ask on: of a scenario without a floor, its map."""
+    """Return the floors of the benchmark. For a scenario without a floor it is its map."""
     import floorplan as floors
     from floorplan.formats.movingai import CELL
     from navigation.benchmark import map_of

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..studies import Study
 
 MOST_SHOWN = 10
-"""Evaluations in the table on a terminal."""
+"""Maximum number of evaluations in the table on a terminal."""
 
 
 def search(
@@ -94,7 +94,7 @@ def search(
 
 
 def _wanted(study: Study, given: dict[str, Any]) -> WorstCaseSearch:
-    """Return the search of the study file's keys and of the options, which come before them."""
+    """Return the search of the study file, with the options instead of its keys."""
     from ..searches import Objective, WorstCaseSearch
 
     keys: dict[str, Any] = {}
@@ -113,7 +113,7 @@ def _wanted(study: Study, given: dict[str, Any]) -> WorstCaseSearch:
 def _carried_out(
     wanted: WorstCaseSearch, out: Path | None, jobs: int | None, backend: str
 ) -> SearchResults:
-    """Run a search, with its progress and the least value so far: a bar on a terminal, or lines."""
+    """Run a search with a progress bar and the least value, or with lines."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
     from ..searches import SearchProgress, run_search
@@ -154,7 +154,7 @@ def _value(one: Any) -> str:
 
 
 def _report(results: SearchResults) -> None:
-    """Print the worst evaluations as a table, the cases, and what the search is worth."""
+    """Print the worst evaluations, the cases, and the value of the search."""
     from ..searches.report import rounded, size, where
 
     console = plain_console(WIDTH)
@@ -182,7 +182,7 @@ def _report(results: SearchResults) -> None:
 
 
 def _print_worst(results: SearchResults, console: Console) -> None:
-    """Print the worst evaluations with as many columns as fit, and which are left out."""
+    """Print the worst evaluations with as many columns as fit, and the names of the others."""
     from rich.table import Table
 
     from ..searches.report import short, shown, varying

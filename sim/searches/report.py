@@ -99,7 +99,7 @@ def _cell(one: Dimension, found: Evaluation) -> int:
 
 
 def objective_chart(results: SearchResults) -> str | None:
-    """Return the objective over the evaluations as SVG; None if matplotlib is not there."""
+    """Return the objective over the evaluations as SVG, or None without matplotlib."""
     tried = [
         one for one in results.evaluations if one.value is not None and math.isfinite(one.value)
     ]

@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from joblib import Parallel
 
 Report = Callable[[SearchProgress], None]
-"""Is called after each batch."""
+"""Function called after each batch."""
 
 STARTUP = 2
 """Number of batches at the beginning that are random."""
@@ -61,8 +61,8 @@ CASES = "cases"
 class WorstCaseSearch:
     """A search of a study, ready to run.
 
-    `random_share` is the share of each batch that is random, after the first batches, which are
-    random. `cases` is the greatest number of distinct cases that are minimised.
+    `random_share` is the random share of each batch. The first batches are random. `cases` is the
+    maximum number of distinct cases that are minimised.
     """
 
     study: Study
@@ -92,7 +92,7 @@ class WorstCaseSearch:
         return self.sampler if isinstance(self.sampler, str) else str(name)
 
     def is_random(self, number: int) -> bool:
-        """Return whether the evaluation of that number is random."""
+        """Return True if the evaluation of that number is random."""
         at_random = round(self.random_share * self.batch)
         return (
             self.sampler == "random"
@@ -101,7 +101,7 @@ class WorstCaseSearch:
         )
 
     def folder(self, out: str | Path | None) -> Path:
-        """Return the folder of its results; `UserError` if its trials can't stand there."""
+        """Return the folder of the results. `UserError` if trials cannot be saved there."""
         path = folder_for(self.study.name, "searches") if out is None else Path(out)
         faults = [out_of_reach(trial, path / CASES) for trial in self.study.trials]
         if any(faults) and out is None:  # below the study its code is found again
@@ -215,7 +215,7 @@ def run_search(
     backend: str = "loky",
     progress: Report = lambda _: None,
 ) -> SearchResults:
-    """Run a search; see `search`."""
+    """Run a search. See `search`."""
     make = find_sampler(wanted.sampler, wanted.code)
     path = wanted.folder(out)
     with StudyFolder(path, wanted.study, wanted.identity()) as folder:
@@ -254,7 +254,7 @@ def _evaluated(
     parallel: Parallel,
     progress: Report,
 ) -> Iterator[Evaluation]:
-    """Yield the evaluations batch by batch; those that the folder has are not run again."""
+    """Yield the evaluations batch by batch. Evaluations in the folder are not run again."""
     space, objective = wanted.space, wanted.objective
     sampler = Checked(make, space, derived_seed("sampler", wanted.study.seed))
     measured = folder.table.records()
@@ -262,7 +262,7 @@ def _evaluated(
     best: Evaluation | None = None
     done = 0
     while done < wanted.evaluations:
-        # Always whole batches are asked for, so that a search can be extended.
+        # Only whole batches are requested, so that a search can be extended.
         numbers = range(done, done + wanted.batch)
         asked = iter(sampler.ask(sum(not wanted.is_random(k) for k in numbers)))
         points = [space.random_point(k) if wanted.is_random(k) else next(asked) for k in numbers]
@@ -351,7 +351,7 @@ def _repeated(
 
 
 def _require_a_number(wanted: WorstCaseSearch, batch: list[Evaluation]) -> None:
-    """Raise `UserError` after the first batch if no run has the objective, and none failed."""
+    """Raise `UserError` if no run of the first batch has the objective and none failed."""
     tried = [one for one in batch if one.result != "no trial"]
     if tried and all(one.result == "run" and one.value is None for one in tried):
         raise UserError(
@@ -361,7 +361,7 @@ def _require_a_number(wanted: WorstCaseSearch, batch: list[Evaluation]) -> None:
 
 
 def notices(wanted: WorstCaseSearch, tried: list[Evaluation]) -> Iterator[str]:
-    """Yield what is odd about a search: an objective that never changes, values without trials."""
+    """Yield notices about a constant objective and about values that make no trial."""
     runs = [one for one in tried if one.result == "run"]
     values = {one.value for one in runs}
     if len(runs) > 1 and len(values) == 1:
@@ -384,7 +384,7 @@ def _worst(wanted: WorstCaseSearch, tried: list[Evaluation]) -> list[Evaluation]
 def _minimised(
     wanted: WorstCaseSearch, tried: list[Evaluation], folder: Path, parallel: Parallel
 ) -> tuple[Case, ...]:
-    """Minimise the worst distinct cases, and save each that no other is the same as."""
+    """Minimise the worst distinct cases, and save each trial once."""
     import joblib
 
     worst = _worst(wanted, tried)
@@ -430,7 +430,7 @@ def _saved(
 
 
 def _origin(wanted: WorstCaseSearch, case: Case) -> str:
-    """Return comments that say where a minimised trial comes from, and how to see it."""
+    """Return comments about the origin of a minimised trial, its replay and its film."""
     evaluation = case.evaluation
     assert case.minimised is not None and case.replay is not None
     value = case.minimised.value
@@ -444,7 +444,7 @@ def _origin(wanted: WorstCaseSearch, case: Case) -> str:
 
 
 def _run_of(trial: Trial) -> Run:
-    """Return the run of a trial: up to where somebody's code fails, if it does."""
+    """Return the run of a trial, which ends where custom code fails."""
     with frozen_collector():
         simulation = Simulation(trial)
         with suppress(Exception):

@@ -1,4 +1,4 @@
-"""Many trials: which, in which variations, run on all cores or a cluster, and what came of it."""
+"""Studies: variations of trials, run on all cores or a cluster, and their statistics."""
 
 from ..views.report_page import figure
 from .comparison import Comparison, Contrast, Effect, Measure, RowGroup, Spread, StudyResults

@@ -71,15 +71,15 @@ TOO_NEAR = Measure("Nearer than required", "safety.near", "s", "all people toget
 MARGIN = Measure("Least margin", "safety.margin", "m", "to a required distance", chief=True)
 
 KEPT = 40
-"""The worst violations of a row that are kept."""
+"""Number of worst violations that are kept of a row."""
 
 
 @dataclass(frozen=True, eq=False)
 class RowFindings:
-    """Findings of one row: how many violations, the worst of them, times in seconds, maps.
+    """Findings of one row: number of violations, the worst ones, durations (s), maps.
 
-    `margin` is the least margin to a required distance (metres), NaN where nothing was required.
-    `times` are those of the machines, `zones` the exposure of people in each zone.
+    `margin` is the least margin to a required distance (m), NaN if none was required. `times` are
+    durations of machine states. `zones` is the exposure of people in each zone.
     """
 
     count: int
@@ -96,9 +96,9 @@ class RowFindings:
 class Findings:
     """Findings of all rows that did not fail.
 
-    `maps` are those of all rows of a trial together, by its number. `worst` has the worst
-    violations with the numbers of their rows. `warm_up` is the end of the warm-up (seconds), None
-    if it is that of each trial.
+    `maps` joins the rows of each trial, by the trial's number. `worst` contains the worst
+    violations with the numbers of their rows. `warm_up` is the end of the warm-up (s), or None for
+    that of each trial.
     """
 
     rows: dict[int, RowFindings] = field(default_factory=dict)
@@ -107,18 +107,18 @@ class Findings:
     warm_up: float | None = None
 
     def warm_up_of(self, trial: Trial) -> float:
-        """Return the end of the warm-up (seconds) that was left out of a trial's runs."""
+        """Return the end (s) of the omitted warm-up of a trial's runs."""
         return trial.warm_up if self.warm_up is None else self.warm_up
 
     def add(self, row: int, trial: int, found: RowFindings) -> None:
-        """Take in what was found in the row and the trial of these numbers."""
+        """Add the findings of a row of the trial with this number."""
         self.worst += [(row, one) for one in found.worst]
         self.worst.sort(key=lambda one: (one[1].margin, one[0], one[1].begin))
         del self.worst[KEPT:]
         mine = self.maps.setdefault(trial, {})
         for of, cells in found.maps.items():
             mine[of] = risk_of_all([mine[of], cells], of) if of in mine else cells
-        # The maps of single rows are not needed any more, and are large.
+        # Maps are large, and those of single rows are no longer needed.
         self.rows[row] = replace(found, worst=[], maps={})
 
 
@@ -131,10 +131,10 @@ def findings(
     progress: Callable[[int], None] = lambda _: None,
     warm_up: float | None = None,
 ) -> Findings:
-    """Run every row that did not fail once more, and return what is found in all of them.
+    """Run every row that did not fail again, and return the findings.
 
-    `count` is the number of rows, where not all were run. `progress` is given the number of rows
-    that are done. What happens before the `warm_up` (seconds), or that of the trial, is left out.
+    `count` is the number of rows if not all were run. `progress` is called with the number of
+    finished rows. The time before `warm_up` (s), or before the trial's own warm-up, is omitted.
     """
     together = Findings(warm_up=warm_up)
     each = len(study.combinations) // len(study.trials)
@@ -147,7 +147,7 @@ def findings(
 
 
 def row_findings(whole: Run, warm_up: float | None = None) -> RowFindings:
-    """Return what is found in the run of a row, after the warm-up."""
+    """Return the findings of the run of a row after the warm-up."""
     finished = after_warm_up(whole, whole.trial.warm_up if warm_up is None else warm_up)
     found = worst_first(incidents(finished))
     both = finished.scene.people and finished.scene.machines
@@ -168,7 +168,7 @@ def row_findings(whole: Run, warm_up: float | None = None) -> RowFindings:
 
 
 def with_findings(compared: Comparison, found: Findings) -> Comparison:
-    """Return a comparison that has the findings of the rows among its measures, before others."""
+    """Return a comparison whose first measures are the findings of the rows."""
     count = sum(len(group.rows) * group.repeats for group in compared.groups)
     nothing = RowFindings(0, [], math.nan, math.nan, math.nan, {})
     rows = [found.rows.get(k, nothing) for k in range(count)]
@@ -186,7 +186,7 @@ def with_findings(compared: Comparison, found: Findings) -> Comparison:
 
 
 def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
-    """Return what `safety_study.html` shows of `results` and of what was `found` in their runs."""
+    """Return the values of `safety_study.html` for `results` and their `found` findings."""
     study, compared = results.study, with_findings(results.comparison, found)
     scenes = [Simulation(trial).scene for trial in study.trials]
     rows = found.rows.values()
@@ -241,7 +241,7 @@ def _swing(trends: Sequence[Trend], factor: str) -> str:
 
 
 def _interval(shares: Sequence[float]) -> str:
-    """Return a share of runs with its interval, in words."""
+    """Return a share of runs with its interval as text."""
     if not shares:
         return "–"
     found = share(shares)
@@ -256,7 +256,7 @@ def _varied(study: Study) -> list[tuple[str, str]]:
 
 
 def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw, str]]:
-    """Return each law once, with what it holds for and in how many combinations."""
+    """Return each law once, with its machines, number of combinations, and reference points."""
     held: Counter[tuple[str, AnyLaw, str]] = Counter()
     each = len(study.combinations) // len(study.trials)
     for k, combination in enumerate(study.combinations):
@@ -272,7 +272,7 @@ def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw, str]
 
 
 def _shares(compared: Comparison, found: Findings) -> list[tuple[str, ...]]:
-    """Return for each combination how many of its runs had a violation."""
+    """Return the share of runs with a violation in each combination."""
     rows = []
     for group in compared.groups:
         mine = [found.rows[row] for row in group.rows.tolist() if row in found.rows]
@@ -295,7 +295,7 @@ def _maps(found: Findings, number: int, scene: Scene) -> list[Picture]:
 
 
 def _exposure(results: StudyResults, found: Findings, trial: Trial) -> dict[str, Any]:
-    """Return the means of a run's exposure to each zone."""
+    """Return the mean exposure to each zone per run."""
     lines = [k for k, name in enumerate(results.columns.get("trial", [])) if name == trial.name]
     mine = [found.rows[k] for k in lines if k in found.rows]
     n = max(1, len(mine))
@@ -311,7 +311,7 @@ def _exposure(results: StudyResults, found: Findings, trial: Trial) -> dict[str,
 
 
 def _worst_run(study: Study, found: Findings) -> dict[str, Any]:
-    """Return the pictures of the run with the worst violation, and its parameters in words."""
+    """Return the pictures and the parameters of the run with the worst violation."""
     if not found.worst:
         return {}
     number = found.worst[0][0]
@@ -326,7 +326,7 @@ def _worst_run(study: Study, found: Findings) -> dict[str, Any]:
 
 
 def _in_words(value: object) -> str:
-    """Return a parameter of a row."""
+    """Return the text of a parameter."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
@@ -357,7 +357,7 @@ def safety_report(
     warm_up : float, optional
         Time in seconds before which nothing counts. Defaults to that of the trial.
     sign_off : SignOff, optional
-        Entries of the sign-off block. Those of the trial are used for empty ones.
+        Entries of the sign-off block. Empty entries have the values of the trial.
 
     Raises
     ------
@@ -391,7 +391,7 @@ def safety_report(
 
 
 def _shared(source: StudyResults, found: Findings, sign_off: SignOff) -> dict[str, Any]:
-    """Return the warm-up, the stops and the sign-off block of a report on a study."""
+    """Return the warm-up, the stops and the sign-off block of a study's report."""
     trials = source.study.trials
     times = [one.times for one in found.rows.values()]
     idle = [without_a_job(mine, len(trials[0].people)) for mine in times]
@@ -420,7 +420,7 @@ def _of_run(source: Recorded, warm_up: float | None, sign_off: SignOff) -> dict[
     if not isinstance(source, Run):
         return run_report(source, None, digests=digests, warm_up=warm_up, sign_off=sign_off)
     trial = source.trial
-    with suppress(ValueError):  # put together in Python, from what came from no file
+    with suppress(ValueError):  # trials made in Python may have no file
         digests = {f"the trial {trial.name}": digest(trial.to_yaml(trial.folder))} | digests
     digests = {"floorwalker": version("floorwalker")} | parts([trial]) | digests
     verdicts = [(_with_slack(one), one.met) for one in source.verdicts]

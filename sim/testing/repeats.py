@@ -1,4 +1,4 @@
-"""Repeats of a test with several seeds: identical ones are reported, and count as one."""
+"""Repeats of a test with several seeds. Identical ones are reported, and count as one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..runs.run import Run
 from .variations import FIXTURE, Variation
 
 _LEFT_OUT = frozenset(path for path, figure in FIGURES.items() if not figure.column)
-"""Figures that depend on where and when a run was made."""
+"""Figures that depend on the machine and the time of a run."""
 
 
 def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
@@ -26,9 +26,9 @@ def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
 
 
 def identical_repeats(repeats: Iterable[Any]) -> Iterator[str]:
-    """Yield a sentence for each test whose runs are identical with all of several seeds.
+    """Yield a sentence for each test whose runs with several seeds are identical.
 
-    `repeats` has what `repeat_of` returned for each seed.
+    `repeats` contains the result of `repeat_of` for each seed.
     """
     digests: dict[str, list[str]] = {}
     for test, digest in repeats:

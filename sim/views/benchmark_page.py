@@ -41,33 +41,33 @@ __all__ = ["write_page"]
 
 
 WIDTH, ROW_HEIGHT, MARGIN = 5.6, 0.26, 0.75
-"""Inches: a chart's width, the height of one planner's row, and what is added for the axis."""
+"""Inches: width of a chart, height of one planner's row, and height of the axis."""
 
 CURVES = 3.4
 """Inches. Height of the axes of curves."""
 
 DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
-"""Each colour comes once with each of these before looks are used again."""
+"""Dashes of lines. Each is used once with every colour before looks repeat."""
 
 MOST_SHADES = 6
-"""Of more curves the intervals are left out: nobody could tell them apart."""
+"""Maximum number of curves with intervals, because more would be indistinguishable."""
 
 _UNMEASURED = "no time could be measured"
 
 PERFECT = 0.01
-"""Per cent. Below, the axis of excess lengths is linear, so that the shortest path has a place."""
+"""Per cent. The axis of excess lengths is linear below, so that 0 has a place."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """A planner's looks on the page, the same in all of its pictures."""
+    """Look of a planner in all pictures of the page."""
 
     colour: str
     dashes: str | tuple[float, tuple[float, ...]]
 
     @property
     def svg_dashes(self) -> str:
-        """The dashes as SVG has them; empty for a solid line."""
+        """Dashes in the notation of SVG, empty for a solid line."""
         if isinstance(self.dashes, str):
             return ""
         return " ".join(f"{2 * length:g}" for length in self.dashes[1])
@@ -84,7 +84,7 @@ def looks(names: Sequence[str]) -> dict[str, Look]:
 
 @dataclass(frozen=True)
 class BenchmarkChart:
-    """A picture with its words; `svg` is None where matplotlib is missing."""
+    """A picture with its words. `svg` is None without matplotlib."""
 
     title: str
     words: str
@@ -162,7 +162,7 @@ def _boxes(
     for place, group in enumerate(groups):
         values = np.array([of(attempt) for attempt in group])
         values = values[np.isfinite(values)]
-        if scale == "symlog":  # the reference may be a hair too long
+        if scale == "symlog":  # the reference may be slightly too long
             values = np.maximum(values, 0.0)
         if not len(values):
             continue
@@ -242,7 +242,7 @@ def _curves(
 
 
 def _say_instead(axes: Axes, words: str) -> None:
-    """Write into a chart why it shows nothing."""
+    """Write into a chart why it is empty."""
     axes.set_axis_off()
     axes.text(0.5, 0.5, words, ha="center", va="center", color=INK)
 
@@ -259,7 +259,7 @@ class PathLine:
 
 @dataclass(frozen=True)
 class PathPicture:
-    """A floor with the paths of one question; y points down, as in SVG."""
+    """A floor with the paths of one query. y points down, as in SVG."""
 
     query: int
     view: str
@@ -270,11 +270,11 @@ class PathPicture:
     goal: Point
     lines: tuple[PathLine, ...]
     unit: float
-    """Metres. A length that looks the same on every floor."""
+    """Metres. Length that looks the same on every floor."""
 
 
 def picture(plan: Floorplan, attempts: Sequence[Attempt], styles: dict[str, Look]) -> PathPicture:
-    """Return the first answers of `attempts`, all to one question, on `plan`."""
+    """Return the first answers of `attempts`, all to one query, on `plan`."""
     asked = attempts[0].asked
     west, south, east, north = plan.boundary.bounds
     extent = max(east - west, north - south)
@@ -297,7 +297,7 @@ def picture(plan: Floorplan, attempts: Sequence[Attempt], styles: dict[str, Look
 
 
 def telling(attempts: Sequence[Attempt]) -> int:
-    """Return the question whose paths differ most in length; of those alike the longest."""
+    """Return the query whose paths differ most in length, and of equal ones the longest."""
     found: dict[int, list[float]] = {}
     for attempt in attempts:
         if attempt.solved and attempt.asked.run == 0:
@@ -343,7 +343,7 @@ def _numbers(*values: float, between: str = " ") -> str:
 
 @dataclass(frozen=True)
 class BenchmarkFloor:
-    """What the page shows of one floor."""
+    """Contents of the page about one floor."""
 
     plan: Floorplan
     rows: tuple[PlannerRow, ...]
@@ -366,7 +366,7 @@ def write_page(
 ) -> None:
     """Write the page about `attempts` on `plans` to `path`.
 
-    `terms` says how they were made, by name; they depend on the machine if `on_the_clock`.
+    `terms` describes the conditions by name. They include the machine if `on_the_clock`.
     """
     styles = looks(list(dict.fromkeys(attempt.asked.planner for attempt in attempts)))
     floors = []
@@ -409,7 +409,7 @@ def milliseconds(value: float) -> str:
 
 
 def interval(estimate: Estimate, digits: int = 2) -> str:
-    """Return the interval of a figure, empty where it has none or no width."""
+    """Return the interval of a figure, empty if it has none or no width."""
     if not (math.isfinite(estimate.low) and math.isfinite(estimate.high)):
         return ""
     low, high = figure(estimate.low, digits), figure(estimate.high, digits)
@@ -417,7 +417,7 @@ def interval(estimate: Estimate, digits: int = 2) -> str:
 
 
 def _machine(planners: Collection[str]) -> dict[str, str]:
-    """Return what the times of these planners depend on, by name."""
+    """Return the conditions on which the times of these planners depend, by name."""
     others = [name for name in planners if name in PEERS and PEERS[name].module != "ompl"]
     return {
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}",

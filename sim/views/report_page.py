@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 
 class MissingExtraError(ImportError, UserError):
-    """A package that Floorwalker can do without, but not here; the message says how to get it."""
+    """Error of an optional package that is missing. The message contains the remedy."""
 
 
 def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None:
-    """Raise if `path` has none of the `endings`, or lies in no folder; `what` it is in words."""
+    """Raise if `path` has none of the `endings` or its folder is missing. `what` names the file."""
     path = Path(path)
     if path.suffix.lower() not in endings:
         raise UserError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
@@ -43,7 +43,7 @@ GREEN = "#009e73"
 PURPLE = "#cc79a7"
 SKY = "#56b4e9"
 
-# Beside them, for what is not told apart by its colour.
+# Further colours, which do not distinguish things.
 BLACK = "#222222"
 GREY = "#8a8a8a"
 PALE = "#d9d9d9"
@@ -52,19 +52,19 @@ BROWN = "#8a6d3b"
 
 
 INK = "#123456"
-"""Stands for the page's colour of text, and is replaced by it."""
+"""Placeholder of the page's colour of text."""
 
 _SVG_DPI = 72
 """Dots per inch of SVG files, as Matplotlib assumes them."""
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN)
-"""Colours of rows and lines, in their order."""
+"""Colours of rows and lines, in order."""
 
 
 def page_chart(name: str, size: tuple[float, float], draw: Callable[[Figure], None]) -> str | None:
-    """Return what `draw` draws, `size` inches wide and high, as an SVG element.
+    """Return the drawing of `draw`, `size` inches wide and high, as an SVG element.
 
-    `name` is that of no other chart on the page. None if matplotlib is not there.
+    `name` is unique on the page. The result is None without matplotlib.
     """
     try:
         import matplotlib as mpl
@@ -88,7 +88,7 @@ def svg_of(figure: Figure, *, transparent: bool = False) -> str:
     """
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
-    FigureCanvasSVG(figure)  # whose measures of text decide the layout
+    FigureCanvasSVG(figure)  # measures text as it is written
     figure.set_dpi(_SVG_DPI)
     engine = figure.get_layout_engine()
     assert engine is not None
@@ -100,7 +100,7 @@ def svg_of(figure: Figure, *, transparent: bool = False) -> str:
 
 
 def name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Name the rows of a chart, the first on top, and leave nothing but a grid around them."""
+    """Name the rows of a chart, the first on top, and remove everything but a grid around them."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)
@@ -111,7 +111,7 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
 def draw_box(
     axes: Axes, place: float, values: NDArray[np.float64], colour: str, height: float = 0.55
 ) -> tuple[float, float, float]:
-    """Draw the middle half of the values of a row as a box, nine tenths of them as a line.
+    """Draw the middle half of the values of a row as a box, nine tenths as a line.
 
     Return the ends of the line and, between them, the median.
     """
@@ -130,18 +130,18 @@ def draw_interval(
 
 
 def draw_grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
-    """Draw the grid of a chart, below what it shows."""
+    """Draw the grid of a chart below its contents."""
     axes.grid(axis=which, alpha=0.2, color=INK)
     axes.set_axisbelow(True)
 
 
 def as_element(drawn: str) -> str:
-    """Return the SVG element of a drawn file alone, without what is said about it."""
+    """Return the SVG element of a drawn file without metadata."""
     return re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
 
 
 def minus(figures: str) -> str:
-    """Return figures with a minus sign where they have a hyphen."""
+    """Return figures with minus signs instead of hyphens."""
     return figures.replace("-", "−")
 
 

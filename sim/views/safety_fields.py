@@ -41,7 +41,7 @@ NOT_CHECKED = "not checked"
 
 @dataclass(frozen=True)
 class FieldTable:
-    """Fields of the `machines` that share them: `facts` and the field sets as a table."""
+    """Fields of the `machines` that share them: `facts`, and the field sets as a table."""
 
     machines: str
     facts: tuple[tuple[str, str], ...]
@@ -51,9 +51,9 @@ class FieldTable:
 
 
 def field_tables(scene: Scene, models: Mapping[str, MachineModel] | None) -> list[FieldTable]:
-    """Return the fields of the machines of a scene, one table for those with the same.
+    """Return the fields of the machines of a scene, one table for those with the same fields.
 
-    `models` has the machines of the trial, None of a recording: its fields cannot be checked.
+    `models` are the machines of the trial, or None for a recording, whose fields cannot be checked.
     """
     found: dict[tuple[tuple[tuple[str, str], ...], tuple[Row, ...]], list[str]] = {}
     known: dict[Any, tuple[ShortField, ...] | None] = {}
@@ -73,7 +73,7 @@ def field_tables(scene: Scene, models: Mapping[str, MachineModel] | None) -> lis
 
 
 def _table(machines: str, facts: tuple[tuple[str, str], ...], rows: tuple[Row, ...]) -> FieldTable:
-    """Return a table without the columns that are empty."""
+    """Return a table without its empty columns."""
     kept = [k for k in range(len(HEADS)) if {row[k] for row in rows} != {"–"}]
     heads = tuple(HEADS[k] for k in kept)
     figures = tuple(i for i, k in enumerate(kept) if HEADS[k].endswith(", m"))
@@ -84,7 +84,7 @@ def _table(machines: str, facts: tuple[tuple[str, str], ...], rows: tuple[Row, .
 def _short(
     fields: MachineFields, footprint: Polygon, limits: VehicleLimits | AxisLimits | None
 ) -> tuple[ShortField, ...] | None:
-    """Return the sets that are too short; None if the limits of the machine are not known."""
+    """Return the sets that are too short, or None if the limits of the machine are unknown."""
     return None if limits is None else short_fields(fields.protective, footprint, limits)
 
 
@@ -127,7 +127,7 @@ def _rows(
 
 
 def _missing(one: FieldSet, short: tuple[ShortField, ...]) -> str:
-    """Return by how much a field set is too short, in words."""
+    """Return the missing length of a field set in words."""
     mine = [f"{each.missing:.2f} m {each.travel}" for each in short if each.set == one.name]
     return ", ".join(mine) or "no"
 

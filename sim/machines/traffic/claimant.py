@@ -16,7 +16,7 @@ from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import MachineEvades, MachineProceeds, MachineWaiting
 from ...core.stage import Stage
-from .areas import CLEAR, Area, Footprint, Part
+from .areas import CLEAR, Area, Part, footprint_of
 from .evading import Evading
 from .waiting import WaitForMachines
 
@@ -94,9 +94,9 @@ class Claimant:
         self._seconds = PART if self.stops else UNKNOWN_PART
         self._company = coordinator
         self._clock = coordinator.stage.clock
-        self._footprint = Footprint(machine.shape, CLEAR)
+        self._footprint = footprint_of(machine.shape, CLEAR)
         self._evading = machine if isinstance(machine, Evading) else None
-        self._margins = [Footprint(machine.shape, clear) for clear in MARGINS]
+        self._margins = [footprint_of(machine.shape, clear) for clear in MARGINS]
         self._bare = self._margins[-1]
         self._usual = self._margins if self._evading is not None else self._margins[-1:]
         self._kept = self._usual

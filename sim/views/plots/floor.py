@@ -34,30 +34,30 @@ from .style import (
 )
 
 _DARK = 0.6
-"""Names on what is darker than this are white."""
+"""Lightness below which names on an obstacle are white."""
 
 _PLACE_SIZE = 6
-"""Points. The letters of a station's name."""
+"""Points. Font size of names of stations."""
 
 _INSIDE_SIZE = 5.0
-"""Points. The letters of the name of an obstacle or an AGV."""
+"""Points. Font size of names of obstacles and AGVs."""
 
 _MARK = 3.5
-"""Points. The radius of the mark of a station or of the safe zone."""
+"""Points. Radius of the mark of a station or of the safe zone."""
 
 _LANE, _PATH = 0.3, 1.5
-"""Points. The widths that count of the lines of lanes and paths: one can read across them."""
+"""Points. Widths of the lines of lanes and paths that names should not cover."""
 
 _MOST_COVERED = 0.3
-"""A name beside an obstacle or a machine is left out if more than this share covers something."""
+"""Maximum share of a name beside an obstacle or a machine that may cover something."""
 
 _UPRIGHT = 0.05
-"""An upright name is worse than one of which less than this share covers something."""
+"""Penalty of an upright name, as a share of covered area."""
 
 _LEVEL_SIDES = ((0, 4), (0, -4), (5, 0), (-5, 0), (3, 3), (3, -3), (-3, -3), (-3, 3))
 _UPRIGHT_SIDES = ((0, 5), (0, -5), (5, 0), (-5, 0))
 _SIDES = [(side, False) for side in _LEVEL_SIDES] + [(side, True) for side in _UPRIGHT_SIDES]
-"""Points from a mark to its name, and whether that stands upright; the best first."""
+"""Offsets (points) of a name from its mark and whether it is upright, the best first."""
 
 
 def draw_names(
@@ -69,13 +69,13 @@ def draw_names(
     machines: Mapping[str, Polygon] | None = None,
     all_names: bool = False,
 ) -> None:
-    """Write the names of stations and the safe zone, and of obstacles in which there is room.
+    """Write the names of stations and the safe zone, and of obstacles with enough room.
 
-    Those of places keep off obstacles, AGVs at their start, and the `paths` (N, 2) and `marked`
-    places that are drawn, metres; `machines` (by name the outlines that are drawn) have theirs in
-    or beside them. With `all_names` obstacles without room have theirs beside them, and so have the
-    locations of lanes, unless it would cover too much. All else has to be drawn by then: how much
-    room there is depends on it.
+    Names of places avoid obstacles, AGVs at their start, `paths` (N, 2) and `marked` positions (m).
+    `machines`, outlines by name, have their names inside or beside them. With `all_names`,
+    obstacles without enough room and locations of lanes have their names beside them, unless that
+    covers too much. Everything else must have been drawn before, because it determines the free
+    space.
     """
     outlines = machines or {}
     labels = _Labels(axes)
@@ -110,7 +110,7 @@ def draw_names(
 
 
 def stand_beside(name: Any, side: Point) -> None:
-    """Put an annotation so many points from what it names, on that side of it."""
+    """Place an annotation at an offset (points) from its mark."""
     x, y = side
     name.set(
         position=side,
@@ -229,13 +229,13 @@ def _text_size(
 _DASHES = (0, (3, 2))
 
 ARROW = 1.0
-"""Metres. The length of the arrow through a one-way gate."""
+"""Metres. Length of the arrow through a one-way gate."""
 
 _HIGHEST = 9.0
-"""Inches. The most that fits on a page."""
+"""Inches. Maximum height of a picture."""
 
 _BESIDE = 0.75
-"""Inches that a picture of a floor needs for what stands beside the floor."""
+"""Inches. Room for axis labels beside a floor."""
 
 
 @styled()
@@ -270,20 +270,20 @@ def floorplan(plan: Floorplan, *, width: Width = "double") -> Figure:
 
 
 def floor_figure(plan: Floorplan, width: Width, *, beside: float = 0.0) -> tuple[Figure, Axes]:
-    """Return a figure as high as the floor needs, and its axes; `beside` inches stay free."""
+    """Return a figure with the height of the floor, and its axes. `beside` (inches) stays free."""
     figure = new_figure(width, floor_height(plan, width, beside=beside))
     return figure, floor_axes(figure.add_subplot(), plan)
 
 
 def floor_height(plan: Floorplan, width: Width, *, beside: float = 0.0) -> float:
-    """Return the height of a picture of the whole floor, `beside` inches of it free; inches."""
+    """Return the height (inches) of a picture of the whole floor. `beside` (inches) stays free."""
     west, south, east, north = plan.boundary.bounds
     across = inches(width) - _BESIDE - beside
     return min(across * float((north - south) / (east - west)) + _BESIDE, _HIGHEST)
 
 
 def floor_axes(axes: Axes, plan: Floorplan) -> Axes:
-    """Let axes show the whole floor, undistorted, in metres; return them."""
+    """Set axes to the whole floor in metres, undistorted, and return them."""
     west, south, east, north = plan.boundary.bounds
     margin = 0.01 * max(east - west, north - south)
     axes.set_aspect("equal")
@@ -295,12 +295,11 @@ def floor_axes(axes: Axes, plan: Floorplan) -> Axes:
 
 
 def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = ()) -> None:
-    """Draw walls, obstacles (the higher the darker; overhead ones dashed), lanes and stations.
+    """Draw walls, obstacles, lanes and stations.
 
-    Zones are dashed outlines, doors lines: green where they are open unless a trial says otherwise.
-    Arrows point through one-way gates, which are dotted.
-
-    The courses of `machines` are drawn as the lanes.
+    Higher obstacles are darker, and overhead ones are dashed. Zones are dashed outlines. Doors are
+    lines, green if they are open by default. Arrows point through one-way gates, which are dotted.
+    Courses of `machines` are drawn like lanes.
     """
     for ring in (plan.boundary.exterior, *plan.boundary.interiors):
         axes.plot(*ring.xy, color=BLACK, linewidth=0.8, zorder=2)
@@ -335,7 +334,7 @@ def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = (
 
 
 def fill_area(axes: Axes, area: Polygon, **look: object) -> None:
-    """Fill a polygon, but not its holes."""
+    """Fill a polygon without its holes."""
     rings = [area.exterior, *area.interiors]
     outline = Path.make_compound_path(*(Path(ring.coords, closed=True) for ring in rings))
     axes.add_patch(PathPatch(outline, **look))
@@ -391,7 +390,7 @@ def _draw_range(axes: Axes, plan: Floorplan) -> None:
 
 
 def _label_lines(axes: Axes, plan: Floorplan) -> None:
-    """Explain the lines and marks on this floor in the legend."""
+    """Explain the lines and marks of this floor in the legend."""
     looks: list[tuple[bool, str, dict[str, Any]]] = [
         (bool(plan.stations), "station", {"color": BLACK, "marker": "+", "linestyle": "none"}),
         (

@@ -27,7 +27,7 @@ from .style import Array, Width, settle, styled
 _TICKS = MaxNLocator(4)
 
 _LETTER = 0.065
-"""Inches. The width of a letter beside the bar of colours, on average."""
+"""Inches. Mean width of a letter beside the colour bar."""
 
 
 def on_one_floor(runs: Outcome | Sequence[Outcome], what: str) -> list[Outcome]:
@@ -56,7 +56,7 @@ def draw_cells(
     width: Width,
     beside: float = 0.6,
 ) -> Figure:
-    """Draw values of a floor: a masked array (rows, columns) of cells that are `cell` metres wide.
+    """Draw values of a floor: a masked array (rows, columns) of cells with side `cell` (m).
 
     The first cell is in the south-west corner of the bounds of the floor. The colour bar takes
     `beside` inches and has a `label`.
@@ -76,7 +76,7 @@ def draw_cells(
     )
     lines = wrap(label, int(figure.get_figheight() / _LETTER))
     bar = figure.colorbar(image, ax=axes, label="\n".join(lines), fraction=0.04, pad=0.02)
-    if isinstance(norm, TwoSlopeNorm):  # its halves, below and above 0, have scales of their own
+    if isinstance(norm, TwoSlopeNorm):  # the halves below and above 0 have different scales
         ends = ((norm.vmin or 0.0, 0.0), (0.0, norm.vmax or 0.0))
         marks = {t for low, high in ends for t in _TICKS.tick_values(low, high) if low <= t <= high}
         bar.set_ticks(sorted(marks))
@@ -85,7 +85,7 @@ def draw_cells(
 
 
 HEAT_CELL = 0.05
-"""Metres. The side of a cell."""
+"""Metres. Side of a cell."""
 
 
 @styled()
@@ -145,7 +145,7 @@ def time_covered(run: Outcome) -> Array:
 
 
 def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) -> Array:
-    """Return the time for which the body's centre was in each cell."""
+    """Return the time (s) for which the body's centre was in each cell."""
     west, south, *_ = plan.boundary.bounds
     rows, columns = cells_of(plan, HEAT_CELL)
     times, lengths = moments(motion, begin, end)
@@ -156,22 +156,22 @@ def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) ->
 
 
 DENSITY_CELL = 0.1
-"""Metres. The side of a cell."""
+"""Metres. Side of a cell."""
 
 KERNEL = 1.0
 """Metres. Full width at half maximum of the Gaussian over which a person is spread."""
 
 STEP = 0.1
-"""Seconds between two looks at where people are."""
+"""Seconds between two samples."""
 
 MOST_LOOKS = 20_000
-"""Number of looks; of a long run they are further apart."""
+"""Maximum number of samples."""
 
 AT_ONCE = 1000
-"""Number of looks that are worked out together."""
+"""Number of samples that are evaluated together."""
 
 FAINT = 0.01
-"""Share of the highest density below which nothing is shown."""
+"""Share of the highest density below which cells are empty."""
 
 Of = Literal["density", "speed"]
 
@@ -264,7 +264,7 @@ def _gaussian(middles: Array, places: Array) -> Array:
 
 
 _BAR = 0.7
-"""Inches. The width of the bar of colours."""
+"""Inches. Width of the colour bar."""
 
 _NEVER = "Nobody was nearer than required for any time: violations, if any, ended at once."
 
