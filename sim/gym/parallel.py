@@ -13,7 +13,6 @@ from pettingzoo import ParallelEnv
 
 from floorplan import UserError
 
-from ..machines.policy import goal_of
 from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
@@ -99,10 +98,10 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         ticks.advance(chosen)
         agents, over = self.agents, ticks.over
         steps = {name: self.episodes.step(name) for name in agents}
-        done = {n: one.contacts > 0 or goal_of(one.machine) is None for n, one in steps.items()}
+        done = {n: one.contacts > 0 or one.machine.goal_pose is None for n, one in steps.items()}
         for name in agents:
             if done[name]:
-                self._stands[name] = self._spaces[name].standing(ticks.machines[name])
+                self._stands[name] = ticks.machines[name].stop_action
         self.agents = [name for name in agents if not (done[name] or over)]
         return (
             self._observed(agents),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -13,10 +12,10 @@ from floorplan import UserError
 from floorplan.files.problems import suggestion
 
 from ..core.recorder import Event as Recorded, Listener
-from ..core.stage import MachineEntry
-from ..machines.commanded import CommandedMachine
 from ..machines.gantry.robot import GANTRY
+from ..machines.kinds import with_controller
 from ..machines.policy import Interface, driven
+from ..machines.policy_driven import PolicyDriven
 from ..runs.run import Run
 from ..simulation import Simulation
 from ..trials.trial import Trial
@@ -71,7 +70,7 @@ class Ticks:
         """Return the run up to the current time."""
         return self.simulation.finish()
 
-    def _wait(self, machine: CommandedMachine) -> Event:
+    def _wait(self, machine: PolicyDriven) -> Event:
         event = self._waiting[machine.name] = Event(machine.body.clock)
         return event
 
@@ -84,18 +83,12 @@ class Ticks:
 
 def with_controllers(trial: Trial, controllers: Mapping[str, Any]) -> Trial:
     """Return the trial with these controllers. `ValueError` if there is no such machine."""
+    known = {*trial.machines, *([GANTRY] if trial.floorplan.gantry is not None else [])}
     for name, controller in controllers.items():
-        if name == GANTRY and trial.floorplan.gantry is not None:
-            trial = replace(trial, gantry=replace(trial.gantry, controller=controller))
-            continue
-        entry = trial.machines.get(name)
-        if entry is None:
+        if name not in known:
             hint = suggestion(name, names_of(trial))
             raise UserError(f"machine: {trial.name} has no vehicle or gantry {name!r}; {hint}")
-        keys = {**entry.keys, "controller": controller}
-        keys.pop("rate", None)
-        machines = {**trial.machines, name: MachineEntry(entry.kind, keys)}
-        trial = replace(trial, machines=machines)
+        trial = with_controller(trial, controller, name)
     return trial
 
 
@@ -106,8 +99,8 @@ def names_of(trial: Trial) -> list[str]:
     return [*(name for name, one in trial.machines.items() if one.kind in kinds), *own]
 
 
-def _commanded(machine: Any) -> CommandedMachine:
-    assert isinstance(machine, CommandedMachine)
+def _commanded(machine: Any) -> PolicyDriven:
+    assert isinstance(machine, PolicyDriven)
     return machine
 
 
