@@ -122,7 +122,7 @@ def test_a_brief_wait_is_preferred_to_a_detour():
     assert clear(passage.motion, crosses.motion, 0.0, passage.arrives) >= GAP - 1e-3
 
 
-def test_who_stands_too_near_to_a_body_that_will_move_comes_no_nearer():
+def test_a_person_too_near_to_a_body_comes_no_nearer():
     stands = join([standing((5.0, 5.0)), drive([(5.0, 5.0), (8.5, 5.0)], 8.0)])
     planner = PathPlanner(CollisionWorld(floor()), RADIUS)
     passage = plan_among(planner, (4.8, 4.4), (5.0, 7.0), [Mover("v", stands, SOLID)])
