@@ -1,4 +1,4 @@
-"""Interaction with another person: let them pass, follow them, and walk up to them."""
+"""Interaction with another person: letting pass, following, and approaching."""
 
 from __future__ import annotations
 

@@ -317,7 +317,7 @@ class NoticingMonitor:
         self.reconsider()
 
     def reconsider(self) -> None:
-        """Compute the next instant of change anew; called whenever a motion changes."""
+        """Recompute the next change of stage after a change of motion."""
         pair = self.pair
         if self._stage == "alert":
             of = self._conditions

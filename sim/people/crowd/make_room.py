@@ -72,7 +72,7 @@ class Request:
     """Request of a blocked `asker`, and the drafts of all people who move for it.
 
     Depth first: each asked person looks for the nearest position off the course of the asker, or
-    for one ahead along it. That person asks the people who stand in the way of this step.
+    for one ahead along it. Then the people in the way of this step are asked.
 
     Moving people refuse, because agreed passages stay valid. People of higher rank than the asker
     refuse too, unless they are `behind`: they wait for the asker, and profit from the move. After

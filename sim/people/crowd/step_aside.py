@@ -65,7 +65,7 @@ class StepsAside:
             self._reacting.set(self._clock.now)
 
     def _react(self) -> None:
-        """Let people who walk into the way of a vehicle decide again, and set all alarms."""
+        """Make people who walk into the way of a vehicle decide again, and set all alarms."""
         now, coming = self._clock.now, self._coming
         self._coming = {}
         for me in self._people:

@@ -123,14 +123,14 @@ def recorded_walk(entry: PersonEntry, scenario: Scenario, away: Point) -> Record
 
 
 def with_everybody(scenario: _Made) -> _Made:
-    """Return a scenario with a person for each body of the files whose entries add everybody."""
+    """Return a scenario with a person for each body of the files whose entries add all bodies."""
     people = tuple(one for entry in scenario.people for one in bodies_of(entry, scenario.folder))
     is_same = len(people) == len(scenario.people) and all(map(is_, people, scenario.people))
     return scenario if is_same else replace(scenario, people=people)
 
 
 def bodies_of(entry: PersonEntry, folder: Path) -> list[PersonEntry]:
-    """Return the people of an entry: one for each body of its file if it adds everybody."""
+    """Return the people of an entry: one for each body of its file if it adds all bodies."""
     recorded = entry.recorded
     if not isinstance(recorded, RecordedTrack) or not recorded.everybody:
         return [entry]

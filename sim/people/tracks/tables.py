@@ -374,7 +374,7 @@ def _joined(parts: Sequence[tuple[float, Array]], rate: float) -> Iterator[Array
     for (_, before), (begin, after) in pairwise(parts):
         last, first = before[-1:].copy(), after[:1].copy()
         frame = begin * rate
-        # Between its last frame and the jump an agent stands, as far as anybody knows.
+        # An agent is assumed to be stationary between its last frame and the jump.
         last[0, 1] = first[0, 1] = frame if last[0, 1] <= frame <= first[0, 1] else first[0, 1]
         yield from (last, first, after)
 
