@@ -75,7 +75,7 @@ class Ticks:
         return event
 
     def _waits(self) -> bool:
-        """Let machines go on that have an action; return whether one waits for its action."""
+        """Resume machines that have an action. Return whether a machine waits for its action."""
         for name in [name for name in self._waiting if name in self._actions]:
             self.simulation.clock.occur(self._waiting.pop(name), self._actions.pop(name))
         return bool(self._waiting)
