@@ -3,14 +3,6 @@
     python benchmarks/people.py [--scene ariac hall] [--people 10 50 100] [--duration 275]
                                 [--repetitions 3] [--in-reach 1.25]
 
-<<<<<<< HEAD
-All people are on patrol on the ARIAC floor: from station to station in the trial's order, from the
-same starts in both. JuPedSim (`pip install jupedsim`) runs its collision-free speed model at 0.05 s
-with bodies and top speeds of the floor's people. There, a person has reached a station at
-`--in-reach` metres from it. Both do one run before the first that counts, so that the
-floor has been analysed. Minds, the separation monitor and the record are in ours. Medians of
-several.
-=======
 Scenes:
 
 - `ariac`: all people patrol the stations of the ARIAC floor in the trial's order.
@@ -22,7 +14,6 @@ runs its collision-free speed model at 0.05 s. A person there has reached a goal
 metres. Each program runs once before the measurement, so that precomputed data of the floor do not
 count. The runs take turns in one process. Floorwalker's times include agents, the separation
 monitor and the record.
->>>>>>> speed-edit
 """
 
 from __future__ import annotations
@@ -66,11 +57,6 @@ TO_AND_FRO = """
 Point = tuple[float, float]
 
 
-<<<<<<< HEAD
-def trial(people: int, duration: float) -> sim.Trial:
-    """The patrol of this number of people."""
-    return sim.Trial.parse(
-=======
 @dataclass(frozen=True)
 class Scene:
     """A trial, and the goals of each person, who walks from one to the next, again and again."""
@@ -87,7 +73,6 @@ class Scene:
 def ariac(people: int, duration: float) -> Scene:
     """Return the patrol of the ARIAC floor."""
     trial = sim.Trial.parse(
->>>>>>> speed-edit
         f"floorplan: ariac2023\nduration: {duration}\nrules: observe\n"
         f"people: [{{name: p, count: {people}, at: anywhere}}]\n"
     )
@@ -95,27 +80,6 @@ def ariac(people: int, duration: float) -> Scene:
     return Scene(trial, [stations] * people)
 
 
-<<<<<<< HEAD
-def ours(given: sim.Trial) -> tuple[int, list[Start]]:
-    """Run a patrol. Return the number of finished legs, and the starts of the people."""
-    run = sim.run(given)
-    if run.summary.get("overlaps"):  # one alone has no such figure
-        raise AssertionError(f"{run.summary['overlaps']} pairs of people overlap")
-    starts = [tuple(run.motions[name].position(0.0).tolist()) for name in run.summary["people"]]
-    return sum(len(person["visits"]) for person in run.summary["people"].values()), starts
-
-
-def jupedsims(starts: Sequence[Start], duration: float, in_reach: float) -> int:
-    """Run the same patrol in JuPedSim. Return the number of finished legs."""
-    human = PLAN.human
-    floor = max(shapely.get_parts(PLAN.free(0.0, human.height)), key=lambda part: part.area)
-    world = jupedsim.Simulation(model=jupedsim.CollisionFreeSpeedModel(), geometry=floor, dt=STEP)
-    stages = [world.add_waypoint_stage(station.position, in_reach) for station in PLAN.patrolled]
-    journey = jupedsim.JourneyDescription(stages)
-    for stage, following in zip(stages, [*stages[1:], stages[0]], strict=True):
-        journey.set_transition_for_stage(
-            stage, jupedsim.Transition.create_fixed_transition(following)
-=======
 def hall(people: int, duration: float) -> Scene:
     """Return the walks through the middle of an empty hall, from a regular grid of starts."""
     side = max(SMALLEST, math.sqrt(AREA * people))
@@ -132,7 +96,6 @@ def hall(people: int, duration: float) -> Scene:
             personality=program,
             at=start,
             beliefs=(f"there({x}, {y})", f"back({start[0]}, {start[1]})"),
->>>>>>> speed-edit
         )
         for k, (start, ((x, y), _)) in enumerate(zip(starts, goals, strict=True))
     ]
@@ -198,11 +161,7 @@ def timed(run: Callable[[], int]) -> tuple[float, int]:
 
 
 def legs(counts: Sequence[int], duration: float = 275.0) -> str:
-<<<<<<< HEAD
-    """Return the table of legs that these numbers of people finish, the same on every machine."""
-=======
     """Return the table of walks per person and minute, which does not depend on the machine."""
->>>>>>> speed-edit
     lines = ["| people | Floorwalker | JuPedSim |", "|---|---|---|"]
     for people in counts:
         scene = ariac(people, duration)
