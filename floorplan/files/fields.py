@@ -170,14 +170,16 @@ Flag = Annotated[bool, Reads(bool_schema(strict=True))]
 """True or false."""
 
 
-def whole(least: int | None = None, most: int | None = None) -> Reads:
-    """Return the annotation of a whole number from `least` to `most`."""
+def whole(
+    least: int | None = None, most: int | None = None, fault: Callable[[int], str] | None = None
+) -> Reads:
+    """Return the annotation of a whole number from `least` to `most`, with its own `fault`."""
 
-    def fault(value: int) -> str:
+    def too_small(value: int) -> str:
         short = least is not None and value < least
         return f"must be {least} or more, not {value!r}" if short else ""
 
-    return Reads(int_schema(strict=True, ge=least, le=most), fault)
+    return Reads(int_schema(strict=True, ge=least, le=most), fault or too_small)
 
 
 Pair = Annotated[tuple[float, float], Reads(_PAIR)]

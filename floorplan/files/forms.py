@@ -76,13 +76,17 @@ class _Keys(dict[str, Any]):
 
 
 class Key(NamedTuple):
-    """Key of a file, the dataclass field that it gives, and the type and default of its value."""
+    """Key of a file, the dataclass field that it gives, and the type and default of its value.
+
+    Fields that are not `compared` are not in files.
+    """
 
     name: str
     field: str
     kind: Any
     composed: Composed | None
     default: Any
+    compared: bool
 
 
 @cache
@@ -96,7 +100,8 @@ def fields_of(form: type) -> tuple[Key, ...]:
         composed = next((mark for mark in marks if isinstance(mark, Composed)), None)
         make = field.default_factory
         default = field.default if make is MISSING else make()
-        keys.append(Key(alias, field.name, hints[field.name], composed, default))
+        kind = hints[field.name]
+        keys.append(Key(alias, field.name, kind, composed, default, field.compare))
     return tuple(keys)
 
 

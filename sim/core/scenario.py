@@ -19,6 +19,7 @@ from floorplan import Floorplan, InputError, Point, Problem, SafeZone, UserError
 from floorplan.checks import starting_fault
 from floorplan.files.fields import (
     Expected,
+    Fits,
     Flag,
     Keyed,
     NotNegative,
@@ -28,6 +29,7 @@ from floorplan.files.fields import (
     whole,
 )
 from floorplan.files.forms import Written
+from floorplan.files.problems import suggestion
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
@@ -54,7 +56,17 @@ from .entries import (
 )
 from .fields import MachineFields
 from .rules import PAPER, RuleSet
-from .schedule import Break, DoorTimes, Drawn, Shift, TimedObstacle, WorkList, WorkTask
+from .schedule import (
+    Break,
+    Delay,
+    DoorTimes,
+    Drawn,
+    Length,
+    Shift,
+    TimedObstacle,
+    WorkList,
+    WorkTask,
+)
 from .stage import MachineEntry
 
 RECORDED = "recorded"
@@ -483,6 +495,27 @@ class AgvMove(Keyed):
     every: Positive | None = None
 
 
+LARGEST_SEED = 2**63 - 1
+"""Largest seed. Tables and recordings store 63 bits."""
+
+
+def _seed_fault(seed: int) -> str:
+    if isinstance(seed, int) and 0 <= seed <= LARGEST_SEED:
+        return ""
+    value = "a larger one" if isinstance(seed, int) and seed > 0 else repr(seed)
+    return f"must be a whole number from 0 to 2**63 - 1, not {value}"
+
+
+Seed = Annotated[int, whole(0, LARGEST_SEED, _seed_fault)]
+"""Random seed of a trial."""
+
+
+def _assumed_fault(name: str) -> str:
+    if name in ASSUMED:
+        return ""
+    return f"{name!r} is not an assumed value; {suggestion(name, ASSUMED)}"
+
+
 @dataclass(frozen=True)
 class Scenario:
     """Values that define a run. See `Trial` for their meaning."""
@@ -490,10 +523,10 @@ class Scenario:
     floorplan: Floorplan
     _: KW_ONLY
     name: str = "trial"
-    duration: float = 275.0
-    seed: int = 0
+    duration: Length = 275.0
+    seed: Seed = 0
     rules: RuleSet = PAPER
-    planner: PlannerChoice = USUAL_PLANNER
+    planner: Planner = USUAL_PLANNER
     people: tuple[PersonEntry, ...] = ()
     gantry: GantryEntry = GantryEntry()
     agvs: dict[str, tuple[AgvMove, ...]] = field(default_factory=dict)
@@ -509,16 +542,16 @@ class Scenario:
     until_submitted: bool = False
     notices: tuple[Problem, ...] = field(default=(), compare=False)
     own_code: bool = field(default=True, compare=False)
-    work: dict[str, WorkList] = field(default_factory=dict)
+    work: dict[Name, WorkList] = field(default_factory=dict)
     doors: dict[str, DoorTimes] = field(default_factory=dict)
     obstacles: tuple[TimedObstacle, ...] = ()
     blackouts: tuple[Blackout, ...] = ()
     commands: tuple[Command, ...] = ()
-    sources: dict[str, str] = field(default_factory=dict)
+    sources: dict[Annotated[str, Fits(_assumed_fault)], str] = field(default_factory=dict)
     counterfactual: Literal["without machines", "without people"] | None = None
-    warm_up: float = 0.0
+    warm_up: Delay = 0.0
     sign_off: SignOff = UNSIGNED
-    traffic: bool = True
+    traffic: Flag = True
 
     @property
     def code_folder(self) -> CodeFolder:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from pathlib import Path
@@ -30,7 +30,7 @@ from ..people.tracks.recorded_walks import bodies_of
 from .checks import faults, keep_sound
 from .feasibility import people_fault
 from .field_checks import field_slips
-from .keys import TrialKeys, begins_in, commanded
+from .keys import DerivedKeys, PersonKeys, TrialKeys, begins_in, commanded
 from .reachability import unreachable_stations
 from .rules_file import build_rules
 from .writing import out_of_reach
@@ -170,21 +170,21 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
     name = Path(document.file).name.split(".")[0] if schema.name is None else schema.name
     plan = _floorplan(schema.floorplan, folder, document, name)
     lanes = {lane.name: lane for lane in plan.lanes}
-    moves = sum(number_of(agv.moves, schema.duration) for agv in schema.agvs.values())
-    if moves > MOST_MOVES:
-        lanes = {}  # not expanded, because they are rejected
-    people = people_of(schema, folder)
-    rules, rule_problems = build_rules(schema.rules, document, replace(code, path=folder), "rules")
     alike = {key.name for key in fields(Scenario)} & TrialKeys.model_fields.keys()
     given: dict[str, Any] = {name: getattr(schema, name) for name in alike}
+    duration = given["duration"]
+    moves = sum(number_of(agv.moves, duration) for agv in schema.agvs.values())
+    if moves > MOST_MOVES:
+        lanes = {}  # not expanded, because they are rejected
+    people = people_of(schema.people, given["actions"], folder)
+    rules, rule_problems = build_rules(schema.rules, document, replace(code, path=folder), "rules")
     given |= {
         "floorplan": plan,
         "name": name,
         "rules": rules,
         "people": tuple(person for many in people for person in many),
         "agvs": {
-            name: agv.moves_until(schema.duration, lanes.get(name))
-            for name, agv in schema.agvs.items()
+            name: agv.moves_until(duration, lanes.get(name)) for name, agv in schema.agvs.items()
         },
         "yielding": frozenset(name for name, agv in schema.agvs.items() if agv.yields),
         "machines": {name: _machine(keys) for name, keys in schema.machines.items()},
@@ -220,7 +220,7 @@ def is_ariac(document: Document) -> bool:
     return isinstance(data, dict) and "floorplan" not in data and not ARIAC_KEYS.isdisjoint(data)
 
 
-def _refuse_crowds(schema: TrialKeys, document: Document) -> None:
+def _refuse_crowds(schema: DerivedKeys, document: Document) -> None:
     """Raise `TrialError` if there are more people than the budget allows, before creating them."""
     if found := people_fault(person.many or 1 for person in schema.people):
         k, message = found
@@ -241,7 +241,7 @@ def _something_else(document: Document) -> str:
     return ""
 
 
-def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document) -> _Made:
+def _with_orders(trial: _Made, schema: DerivedKeys, name: str, document: Document) -> _Made:
     """Return the trial with the orders, parts and challenges of an ARIAC trial file."""
     from ..orders import reading
 
@@ -259,24 +259,25 @@ def _with_orders(trial: _Made, schema: TrialKeys, name: str, document: Document)
     )
 
 
-def people_of(schema: TrialKeys, folder: Path) -> list[list[PersonEntry]]:
+def people_of(
+    entries: Sequence[PersonKeys], actions: str | None, folder: Path
+) -> list[list[PersonEntry]]:
     """Return the people of each entry, with programs from `folder` if they exist.
 
     Each program is read once for all of its people.
     """
     people = [
-        [one for person in keys.values() for one in bodies_of(person, folder)]
-        for keys in schema.people
+        [one for person in keys.values() for one in bodies_of(person, folder)] for keys in entries
     ]
     named = [
         (personality, keys.actions)
-        for keys in schema.people
+        for keys in entries
         for personality in (keys.personality, *(change.personality for change in keys.changes))
     ]
-    for personality, actions in dict.fromkeys(named):
+    for personality, own in dict.fromkeys(named):
         # A missing program is reported together with all other faults.
         with suppress(TrialError, OwnCodeError):
-            load_program(personality, CodeFolder(folder), modules_of(actions, schema.actions))
+            load_program(personality, CodeFolder(folder), modules_of(own, actions))
     return people
 
 

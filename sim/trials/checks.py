@@ -14,7 +14,6 @@ import shapely
 import bdi
 from floorplan import Point
 from floorplan.checks import starting_fault
-from floorplan.files.fields import size_fault
 from floorplan.files.problems import Fault, Place, refuse, suggestion
 from floorplan.files.values import range_faults, require_fields
 from navigation import PlannerError
@@ -60,9 +59,6 @@ from .names import (
     stations,
 )
 from .reachability import unreachable_goals
-
-LARGEST_SEED = 2**63 - 1
-"""Largest seed. Tables and recordings store 63 bits."""
 
 MOST_BYTES = 200
 """Maximum number of bytes in UTF-8 of the name of a trial or study, which names folders."""
@@ -145,14 +141,9 @@ def _entry_faults(trial: Scenario) -> Iterator[Fault]:
     """Yield the faults of the entries of a trial."""
     if fault := name_fault(trial.name):
         yield fault, ("name",)
-    yield from _size(trial.duration, "duration")
     if trial.warm_up and not 0 < trial.warm_up < trial.duration:
         message = f"must be less than the duration, {trial.duration:g} s, not {trial.warm_up:g} s"
         yield message, ("warm_up",)
-    if not isinstance(trial.seed, int) or not 0 <= trial.seed <= LARGEST_SEED:
-        larger = isinstance(trial.seed, int) and trial.seed > 0
-        found = "a larger one" if larger else repr(trial.seed)
-        yield f"must be a whole number from 0 to 2**63 - 1, not {found}", ("seed",)
     yield from _planner_faults(trial.planner, trial, "planner")
     taken = {GANTRY, *(lane.name for lane in trial.floorplan.lanes), *trial.machines}
     for k, person in enumerate(trial.people):
@@ -206,11 +197,6 @@ def name_fault(name: str) -> str:
 def _below(found: Iterable[Fault], *place: str | int) -> Iterator[Fault]:
     for message, rest in found:
         yield message, (*place, *rest)
-
-
-def _size(value: float | None, *place: str | int) -> Iterator[Fault]:
-    if value is not None and (fault := size_fault(value)):
-        yield fault, place
 
 
 def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Discriminator,
     Tag,
+    create_model,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
@@ -17,33 +17,22 @@ from typing_extensions import Self
 from floorplan import UserError
 from floorplan.files.documents import read_yaml
 from floorplan.files.fields import Flag, Number, Strictly, whole
-from floorplan.files.forms import Written, called
-from floorplan.files.problems import suggestion
+from floorplan.files.forms import Written, called, fields_of
 
-from ..core.entries import UNSIGNED, Blackout, Command, SignOff
-from ..core.fields import MachineFields
+from ..core.entries import Command
 from ..core.rules import PAPER
 from ..core.scenario import (
-    ASSUMED,
-    USUAL_PLANNER,
-    GantryEntry,
     Name,
     PersonEntry,
-    Planner,
     Scenario,
     Source,
     TrialError,
 )
 from ..core.schedule import (
-    Delay,
-    DoorTimes,
-    Length,
     TimedObstacle,
-    WorkList,
     time_of_day,
 )
 from ..machines.agv.model import AgvKeys
-from .checks import LARGEST_SEED
 from .feasibility import command_faults
 from .rules_file import RuleForm, RuleKeys
 
@@ -160,40 +149,30 @@ def begins_in(data: Any) -> float:
         return 0.0
 
 
-def _as_assumed(name: str) -> str:
-    if name not in ASSUMED:
-        raise UserError(f"{name!r} is not an assumed value; {suggestion(name, ASSUMED)}")
-    return name
-
-
-class TrialKeys(Strictly):
-    """Keys of a trial."""
+class DerivedKeys(Strictly):
+    """Keys of a trial whose values differ from the fields of a `Scenario`."""
 
     name: str | None = None
     floorplan: Annotated[Any, BeforeValidator(_name_or_keys)]
     folder: str = "."
-    duration: Length = 275.0
-    seed: Annotated[int, whole(0, LARGEST_SEED)] = 0
     rules: Annotated[RuleKeys, Written(RuleForm)] = RuleKeys.model_validate(PAPER.name)
-    planner: Planner = USUAL_PLANNER
     people: list[PersonKeys] = []
-    steering: str | None = None
-    actions: str | None = None
-    gantry: GantryEntry = GantryEntry()
     agvs: dict[str, AgvKeys] = {}
     machines: dict[Name, dict[str, Any]] = {}
-    fields: dict[str, MachineFields] = {}
     ariac: str | None = None
     until_submitted: Flag | None = None
     begins: Annotated[Number, BeforeValidator(time_of_day)] = 0.0
-    work: dict[Name, WorkList] = {}
-    doors: dict[str, DoorTimes] = {}
     obstacles: Annotated[dict[str, TimedObstacle], BeforeValidator(called)] = {}
-    blackouts: tuple[Blackout, ...] = ()
     commands: CommandEntries = ()
-    sources: dict[Annotated[str, AfterValidator(_as_assumed)], str] = {}
-    counterfactual: Literal["without machines", "without people"] | None = None
-    warm_up: Delay = 0.0
-    sign_off: SignOff = UNSIGNED
-    traffic: Flag = True
-    expect: dict[str, Any] = {}
+
+
+_OF_OTHER_KEYS = ("yielding", "workload")
+"""Fields that are given by `agvs` and `ariac`."""
+
+_ALIKE: dict[str, Any] = {
+    key.name: (key.kind, key.default)
+    for key in fields_of(Scenario)
+    if key.compared and key.name not in (*DerivedKeys.model_fields, *_OF_OTHER_KEYS)
+}
+TrialKeys = create_model("TrialKeys", __base__=DerivedKeys, **_ALIKE)
+"""All keys of a trial."""

@@ -88,11 +88,11 @@ def _trial(trial: Scenario) -> Data:
         "traffic": None if trial.traffic else False,
         "expect": trial.expect,
     }
-    known = {field.name for field in fields(Scenario)}
+    order = dict.fromkeys(("name", *(field.name for field in fields(Scenario))))
     data: Data = {
         key: special[key] if key in special else _value(getattr(trial, key), trial)
-        for key in TrialKeys.model_fields
-        if key in known
+        for key in order
+        if key in TrialKeys.model_fields
     }
     data = _without(data, None, [], {})
     return data if trial.workload is None else data | _orders(trial, trial.workload)
