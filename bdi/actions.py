@@ -25,17 +25,17 @@ from .language.program import Plan, Program, Rule, all_plans, made_once
 from .language.quoted import PlanTerm
 from .language.terms import Cons, Literal, Term
 
-#: Takes a `Call` and the arguments; returns True, False, None, a unifier, or an iterator of them.
+#: Takes a `Call` and the arguments. Returns a bool, None, a unifier or an iterator of unifiers.
 InternalFunction: TypeAlias = Callable[..., Any]
 
 
 def error_annots(error: str, message: str) -> tuple[Term, ...]:
-    """Return the annotations of a failure event that say what went wrong."""
+    """Return the annotations of a failure event with the error and its message."""
     return (Literal("error", (Literal(error),)), Literal("error_msg", (message,)))
 
 
 class ActionError(Exception):
-    """Failure of an internal action; `annots` are the annotations of its `-!g` event."""
+    """Failure of an internal action. `annots` are the annotations of its `-!g` event."""
 
     def __init__(
         self, message: str, error: str = "internal_action", annots: tuple[Term, ...] = ()
@@ -80,7 +80,7 @@ class InternalActions(dict[str, InternalAction]):
 
     Parameters
     ----------
-    *given : mapping, optional
+    *mappings : mapping, optional
         Initial actions by name.
 
     Attributes
@@ -97,9 +97,8 @@ class InternalActions(dict[str, InternalAction]):
     ...     return call.unify(result, math.hypot(x, y))
     """
 
-    def __init__(self, *given: Mapping[str, InternalAction]) -> None:
-        super().__init__(*given)
-        #: Arithmetic functions by name.
+    def __init__(self, *mappings: Mapping[str, InternalAction]) -> None:
+        super().__init__(*mappings)
         self.functions: dict[str, Callable[..., float]] = {}
 
     def __repr__(self) -> str:
@@ -228,7 +227,7 @@ def _in_body(body: Body) -> Iterator[tuple[Place, Literal, bool]]:
         if isinstance(step, Act):
             if isinstance(step.action, Literal) and step.action.is_internal_action:
                 yield step.place, step.action, False
-                # The arguments of the call may have bodies and plans that call others.
+                # The arguments may contain bodies and plans with further calls.
                 for arg in step.action.args:
                     yield from _at(step.place, arg)
         elif isinstance(step, Test):

@@ -1,4 +1,4 @@
-"""Actions of people: carry out what a mind decides, and check the actions of programs."""
+"""Actions of people: names, arguments, and checks of programs."""
 
 from __future__ import annotations
 
@@ -24,27 +24,28 @@ from .walker import Walker
 from .work import Worker
 
 GLANCE_AHEAD = 2.0
-"""Seconds. `step_between` goes to where the gantry will be after this time."""
+"""Seconds. `step_between` goes to the position of the gantry after this time."""
 
 SMALLEST_STEP = 0.05
-"""Metres. `move_away` fails where there is less room than this."""
+"""Metres. `move_away` fails if there is less room than this."""
 
 
 OUT_OF_THE_WAY = 3.0
-"""Metres. So far people go from somebody whom they avoid."""
+"""Metres. Default distance to which `avoid` goes."""
 
 BESIDE_WORK = ("walk_speed", "begin_task", "take", "refuse", "work_pace", "let_pass")
-"""Actions that leave what a person does otherwise as it is."""
+"""Actions that do not interrupt the errand or the task of a person."""
 
 
 class MindError(UserError):
-    """A personality's program asks for something that no person can do."""
+    """Error of a program with an action that no person can carry out."""
 
 
 class Actions:
-    """Actions of one person, by the names that programs have for them.
+    """Actions of one person, by their names in programs.
 
-    `home` is where they are put after a violation. Of several robots, "the gantry" is the nearest.
+    The person is put at `home` after a violation. If there are several robots, "the gantry" is the
+    nearest one.
     """
 
     def __init__(
@@ -58,7 +59,7 @@ class Actions:
         worker: Worker | None = None,
     ) -> None:
         self.put_home_at: float | None = None
-        """Instant at which they were last put home (seconds)."""
+        """Time of the last teleport home (s), or None."""
         self._stage = stage
         self._walker = walker
         self._errand = errand
@@ -68,9 +69,9 @@ class Actions:
         self._worker = worker
 
     def perform(self, action: bdi.Literal) -> bool:
-        """Carry out an external action; return True if it could be.
+        """Carry out an external action. Return whether it succeeded.
 
-        `MindError` if there is no such action, or if its arguments are wrong.
+        Raises `MindError` if there is no such action, or if its arguments are invalid.
         """
         if action.functor not in BESIDE_WORK:
             self._leave()
@@ -92,7 +93,7 @@ class Actions:
             raise MindError(f"{name}: the action {action}: {why}") from None
 
     def teleport(self, reason: str) -> bool:
-        """Put the person home, for this reason; return True if there is room."""
+        """Put the person home because of `reason`. Return whether there is room."""
         self.put_home_at = self._stage.clock.now
         self._leave()
         at = self._place_at_home()
@@ -103,19 +104,19 @@ class Actions:
         return True
 
     def go_near(self, point: Point) -> bool:
-        """Walk to the nearest free place to `point`; return True if there is a path."""
+        """Walk to the free place nearest to `point`. Return whether there is a path."""
         self._leave()
         return self._go_near(point)
 
     def _leave(self) -> None:
-        """Give up waiting for anything, and leave the task that is under way."""
+        """End the errand and the interaction, and pause the task."""
         self._errand.give_up()
         self._attention.give_up()
         if self._worker is not None:
             self._worker.pause()
 
     def _place_at_home(self) -> Point | None:
-        """Return home, or the nearest free place beside the vehicle that stands there, if any."""
+        """Return home, or the nearest free place beside a vehicle there, or None."""
         self._stage.place_machines()
         home, radius = self._home.position, self._walker.human.radius
         return self._crowd.room(home, radius, self._walker.traveller)
@@ -142,7 +143,7 @@ class Actions:
         return robot is not None and self._step_back(robot.body.at, metres)
 
     def _step_back(self, point: Point, metres: float) -> bool:
-        """Walk so far away from `point`, straight, as far as it is free."""
+        """Walk straight away from `point` by `metres`, or by as much as is free."""
         self._stage.place_machines()
         (x, y), (gx, gy) = self._walker.body.at, point
         away = math.atan2(y - gy, x - gx)
@@ -225,7 +226,7 @@ ACTIONS: dict[str, Callable[..., bool]] = {
     "approach": Actions._approach,
     "avoid": Actions._avoid,
 }
-"""Actions of everybody, by the names that programs have for them."""
+"""Actions of all people, by their names in programs."""
 
 WORK: dict[str, Callable[..., bool]] = {
     "take": Worker.take,
@@ -238,21 +239,21 @@ WORK: dict[str, Callable[..., bool]] = {
 
 
 def numbers_of_arguments() -> dict[str, tuple[int, int]]:
-    """Return the least and the largest number of arguments of each action."""
+    """Return the minimum and maximum number of arguments of each action."""
     taken = {name: _takes(action) for name, action in (ACTIONS | WORK).items()}
     return {name: (least, len(parameters)) for name, (least, parameters) in taken.items()}
 
 
 @cache
 def _takes(action: Callable[..., bool]) -> tuple[int, list[tuple[str, str]]]:
-    """Return the least number of arguments of a method, and the name and type of all."""
+    """Return the minimum number of arguments of an action, and the name and type of each."""
     _, *parameters = inspect.signature(action).parameters.values()
     least = sum(parameter.default is parameter.empty for parameter in parameters)
     return least, [(parameter.name, parameter.annotation) for parameter in parameters]
 
 
 def _value(term: bdi.Term) -> float | str | None:
-    """Return a number, or a name; None for anything else."""
+    """Return a term as a number or a name, or None."""
     if isinstance(term, float | str):
         return term
     if isinstance(term, bdi.Literal) and not term.args:
@@ -261,7 +262,7 @@ def _value(term: bdi.Term) -> float | str | None:
 
 
 def doubts_in(scenario: Scenario) -> tuple[bdi.ProgramProblem, ...]:
-    """Return what is doubtful in the programs of all people of a trial."""
+    """Return the warnings about the programs of all people of a trial."""
     used = {
         (personality, modules_of(person.actions, scenario.actions)): None
         for person in scenario.people
@@ -270,12 +271,12 @@ def doubts_in(scenario: Scenario) -> tuple[bdi.ProgramProblem, ...]:
     programs = [
         load_program(personality, scenario.code_folder, modules) for personality, modules in used
     ]
-    found = (doubt for one in programs if one is not None for doubt in doubts_of(one))
-    return tuple(dict.fromkeys(found))
+    doubts = (doubt for one in programs if one is not None for doubt in doubts_of(one))
+    return tuple(dict.fromkeys(doubts))
 
 
 def doubts_of(program: bdi.Program) -> tuple[bdi.ProgramProblem, ...]:
-    """Return what a person who runs the program probably does not do as its author meant it."""
+    """Return the warnings about the program of a person."""
     triggers = (plan.trigger for name in bdi.programs() for plan in bdi.load(name).plans)
     events = {one.literal.functor for one in triggers if not one.kind}  # type: ignore[union-attr]
     events |= {*PERCEPTS}

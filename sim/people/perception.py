@@ -23,70 +23,67 @@ from ..safety.proximity import NearnessMonitor, by_conditions
 from .minds import Mind, Outside, as_term
 
 Key = tuple[str, ...]
-"""A functor, and the name of whom the percept is about, if it is about somebody."""
+"""Functor of a percept, and the name of the person it is about, if any."""
 
 
 class Percepts:
-    """The percepts of one mind, which stays small: of each functor it has the latest alone.
+    """Percepts of one mind: the latest of each functor, or of each functor and person.
 
-    Of percepts about other people it has the latest about each.
+    Older percepts are removed, so that the belief base stays small.
     """
 
     def __init__(self, mind: Mind) -> None:
         self._mind = mind
         self._counts: dict[Key, int] = {}
         self._latest: dict[Key, bdi.Literal] = {}
-        self._unheard: set[Key] = set()
+        self._new: set[Key] = set()
 
     def see(self, functor: str, *arguments: float) -> None:
-        """Perceive `functor(arguments)`, and no longer what was perceived of it before."""
+        """Perceive `functor(arguments)` in place of the previous percept of this functor."""
         self._perceive((functor,), *map(float, arguments))
 
     def count(self, functor: str, *who: str) -> None:
-        """Perceive `functor(N)`, with N the number of times that it was perceived before.
-
-        About somebody, who is named, `functor(Who, N)`.
-        """
+        """Perceive `functor(N)` or `functor(Who, N)`, with N the number of previous ones."""
         key = (functor, *who)
         n = self._counts.get(key, 0)
         self._counts[key] = n + 1
         self._perceive(key, *map(as_term, who), float(n))
 
     def _perceive(self, key: Key, *arguments: bdi.Term) -> None:
-        """Perceive something in place of what was perceived under this key before."""
+        """Add a percept in place of the previous one with this key."""
         percept = bdi.Literal(key[0], arguments)
         before = self._latest.get(key)
         if before is not None:
             self._mind.remove_percept(before)
         self._latest[key] = percept
-        self._unheard.add(key)
+        self._new.add(key)
         self._mind.add_percept(percept)
 
     def heard(self) -> None:
-        """Take note that the mind has thought about all of it."""
-        self._unheard.clear()
+        """Forget which percepts are new, because the mind has thought about all of them."""
+        self._new.clear()
 
     def pass_on(self, mind: Mind) -> Percepts:
-        """Return the percepts of `mind`, which takes the place of the mind so far.
+        """Return the percepts of `mind`, the successor of this mind.
 
-        It perceives the present state of things and the happenings that nobody has thought about
-        yet; happenings are counted on.
+        It perceives the current state, and the counted events that this mind has not yet thought
+        about. The counts continue.
         """
         new = Percepts(mind)
         new._counts = self._counts
         for key, percept in self._latest.items():
-            if key not in self._counts or key in self._unheard:
+            if key not in self._counts or key in self._new:
                 new._latest[key] = percept
-                new._unheard.add(key)
+                new._new.add(key)
                 mind.add_percept(percept)
         return new
 
 
 class Senses:
-    """The percepts of a person, whichever mind they have.
+    """Percepts of a person, for the current mind.
 
-    The mind thinks as soon as there are any, or if there is a `lag`, that many seconds later. The
-    percepts of that time are then thought about together.
+    The mind thinks immediately after a percept, or after a `lag` (s). It then thinks about all
+    percepts of that interval together.
     """
 
     def __init__(
@@ -99,26 +96,26 @@ class Senses:
         self._thinking = Alarm(clock, think, Turn.THOUGHT)
 
     def belong_to(self, mind: Mind) -> None:
-        """Let `mind` perceive from now on, and what the one before it did not think about."""
+        """Pass percepts to `mind` from now on, and those that the previous mind has not handled."""
         before = self._percepts
         self._percepts = Percepts(mind) if before is None else before.pass_on(mind)
         self._thinking.set(self._clock.now)
 
     def count(self, functor: str, *who: str) -> None:
-        """Perceive `functor(N)` for the Nth time, from 0; `functor(Who, N)` about somebody."""
+        """Perceive `functor(N)` or `functor(Who, N)`, counted from 0."""
         if self._percepts is not None:
             self._percepts.count(functor, *who)
             self._think_soon()
 
     def see(self, functor: str, *arguments: float) -> None:
-        """Perceive `functor(arguments)`, in place of what was perceived of it before."""
+        """Perceive `functor(arguments)` in place of the previous percept of this functor."""
         if self._percepts is not None:
             self._percepts.see(functor, *arguments)
             self._think_soon()
 
     @property
     def thinks_at(self) -> float:
-        """Instant (seconds) by which the mind has thought about all that is perceived."""
+        """Time (s) at which the mind will have thought about all percepts."""
         return self._clock.now if self._due is None else self._due
 
     def _think_soon(self) -> None:
@@ -130,30 +127,30 @@ class Senses:
         self.think_by(self._due)
 
     def heard(self) -> None:
-        """Take note that the mind has thought about all of it."""
+        """Forget which percepts are new, because the mind has thought about all of them."""
         self._due = None
         if self._percepts is not None:
             self._percepts.heard()
 
     def think_by(self, t: float) -> None:
-        """Let the mind think at `t` (seconds) at the latest."""
+        """Schedule a thought at `t` (s) or earlier."""
         t = max(t, self._clock.now)
         if self._thinking.time is None or t < self._thinking.time:
             self._thinking.set(t)
 
 
 EYE_LEVEL = 0.93
-"""Share of the stature at which eyes are: 1.63 m of 1.75 m, the median of men in DIN 33402-2."""
+"""Eye height as a share of the stature: 1.63 m of 1.75 m, the median of men in DIN 33402-2."""
 
 
 class Vision:
-    """The eyes of one person, who notices machines as `noticing` says (with plain figures)."""
+    """Line of sight of one person to machines, with the drawn parameters of `noticing`."""
 
     def __init__(self, stage: Stage, body: Body, human: Human, noticing: NoticingEntry) -> None:
         degrees, delay = noticing.field_of_view, noticing.reaction_time
         assert isinstance(degrees, float | int | None) and isinstance(delay, float | int | None)
         self.reaction_time = 0.0 if delay is None else delay
-        """Seconds from when they see something until they perceive it."""
+        """Time between seeing and perceiving (s)."""
         self._half = math.pi if degrees is None else math.radians(degrees) / 2
         self._stage = stage
         self._body = body
@@ -163,10 +160,9 @@ class Vision:
         self._tree = shapely.STRtree([one.footprint for one in self._fixed])
 
     def see(self, machine: Machine) -> bool:
-        """Return whether any of the points at which they look of `machine` can be seen now.
+        """Return whether the axis or a corner of `machine` is visible now.
 
-        These are its axis and its corners; where something may hide them, at its bottom, at its top
-        and half-way.
+        With occlusion, three heights of each are tested: bottom, middle and top.
         """
         if self._half >= math.pi and self._boundary is None:
             return True
@@ -195,12 +191,12 @@ class Vision:
         heights: Iterable[float],
         machine: Machine,
     ) -> bool:
-        """Return whether nothing hides a point of `machine` at all of `heights` (metres)."""
+        """Return whether a point of `machine` is visible at one of `heights` (m)."""
         if self._boundary is None or math.dist(eye, point) == 0.0:
             return True
         line = LineString([eye, point])
-        # The floor's edge hides all heights; of a point beyond it, as of a gantry that overhangs,
-        # nothing is asked.
+        # The boundary of the floor hides all heights. It hides no points beyond it, which an
+        # overhanging gantry has.
         if self._boundary.covers(Point(point)) and not self._boundary.covers(line):
             return False
         hides = [
@@ -214,7 +210,7 @@ class Vision:
         )
 
     def _around(self, line: LineString, seen: Machine) -> Iterable[Obstacle]:
-        """Yield what stands or hangs on the line: obstacles, and machines other than that."""
+        """Yield the obstacles on the line, and the machines other than `seen`."""
         for index in np.sort(self._tree.query(line, predicate="intersects")):
             yield self._fixed[int(index)]
         yield from self._stage.active_closures.values()
@@ -229,7 +225,7 @@ class Vision:
 
 
 def _spans(line: LineString, obstacle: Obstacle) -> list[tuple[float, float]]:
-    """Return the parts of a line over an obstacle, as shares of its length."""
+    """Return the parts of a line over an obstacle, as fractions of its length."""
     shared = shapely.intersection(line, obstacle.footprint)
     spans = []
     for part in shapely.get_parts(shared):
@@ -242,61 +238,60 @@ def _spans(line: LineString, obstacle: Obstacle) -> list[tuple[float, float]]:
 def _hidden(
     span: tuple[float, float], eye: float, height: float, bottom: float, top: float
 ) -> bool:
-    """Return whether a sight line that runs from `eye` to `height` meets what fills this part."""
-    # The line falls or rises evenly, so over the obstacle it is between its heights at the two
-    # ends.
+    """Return whether a line of sight from height `eye` to `height` meets an obstacle in a part."""
+    # The line is straight, so its heights over the obstacle are between those at both ends.
     along = [eye + share * (height - eye) for share in span]
     return bottom < max(along) and min(along) < top
 
 
 NEAR = TooClose(FixedDistance(3.6))
-"""So near is who counts as near: within 3.6 m of centres, where Hall's social space ends."""
+"""People nearer than 3.6 m between centres count as near, the end of Hall's social space."""
 
 GONE = Apart(4.1)
-"""So far has to go who is gone: 0.5 m more between centres, in metres."""
+"""People count as gone at 0.5 m more between centres."""
 
 NEARNESS = ("person_near", "person_gone")
-"""Percepts that need a watch on every other person."""
+"""Percepts that need a monitor for every other person."""
 
 PERCEPTS = (*NEARNESS, "in_the_way", "gives_way", "wants_to_pass", "has_left")
 """Percepts about another person, `functor(Who, N)`."""
 
 
 class SocialPerception:
-    """What one person perceives of others, from their start on: what their program mentions."""
+    """Percepts about other people from the start of a person, if the program mentions them."""
 
     def __init__(self, stage: Stage, body: Body, senses: Senses) -> None:
         self._stage = stage
         self._body = body
         self._senses = senses
-        self._heeded: frozenset[str] = frozenset()
+        self._relevant: frozenset[str] = frozenset()
         self._started = False
         self._watches: list[NearnessMonitor] = []
 
     def belong_to(self, mind: Mind) -> None:
-        """Perceive from now on what the program of `mind` mentions; a mind outside hears all."""
+        """Perceive what the program of `mind` mentions. A mind outside perceives everything."""
         if isinstance(mind, bdi.Agent):
-            self._heeded = mentioned(mind.program)
+            self._relevant = mentioned(mind.program)
         elif isinstance(mind, Outside):
-            self._heeded = frozenset(PERCEPTS)
-        self._look_round()
+            self._relevant = frozenset(PERCEPTS)
+        self._watch_others()
 
     def start(self) -> None:
-        """Begin to perceive: the person starts."""
+        """Begin to perceive at the start of the person."""
         self._started = True
-        self._look_round()
+        self._watch_others()
 
     def heeds(self, percept: str) -> bool:
-        """Return whether the mind heeds a percept about another person."""
-        return percept in self._heeded
+        """Return whether the mind responds to a percept about another person."""
+        return percept in self._relevant
 
     def perceive(self, percept: str, who: str) -> None:
-        """Perceive something about `who`, if the mind heeds such percepts."""
+        """Add a percept about `who` if the mind responds to it."""
         if self._started and self.heeds(percept):
             self._senses.count(percept, who)
 
-    def _look_round(self) -> None:
-        if self._started and not self._watches and self._heeded.intersection(NEARNESS):
+    def _watch_others(self) -> None:
+        if self._started and not self._watches and self._relevant.intersection(NEARNESS):
             self._watches = [
                 NearnessMonitor(
                     self._stage,
@@ -314,7 +309,7 @@ class SocialPerception:
 
 @lru_cache(maxsize=1024)
 def mentioned(program: bdi.Program) -> frozenset[str]:
-    """Return those of the percepts about other people that stand anywhere in a program."""
+    """Return the percepts about other people that a program mentions."""
     clauses = (*program.beliefs, *program.goals, *program.plans)
     words = set(re.findall(r"\w+", " ".join(map(str, clauses))))
     return frozenset(words.intersection(PERCEPTS))

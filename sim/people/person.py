@@ -1,7 +1,7 @@
-"""A person: a mind in a body on the floor, with drawn parameters and an entrance.
+"""A person: a mind and a body on the floor, with drawn parameters and an entrance.
 
-This is where beliefs meet geometry: what happens around a person becomes percepts (`Senses`), and
-the actions that their mind decides on (`Actions`) become errands and motions (`Errand`, `Walker`).
+Events around a person become percepts (`Senses`). Actions of the mind (`Actions`) become errands
+and motions (`Errand`, `Walker`).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _Made = TypeVar("_Made", bound=Scenario)
 
 
 def with_figures(scenario: _Made) -> _Made:
-    """Return the scenario in which every figure of its people is a number."""
+    """Return the scenario with numbers in place of the random parameters of people."""
     return scenario.with_people(lambda entry: _with_figures(entry, scenario.seed))
 
 
@@ -59,25 +59,25 @@ def _with_figures(entry: PersonEntry, seed: int) -> PersonEntry:
     if entry.noticing == ALL_ROUND:
         return entry
     figures: dict[str, Any] = {
-        name: drawn_figure(given, seed, f"{name} {entry.name}")
+        name: drawn_figure(figure, seed, f"{name} {entry.name}")
         for name in ("field_of_view", "reaction_time")
-        for given in [getattr(entry.noticing, name)]
-        if given is not None
+        for figure in [getattr(entry.noticing, name)]
+        if figure is not None
     }
     return replace(entry, noticing=replace(entry.noticing, **figures))
 
 
 def speed_of(entry: PersonEntry, usual: float) -> float:
-    """Return the top speed (m/s) of somebody `with_figures`; `usual` is that of the floor."""
+    """Return the top speed (m/s) of a person with drawn parameters, by default `usual`."""
     speed = usual if entry.max_speed is None else entry.max_speed
     assert not isinstance(speed, tuple | Duration)
     return speed
 
 
 def lag_of(entry: PersonEntry, seed: int) -> Callable[[], float] | None:
-    """Return what gives the next lag (s) of somebody's agent; None if it has none.
+    """Return a function that draws the next lag (s) of an agent, or None if there is none.
 
-    The lags are drawn from the trial's `seed` and the name alone.
+    The lags depend only on the seed of the trial and the name.
     """
     lag = entry.agent_lag
     if lag is None:
@@ -87,13 +87,13 @@ def lag_of(entry: PersonEntry, seed: int) -> Callable[[], float] | None:
 
 
 LOOKS_AGAIN = 0.5
-"""Seconds until somebody who finds no room to come in looks again."""
+"""Seconds between checks for room at an entrance."""
 
 
 class Entrances:
-    """People who want to come in: a queue for each place, first in, first out.
+    """Queues of people at entrances, first in, first out.
 
-    Only the first of a queue looks for room, however many wait behind them.
+    Only the first person of a queue checks for room.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -101,9 +101,9 @@ class Entrances:
         self._queues: dict[Point, deque[tuple[float, Callable[[], bool]]]] = {}
 
     def join(self, place: Point, come_in: Callable[[], bool]) -> None:
-        """Queue at `place`; `come_in` is called when it is their turn, and returns whether it went.
+        """Queue at `place`. `come_in` is called when it is their turn, and returns its success.
 
-        It is called at once, and every `LOOKS_AGAIN` seconds after that while they are the first.
+        It is called immediately, and every `LOOKS_AGAIN` seconds while they are the first.
         """
         queue = self._queues.setdefault(place, deque())
         queue.append((self._clock.now, come_in))
@@ -121,7 +121,7 @@ class Entrances:
             self._clock.call_at(self._next(queue, now), lambda: self._look(place), Turn.NOTICE)
 
     def _next(self, queue: deque[tuple[float, Callable[[], bool]]], now: float) -> float:
-        """Return when the first looks, who has looked in vain before at their own pace."""
+        """Return the time (s) of the next check of the first person."""
         t, come_in = queue[0]
         while t < now:
             t += LOOKS_AGAIN
@@ -130,15 +130,15 @@ class Entrances:
 
 
 MOST_AT_ONCE = 1000
-"""Number of times a person may think or act at one instant; more count as an endless program."""
+"""Maximum number of thoughts and actions of a person at one time. More are an endless program."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Surroundings:
     """Parts of a trial that all people share.
 
-    `make_mind` returns a mind of a person that runs the program of an entry, after the mind before
-    it. `thought` is called after each thought, so that others hear the messages that it sent.
+    `make_mind` returns a mind for a person and an entry, the successor of another mind, if any.
+    `thought` is called after each thought, to deliver the messages that it sent.
     """
 
     stage: Stage
@@ -152,9 +152,9 @@ class Surroundings:
 
 
 class Person:
-    """One person of a stage, as `entry` has them. A recorded person walks their `walk`.
+    """Person of a stage, as declared by `entry`. A recorded person follows `walk`.
 
-    `index` is their number among all people, and `slot` their place in a group that they follow.
+    `index` is the number among all people, and `slot` the place in a group.
     """
 
     on_command: OnCommand | None = None
@@ -174,7 +174,7 @@ class Person:
     ) -> None:
         stage, crowd, seed = surroundings.stage, surroundings.crowd, surroundings.seed
         home = entry.home_on(stage.floorplan)
-        assert home is not None  # else the trial is refused
+        assert home is not None  # trials without a home are rejected
         self.name = entry.name
         self.personality = entry.personality_name
         self.started_at: float | None = None
@@ -183,7 +183,7 @@ class Person:
         self.stays: list[tuple[float, float]] = [] if enters_at else [(0.0, math.inf)]
         """Intervals (s) on the floor. The last one is infinite until they leave."""
         self.is_awaited = enters_at is not None
-        """Whether they are not on the floor at the start."""
+        """Whether they are absent at the start."""
         self._index = index
         self._seed = seed
         self._sink = entry.sink_on(stage.floorplan)
@@ -248,7 +248,7 @@ class Person:
         self._instant = (stage.clock.now, 0)
         self._make_mind = partial(surroundings.make_mind, self)
         self.mind = self._make_mind(entry, None)
-        """The mind that decides for them."""
+        """Current mind."""
         self._senses.belong_to(self.mind)
         self._regard.belong_to(self.mind)
         for machine in stage.machines.values():
@@ -257,7 +257,7 @@ class Person:
             machine.look_out_for(self.body, human.max_speed)
 
     def begin(self) -> None:
-        """Wait for what lets them start, and for what changes their personality."""
+        """Wait for the triggers of the start and of changes of personality."""
         triggers, entry = self._stage.triggers, self._entry
         if self.is_awaited:
             self._stage.record(Awaited(person=self.name, at=self._entrance))
@@ -271,7 +271,7 @@ class Person:
             triggers.add(change.when, become, who=self.name)
 
     def _enter(self) -> bool:
-        """Come in, if there is room at the entrance; return whether they did."""
+        """Come in if there is room at the entrance. Return whether they did."""
         self._stage.place_machines()
         entrance, radius, source = self._entrance, self.walker.human.radius, self._entry.source
         at = self._crowd.room(entrance, radius, self.walker.traveller, within=AT_THE_DOOR)
@@ -285,7 +285,7 @@ class Person:
         return True
 
     def _come_or_go(self, is_there: bool, at: Point | None = None) -> None:
-        """Be on the floor from now on, or not any more."""
+        """Enter or leave the floor."""
         now, kind = self._clock.now, Entered if is_there else Left
         if is_there:
             self.stays.append((now, math.inf))
@@ -295,23 +295,23 @@ class Person:
 
     @property
     def away(self) -> bool:
-        """Whether they are not on the floor: not yet, or not any more."""
+        """Whether they are absent: not yet on the floor, or no longer."""
         return not self.stays or self.stays[-1][1] < math.inf
 
     @property
     def left_at(self) -> float | None:
-        """When they left the floor (s), None if they have not, or have come again."""
+        """Time at which they left the floor (s). None if they have not, or have returned."""
         left = self.stays[-1][1] if self.stays else math.inf
         return None if left == math.inf else left
 
     def _arrived(self, goal: Point) -> None:
-        """Take note that a goal is reached; at their sink people leave the floor."""
+        """Handle the arrival at a goal. At the sink, leave the floor."""
         self._errand.arrived(goal)
         if self._sink is not None and goal == self._sink:
             self._leave()
 
     def _leave(self) -> None:
-        """Leave the floor, once the door is open, if they are at it."""
+        """Leave the floor if they are at the sink and its door is open."""
         at, sink = self.body.at, self._sink
         if sink is None or self.away or math.dist(at, sink) > AT_THE_DOOR:
             return
@@ -324,12 +324,12 @@ class Person:
 
     @property
     def body(self) -> Body:
-        """Their body."""
+        """Body of the person."""
         return self.walker.body
 
     @property
     def reaction_time(self) -> float:
-        """Seconds from when they see something until they perceive it."""
+        """Time between seeing and perceiving (s)."""
         return 0.0 if self._eyes is None else self._eyes.reaction_time
 
     def sees(self, machine: Machine) -> bool:
@@ -343,21 +343,21 @@ class Person:
 
     @property
     def is_recorded(self) -> bool:
-        """True of somebody who walks as they were measured."""
+        """Whether they follow a recorded walk."""
         return self._playback is not None
 
     @property
     def visits(self) -> list[str]:
-        """The stations where they arrived, in order."""
+        """Stations reached, in order."""
         return self._errand.visits
 
     def change_personality(self, personality: str | Path | bdi.Program) -> None:
-        """From this instant on, let another program decide: a name, an .asl file, or a program.
+        """Run another program from now on, given by name, as an .asl file or as a program.
 
-        The errand under way is dropped: the person stands until the new mind acts. It
-        believes what every mind does at the start, and where the person is going; percepts count
-        on. `TrialError` or `bdi.ProgramError` if there is no such program, `ValueError` if
-        the person has no mind of their own.
+        The current errand ends, and the person stands until the new mind acts. The new mind has the
+        initial beliefs, and those about the patrol. Percepts continue to be counted. Raises
+        `TrialError` or `bdi.ProgramError` if there is no such program, and `ValueError` if the
+        person has no agent.
         """
         if not isinstance(self.mind, bdi.Agent):
             raise UserError(f"{self.name} is controlled from outside")
@@ -377,7 +377,7 @@ class Person:
         self._regard.belong_to(self.mind)
 
     def give_up(self) -> None:
-        """Drop the errand under way, and the task."""
+        """End the errand and the interaction, and give the task back."""
         self._errand.give_up()
         self._attention.give_up()
         if self.worker is not None:
@@ -389,17 +389,17 @@ class Person:
 
         `waits_for(Who)`: who keeps them from going on now.
         """
-        found = {} if self.worker is None else self.worker.beliefs()
+        about_work = {} if self.worker is None else self.worker.beliefs()
 
         def waits_for() -> list[tuple[bdi.Term, ...]]:
             who = self._crowd.waits_for(self.walker.traveller)
             return [] if who is None else [(as_term(who),)]
 
-        return {**found, ("waits_for", 1): waits_for}
+        return {**about_work, ("waits_for", 1): waits_for}
 
     @commands
     def start(self) -> None:
-        """Begin; a second time does nothing."""
+        """Start, unless they have started before."""
         if self.started_at is None:
             self.started_at = self._clock.now
             self._stage.record(HumanStarted(person=self.name))
@@ -412,10 +412,10 @@ class Person:
             self._regard.start()
 
     def warn(self, percept: str, machine: Machine) -> None:
-        """Perceive `percept`, the referee's warning about `machine`.
+        """Perceive `percept`, the warning of the referee about `machine`.
 
-        After a violation the person is put home even if the mind does not do so by itself: that
-        is enforced once the mind has thought about it (`Turn.INSISTENCE`).
+        After a violation the person is put home (`Turn.INSISTENCE`), unless the mind has done so
+        in its next thought.
         """
         is_robot = machine.shape.category == "robot"
         if is_robot:
@@ -427,24 +427,22 @@ class Person:
             self._enforcing.set(self._senses.thinks_at)
 
     def heeds(self, percept: str) -> bool:
-        """Return whether the mind heeds a percept about another person."""
+        """Return whether the mind responds to a percept about another person."""
         return self._regard.heeds(percept)
 
     def perceive(self, percept: str, who: str) -> None:
-        """Perceive something about another person, if the mind heeds it."""
+        """Add a percept about another person if the mind responds to it."""
         self._regard.perceive(percept, who)
 
     def floor_changed(self, came: Collection[str]) -> None:
-        """See whether the path is still free: a machine has come to rest on the floor."""
+        """Check the path after a change of the floor. `came` are the names of new obstacles."""
         self._errand.floor_changed(came)
 
     @commands
     def act(self, action: bdi.Literal) -> bool | bdi.Refused:
-        """Carry out an external action of the agent; return True if it could be.
+        """Carry out an external action of the agent. Return True, or False or the reason.
 
-        Where it could not, the outcome has the reason, if there is one.
-
-        `MindError`, with its place in the program, if it makes no sense.
+        Raises `MindError`, with the location in the program, if the action is invalid.
         """
         try:
             self._count_at_once()
@@ -458,16 +456,16 @@ class Person:
             raise
 
     def send(self, to: Point) -> bool:
-        """Walk to a place, or near it, as if they had decided to; return whether they set out.
+        """Walk to a place or near it. Return whether they set out.
 
-        Who is not on the floor, has not begun or walks as they were measured doesn't.
+        Recorded people, and people who are absent or have not started, never do.
         """
         here = self.started_at is not None and not (self.away or self.is_recorded)
         return here and self._actions.go_near(to)
 
     @property
     def put_home_at(self) -> float | None:
-        """Instant at which they were last put home (seconds)."""
+        """Time of the last teleport home (s), or None."""
         return self._actions.put_home_at
 
     @commands
@@ -484,7 +482,7 @@ class Person:
         return self._referee.penalise(self)
 
     def wake(self) -> None:
-        """Let the mind think earlier than expected, if a message gives it something to do."""
+        """Schedule the next activity of the mind, for example after a message."""
         if self.mind.next_wakeup is not None:
             self._senses.think_by(self.mind.next_wakeup)
 

@@ -35,34 +35,34 @@ from .tracks.recorded_walks import RecordedWalk, with_places
 from .work import WorkBoard
 
 MOST_PATHS = 256
-"""Number of paths that people of a size keep in mind: patrols ask for the same ones all day."""
+"""Number of cached paths per planner. Patrols repeat the same queries."""
 
 GROUP_PACE = 0.85
-"""Share of the top speed of the slowest of a group at which it walks, so that who has fallen
-behind can catch up."""
+"""Speed of a group as a share of the lowest top speed, so that people who fall behind can catch
+up."""
 
 SEEDS = 2**32 - 1
-"""Number of seeds that OMPL tells apart."""
+"""Number of different seeds of OMPL."""
 
 
 class _Society(bdi.Society):
-    """The minds of a company, which notes who is spoken to while somebody thinks."""
+    """Society of the minds, which records the receivers of messages during a thought."""
 
     def __init__(self) -> None:
         super().__init__()
         self.spoken_to: set[str] = set()
 
     def deliver(self, name: str, message: bdi.Message) -> None:
-        """Give `message` to the mind called `name`; `ActionError` if there is none."""
+        """Deliver `message` to the mind called `name`. Raises `ActionError` if there is none."""
         super().deliver(name, message)
         self.spoken_to.add(name)
 
 
 class Population:
-    """The people of a scenario on a stage: they share planners by size, and can hear each other.
+    """People of a scenario on a stage, with the planners and the society that they share.
 
-    Those who were recorded walk their `walks`, by name.
-    Their thoughts are kept in `thoughts`, and passed to `listener`, if it `wants_thoughts`.
+    Recorded people follow their `walks`, by name. Thoughts are collected in `thoughts` and passed
+    to `listener` if it `wants_thoughts`.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Population:
         self._society = _Society()
         self._inspectors: dict[str, MindInspector] = {}
         self._attentive: list[Person] | None = None
-        """Those whose minds heed that somebody has left, once it has been asked for."""
+        """People whose minds respond to `has_left`. Computed when the first person leaves."""
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
         self._board = board
         self.people: list[Person] = []
@@ -122,10 +122,10 @@ class Population:
             self.people.append(person)
         self._named = {person.name: person for person in self.people}
         self.distancing: Distancing | None = None
-        """The watch on the distance between people, if the rules want one."""
+        """Monitor of the distances between people, if the rules require one."""
 
     def begin(self) -> None:
-        """Let people wait for their start, and work appear."""
+        """Schedule the starts of people and the appearance of work."""
         if self._crowd.is_shared:
             self._stage.triggers.each("met", self._perceive_meeting)
             self._stage.triggers.each("gave_way", self._perceive_request)
@@ -155,19 +155,19 @@ class Population:
 
     @property
     def deadlocks(self) -> int:
-        """Number of times that nobody under way could go on because of the others."""
+        """Number of times that no walking person could continue because of the others."""
         return self._crowd.deadlocks
 
     def _planner(self, person: str, radius: float, choice: PlannerChoice) -> PathPlanner:
-        """Return the one planner for all people of a size who plan alike: to share its paths."""
+        """Return the planner shared by people of the same radius, world and choice of planner."""
         world = self._stage.world_of(person)
-        known = self._planners.get((world, radius, choice))
-        if known is None:
+        planner = self._planners.get((world, radius, choice))
+        if planner is None:
             stage, seed = self._stage, self._scenario.seed % SEEDS
-            found = find_planner(choice, stage.code_folder)
-            known = PathPlanner(world, radius, planner=found, seed=seed, keep=MOST_PATHS)
-            self._planners[world, radius, choice] = known
-        return known
+            loaded = find_planner(choice, stage.code_folder)
+            planner = PathPlanner(world, radius, planner=loaded, seed=seed, keep=MOST_PATHS)
+            self._planners[world, radius, choice] = planner
+        return planner
 
     def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:
         self._attentive = None
@@ -199,7 +199,7 @@ class Population:
         self._listener.thought(thought)
 
     def _thought(self, person: Person) -> None:
-        """Record the changes that a thought has made, and wake those who were spoken to."""
+        """Record the changes made by a thought, and wake the receivers of its messages."""
         inspector = self._inspectors.get(person.name)
         if inspector is not None and isinstance(person.mind, bdi.Agent):
             inspector.look(rounded(self._stage.clock.now), person.mind)
@@ -212,7 +212,7 @@ class Population:
                 listener.wake()
 
     def _note(self, person: str, entry: bdi.Entry) -> None:
-        """Pass an entry to the inspector, and record a warning for the program's author."""
+        """Pass an entry to the inspector, and record warnings."""
         if person in self._inspectors:
             self._inspectors[person].note(entry)
         if entry.kind == "warning":
@@ -221,7 +221,7 @@ class Population:
 
 
 def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
-    """Return the place of somebody among those who walk with the same one, if they do."""
+    """Return the place of a person in a group, or None."""
     leader = scenario.leader(entry)
     if leader is None:
         return None
@@ -229,16 +229,16 @@ def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
 
 
 def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None = None) -> Human:
-    """Return the measures of a person: their own, else those of the floor.
+    """Return the measures of a person, by default `usual`.
 
-    A recorded `walk` may be faster: machines have to reckon with that.
+    The top speed is at least that of a recorded `walk`, because machines rely on it.
     """
-    given = {
+    measures = {
         name: getattr(entry, name)
         for name in ("radius", "max_speed", "max_acceleration")
         if getattr(entry, name) is not None
     }
-    human = replace(usual, **given) if given else usual
+    human = replace(usual, **measures) if measures else usual
     if walk is None:
         return human
     return replace(human, max_speed=max(human.max_speed, walk.top_speed))

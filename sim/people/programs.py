@@ -1,4 +1,4 @@
-"""Programs, internal actions and planners of people: find, load, and name them."""
+"""Programs, internal actions and planners of people: finding, loading and naming them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from ..core.scenario import PersonEntry, Scenario, TrialError
 
 
 def _registered(definition: Definition) -> list[str]:
-    """Return the names under which the decorators of a function register it."""
+    """Return the names under which decorators register a function."""
     if not isinstance(definition, ast.FunctionDef):
         return []
     return [
@@ -53,25 +53,25 @@ ACTIONS = Kind(
     words='function with @actions.add("name") or @actions.function("name"), as own actions are',
     accepts=callable,
 )
-"""The kind of module that a program of a person may use."""
+"""Kind of modules with internal actions for programs of people."""
 
 
 def modules_of(of_person: str | None, of_trial: str | None) -> tuple[str, ...]:
-    """Return the modules with actions that a person and the trial name; the person's go before."""
+    """Return the modules with actions of a trial and a person, in this order."""
     return tuple(dict.fromkeys(name for name in (of_trial, of_person) if name is not None))
 
 
 def sources_of(
     personality: str | bdi.Program | Path, modules: Sequence[str], folder: CodeFolder
 ) -> list[CustomCode]:
-    """Return the modules with the actions that a person's program may use; none is imported.
+    """Return the modules with actions for the program of a person, without importing them.
 
-    They are `modules`, right in `folder`, and those beside a program `NAME/NAME.asl`. Of two
-    actions of one name the later counts.
-    `OwnCodeError` says what is missing, or that own code is refused.
+    They are `modules` in `folder`, and the modules beside a program `NAME/NAME.asl`. If two actions
+    have the same name, the later one counts. Raises `OwnCodeError` if a module is missing or custom
+    code is not allowed.
     """
-    found = [folder.find_module(module, ACTIONS) for module in modules]
-    for source in found:
+    sources = [folder.find_module(module, ACTIONS) for module in modules]
+    for source in sources:
         if not _names_in(source):
             raise OwnCodeError(f"{source.name!r} has no {ACTIONS.words}")
     program = _file_of(personality, folder.path)
@@ -80,8 +80,8 @@ def sources_of(
         for file in sorted(place.glob("*.py")):
             source = CustomCode(folder=place, module=file.stem, file=file, kind=ACTIONS)
             if _names_in(source):
-                found.append(replace(folder, path=place).find_module(file.stem, ACTIONS))
-    return found
+                sources.append(replace(folder, path=place).find_module(file.stem, ACTIONS))
+    return sources
 
 
 def names_of(sources: Sequence[CustomCode]) -> frozenset[str]:
@@ -90,17 +90,17 @@ def names_of(sources: Sequence[CustomCode]) -> frozenset[str]:
 
 
 def import_actions(sources: Sequence[CustomCode]) -> bdi.InternalActions:
-    """Return the actions and functions in some modules, which are imported.
+    """Import modules and return their actions and functions.
 
-    `OwnCodeError` if that fails.
+    Raises `OwnCodeError` if that fails.
     """
-    found = bdi.InternalActions()
+    actions = bdi.InternalActions()
     for source in sources:
         for value in vars(source.load()).values():
             if isinstance(value, bdi.InternalActions):
-                found.update(value)
-                found.functions.update(value.functions)
-    return found
+                actions.update(value)
+                actions.functions.update(value.functions)
+    return actions
 
 
 def _file_of(personality: str | bdi.Program | Path, folder: Path) -> Path | None:
@@ -118,16 +118,13 @@ def _names_in(source: CustomCode) -> list[str]:
 
 
 EXTERNAL = "external"
-"""The personality of a person who runs no program, but is commanded from outside; likewise the
-controller of a gantry."""
+"""Personality of a person, or controller of a gantry, commanded from outside."""
 
 
 def find_program(personality: str, folder: Path) -> str | Path:
-    """Return the name of a built-in personality, or the path of an .asl file seen from `folder`.
+    """Return the name of a built-in personality, or the path of an .asl file in `folder`.
 
-    A folder NAME stands for the program NAME/NAME.asl.
-
-    `TrialError` says what there is.
+    A folder NAME contains the program NAME/NAME.asl. Raises `TrialError` with the existing names.
     """
     if personality in bdi.programs():
         return personality
@@ -137,9 +134,9 @@ def find_program(personality: str, folder: Path) -> str | Path:
     if is_file(path):
         return path
     beside = sorted(path.parent.glob("*.asl")) if is_there(path.parent) else ()
-    known = (*bdi.programs(), EXTERNAL, *(one.name for one in beside))
+    names = (*bdi.programs(), EXTERNAL, *(one.name for one in beside))
     message = f"no personality and no .asl file is called {personality!r};"
-    raise TrialError("personality", [Problem(f"{message} {suggestion(path.name, known)}")])
+    raise TrialError("personality", [Problem(f"{message} {suggestion(path.name, names)}")])
 
 
 def load_program(
@@ -147,10 +144,10 @@ def load_program(
     folder: CodeFolder,
     modules: Sequence[str] = (),
 ) -> bdi.Program | None:
-    """Return the program of a personality; None for somebody who runs none (`EXTERNAL`).
+    """Return the program of a personality, or None for `EXTERNAL`.
 
-    It may use the internal actions in `modules`, of which nothing is imported here.
-    Raises what `find_program` and `sources_of` do, and `bdi.ProgramError`.
+    It may use the internal actions in `modules`, which are not imported. Raises the errors of
+    `find_program` and `sources_of`, and `bdi.ProgramError`.
     """
     if personality == EXTERNAL:
         return None
@@ -161,7 +158,7 @@ def load_program(
 
 
 def in_group(program: bdi.Program) -> bdi.Program:
-    """Return the program of somebody who walks with the leader of a group: that goes first."""
+    """Return a program preceded by the program of groups."""
     group = bdi.load("group")
     return replace(
         program,
@@ -171,9 +168,10 @@ def in_group(program: bdi.Program) -> bdi.Program:
 
 
 class Programs:
-    """Programs that the people of a scenario run: each is loaded once, whoever runs it.
+    """Programs of the people of a scenario, each loaded once.
 
-    Its methods raise what `load_program` does, and `OwnCodeError` if actions can't be imported.
+    The methods raise the errors of `load_program`, and `OwnCodeError` if the import of actions
+    fails.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -181,15 +179,15 @@ class Programs:
         self._load = cache(self._loaded)
 
     def of(self, entry: PersonEntry) -> tuple[bdi.Program, bdi.InternalActions | None]:
-        """Return the program of a person, and the actions of the user's own that it may use.
+        """Return the program of a person and its custom actions.
 
-        `ValueError` for somebody who runs none.
+        Raises `ValueError` for a person without a program.
         """
         is_led = self._scenario.leader(entry) is not None
         return self._load(entry.personality, entry.actions, is_led)
 
     def with_changes(self, entry: PersonEntry) -> PersonEntry:
-        """Return the person with the programs themselves of the personalities that come later."""
+        """Return the person with programs in place of the names of later personalities."""
         if not entry.changes:
             return entry
         changes = [
@@ -211,9 +209,9 @@ class Programs:
 
 
 def written_personality(personality: str | bdi.Program, folder: Path) -> str:
-    """Return the name by which a personality is found again from `folder`.
+    """Return the name of a personality relative to `folder`.
 
-    `ValueError` if it is a program of no file, or of one that has changed since.
+    Raises `ValueError` if it is a program without a file, or if the file has changed since.
     """
     if isinstance(personality, str):
         return personality
@@ -226,9 +224,10 @@ def written_personality(personality: str | bdi.Program, folder: Path) -> str:
 
 @lru_cache(maxsize=1024)
 def _try_out(program: bdi.Program, own: frozenset[str]) -> None:
-    """Refuse what nobody can begin with, as internal actions that aren't there or among `own`.
+    """Reject a program that cannot start, for example because of unknown internal actions.
 
-    That takes as long as a person's mind at the start, and a study loads programs for each row.
+    `own` are the names of custom actions. The check is cached, because it takes as long as the
+    construction of an agent.
     """
     actions = bdi.InternalActions({name: InternalAction(lambda call, *a: True) for name in own})
     actions.functions.update(dict.fromkeys(own, lambda *numbers: 0.0))
@@ -241,37 +240,37 @@ _Made = TypeVar("_Made", bound=Scenario)
 PLANNER = Kind(
     noun="planner",
     words="planner: a planner is a subclass of ompl.base.Planner",
-    accepts=lambda found: inspect.isclass(found) and issubclass(found, ob.Planner),
+    accepts=lambda value: inspect.isclass(value) and issubclass(value, ob.Planner),
     error=PlannerError,
 )
-"""The kind of class that a trial names as a planner."""
+"""Kind of classes of custom planners."""
 
 
 def planner_of(entry: PersonEntry, scenario: Scenario) -> PlannerChoice:
-    """Return the planner that finds a person's paths: their own, else the trial's."""
+    """Return the planner of a person, by default that of the trial."""
     return scenario.planner if entry.planner is None else entry.planner
 
 
 def with_planner(scenario: _Made, planner: PlannerChoice | str) -> _Made:
-    """Return the same scenario in which everybody has this planner."""
+    """Return the scenario with this planner for all people."""
     choice = PlannerChoice.of(planner)
     planner_source(choice, scenario.code_folder)
     return replace(scenario, planner=choice).with_people(lambda one: replace(one, planner=None))
 
 
 def find_planner(choice: PlannerChoice, folder: CodeFolder) -> PlannerChoice:
-    """Return `choice`, ready to be asked: one of the user's own, in `folder`, is imported.
+    """Return `choice` with the class of a custom planner, imported from `folder`.
 
-    `PlannerError` says what is missing.
+    Raises `PlannerError` if it is missing.
     """
     source = planner_source(choice, folder)
     return choice if source is None else _checked(replace(choice, kind=source.load()))
 
 
 def planner_source(choice: PlannerChoice, folder: CodeFolder) -> CustomCode | None:
-    """Return the source of a planner of the user's own, which is not imported; None for others.
+    """Return the source of a custom planner without importing it, or None for other planners.
 
-    `PlannerError` if it is not there, or if its parameters are none that every planner has.
+    Raises `PlannerError` if it is missing, or if it has parameters that planners do not have.
     """
     _checked(choice)
     if not choice.is_own or choice.kind is not None:

@@ -1,4 +1,4 @@
-"""Work of people: the task board of a trial, and a person's tasks, shifts and breaks."""
+"""Work of people: the board of tasks of a trial, and the tasks, shifts and breaks of a person."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ Call = Callable[[], None]
 
 @dataclass(eq=False)
 class Ticket:
-    """A task that is there to be done, once: its `id` counts all tickets of the trial.
+    """One execution of a task. `id` counts all tickets of the trial.
 
-    `number` is that of the task on its list; those of breaks are negative. `left` are the seconds
-    that it still takes at the usual pace. `begun` is the time at which somebody first set to work.
+    `number` is the number of the task on its list, negative for breaks. `left` is the remaining
+    time at the usual pace (s), and `begun` the time at which work on it first began (s).
     """
 
     id: int
@@ -53,18 +53,17 @@ class Ticket:
 
     @property
     def urgency(self) -> tuple[bool, int, float]:
-        """What puts it in order: breaks, then by priority, then the oldest first."""
+        """Sort key: breaks first, then by priority, then by age."""
         return (not self.is_break, -self.task.priority, self.since)
 
 
 class WorkBoard:
-    """The tickets of a scenario: those of its lists, and those of each person alone.
+    """Tickets of a scenario: those of its lists, and those of single people.
 
-    At a station there is room for one: while somebody has a task there, no other one is offered.
-    Of those who could take a new ticket, the nearest are called first.
+    While a person has a task at a station, other tasks there are not offered. The nearest people
+    who can take a new ticket are called first.
 
-    How long each takes is drawn from the seed, by list and number: whoever does it, and whatever
-    else happens, it is the same.
+    Durations are drawn by seed, list and number, so that they depend on nothing else.
     """
 
     def __init__(self, scenario: Scenario, clock: Clock) -> None:
@@ -76,23 +75,23 @@ class WorkBoard:
         self._busy: set[str] = set()
         self._tickets = 0
         self._drawn: dict[tuple[str, int], int] = {}
-        self._repeats = {name for name, held in scenario.work.items() if held.repeat}
+        self._repeats = {name for name, tasks in scenario.work.items() if tasks.repeat}
 
     def call(self, name: str, body: Body, called: Call) -> None:
-        """Call `called`, for who walks as `body`, when there may be more to do on list `name`."""
+        """Call `called` for the person with `body` when list `name` may offer a task."""
         self._called.setdefault(name, []).append((body, called))
 
     def begin(self) -> None:
-        """Let tickets appear from now on, each at its time."""
-        for name, held in self._scenario.work.items():
-            self._release(name, held)
+        """Schedule the appearance of all tickets."""
+        for name, tasks in self._scenario.work.items():
+            self._release(name, tasks)
         for person in self._scenario.people:
             own = own_list(person.name)
             self._release(own, WorkList(person.schedule))
             self._release(own, WorkList(person.breaks), breaks=True)
 
-    def _release(self, name: str, held: WorkList, *, breaks: bool = False) -> None:
-        for k, task in enumerate(held.tasks):
+    def _release(self, name: str, work: WorkList, *, breaks: bool = False) -> None:
+        for k, task in enumerate(work.tasks):
             number = -1 - k if breaks else k
             self._wait_for(task.time, 1, name, number, task, breaks)
 
@@ -126,13 +125,13 @@ class WorkBoard:
         self._notify([ticket])
 
     def offers(self, lists: list[str], person: str, at: Point) -> list[Ticket]:
-        """Return the tickets on `lists` that `person`, who is `at`, could take.
+        """Return the tickets on `lists` that `person` at `at` can take, the most urgent first.
 
-        The most urgent come first: breaks, then by priority, then the oldest, then the nearest.
+        Equally urgent tickets are sorted by distance.
         """
-        found = [one for name in lists for one in self._open.get(name, ())]
+        tickets = [ticket for name in lists for ticket in self._open.get(name, ())]
         return sorted(
-            (one for one in found if one.task.at not in self._busy and person not in one.refused),
+            (one for one in tickets if one.task.at not in self._busy and person not in one.refused),
             key=lambda one: (*one.urgency, math.dist(one.at, at), one.id),
         )
 
@@ -147,42 +146,44 @@ class WorkBoard:
         self._leave(ticket.task.at)
 
     def done(self, ticket: Ticket) -> None:
-        """Take note that the task of a ticket is done: on some lists it is there again."""
+        """Complete a ticket. On repeated lists a new one appears."""
         self._leave(ticket.task.at)
         if ticket.list in self._repeats:
             self._put(ticket.list, ticket.number, ticket.task, ticket.is_break)
 
     def _leave(self, station: str) -> None:
-        """Take note that nobody has a task at `station` any more."""
+        """Release a station, and notify people about its most urgent ticket."""
         self._busy.discard(station)
-        waiting = [one for held in self._open.values() for one in held if one.task.at == station]
+        waiting = [
+            one for tickets in self._open.values() for one in tickets if one.task.at == station
+        ]
         self._notify(sorted(waiting, key=lambda one: one.urgency)[:1])
 
     def _notify(self, tickets: list[Ticket]) -> None:
-        """Call those who could take one of `tickets`, the nearest to it first."""
+        """Call the people who can take one of `tickets`, the nearest first."""
         for ticket in tickets:
-            known = self._called.get(ticket.list, [])
-            for _, called in sorted(known, key=lambda one: math.dist(one[0].at, ticket.at)):
+            callbacks = self._called.get(ticket.list, [])
+            for _, called in sorted(callbacks, key=lambda one: math.dist(one[0].at, ticket.at)):
                 called()
 
 
 def own_list(person: str) -> str:
-    """Return the name of the list of what is there for a person alone; no list is called so."""
+    """Return the name of the list of a single person, which no other list has."""
     return f"of {person}"
 
 
 REACH = 1.5
-"""Metres. So near to a station its tasks can be done: somebody else may stand right on it."""
+"""Maximum distance (m) from a station at which its tasks can be done."""
 
 SLOWEST, FASTEST = 0.1, 10.0
-"""Least and greatest pace of work."""
+"""Minimum and maximum pace of work."""
 
 
 class Worker:
-    """The work of one person, who walks as `body` and takes tickets from a `board`.
+    """Work of one person, who takes tickets from a `board`.
 
-    There are offers for whoever has started and is on shift; one task is taken at a time. What
-    comes of it is perceived: `work_offered`, `task_done`, `shift_began`, `shift_ended`.
+    Tasks are offered after the start, during shifts. A person has at most one task. Percepts are
+    `work_offered`, `task_done`, `shift_began` and `shift_ended`.
     """
 
     def __init__(
@@ -216,7 +217,7 @@ class Worker:
             board.call(name, body, self._offered)
 
     def start(self) -> None:
-        """Begin to work: the person has started."""
+        """Begin to work, and schedule the shifts."""
         now = self._started = self._clock.now
         for begin, end in self._shifts:
             if end > now:
@@ -225,7 +226,7 @@ class Worker:
 
     @property
     def on_shift(self) -> bool:
-        """Whether tasks are offered to them now."""
+        """Whether tasks are offered now."""
         if self._started is None:
             return False
         now = self._clock.now
@@ -233,20 +234,20 @@ class Worker:
 
     @property
     def offers(self) -> list[Ticket]:
-        """The tickets that they could take now, the most urgent first."""
+        """Tickets that the person can take now, the most urgent first."""
         here = self._body.at
         return self._board.offers(self._lists, self._name, here) if self.on_shift else []
 
     @property
     def time_working(self) -> float:
-        """How long (s) they have worked, without breaks."""
+        """Time worked without breaks (s)."""
         doing = self.doing
         under_way = self._since is not None and doing is not None and not doing.is_break
         return self._worked + (self._clock.now - (self._since or 0.0) if under_way else 0.0)
 
     @property
     def throughput(self) -> float | None:
-        """Tasks done in an hour on shift, None before there was any time for it."""
+        """Tasks per hour on shift, or None before the first shift."""
         if self._started is None:
             return None
         now = self._clock.now
@@ -283,7 +284,7 @@ class Worker:
     # Actions
 
     def take(self, number: float) -> bool:
-        """Take on the task that is offered under this number; False if none is, or with a task."""
+        """Take the offered task with this number. Return False if there is none, or if busy."""
         for ticket in self.offers if self.doing is None else ():
             if ticket.id == number:
                 self._board.take(ticket)
@@ -293,7 +294,7 @@ class Worker:
         return False
 
     def begin(self) -> bool:
-        """Set to work; False without a task, or out of reach of its station."""
+        """Begin work. Return False without a task, or out of reach of its station."""
         ticket = self.doing
         if ticket is None:
             return False
@@ -308,7 +309,7 @@ class Worker:
         return True
 
     def pause(self) -> None:
-        """Leave the task that is under way, if one is; it is still theirs."""
+        """Interrupt the current task without giving it back."""
         ticket = self.doing
         if ticket is None or self._since is None:
             return
@@ -316,7 +317,7 @@ class Worker:
         self._record(TaskPaused(**self._facts(ticket), left=ticket.left))
 
     def give_back(self) -> bool:
-        """Give the task back, for others or for later; False without one."""
+        """Give the task back to the board. Return False without a task."""
         self.pause()
         ticket = self.doing
         if ticket is None:
@@ -327,7 +328,7 @@ class Worker:
         return True
 
     def refuse(self, number: float) -> bool:
-        """Have a task that is offered under this number not offered again; False if none is."""
+        """Reject the offered task with this number for good. Return False if there is none."""
         for ticket in self.offers:
             if ticket.id == number:
                 ticket.refused.add(self._name)
@@ -336,7 +337,7 @@ class Worker:
         return False
 
     def work_pace(self, pace: float) -> bool:
-        """Work `pace` times as fast as usual from now on; False beyond 0.1 … 10."""
+        """Work `pace` times as fast as usual. Return False outside 0.1 to 10."""
         if not SLOWEST <= pace <= FASTEST:
             return False
         ticket = self.doing
@@ -348,7 +349,7 @@ class Worker:
         return True
 
     def _stop(self, ticket: Ticket) -> None:
-        """Stop the work under way, and count it."""
+        """Interrupt the work, and add up the time."""
         assert self._since is not None
         spent = self._clock.now - self._since
         ticket.left = max(0.0, ticket.left - spent * self._pace)
