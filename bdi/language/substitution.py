@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import cmp_to_key
 from itertools import count
 from types import MappingProxyType
-from typing import TypeAlias, overload
+from typing import NamedTuple, TypeAlias, overload
 
 from .operations import (
     Arithmetic,
@@ -80,28 +80,32 @@ def _sign(one: float | str, other: float | str) -> int:
 
 def _compare_structures(one: Term, other: Term) -> int:
     # Terms without parts, such as plans, are sorted by their text.
-    mine, theirs = _parts(one), _parts(other)
+    mine, theirs = _structure(one), _structure(other)
     if mine is None or theirs is None:
         return _sign(text(one), text(other))
     return (
-        _sign(mine[0], theirs[0])
-        or _sign(mine[1], theirs[1])
-        or _compare_each(mine[2], theirs[2])
-        or _compare_each(mine[3], theirs[3])
+        _sign(mine.functor, theirs.functor)
+        or _sign(mine.negated, theirs.negated)
+        or _compare_each(mine.args, theirs.args)
+        or _compare_each(mine.annots, theirs.annots)
     )
 
 
-_Parts: TypeAlias = tuple[str, bool, tuple[Term, ...], tuple[Term, ...]]
+class _Structure(NamedTuple):
+    functor: str
+    negated: bool
+    args: tuple[Term, ...]
+    annots: tuple[Term, ...]
 
 
-def _parts(term: Term) -> _Parts | None:
-    """Return functor, negation, arguments and annotations of a structure, or None."""
+def _structure(term: Term) -> _Structure | None:
+    """Return the parts by which a structure is sorted, or None for other terms."""
     if isinstance(term, Literal):
-        return term.functor, term.negated, term.args, term.annots
+        return _Structure(term.functor, term.negated, term.args, term.annots)
     if isinstance(term, Relation):
-        return f" {term.symbol} ", False, term.operands, ()
+        return _Structure(f" {term.symbol} ", False, term.operands, ())
     if isinstance(term, Function | Arithmetic):
-        return term.symbol, False, term.operands, ()
+        return _Structure(term.symbol, False, term.operands, ())
     return None
 
 

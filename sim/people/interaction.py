@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from typing import NamedTuple
 
 from floorplan import Point
 from floorplan.files.problems import suggestion
@@ -46,6 +47,15 @@ class NobodyError(LookupError):
     """Error for the name of an unknown person."""
 
 
+class _Passing(NamedTuple):
+    """Person let pass, the goal afterwards, and the earliest and latest time to continue (s)."""
+
+    other: Traveller
+    goal: Point
+    earliest: float
+    latest: float
+
+
 class Interaction:
     """Interaction of a person with another one, until the next action.
 
@@ -70,8 +80,7 @@ class Interaction:
         self._aim: Aim | None = None
         self._watched: set[Traveller] = set()
         self._moved_at = -math.inf
-        self._passing: tuple[Traveller, Point, float, float] | None = None
-        """The person let pass, the next goal, and the earliest and latest time to continue (s)."""
+        self._passing: _Passing | None = None
         self._turning = Alarm(stage.clock, self._turn, Turn.NOTICE)
         self._going_on = Alarm(stage.clock, self._go_on, Turn.NOTICE)
 
@@ -111,7 +120,7 @@ class Interaction:
             return True
         now = self._clock.now
         patience = self._walker.traveller.manners.patience
-        self._passing = (other, goal, now + AT_LEAST, now + max(patience, AT_LEAST))
+        self._passing = _Passing(other, goal, now + AT_LEAST, now + max(patience, AT_LEAST))
         self._watch(other)
         self._wait_for_passing()
         return True
@@ -144,7 +153,7 @@ class Interaction:
 
     def _go_on(self) -> None:
         if self._passing is not None:
-            goal, self._passing = self._passing[1], None
+            goal, self._passing = self._passing.goal, None
             self._errand.go_on(goal)
 
     # Walking with or to another person
@@ -167,7 +176,7 @@ class Interaction:
 
     def _changed(self, other: Traveller) -> None:
         """Schedule the reaction to a change of course of `other`."""
-        if self._passing is not None and other is self._passing[0]:
+        if self._passing is not None and other is self._passing.other:
             self._wait_for_passing()
         if other is self._other and self._is_away(other):
             self.give_up()
