@@ -152,10 +152,10 @@ class Errand:
             self._check_wait(self._waits_for, came)
             return
         goal = self._walker.goal
-        trouble = self._walker.check_path(came)
-        if trouble is None or goal is None:
+        failure = self._walker.check_path(came)
+        if failure is None or goal is None:
             return
-        at_the_goal = trouble.reason == "goal_blocked"
+        at_the_goal = failure.reason == "goal_blocked"
         if not (at_the_goal and self._wait_beside(goal)):
             self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
 

@@ -181,7 +181,7 @@ class Person:
         enters_at = entry.entrance_on(stage.floorplan) if walk is None else walk.enters_at
         self._entrance = enters_at or at
         self.stays: list[tuple[float, float]] = [] if enters_at else [(0.0, math.inf)]
-        """Intervals (s) on the floor. The last one is infinite until they leave."""
+        """Intervals on the floor, s. The last one is infinite until the person leaves."""
         self.is_awaited = enters_at is not None
         """Whether they are absent at the start."""
         self._index = index
@@ -333,12 +333,12 @@ class Person:
         return 0.0 if self._eyes is None else self._eyes.reaction_time
 
     def sees(self, machine: Machine) -> bool:
-        """Return whether they can see `machine` now."""
+        """Return whether the person can see `machine` now."""
         return self._eyes is None or self._eyes.see(machine)
 
     @property
     def radius(self) -> float:
-        """Radius of their body in metres."""
+        """Radius of the body in metres."""
         return self.walker.human.radius
 
     @property
@@ -385,10 +385,7 @@ class Person:
 
     @property
     def beliefs(self) -> LiveBeliefs:
-        """What they always know about their work, if there is any, and about who is in the way.
-
-        `waits_for(Who)`: who keeps them from going on now.
-        """
+        """Live beliefs about work, and `waits_for(Who)` about the person who blocks the way."""
         about_work = {} if self.worker is None else self.worker.beliefs()
 
         def waits_for() -> list[tuple[bdi.Term, ...]]:
@@ -460,8 +457,8 @@ class Person:
 
         Recorded people, and people who are absent or have not started, never do.
         """
-        here = self.started_at is not None and not (self.away or self.is_recorded)
-        return here and self._actions.go_near(to)
+        can_go = self.started_at is not None and not (self.away or self.is_recorded)
+        return can_go and self._actions.go_near(to)
 
     @property
     def put_home_at(self) -> float | None:

@@ -1,4 +1,4 @@
-"""All people of a trial, and what their minds share."""
+"""All people of a trial, and what their agents share."""
 
 from __future__ import annotations
 

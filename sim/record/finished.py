@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from floorplan import UserError
 from navigation import Motion, Moving, minimum_separation, when
@@ -37,6 +37,18 @@ CAUSES = ("gantry", "person")
 
 CATEGORIES: tuple[Category, ...] = ("robot", "vehicle")
 """Categories of machines whose distances to people are monitored."""
+
+
+class _Monitored(NamedTuple):
+    """Monitor of a person and a machine, their motions, and spans (s).
+
+    In these spans the person is on the floor, and a vehicle moves.
+    """
+
+    watch: SeparationMonitor
+    person: Motion
+    machine: Motion
+    spans: list[Span]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,21 +97,29 @@ class Finished:
 
         With its `time` (s), and the `required` distance then (m).
         """
-        found: dict[str, dict[str, float]] = {}
-        for watch, one, other, spans in self._together("robot"):
-            person, shapes = watch.pair.person.name, watch.pair.shapes
+        return {person: figures for person, (figures, _) in self._nearest("robot").items()}
+
+    def _nearest(self, category: Category) -> dict[str, tuple[dict[str, float], Machine]]:
+        """Return the least distance of each started person, and the machine of the category."""
+        nearest: dict[str, tuple[dict[str, float], Machine]] = {}
+        for watch, one, other, spans in self._together(category):
+            person, machine = watch.pair.person.name, watch.pair.machine
+            measured = other.translated(*self.trial.rules.measured_at(machine.shape))
             for begin, end in spans:
-                time, distance = minimum_separation(one, other, begin, end, shapes=shapes)
-                if person not in found or distance < found[person]["distance"]:
+                time, distance = minimum_separation(
+                    one, measured, begin, end, shapes=watch.pair.shapes
+                )
+                if person not in nearest or distance < nearest[person][0]["distance"]:
                     # A violation may end in a teleport, so the motion before it counts.
                     required = watch.required_before(time, one, other)
-                    found[person] = {"distance": distance, "time": time, "required": required}
-        return found
+                    figures = {"distance": distance, "time": time, "required": required}
+                    nearest[person] = figures, machine
+        return nearest
 
     @property
     def nearest_of_all(self) -> dict[str, float] | None:
         """Least of the distances in `nearest`, or None if there is none."""
-        return min(self.nearest.values(), key=lambda found: found["distance"], default=None)
+        return min(self.nearest.values(), key=lambda least: least["distance"], default=None)
 
     @cached_property
     def nearest_vehicles(self) -> dict[str, dict[str, Any]]:
@@ -107,25 +127,17 @@ class Finished:
 
         With its `time` (s), the `required` distance then (m), and the `agv`.
         """
-        found: dict[str, dict[str, Any]] = {}
-        for watch, one, other, spans in self._together("vehicle"):
-            person, machine = watch.pair.person.name, watch.pair.machine
-            measured = other.translated(*self.trial.rules.measured_at(machine.shape))
-            shapes = watch.pair.shapes
-            for begin, end in spans:
-                time, distance = minimum_separation(one, measured, begin, end, shapes=shapes)
-                if person not in found or distance < found[person]["distance"]:
-                    required = watch.required_before(time, one, other)
-                    figures = {"distance": distance, "time": time, "required": required}
-                    found[person] = {**figures, "agv": machine.name}
-        return found
+        return {
+            person: {**figures, "agv": machine.name}
+            for person, (figures, machine) in self._nearest("vehicle").items()
+        }
 
     @property
     def nearest_agv(self) -> dict[str, Any] | None:
         """Least of the distances in `nearest_vehicles` with its person, None if there is none."""
         nearest = self.nearest_vehicles.items()
-        name, found = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
-        return None if found is None else {**found, "person": name}
+        name, least = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
+        return None if least is None else {**least, "person": name}
 
     @cached_property
     def margins(self) -> tuple[Margin | None, Margin | None]:
@@ -135,8 +147,10 @@ class Finished:
     @cached_property
     def approaches(self) -> list[Approach]:
         """Approaches of machines during violations, in order of time."""
-        found = (one for beside, during in self._encountered for one in approaches(beside, during))
-        return sorted(found, key=lambda one: (one.begin, one.person, one.machine))
+        all_approaches = (
+            one for beside, during in self._encountered for one in approaches(beside, during)
+        )
+        return sorted(all_approaches, key=lambda one: (one.begin, one.person, one.machine))
 
     @cached_property
     def _encountered(self) -> list[tuple[Encountered, list[Span]]]:
@@ -165,13 +179,8 @@ class Finished:
         moving = Moving(reach=0.0 if shapes is None else shapes.reach)
         return [part for span in spans for part in when(moving, motion, motion, *span)]
 
-    def _together(
-        self, category: Category
-    ) -> Iterator[tuple[SeparationMonitor, Motion, Motion, list[tuple[float, float]]]]:
-        """Yield each monitor of a person and a machine of a category, their motions, and spans (s).
-
-        In these spans the person is on the floor, and a vehicle moves.
-        """
+    def _together(self, category: Category) -> Iterator[_Monitored]:
+        """Yield each person beside each machine of a category."""
         stays = {person.name: self._stays(person) for person in self.people}
         drives: dict[str, list[tuple[float, float]]] = {}
         for watch in self.referee.watches:
@@ -185,7 +194,8 @@ class Finished:
                 pairs = itertools.product(spans, drives[machine.name])
                 cut = [(max(a, begin), min(b, end)) for (begin, end), (a, b) in pairs]
                 spans = [(a, b) for a, b in cut if a < b]
-            yield watch, self.motions[person], self.motions[machine.name], spans
+            motions = self.motions[person], self.motions[machine.name]
+            yield _Monitored(watch, *motions, spans)
 
     def _stays(self, person: Person) -> list[tuple[float, float]]:
         """Return the times (s) for which a person was on the floor after the start."""
@@ -211,11 +221,11 @@ class Finished:
 
         None if no two were on the floor at the same time.
         """
-        found = self.among_people
-        if found is None:
+        encounter = self.among_people
+        if encounter is None:
             return None
-        between = [self.people[k].name for k in found.pair]
-        return {"distance": found.distance, "time": found.time, "between": between}
+        between = [self.people[k].name for k in encounter.pair]
+        return {"distance": encounter.distance, "time": encounter.time, "between": between}
 
     @property
     def overlaps(self) -> int:
@@ -244,19 +254,19 @@ class Finished:
     @cached_property
     def of_machines(self) -> dict[str, dict[str, Any]]:
         """Figures of each machine by name. `UserError` if they cannot be written as JSON."""
-        found = {}
+        all_figures = {}
         for name, machine in self.machines.items():
-            found[name] = machine.figures(self.motions[name], self.duration)
+            all_figures[name] = machine.figures(self.motions[name], self.duration)
             try:
-                json.dumps(found[name], allow_nan=False)
+                json.dumps(all_figures[name], allow_nan=False)
             except (TypeError, ValueError) as why:
                 raise UserError(f"the figures of the machine {name!r}: {why}") from why
-            if not isinstance(found[name], dict):
-                message = f"expected a dict, found {found[name]!r}"
+            if not isinstance(all_figures[name], dict):
+                message = f"expected a dict, found {all_figures[name]!r}"
                 raise UserError(f"the figures of the machine {name!r}: {message}")
             if name in self.waiting_times:
-                found[name] = {**found[name], "waiting_time": self.waiting_times[name]}
-        return found
+                all_figures[name] = {**all_figures[name], "waiting_time": self.waiting_times[name]}
+        return all_figures
 
     @cached_property
     def of_fields(self) -> dict[str, dict[str, float]]:

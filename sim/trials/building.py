@@ -21,10 +21,10 @@ from ..core.scenario import PersonEntry, Scenario, TrialError, spot
 from ..core.schedule import DoorTimes, Interval
 from ..core.stage import MachineEntry
 from ..machines.agv.model import MOST_MOVES, number_of
-from ..machines.controllers import ControllerError
 from ..machines.gantry.controllers import controller_source
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
+from ..machines.supervision import ControllerError
 from ..people.programs import load_program, modules_of
 from ..people.tracks.recorded_walks import bodies_of
 from .checks import faults, keep_sound
@@ -192,7 +192,7 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
         "folder": folder,
         "floorplan_source": schema.floorplan if isinstance(schema.floorplan, str) else "",
         "until_submitted": bool(schema.until_submitted),
-        "obstacles": tuple(keys.value(name) for name, keys in schema.obstacles.items()),
+        "obstacles": tuple(schema.obstacles.values()),
         "commands": () if isinstance(schema.commands, str) else schema.commands,
     }
     trial = form(**given, own_code=code.allowed)
@@ -316,7 +316,8 @@ def _problems(trial: Scenario, document: Document, owners: list[int]) -> Iterato
     `owners` are the numbers of the entries of people in the file.
     """
     found = (
-        document.problem(text, *_in_file(at, document.data, owners)) for text, at in faults(trial)
+        document.problem(text, *_in_file(at, document.data, owners))
+        for text, at in faults(trial, was_read=True)
     )
     yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
     if trial.floorplan.gantry is not None:

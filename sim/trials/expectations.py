@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Container, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import Any
@@ -17,10 +18,12 @@ from floorplan.files.problems import Place, suggestion
 from ..core.entries import is_number
 from ..core.recorder import Event
 from ..core.scenario import Scenario
+from ..core.wording import times
 from ..record.figures import FIGURES, PEOPLE, SummaryFigure
 from ..record.outcome import Outcome
 from . import names, slack
 from .names import machines, orders, people, zones
+from .paths import value_at
 from .slack import NOTHING
 from .timeline import NumberCondition, Verdict, in_words, read_statement
 
@@ -35,14 +38,10 @@ class SummaryField:
 
     def value(self, run: Outcome) -> Any:
         """Return what it is in `run`; None where there is no such figure."""
-        value: Any = run.summary
-        if self.path[0] == "metrics":
-            value = {"metrics": run.metrics}
-        for key in self.path:
-            if not isinstance(value, dict):
-                return None
-            value = value.get(key)
-        return value
+        figures = {"metrics": run.metrics} if self.path[0] == "metrics" else run.summary
+        with suppress(UserError):
+            return value_at(figures, ".".join(self.path))
+        return None
 
     def instants(self, run: Outcome) -> list[float]:
         """Return when the things happened that it counts, seconds."""
@@ -228,7 +227,7 @@ class _FigureCheck:
             return Verdict(f"{self.key} {self.wanted}", found=nothing, met=False, slack=NOTHING)
         amount = self.slack(found)
         instants = self.field.instants(run)
-        when = f" (t = {_listed(instants)})" if instants else ""
+        when = f" (t = {times(instants, 5)})" if instants else ""
         return Verdict(
             f"{self.key} {self.wanted}",
             found=f"it is {in_words(found)}{when}",
@@ -305,8 +304,3 @@ class _VisitsCheck:
             found = found[: len(self.stations)]
         pairs = itertools.zip_longest(self.stations, found)
         return next((k for k, (wanted, visit) in enumerate(pairs) if wanted != visit), None)
-
-
-def _listed(instants: list[float]) -> str:
-    shown = ", ".join(f"{t:.3f} s" for t in instants[:5])
-    return shown + (f" and {len(instants) - 5} more" if len(instants) > 5 else "")

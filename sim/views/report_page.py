@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,17 +108,22 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
     draw_grid(axes, "x")
 
 
+class BoxLine(NamedTuple):
+    """Ends of the line of a box, and the median between them."""
+
+    least: float
+    median: float
+    most: float
+
+
 def draw_box(
     axes: Axes, place: float, values: NDArray[np.float64], colour: str, height: float = 0.55
-) -> tuple[float, float, float]:
-    """Draw the middle half of the values of a row as a box, nine tenths as a line.
-
-    Return the ends of the line and, between them, the median.
-    """
+) -> BoxLine:
+    """Draw the middle half of the values of a row as a box, nine tenths as a line."""
     least, low, middle, high, most = np.quantile(values, [0.05, 0.25, 0.5, 0.75, 0.95]).tolist()
     axes.plot([least, most], [place, place], color=colour, linewidth=1.2)
     axes.barh(place, high - low, left=low, height=height, color=colour, alpha=0.45, linewidth=0)
-    return least, middle, most
+    return BoxLine(least, middle, most)
 
 
 def draw_interval(
@@ -138,30 +143,6 @@ def draw_grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
 def as_element(drawn: str) -> str:
     """Return the SVG element of a drawn file without metadata."""
     return re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
-
-
-def minus(figures: str) -> str:
-    """Return figures with minus signs instead of hyphens."""
-    return figures.replace("-", "−")
-
-
-def signed(value: float) -> str:
-    """Return a difference with two decimals and its sign."""
-    return "0.00" if round(value, 2) == 0 else minus(f"{value:+.2f}")
-
-
-def figure(value: float | None, digits: int | None = None) -> str:
-    """Return a number with three or four significant digits, or with `digits` decimals."""
-    if value is None or value != value:
-        return "–"
-    if digits is None:
-        digits = 0 if value == round(value) else digits_after(abs(value))
-    return minus(f"{round(value, digits) + 0.0:,.{digits}f}")  # no negative zero
-
-
-def digits_after(size: float) -> int:
-    """Return the number of decimals for a value of this size."""
-    return 0 if size >= 1000 else 1 if size >= 100 else 2 if size >= 1 else 3
 
 
 def write_report_page(
