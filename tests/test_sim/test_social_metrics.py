@@ -31,7 +31,7 @@ def test_they_are_finite_numbers_that_can_be_written_down(figures):
     assert json.loads(json.dumps(figures, allow_nan=False)) == figures
 
 
-def test_everybody_is_in_them(run, figures):
+def test_metrics_have_all_bodies(run, figures):
     assert list(figures["people"]) == ["ada", "ben"]
     assert list(figures["machines"]) == ["gantry", "agv1", "agv2", "agv3", "agv4"]
     assert set(figures["people"]["ada"]["distance_to"]) == set(run.motions) - {"ada"}
@@ -73,7 +73,7 @@ def test_a_goal_counts_as_reached_only_if_the_person_got_there(run, figures):
         assert 1.0 < found["time_to_goal"] < 60.0
 
 
-def test_somebody_who_never_starts_has_figures_too():
+def test_a_person_who_never_starts_has_figures():
     trial = sim.Trial.parse(
         "floorplan: ariac2023\nduration: 5\npeople: [{name: a, start: {event: penalty}}]\n"
     )
@@ -169,7 +169,7 @@ def test_social_work_is_the_integral_of_the_forces(run, figures):
         assert found == pytest.approx(float(sums.sum()) * 0.002, rel=5e-3) and found > 0
 
 
-def test_social_work_of_two_who_stand_is_the_same_in_every_direction(run):
+def test_social_work_of_two_standing_people_is_isotropic(run):
     started = tuple({"t": 0.0, "kind": "human_started", "person": name} for name in ("ada", "ben"))
     for angle in np.linspace(0.0, 6.0, 25):
         ben = standing((0.7 * np.cos(angle), 0.7 * np.sin(angle)))
