@@ -609,8 +609,7 @@ def folder(tmp_path_factory):
     [
         ("floorplan", "FOLDER"),
         ("floorplan", EXAMPLES / "own_floor.trial.yaml"),
-        ("floorplan", EXAMPLES / "press_shop.yaml"),
-        ("path", "ariac2023", -15, -10, -5, 3.75, "--radius", 0.25),
+        ("path", "warehouse", 1.5, 1.5, 28, 10, "--radius", 0.25),
         ("trails", "FOLDER", "--from", 5, "--to", 30),
         ("spacetime", "FOLDER", "--width", "single"),
         ("separation", "FOLDER", "--person", "ben", "--machine", "agv1"),
