@@ -14,7 +14,7 @@ MODULES = sorted(
     str(module.relative_to(ROOT))
     for package in ("floorplan", "navigation", "bdi", "sim")
     for module in (ROOT / package).glob("**/kernels/*.py")
-    if module.name not in ("__init__.py", "uncompiled.py", "tables.py", "cubics.py")
+    if module.with_suffix(".pxd").exists() and module.name not in ("tables.py", "cubics.py")
 )
 OPTIMISED = () if "-O" in os.environ.get("CFLAGS", "") else ("-O2",)
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from enum import IntEnum
 from functools import partial
 from heapq import heappop, heappush
-from typing import Any, NoReturn, Protocol, SupportsIndex
+from typing import Any, NoReturn, SupportsIndex
 
 import simpy
 from simpy.core import EmptySchedule, StopSimulation
@@ -276,28 +276,3 @@ class Alarm(InProgress):
         if setting == self._settings:
             self._time = None
             self._action()
-
-
-class Tempo(Protocol):
-    """Ratio of simulated time to real time: `speed`, or 0 while `paused`."""
-
-    @property
-    def speed(self) -> float:
-        """Simulated seconds per second of real time. 0 is as fast as possible."""
-
-    @property
-    def paused(self) -> bool:
-        """Whether a user has paused the run."""
-
-    def change(self, *, speed: float | None = None, paused: bool | None = None) -> None:
-        """Change the speed, pause, or continue. None changes nothing.
-
-        `ValueError` for an invalid speed.
-        """
-
-
-def checked_speed(speed: float) -> float:
-    """Return a valid speed, or raise a `ValueError`."""
-    if not 0 < speed < math.inf:
-        raise UserError(f"speed must be more than 0, not {speed:g}")
-    return speed
