@@ -31,8 +31,7 @@ if ! [ -e "$folder/wheels" ]; then
     touch "$folder/wheels"
 fi
 
-# Build only the C and Python parts: rclpy needs no others.
-build() {
+build() {  # the message package NAME from the folder DEFINITIONS: its files, or those that match an expression
     local name=$1 definitions=$2 source=$folder/build/$1
     ! [ -e "$source/done" ] || return 0
     rm -rf "$source" && mkdir -p "$source"
@@ -55,6 +54,8 @@ build() {
             rosidl_typesupport_c rosidl_generator_py $needs; do
             echo "find_package($package REQUIRED)"
         done
+        # rclpy needs the C and Python parts only.
+        echo "list(FILTER AMENT_EXTENSIONS_rosidl_generate_idl_interfaces EXCLUDE REGEX cpp)"
         echo "rosidl_generate_interfaces($name $(tr '\n' ' ' <"$source/all")" ${needs:+DEPENDENCIES $needs} ")"
         echo "ament_package()"
     } >"$source/CMakeLists.txt"
@@ -73,6 +74,7 @@ needed() {  # the definitions that the tests use, as an expression
         nav2_msgs) echo 'action/(NavigateToPose|NavigateThroughPoses|FollowPath)\.action|msg/WaypointStatus\.msg' ;;
         people_msgs) echo 'msg/(Person|People)\.msg' ;;
         hunav_msgs) echo 'msg/Agents?\.msg|srv/(Compute|Get|Reset)Agents\.srv' ;;
+        simulation_interfaces) echo 'msg/.*|action/.*|srv/(Get(SimulatorFeatures|SimulationState|Entities|EntitiesStates|EntityState|EntityInfo|EntityBounds|NamedPoses|CurrentWorld)|Set(SimulationState|EntityState)|StepSimulation)\.srv' ;;
         *) echo '.*' ;;
     esac
 }

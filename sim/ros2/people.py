@@ -1,0 +1,111 @@
+"""Topics of people, and HuNavSim's services, by which they walk in other simulators."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+from ..cell import Cell, Pose, Velocity
+from .messages import seconds, set_header, set_pose, set_twist
+from .node import CellNode
+
+
+class Here(NamedTuple):
+    """Person on the floor: number, name, radius (m), pose and velocity."""
+
+    number: int
+    name: str
+    radius: float
+    pose: Pose
+    velocity: Velocity
+
+
+class People:
+    """Publisher of all people on the floor, in each type that is installed.
+
+    `advance(seconds)` advances the simulation for HuNavSim's service `compute_agents`. It returns
+    False if time goes by on its own.
+    """
+
+    def __init__(self, ros: CellNode, cell: Cell, advance: Callable[[float], bool]) -> None:
+        self._cell = cell
+        self._advance = advance
+        self._last_request: float | None = None
+        self._people = ros.publish_on("people", "people_msgs/msg/People")
+        self._person = ros.find("people_msgs/msg/Person", "people")
+        self._agents = ros.publish_on("human_states", "hunav_msgs/msg/Agents")
+        self._agent = ros.find("hunav_msgs/msg/Agent", "human_states")
+        self._poses = ros.publish_on("people_poses", "geometry_msgs/msg/PoseArray")
+        self._pose = ros.find("geometry_msgs/msg/Pose", "people_poses")
+        for name, interface, answer in (
+            ("compute_agents", "ComputeAgents", self._compute),
+            ("get_agents", "GetAgents", self._get),
+            ("reset_agents", "ResetAgents", self._reset),
+        ):
+            ros.provide(name, f"hunav_msgs/srv/{interface}", answer)
+
+    def publish(self) -> None:
+        """Publish the people who are on the floor."""
+        for topic, fill in (
+            (self._people, self._fill_people),
+            (self._agents, self._fill_agents),
+            (self._poses, self._fill_poses),
+        ):
+            if topic.is_needed:
+                message = topic.new()
+                fill(message)
+                set_header(message.header, self._cell.now)
+                topic.publish(message)
+
+    def _here(self) -> Iterator[Here]:
+        signals = self._cell.signals
+        for number, person in enumerate(self._cell.simulation.scene.people):
+            pose = signals[f"people/{person.name}/pose"].read()
+            if pose is not None:
+                velocity = signals[f"people/{person.name}/velocity"].read()
+                yield Here(number, person.name, person.radius, pose, velocity)
+
+    def _fill_people(self, message: Any) -> None:
+        for here in self._here():
+            person = self._person(name=here.name, reliability=1.0)
+            person.position.x, person.position.y = here.pose.x, here.pose.y
+            person.velocity.x, person.velocity.y = here.velocity.x, here.velocity.y
+            message.people.append(person)
+
+    def _fill_poses(self, message: Any) -> None:
+        for here in self._here():
+            pose = self._pose()
+            set_pose(pose, here.pose)
+            message.poses.append(pose)
+
+    def _fill_agents(self, message: Any) -> None:
+        for here in self._here():
+            agent = self._agent(id=here.number, name=here.name, radius=here.radius)
+            agent.type = agent.PERSON
+            set_pose(agent.position, here.pose)
+            set_twist(agent.velocity, here.velocity)
+            agent.yaw, agent.angular_vel = here.pose.heading, here.velocity.turn
+            agent.linear_vel = math.hypot(here.velocity.x, here.velocity.y)
+            message.agents.append(agent)
+
+    def _compute(self, request: Any, response: Any) -> Any:
+        """Advance by the time between two requests, and return the people."""
+        now = seconds(request.current_agents.header.stamp)
+        if self._last_request is not None and now > self._last_request:
+            self._advance(now - self._last_request)
+        self._last_request = now
+        self._fill_agents(response.updated_agents)
+        response.updated_agents.header = request.current_agents.header
+        return response
+
+    def _get(self, _: Any, response: Any) -> Any:
+        self._fill_agents(response.agents)
+        set_header(response.agents.header, self._cell.now)
+        return response
+
+    def _reset(self, _: Any, response: Any) -> Any:
+        """Accept that the clock of the other simulator starts again. People stay where they are."""
+        self._last_request = None
+        response.ok = True
+        return response

@@ -1,0 +1,155 @@
+"""Clients with rclpy, each a function that returns what it has seen: client.py FUNCTION JSON."""
+
+import json
+import math
+import sys
+import time
+
+import rclpy
+from action_msgs.msg import GoalStatus
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from nav_msgs.msg import Odometry
+from rclpy.action import ActionClient
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+HANG = 120.0
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+class Client:
+    """A node with the last message of each topic that it listens to."""
+
+    def __init__(self):
+        self.node = rclpy.create_node("client")
+        self.last = {}
+
+    def listen(self, topic, type_, qos=10):
+        self.node.create_subscription(type_, topic, lambda m: self.last.update({topic: m}), qos)
+
+    def until(self, holds):
+        """Spin until `holds` returns something, and return it."""
+        hangs_at = time.monotonic() + HANG
+        while not (answer := holds()):
+            assert time.monotonic() < hangs_at, self.node.get_topic_names_and_types()
+            rclpy.spin_once(self.node, timeout_sec=0.05)
+        return answer
+
+    def wait(self, future):
+        self.until(future.done)
+        return future.result()
+
+    def heard(self, topic, type_, qos=10):
+        """Return the next message of a topic."""
+        self.listen(topic, type_, qos)
+        self.last.pop(topic, None)
+        return self.until(lambda: self.last.get(topic))
+
+    def call(self, type_, name, **fields):
+        client = self.node.create_client(type_, name)
+        self.until(client.service_is_ready)
+        return self.wait(client.call_async(type_.Request(**fields)))
+
+
+def topics(names):
+    """The types of topics, once they are there."""
+    client = Client()
+
+    def there():
+        types = dict(client.node.get_topic_names_and_types())
+        return types if set(names) <= types.keys() else None
+
+    return client.until(there)
+
+
+def drive(speed, until):
+    """Drive with TwistStamped until the simulated time; the odometry, scan and map at the end."""
+    from nav_msgs.msg import OccupancyGrid
+    from sensor_msgs.msg import LaserScan
+
+    client = Client()
+    grid = client.heard("/map", OccupancyGrid, LATCHED)
+    publisher = client.node.create_publisher(TwistStamped, "/cmd_vel", 10)
+    client.listen("/odom", Odometry)
+    client.listen("/scan", LaserScan)
+
+    def there():
+        message = TwistStamped()
+        message.twist.linear.x = speed
+        publisher.publish(message)
+        odometry = client.last.get("/odom")
+        return odometry and odometry.header.stamp.sec >= until and "/scan" in client.last
+
+    client.until(there)
+    scan = client.heard("/scan", LaserScan)
+    odometry = client.last["/odom"].pose.pose
+    width, origin = grid.info.width, grid.info.origin.position
+    column = int((8.0 - origin.x) / grid.info.resolution)
+    row = int((6.5 - origin.y) / grid.info.resolution)
+    return {
+        "odom": [odometry.position.x, odometry.position.y, _heading(odometry)],
+        "ranges": [*scan.ranges],
+        "first": scan.angle_min,
+        "step": scan.angle_increment,
+        "rack": grid.data[row * width + column + 20],
+        "free": grid.data[row * width + column - 40],
+    }
+
+
+def _heading(pose):
+    return 2 * math.atan2(pose.orientation.z, pose.orientation.w)
+
+
+def navigate(name, x, y, heading=0.0, cancel_after=None):
+    """Send somebody to a place: whether the goal was accepted, its status, and the feedback."""
+    from nav2_msgs.action import NavigateToPose
+
+    client = Client()
+    action = ActionClient(client.node, NavigateToPose, f"/{name}/navigate_to_pose")
+    client.until(action.server_is_ready)
+    goal = NavigateToPose.Goal()
+    goal.pose = PoseStamped()
+    goal.pose.header.frame_id = "map"
+    goal.pose.pose.position.x, goal.pose.pose.position.y = float(x), float(y)
+    goal.pose.pose.orientation.z = math.sin(heading / 2)
+    goal.pose.pose.orientation.w = math.cos(heading / 2)
+    feedback = []
+    handle = client.wait(
+        action.send_goal_async(goal, feedback_callback=lambda m: feedback.append(m.feedback))
+    )
+    if not handle.accepted:
+        return {"accepted": False}
+    if cancel_after is not None:
+        client.until(lambda: len(feedback) >= cancel_after)
+        client.wait(handle.cancel_goal_async())
+    result = client.wait(handle.get_result_async())
+    return {
+        "accepted": True,
+        "status": {
+            GoalStatus.STATUS_SUCCEEDED: "succeeded",
+            GoalStatus.STATUS_CANCELED: "cancelled",
+            GoalStatus.STATUS_ABORTED: "aborted",
+        }[result.status],
+        "distances": [one.distance_remaining for one in feedback],
+        "end": [feedback[-1].current_pose.pose.position.x, feedback[-1].current_pose.pose.position.y],
+    }
+
+
+def step(count, times):
+    """Let the simulation make steps, until it is over; the clock at the end."""
+    from simulation_interfaces.srv import StepSimulation
+
+    client = Client()
+    results = []
+    stepper = client.node.create_client(StepSimulation, "/step_simulation")
+    client.until(stepper.service_is_ready)
+    for _ in range(times):
+        answer = client.wait(stepper.call_async(StepSimulation.Request(steps=count)))
+        results.append(answer.result.result)
+    return results
+
+
+if __name__ == "__main__":
+    rclpy.init()
+    answer = globals()[sys.argv[1]](**json.loads(sys.argv[2]))
+    print(json.dumps(answer))
+    rclpy.shutdown()

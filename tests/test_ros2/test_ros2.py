@@ -1,0 +1,89 @@
+"""The command `floorwalker ros2` with clients of a real rclpy, each in a process of its own."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+import shapely
+from cells import GANTRY, hall
+
+import sim
+
+pytestmark = pytest.mark.slow
+
+
+def lines(folder, name):
+    return (folder / name).read_bytes()
+
+
+def test_every_topic_has_its_type(ros):
+    types = {
+        "/clock": "rosgraph_msgs/msg/Clock",
+        "/tf": "tf2_msgs/msg/TFMessage",
+        "/tf_static": "tf2_msgs/msg/TFMessage",
+        "/map": "nav_msgs/msg/OccupancyGrid",
+        "/odom": "nav_msgs/msg/Odometry",
+        "/scan": "sensor_msgs/msg/LaserScan",
+        "/initialpose": "geometry_msgs/msg/PoseWithCovarianceStamped",
+        "/people": "people_msgs/msg/People",
+        "/human_states": "hunav_msgs/msg/Agents",
+        "/people_poses": "geometry_msgs/msg/PoseArray",
+        "/markers": "visualization_msgs/msg/MarkerArray",
+        "/separation_markers": "visualization_msgs/msg/MarkerArray",
+        "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+        "/events": "std_msgs/msg/String",
+    }
+    with ros.serving(hall()):
+        shown = ros.client("topics", names=[*types])
+    assert {topic: shown[topic] for topic in types} == {k: [v] for k, v in types.items()}
+    assert sorted(shown["/cmd_vel"]) == ["geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"]
+
+
+def test_a_vehicle_stops_before_a_wall_and_its_scan_shows_the_wall_and_a_person(ros):
+    with ros.serving(hall(), "--speed", "4"):
+        seen = ros.client("drive", speed=1.0, until=12)
+    x, y, heading = seen["odom"]
+    assert 5.45 < 2.0 + x < 7.51 and y == pytest.approx(0.0, abs=1e-6)
+    at = shapely.Point(2.0 + x, 6.5 + y)
+    room = shapely.box(0, 0, 20, 12) - shapely.box(8, 6, 12, 7)
+    seen_by_rays = shapely.union(room.boundary, shapely.Point(6, 4).buffer(0.3, quad_segs=5000).exterior)
+    for k, distance in enumerate(seen["ranges"]):
+        angle = heading + seen["first"] + k * seen["step"]
+        far = shapely.Point(at.x + 50 * math.cos(angle), at.y + 50 * math.sin(angle))
+        expected = shapely.intersection(shapely.LineString([at, far]), seen_by_rays).distance(at)
+        assert distance == pytest.approx(expected, abs=1e-3), k
+    assert (seen["rack"], seen["free"]) == (100, 0)
+
+
+@pytest.mark.parametrize(("name", "to"), [("bot", (4.0, 10.0)), ("ann", (16.0, 10.0))])
+def test_navigate_to_pose_leads_to_the_goal(ros, name, to):
+    with ros.serving(hall(), "--speed", "8"):
+        answer = ros.client("navigate", name=name, x=to[0], y=to[1], heading=1.5)
+    assert answer["status"] == "succeeded"
+    assert answer["distances"][-1] < answer["distances"][0]
+    assert math.dist(answer["end"], to) < 1.0
+
+
+@pytest.mark.parametrize("name", ["bot", "ann"])
+def test_a_cancelled_goal_ends_as_cancelled(ros, name):
+    with ros.serving(hall(), "--speed", "2"):
+        answer = ros.client("navigate", name=name, x=16.0, y=10.0, cancel_after=3)
+    assert answer["status"] == "cancelled"
+    assert math.dist(answer["end"], (16.0, 10.0)) > 1.0
+
+
+@pytest.mark.parametrize(("name", "x"), [("bot", 10.0), ("ann", 10.0), ("bot", math.nan)])
+def test_a_goal_in_a_rack_is_rejected_with_one_line(ros, name, x):
+    with ros.serving(hall()) as server:
+        assert ros.client("navigate", name=name, x=x, y=6.5) == {"accepted": False}
+    assert sum(f"{name}/navigate_to_pose" in line for line in server.notices.splitlines()) == 1
+
+
+def test_lock_step_has_the_events_of_a_run(ros):
+    trial = "floorplan: ariac2023\nduration: 275\npeople: [{name: ann, personality: antagonistic}]\n"
+    with ros.serving(trial, "--step", "--out", "stepped") as server:
+        ros.client("step", count=50, times=275)
+        server.wait(60)
+    sim.run(sim.Trial.parse(trial), sim.Recording(ros.folder / "run"))
+    assert lines(ros.folder / "stepped", "events.jsonl") == lines(ros.folder / "run", "events.jsonl")
