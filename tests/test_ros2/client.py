@@ -148,6 +148,111 @@ def step(count, times):
     return results
 
 
+def trajectory(positions, seconds):
+    """Move the gantry by an action: the status, the feedback, and the joints at the end."""
+    from control_msgs.action import FollowJointTrajectory
+    from sensor_msgs.msg import JointState
+    from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+    client = Client()
+    names = ["gantry_x_axis_joint", "gantry_y_axis_joint", "gantry_rotation_joint"]
+    action = ActionClient(
+        client.node, FollowJointTrajectory, "/gantry_controller/follow_joint_trajectory"
+    )
+    client.until(action.server_is_ready)
+    point = JointTrajectoryPoint(positions=positions)
+    point.time_from_start.sec = seconds
+    goal = FollowJointTrajectory.Goal()
+    goal.trajectory = JointTrajectory(joint_names=names, points=[point])
+    handle = client.wait(action.send_goal_async(goal))
+    if not handle.accepted:
+        return {"accepted": False}
+    result = client.wait(handle.get_result_async())
+    joints = client.heard("/joint_states", JointState)
+    return {
+        "accepted": True,
+        "status": result.status,
+        "code": result.result.error_code,
+        "joints": [*joints.position],
+    }
+
+
+def agents(seconds):
+    """Ask for people as a plugin of another simulator does, once per second."""
+    from hunav_msgs.srv import ComputeAgents, GetAgents
+
+    client = Client()
+    seen = [_places(client.call(GetAgents, "/get_agents").agents)]
+    compute = client.node.create_client(ComputeAgents, "/compute_agents")
+    client.until(compute.service_is_ready)
+    for second in range(seconds + 1):
+        request = ComputeAgents.Request()
+        request.current_agents.header.stamp.sec = 100 + second
+        seen.append(_places(client.wait(compute.call_async(request)).updated_agents))
+    return seen
+
+
+def _places(message):
+    return {
+        agent.name: [agent.position.position.x, agent.position.position.y]
+        for agent in message.agents
+    }
+
+
+def listened():
+    """The monitor, people, markers and first event, as a viewer gets them."""
+    from diagnostic_msgs.msg import DiagnosticArray
+    from people_msgs.msg import People
+    from std_msgs.msg import String
+    from tf2_msgs.msg import TFMessage
+    from visualization_msgs.msg import MarkerArray
+
+    client = Client()
+    client.listen("/events", String)
+    people = client.heard("/people", People)
+    frames = set()
+    client.listen("/tf", TFMessage)
+
+    def all_frames():
+        message = client.last.pop("/tf", None)
+        frames.update((t.header.frame_id, t.child_frame_id) for t in message.transforms if message)
+        return len(frames) >= 4
+
+    client.until(lambda: "/tf" in client.last and all_frames())
+    return {
+        "people": {one.name: [one.position.x, one.position.y] for one in people.people},
+        "frames": sorted(frames),
+        "monitor": [
+            {"name": status.name, **{value.key: float(value.value) for value in status.values}}
+            for status in client.heard("/diagnostics", DiagnosticArray).status
+        ],
+        "markers": len(client.heard("/markers", MarkerArray, LATCHED).markers),
+    }
+
+
+def flood():
+    """Send a vehicle what it must not follow, and then a good command, until it moves."""
+    from geometry_msgs.msg import PoseWithCovarianceStamped
+
+    client = Client()
+    publisher = client.node.create_publisher(Twist, "/cmd_vel", 10)
+    located = client.node.create_publisher(PoseWithCovarianceStamped, "/initialpose", 10)
+    client.listen("/odom", Odometry)
+    client.until(lambda: client.node.count_subscribers("/cmd_vel") and "/odom" in client.last)
+    bad, good = Twist(), Twist()
+    bad.linear.x, good.linear.x = math.nan, 0.3
+    pose = PoseWithCovarianceStamped()
+    pose.header.frame_id = "odom"
+    located.publish(pose)
+
+    def moving():
+        publisher.publish(bad)
+        publisher.publish(good)
+        return client.last["/odom"].twist.twist.linear.x > 0.2
+
+    return client.until(moving)
+
+
 if __name__ == "__main__":
     rclpy.init()
     answer = globals()[sys.argv[1]](**json.loads(sys.argv[2]))

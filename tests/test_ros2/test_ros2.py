@@ -87,3 +87,60 @@ def test_lock_step_has_the_events_of_a_run(ros):
         server.wait(60)
     sim.run(sim.Trial.parse(trial), sim.Recording(ros.folder / "run"))
     assert lines(ros.folder / "stepped", "events.jsonl") == lines(ros.folder / "run", "events.jsonl")
+
+
+def test_a_run_that_clients_drove_is_repeated_to_the_byte(ros, floorwalker):
+    trial = hall(30.0)
+    with ros.serving(trial, "--speed", "4", "--out", "driven") as server:
+        ros.client("drive", speed=0.8, until=3)
+        ros.client("navigate", name="ann", x=6.0, y=8.0)
+        ros.client("navigate", name="bot", x=3.0, y=9.0, cancel_after=4)
+        server.wait(60)
+    words = ("run", "cell.trial.yaml", "--commands", "driven/commands.yaml", "--out", "again")
+    assert floorwalker(*words, cwd=ros.folder).returncode == 0
+    for name in ("events.jsonl", "motions.jsonl"):
+        assert lines(ros.folder / "again", name) == lines(ros.folder / "driven", name)
+
+
+def test_a_gantry_follows_a_trajectory_and_rejects_one_that_is_too_fast(ros):
+    with ros.serving(GANTRY, "--speed", "4") as server:
+        answer = ros.client("trajectory", positions=[1.0, 1.0, 0.0], seconds=8)
+        assert (answer["status"], answer["code"]) == (4, 0)
+        assert answer["joints"] == pytest.approx([1.0, 1.0, 0.0], abs=1e-3)
+        assert not ros.client("trajectory", positions=[-5.0, 1.0, 0.0], seconds=1)["accepted"]
+    assert "follow_joint_trajectory" in server.notices
+
+
+def test_people_walk_in_another_simulator_that_asks_for_them(ros):
+    trial = "floorplan: ariac2023\nduration: 60\npeople: [{name: ann, personality: antagonistic}]\n"
+    with ros.serving(trial, "--step"):
+        seen = ros.client("agents", seconds=20)
+    run = sim.run(sim.Trial.parse(trial))
+    assert seen[0] == seen[1] == {"ann": pytest.approx(run.motions["ann"].position(0.0))}
+    for t, people in enumerate(seen[1:]):
+        assert people["ann"] == pytest.approx(run.motions["ann"].position(float(t)), abs=1e-3)
+
+
+def test_viewers_see_people_frames_markers_and_the_monitor(ros):
+    with ros.serving(hall()):
+        seen = ros.client("listened")
+    assert seen["people"] == {"ann": [6.0, 4.0]}
+    assert {("map", "odom"), ("odom", "base_link"), ("map", "ann/base"), ("map", "bot/base")} <= {
+        tuple(frame) for frame in seen["frames"]
+    }
+    (state,) = seen["monitor"]
+    assert "ann" in state["name"] and "bot" in state["name"] and state["distance"] > 0
+    assert seen["markers"] > 4
+
+
+def test_bad_commands_are_one_line_each_and_good_ones_still_count(ros):
+    with ros.serving(hall()) as server:
+        assert ros.client("flood")
+    rejected = [line for line in server.notices.splitlines() if line.startswith("cmd_vel")]
+    assert len(rejected) == 1 and "nan" in rejected[0]
+    assert sum("initialpose" in line and "odom" in line for line in server.notices.splitlines()) == 1
+
+
+def test_without_rclpy_one_line_explains_how_to_get_it(floorwalker, tmp_path):
+    done = floorwalker("ros2", "ariac2023", cwd=tmp_path)
+    assert done.returncode == 1 and "rclpy" in done.stderr and "setup.bash" in done.stderr
