@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from bisect import insort
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial, wraps
@@ -14,6 +14,7 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 from floorplan import InputError, UserError
+from floorplan.files.collector import frozen_collector
 from floorplan.files.problems import refuse, suggestion
 from floorplan.files.values import require
 from navigation import CollisionWorld, PlanningError
@@ -39,6 +40,7 @@ from .machines.gantry.robot import GantryRobot
 from .machines.kinds import made_by, models_of
 from .machines.outside import given_arguments, written_arguments
 from .machines.traffic.traffic import Traffic
+from .people.minds import Outside
 from .people.person import Person, speed_of, with_figures
 from .people.population import Population
 from .people.tracks.recorded_walks import RecordedWalk, recorded_walks, with_everybody
@@ -68,15 +70,51 @@ class Commander:
     def __init__(self, stage: Stage, listener: Listener) -> None:
         self._stage = stage
         self._listener = listener
+        self._people: Mapping[str, Person] = {}
+        self._decisions = 0
+        self._decided_at = -math.inf
+        self._after: defaultdict[int, list[Command]] = defaultdict(list)
+        """Calls that wait for a decision, by its number."""
+
+    def begin(self, people: Iterable[Person]) -> None:
+        """Count the decisions of external people from now on."""
+        self._people = {person.name: person for person in people}
+        for person in people:
+            if isinstance(person.mind, Outside):
+                person.mind.on_decision.append(self._decide)
+
+    @property
+    def decision(self) -> int | None:
+        """Number of the last decision if the simulation is still at it, otherwise None."""
+        return self._decisions if self._decided_at == self._stage.clock.now else None
+
+    def _decide(self) -> None:
+        self._decisions += 1
+        self._decided_at = now = self._stage.clock.now
+        for command in self._after.pop(self._decisions, ()):
+            self._stage.clock.call_at(now, partial(self._carry_out, command), Turn.OUTSIDE)
 
     def give(self, command: Command) -> None:
-        """Let `command` be carried out at its time: calls at once, others after all else."""
-        turn = Turn.COMMAND if command.call is None else Turn.OUTSIDE
-        self._stage.clock.call_at(command.at, partial(self._carry_out, command), turn)
+        """Carry out `command` at its time: calls at once, others after all other events."""
+        clock, turn = self._stage.clock, Turn.COMMAND if command.call is None else Turn.OUTSIDE
+        if command.decision is not None and command.decision > self._decisions:
+            self._after[command.decision].append(command)
+            clock.call_at(command.at, partial(self._without_decision, command), Turn.COMMAND)
+        else:
+            clock.call_at(command.at, partial(self._carry_out, command), turn)
+
+    def _without_decision(self, command: Command) -> None:
+        """Carry out a call whose decision did not occur, because the trial has changed."""
+        if command in (waiting := self._after.get(command.decision or 0, [])):
+            waiting.remove(command)
+            self._carry_out(command)
 
     def record(self, command: Command) -> None:
-        """Record a command that takes effect now."""
+        """Record a command that takes effect now. Calls of people are no events: their acts are."""
         one, given = command.block, command.arguments
+        self._listener.command(command)
+        if command.person is not None:
+            return
         self._stage.record(
             Commanded(
                 send=command.send,
@@ -93,12 +131,12 @@ class Commander:
                 arguments=None if given is None else [[*pair] for pair in given.items()],
             )
         )
-        self._listener.command(command)
 
     def _carry_out(self, command: Command) -> None:
         stage = self._stage
         if command.call is not None:
-            self._call(command.call, stage.machines[str(command.machine)], command)
+            one = None if command.person is None else self._people[command.person]
+            self._call(command.call, one or stage.machines[str(command.machine)], command)
         self.record(command)
         to = None if command.to is None else spot(stage.floorplan, command.to)
         if to is not None:
@@ -114,11 +152,11 @@ class Commander:
         if command.release is not None:
             stage.machines[command.release].stand_for(BY_COMMAND, False)
 
-    def _call(self, method: str, machine: Machine, command: Command) -> None:
+    def _call(self, method: str, one: Machine | Person, command: Command) -> None:
         try:
-            getattr(machine, method)(**given_arguments(machine, command.arguments or {}))
+            getattr(one, method)(**given_arguments(one, command.arguments or {}))
         except (TypeError, ValueError, PlanningError) as why:
-            at = f"{method} of {machine.name} at t = {command.at:g} s"
+            at = f"{method} of {one.name} at t = {command.at:g} s"
             raise UserError(f"the command {at} cannot be carried out: {why}") from why
 
 
@@ -264,8 +302,11 @@ class Simulation(InProgress):
         self._traffic = Traffic(self._stage, self.machines.values() if trial.traffic else ())
         self.clock.most = MOST_AT_ONCE + MOST_AT_ONCE_EACH * len(self.bodies)
         self.scene = self._scene()
+        self._commander.begin(self.people)
         for machine in self.machines.values():
-            machine.on_command = partial(self._command_machine, machine)
+            machine.on_command = partial(self._call_from_outside, machine)
+        for person in self.people:
+            person.on_command = partial(self._call_from_outside, person)
 
     @_in_run
     def start(self) -> None:
@@ -382,8 +423,8 @@ class Simulation(InProgress):
     def command(self, command: Command) -> None:
         """Schedule an external command and record it.
 
-        A trial with the same `commands` has the same run. Calls of the methods of machines between
-        two advances are such commands, too.
+        A trial with the same `commands` has the same run. Calls of the methods of machines and
+        people between two advances are such commands, too.
 
         Parameters
         ----------
@@ -409,18 +450,28 @@ class Simulation(InProgress):
         self.commands[:] = given
         self._commander.give(command)
 
-    def _command_machine(
-        self, machine: Machine, call: str, arguments: dict[str, Any], carry_out: Callable[[], Any]
+    def _call_from_outside(
+        self,
+        one: Machine | Person,
+        call: str,
+        arguments: dict[str, Any],
+        carry_out: Callable[[], Any],
     ) -> Any:
-        """Carry out a command to a machine now, from the program that advances the simulation."""
+        """Carry out and record a call by the program that advances the simulation."""
         self.start()
         written = written_arguments(arguments)
         with self.clock.under_way():
             self.clock.advance(self.clock.now)  # what comes before the command in a repetition
             answer = carry_out()
             if not self.over:
-                name, now = machine.name, self.clock.now
-                command = Command(now, call=call, machine=name, arguments=written)
+                command = Command(
+                    self.clock.now,
+                    call=call,
+                    machine=one.name if isinstance(one, Machine) else None,
+                    person=one.name if isinstance(one, Person) else None,
+                    arguments=written,
+                    decision=self._commander.decision,
+                )
                 insort(self.commands, command, key=lambda one: one.at)
                 self._commander.record(command)
         return answer
@@ -610,9 +661,10 @@ def run(trial: Trial, *listeners: Listener) -> Run:
     >>> run.summary["penalties"]
     9
     """
-    simulation = Simulation(trial, *listeners)
-    simulation.advance(trial.duration)
-    return simulation.finish()
+    with frozen_collector():
+        simulation = Simulation(trial, *listeners)
+        simulation.advance(trial.duration)
+        return simulation.finish()
 
 
 def _fastest(trial: Trial, walks: Mapping[str, RecordedWalk]) -> float:

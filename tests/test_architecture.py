@@ -33,6 +33,7 @@ ROOMS = (
     ("trials", "views", "exports"),
     ("runs",),
     ("simulation",),
+    ("cell",),
     ("live", "studies", "testing"),
     ("bridge", "gym", "searches"),
     ("commands",),

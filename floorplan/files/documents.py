@@ -17,8 +17,9 @@ from yaml.reader import Reader
 from yaml.resolver import Resolver
 from yaml.scanner import Scanner
 
+from .collector import paused_collector
 from .problems import MOST_MISFITS, InputError, Place, Problem, UserError, field_name, misfits
-from .reading import no_garbage, read_text
+from .reading import read_text
 
 
 def safe_loader(text: str) -> Any:
@@ -196,7 +197,7 @@ def parse_yaml(text: str, file: str, error: type[InputError]) -> Document:
     loader = None
     try:
         loader = safe_loader(text)
-        with no_garbage():
+        with paused_collector():
             node = loader.get_single_node()
             if node is None:
                 return Document(file, None, {(): 1})

@@ -21,8 +21,9 @@ import shapely
 
 from ..building import unit_name
 from ..checks import size_notices
+from ..files.collector import paused_collector
 from ..files.problems import FloorplanError, Problem, UserError
-from ..files.reading import no_garbage, require_readable
+from ..files.reading import require_readable
 from ..model import Obstacle
 from ..plan import Floorplan
 from .curves import (
@@ -396,7 +397,7 @@ class Reader:
             yield line(layer, name, placed[0], one.closed, height, area)
 
 
-@no_garbage()
+@paused_collector()
 def load_dxf(path: Path, drawn: Drawn) -> Floorplan:
     """Return the floorplan in the DXF file at `path`; `FloorplanError` lists all its problems."""
     file = str(path)

@@ -8,7 +8,7 @@ and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_msgs of the ARIAC 20
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from floorplan.files.problems import suggestion
 from navigation.machines import lane_state
 from navigation.motion import State
 
+from ..cell.trajectories import JOINTS, joint_values, pose_of as pose_of
 from ..core.body import Body
 from ..core.entries import AssemblyTask, KittingTask, Order, PartType
 
@@ -210,9 +211,6 @@ LOCATIONS = ("kitting", "assembly_front", "assembly_back", "warehouse")
 UNKNOWN_LOCATION = 99
 """The location of an AGV that drives, or stands elsewhere."""
 
-JOINTS = ("gantry_x_axis_joint", "gantry_y_axis_joint", "gantry_rotation_joint")
-"""The joints of the competition's ceiling robot that the gantry has."""
-
 NOWHERE = {"x": 1e6, "y": 1e6, "z": 0.0}
 """The position of the robot on a floor without one: too far from anybody to matter."""
 
@@ -280,24 +278,6 @@ def joint_state(t: float, gantry: Gantry, state: State) -> Message:
     }
 
 
-def joint_values(gantry: Gantry, pose: Sequence[float], *, origin: bool = True) -> Values:
-    """Return the gantry's joints at x, y, rotation in the world, as the competition has them.
-
-    They are zero in the middle of the rails, and the y axis points along the world's −y. Without
-    `origin`, `pose` is a velocity.
-    """
-    middle_x, middle_y = _middle(gantry) if origin else (0.0, 0.0)
-    x, y, rotation = pose
-    return (x - middle_x, middle_y - y, rotation)
-
-
-def pose_of(gantry: Gantry, joints: Sequence[float], *, origin: bool = True) -> Values:
-    """Return x, y, rotation in the world at these joints: the inverse of `joint_values`."""
-    middle_x, middle_y = _middle(gantry) if origin else (0.0, 0.0)
-    x, y, rotation = joints
-    return (x + middle_x, middle_y - y, rotation)
-
-
 def order_message(order: Order, floor: Floorplan) -> Message:
     """Return ariac_msgs/Order. A trial has no poses of assembled parts: they are left blank.
 
@@ -336,10 +316,6 @@ def _part(part: PartType) -> dict[str, int]:
 def _number_in(name: str) -> int:
     """Return the number in a name: agv3 is 3, as2 is 2."""
     return int("".join(filter(str.isdigit, name)))
-
-
-def _middle(gantry: Gantry) -> tuple[float, float]:
-    return ((gantry.x.low + gantry.x.high) / 2, (gantry.y.low + gantry.y.high) / 2)
 
 
 def _vector(xyz: tuple[float, float, float], z: float = 0.0) -> Message:

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from floorplan import UserError
 
-from ..core.clock import Tempo, checked_speed
+from ..cell.pace import Tempo, checked_speed
 from ..live.page_server import Origins
 from ..people.programs import EXTERNAL
 from ..simulation import Simulation
@@ -31,7 +31,7 @@ PAUSED = "it is paused on its page"
 class Viewer(Protocol):
     """A page that shows a run under way; what is wanted there is carried out in `attend`."""
 
-    def follow(self, simulation: Simulation, tempo: Tempo | None = None) -> None:
+    def follow(self, simulation: Simulation, pace: Tempo) -> None:
         """Show a run that has started, and let the page change its tempo."""
 
     def attend(self, simulation: Simulation) -> None:
@@ -392,8 +392,7 @@ class Session:
         self._changed.set()
         if request["until"] < workcell.now:
             return {"time": workcell.now, "ended": self._is_over}
-        outside.wake_at = request["until"]
-        workcell.person.wake()
+        workcell.person.decide_by(request["until"])
         while not self._is_over:
             if await self._stood_still():
                 continue

@@ -205,7 +205,7 @@ class HumanTopics:
 
     def _penalise(self, _: Client, __: Values) -> Values:
         self._admit("penalty")
-        counted = self._referee.penalise(self._person)
+        counted = self._person.penalise()
         effect = "a penalty, and the gantry is disabled" if counted else "counted already"
         return {"success": True, "message": f"{effect}; penalties: {self._referee.penalties}"}
 
@@ -266,7 +266,7 @@ class Workcell(Listener):
             self.human = HumanTopics(self.person, simulation, exchange, self.admit)
             self.outside = self.human.outside
         if self.outside is not None:
-            self.outside.called = self._ask
+            self.outside.on_decision.append(self._ask)
         simulation.start()
         self._frames = self._named_frames()
         self.enter(READY)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from floorplan import Floorplan
 
     from .. import Trial
+    from ..machines.kinds import ShortDistance, ShortLaw
 
 
 def check(
@@ -147,19 +148,32 @@ def _warn_of_short_laws(trial: Trial, file: str) -> None:
 
     from ..machines.kinds import in_words, short_laws
 
-    found = short_laws(trial)
-    if not found:
+    short_ones = [short for short in short_laws(trial) if not _scores(trial, short)]
+    if not short_ones:
         return
-    message = f"warning: the law's stopping distance is shorter than that of {in_words(found)}"
+    message = f"warning: the law's stopping distance is shorter than that of {in_words(short_ones)}"
     problem = floorplan.Problem(message, "rules")
     path = Path(file)
     if path.suffix in (".yaml", ".yml") and path.exists():
         document = read_yaml(path, floorplan.FloorplanError)
-        laws = {("rules", short.law) for short in found}
+        laws = {("rules", short.law) for short in short_ones}
         place = laws.pop() if len(laws) == 1 and laws <= document.lines.keys() else ("rules",)
         if place in document.lines:
             problem = document.problem(message, *place)
     say(f"{file}: {problem}", err=True)
+
+
+def _scores(trial: Trial, short: ShortLaw | ShortDistance) -> bool:
+    """Return whether a law is the competition's for its own machine: a score, not a protection."""
+    from ..core.rules import ARIAC2023, PAPER
+
+    plan, rules = trial.floorplan, trial.rules
+    return (
+        plan.name == ARIAC2023.name
+        and rules.machine != "stop"
+        and short.machine in {"gantry", *(lane.name for lane in plan.lanes)}
+        and getattr(rules, short.law, None) in (PAPER.gantry_law, ARIAC2023.agv_law)
+    )
 
 
 def _floor(plan: Floorplan) -> str:

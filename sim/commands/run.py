@@ -242,6 +242,8 @@ def _kept(
     *listeners: Recording | LiveRun,
 ) -> Run:
     """Return the run as far as it went; listeners get it also where the user's own code fails."""
+    from floorplan.files.collector import frozen_collector
+
     from ..core.custom_code import broken_off
 
     def finish() -> Run:
@@ -251,7 +253,7 @@ def _kept(
         return finished
 
     try:
-        with broken_off(), taken_by(simulation.stop):
+        with frozen_collector(), broken_off(), taken_by(simulation.stop):
             advance(simulation)
     except Exception:
         with suppress(Exception):  # where nothing can be written that was the error already

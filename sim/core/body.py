@@ -9,7 +9,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial, wraps
-from typing import Any, Literal, TypeVar, cast, get_args
+from typing import Any, Literal, Protocol, TypeVar, cast, get_args
 
 from shapely import affinity
 from shapely.geometry import Polygon
@@ -328,35 +328,49 @@ OnCommand = Callable[[str, dict[str, Any], Callable[[], Any]], Any]
 """Carries out a command from outside, with the name of the method and its arguments."""
 
 
+class Commandable(Protocol):
+    """Person or machine whose methods can be commands of the trial."""
+
+    on_command: OnCommand | None
+
+    @property
+    def name(self) -> str:
+        """Name in the trial."""
+
+    @property
+    def body(self) -> Body:
+        """Its body."""
+
+
 def checked(method: _Method) -> _Method:
-    """Let calls of a machine's method with missing or unknown arguments be a `UserError`."""
+    """Raise a `UserError` for calls of a method with missing or unknown arguments."""
 
     @wraps(method)
-    def called(machine: Machine, *given: Any, **terms: Any) -> Any:
+    def called(one: Commandable, *given: Any, **terms: Any) -> Any:
         try:
-            return method(machine, *given, **terms)
+            return method(one, *given, **terms)
         except TypeError as why:
-            if fault := argument_fault(partial(method, machine), terms, *given):
-                raise UserError(f"{machine.name}.{method.__name__}: {fault}") from why
+            if fault := argument_fault(partial(method, one), terms, *given):
+                raise UserError(f"{one.name}.{method.__name__}: {fault}") from why
             raise
 
     return cast(_Method, called)
 
 
 def commands(method: _Method) -> _Method:
-    """Let calls of a machine's method from outside the simulation be commands of the trial.
+    """Record calls of a method from outside the simulation as commands of the trial.
 
     Its arguments are `checked`.
     """
     signature = inspect.signature(method)
 
     @wraps(method)
-    def commanded(machine: Machine, *given: Any, **terms: Any) -> Any:
-        if machine.on_command is None or machine.body.clock.inside:
-            return method(machine, *given, **terms)
-        _, *arguments = signature.bind(machine, *given, **terms).arguments.items()
-        carry_out = partial(method, machine, *given, **terms)
-        return machine.on_command(method.__name__, dict(arguments), carry_out)
+    def commanded(one: Commandable, *given: Any, **terms: Any) -> Any:
+        if one.on_command is None or one.body.clock.inside:
+            return method(one, *given, **terms)
+        _, *arguments = signature.bind(one, *given, **terms).arguments.items()
+        carry_out = partial(method, one, *given, **terms)
+        return one.on_command(method.__name__, dict(arguments), carry_out)
 
     vars(commanded)["is_command"] = True
     return checked(cast(_Method, commanded))

@@ -329,11 +329,13 @@ class Command(Keyed):
     hold, release : str, optional
         Name of a machine that brakes and stays stationary, or continues.
     call : str, optional
-        Method of a machine, such as "move_to", "twist" or "stop".
-    machine : str, optional
-        Name of the machine.
+        Method of a machine or person, such as "move_to", "twist" or "act".
+    machine, person : str, optional
+        Name of the machine or person of the call.
     arguments : dict, optional
-        Arguments of the method by name. A motion is the list of its pieces.
+        Arguments of the method by name. A motion is the list of its pieces, an action its text.
+    decision : int, optional
+        Number of the decision of an external person right after which a call is carried out.
     """
 
     time: NotNegative | None = None
@@ -346,7 +348,9 @@ class Command(Keyed):
     release: str | None = None
     call: str | None = None
     machine: str | None = None
+    person: str | None = None
     arguments: dict[str, Any] | None = None
+    decision: int | None = None
 
     @property
     def at(self) -> float:

@@ -174,7 +174,7 @@ class _Writer:
             log_time=nanoseconds(path.t),
         )
 
-    def _write_poses(self, t: float, poses: tuple[scene.Pose, ...]) -> None:
+    def _write_poses(self, t: float, poses: tuple[scene.BodyPose, ...]) -> None:
         stamp, log_time = _stamp(t), nanoseconds(t)
         transforms = [_transform(stamp, *place) for place in scene.frames(self._run, poses)]
         self._frames.log(FrameTransforms(transforms=transforms), log_time=log_time)

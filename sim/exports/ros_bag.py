@@ -28,7 +28,7 @@ from rosbags.typesys.stores import ros2_humble as ros
 from ..core.recorder import Event
 from ..record.outcome import Outcome
 from . import scene
-from .scene import ROOT_FRAME, LogLine, Pose, Shape, Thing, WalkedPath, nanoseconds
+from .scene import ROOT_FRAME, BodyPose, LogLine, Shape, Thing, WalkedPath, nanoseconds
 
 LEVELS = {
     "info": ros.rcl_interfaces__msg__Log.INFO,
@@ -66,14 +66,14 @@ def transforms(
     )
 
 
-def pose_message(t: float, pose: Pose) -> ros.geometry_msgs__msg__PoseStamped:
+def pose_message(t: float, pose: BodyPose) -> ros.geometry_msgs__msg__PoseStamped:
     """Return the pose of a body at `t` (seconds)."""
     return ros.geometry_msgs__msg__PoseStamped(
         _header(t), _pose(pose.x, pose.y, 0.0, pose.rotation)
     )
 
 
-def velocity_message(t: float, pose: Pose) -> ros.geometry_msgs__msg__TwistStamped:
+def velocity_message(t: float, pose: BodyPose) -> ros.geometry_msgs__msg__TwistStamped:
     """Return the velocity of a body at `t` (seconds), along the axes of the floor."""
     twist = ros.geometry_msgs__msg__Twist(_vector(pose.vx, pose.vy, 0.0), _vector(0.0, 0.0, 0.0))
     return ros.geometry_msgs__msg__TwistStamped(_header(t), twist)

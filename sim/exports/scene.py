@@ -79,7 +79,7 @@ _IS_PUT = ("teleport", "left")
 
 
 @dataclass(frozen=True)
-class Pose:
+class BodyPose:
     """The pose of a body: x, y (metres), rotation (radians); and its velocity (m/s)."""
 
     body: str
@@ -104,7 +104,7 @@ class Moment:
     """The news of the instant `t` (seconds): poses of bodies, an event, or a path that begins."""
 
     t: float
-    poses: tuple[Pose, ...] = ()
+    poses: tuple[BodyPose, ...] = ()
     event: Event | None = None
     path: WalkedPath | None = None
 
@@ -159,13 +159,13 @@ def _regular(run: Outcome, rate: float) -> Iterator[Moment]:
         tables = {name: sample(m, times).tolist() for name, m in run.motions.items()}
         there = {name: run.is_present(name, times).tolist() for name in run.motions}
         for k, t in enumerate(times.tolist()):
-            poses = (Pose(name, *table[k]) for name, table in tables.items() if there[name][k])
+            poses = (BodyPose(name, *table[k]) for name, table in tables.items() if there[name][k])
             yield Moment(t, tuple(poses))
 
 
 def _jumps(run: Outcome) -> list[Moment]:
     found = [
-        Moment(t, (Pose(name, *sample(motion, np.array([t]))[0].tolist()),))
+        Moment(t, (BodyPose(name, *sample(motion, np.array([t]))[0].tolist()),))
         for name, motion in run.motions.items()
         for jump in motion.jumps
         for t in (jump - NANOSECOND, jump)
@@ -310,7 +310,7 @@ def bodies(run: Outcome) -> list[Thing]:
     return things
 
 
-def frames(run: Outcome, poses: Iterable[Pose]) -> Iterator[tuple[str, float, float, float]]:
+def frames(run: Outcome, poses: Iterable[BodyPose]) -> Iterator[tuple[str, float, float, float]]:
     """Return the frames that move with these bodies: name, x, y, rotation."""
     for pose in poses:
         yield frame(pose.body), pose.x, pose.y, pose.rotation

@@ -1,4 +1,4 @@
-"""Commands to machines from outside: their methods, and their arguments as files have them."""
+"""Commands from outside: methods of machines and people, and their arguments as in files."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+import bdi
 from floorplan.files.problems import suggestion
 from navigation import Motion, Piece
 
@@ -25,28 +26,34 @@ CLASSES: Mapping[str, type[Machine]] = {"gantry": GantryRobot, "agv": Agv, "amr"
 
 def call_fault(kind: str, method: str, arguments: Mapping[str, Any]) -> str:
     """Return why a machine of a built-in kind cannot be commanded so, or an empty text."""
-    machine = CLASSES.get(kind)
-    known = [name for name in dir(machine) if hasattr(getattr(machine, name), "is_command")]
-    if machine is None:
+    if kind not in CLASSES:
         return ""
+    return method_fault(CLASSES[kind], f"a machine of the kind {kind}", method, arguments)
+
+
+def method_fault(cls: type, noun: str, method: str, arguments: Mapping[str, Any]) -> str:
+    """Return why a method of a class is no command with these arguments, or an empty text."""
+    known = [name for name in dir(cls) if hasattr(getattr(cls, name), "is_command")]
     if method in known:
-        return argument_fault(partial(getattr(machine, method), None), arguments)
-    return f"a machine of the kind {kind} has no command {method!r}; {suggestion(method, known)}"
+        return argument_fault(partial(getattr(cls, method), None), arguments)
+    return f"{noun} has no command {method!r}; {suggestion(method, known)}"
 
 
 def written_arguments(arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Return arguments as plain values: motions as lists of pieces, tasks as numbers."""
+    """Return arguments as plain values: motions as pieces, tasks as numbers, actions as text."""
     return {name: _written(value) for name, value in arguments.items()}
 
 
-def given_arguments(machine: Machine, written: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a method of a machine from their plain values."""
-    given = dict(written)
-    if "motion" in given:
-        given["motion"] = Motion(tuple(map(_piece, given["motion"])))
-    if "task" in given and isinstance(machine, CommandedMachine):
-        given["task"] = machine.tasks.numbered(given["task"])
-    return given
+def given_arguments(one: object, written: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a method of a machine or person from their plain values."""
+    arguments = dict(written)
+    if "motion" in arguments:
+        arguments["motion"] = Motion(tuple(map(_piece, arguments["motion"])))
+    if "action" in arguments:
+        arguments["action"] = bdi.parse_literal(arguments["action"])
+    if "task" in arguments and isinstance(one, CommandedMachine):
+        arguments["task"] = one.tasks.numbered(arguments["task"])
+    return arguments
 
 
 def _piece(written: Sequence[Any]) -> Piece:
@@ -59,6 +66,8 @@ def _written(value: Any) -> Any:
         return [_written(tuple(piece)) for piece in value.pieces]
     if isinstance(value, Task):
         return value.number
+    if isinstance(value, bdi.Literal):
+        return str(value)
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, list | tuple):

@@ -14,7 +14,7 @@ from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot
 from .inventory import Belt, Fleet, Inventory
 from .scoring import best_score
-from .work import AssemblyWork, Cell, CombinedWork, KittingWork, Work, when_all_are_done
+from .work import AssemblyWork, CombinedWork, KittingWork, Shop, Work, when_all_are_done
 
 
 class _OrderProgress:
@@ -70,7 +70,7 @@ class Dispatcher:
         self._all_done = all_done
         self._belt = Belt(stage, workload.conveyor, seed, gantry.missed)
         inventory = Inventory(workload, plan, self._belt)
-        self._cell = Cell(
+        self._shop = Shop(
             plan=plan,
             inventory=inventory,
             fleet=self._fleet,
@@ -107,7 +107,7 @@ class Dispatcher:
             "orders": orders,
             "score": sum(figures["score"] for figures in orders.values()),
             "best_score": sum(figures["best"] for figures in orders.values()),
-            "parts_faulty": len(self._cell.found_faulty),
+            "parts_faulty": len(self._shop.found_faulty),
             "parts_missed": self._belt.parts_missed,
         }
 
@@ -154,16 +154,16 @@ class Dispatcher:
         if held.intersection(_wanted(order)):
             return None
         if isinstance(task, AssemblyTask):
-            return AssemblyWork(order, task, self._cell)
-        return KittingWork(order, task, self._cell)
+            return AssemblyWork(order, task, self._shop)
+        return KittingWork(order, task, self._shop)
 
     def _combined_work(self, order: Order, task: CombinedTask, held: set[str]) -> Work | None:
         """Return the work on a combined order: on the free AGV with the least on it."""
         free = [agv for agv in self._fleet.serving(task.station) if agv not in held]
         if task.station in held or not free:
             return None
-        agv = min(free, key=lambda name: len(self._cell.inventory.load(name).items))
-        return CombinedWork(order, task, self._cell, agv, self._needed_trays)
+        agv = min(free, key=lambda name: len(self._shop.inventory.load(name).items))
+        return CombinedWork(order, task, self._shop, agv, self._needed_trays)
 
     def _finish(self, work: Work) -> None:
         """Submit an order, all tasks of which are done, once everything is where it has to be."""

@@ -80,8 +80,8 @@ Action = Callable[[], None]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell:
-    """Workcell as orders use it: the floor, its inventory, the AGVs, and times of handling.
+class Shop:
+    """Workshop as orders use it: the floor, its inventory, the AGVs, and times of handling.
 
     `faulty` has the quadrants of kits in which the first part is faulty, by order; the parts that
     were found so are in `found_faulty`.
@@ -117,11 +117,11 @@ class Work(ABC):
     submitted. `missing` are the parts that it lacks.
     """
 
-    def __init__(self, order: Order, cell: Cell, holds: tuple[str, ...]) -> None:
+    def __init__(self, order: Order, shop: Shop, holds: tuple[str, ...]) -> None:
         self.order = order
         self.holds = holds
         self.missing: list[PartType] = []
-        self._cell = cell
+        self._shop = shop
 
     @abstractmethod
     def begin(self) -> list[Task]:
@@ -153,7 +153,7 @@ class Work(ABC):
     ) -> Task:
         fields = {**fields, "order": self.order.id}
         if (passing := steps[0].passing) is not None:
-            ready = partial(self._cell.inventory.belt.has_come, passing)
+            ready = partial(self._shop.inventory.belt.has_come, passing)
         return Task(
             kind,
             steps,
@@ -169,7 +169,7 @@ class Work(ABC):
         """Return a part on its way; others of its kind are looked for in bins near `near`."""
 
         def another() -> Found | None:
-            found = self._cell.inventory.take(item.part, near)
+            found = self._shop.inventory.take(item.part, near)
             return None if found is None else (found[2], self._from_bin(*found))
 
         return Carried(item, last, put, another=another, missing=self.missing)
@@ -178,7 +178,7 @@ class Work(ABC):
         """Yield the steps that take an item from its bin and turn it over if it is flipped."""
         seconds = self._picking(item)
         if bin == BELT:
-            return self._cell.inventory.belt.step(slot, seconds)
+            return self._shop.inventory.belt.step(slot, seconds)
         return Step("pick", seconds=seconds, place=bin, offset=bin_slot(slot))
 
     def _from_agv(self, agv: str, quadrant: int, item: Item) -> Step:
@@ -189,30 +189,30 @@ class Work(ABC):
     def _onto_agv(self, agv: str, quadrant: int) -> Step:
         return Step(
             "place",
-            seconds=self._cell.handling.place,
+            seconds=self._shop.handling.place,
             place=agv,
             offset=self._quadrant(agv, quadrant),
         )
 
     def _quadrant(self, agv: str, quadrant: int) -> Offset:
-        return quadrant_on(self._cell.fleet.lane(agv), quadrant)
+        return quadrant_on(self._shop.fleet.lane(agv), quadrant)
 
     def _picking(self, item: Item) -> float:
-        handling = self._cell.handling
+        handling = self._shop.handling
         return handling.pick + (handling.turn_over if item.flipped else 0.0)
 
     def _fetch_tray(self, agv: str, tray: int, slot: int) -> Task:
         """Change the gripper, put the tray on the AGV, and change the gripper back."""
-        handling, lane = self._cell.handling, self._cell.fleet.lane(agv)
+        handling, lane = self._shop.handling, self._shop.fleet.lane(agv)
         table, at = tray_slot(slot)
-        nearest = self._cell.nearest(TABLES, self._cell.home(agv))
+        nearest = self._shop.nearest(TABLES, self._shop.home(agv))
         steps = (
             _change_tool(table, "trays", handling),
             Step("pick_tray", seconds=handling.pick_tray, place=table, offset=at),
             Step("place_tray", seconds=handling.place_tray, place=agv, offset=tray_on(lane)),
             _change_tool(nearest, "parts", handling),
         )
-        done = partial(self._cell.inventory.lay_tray, agv, tray)
+        done = partial(self._shop.inventory.lay_tray, agv, tray)
         return self._task("tray", steps, done, {"tray": tray, "from": table, "to": agv})
 
 
@@ -248,19 +248,19 @@ class KittingWork(Work):
     Parts that already lie where they should stay; others that are in the way are thrown away.
     """
 
-    def __init__(self, order: Order, task: KittingTask, cell: Cell) -> None:
-        super().__init__(order, cell, (task.agv,))
+    def __init__(self, order: Order, task: KittingTask, shop: Shop) -> None:
+        super().__init__(order, shop, (task.agv,))
         self._kit = task
-        self._faulty = {*cell.faulty.get(order.id, ())}
+        self._faulty = {*shop.faulty.get(order.id, ())}
 
     def begin(self) -> list[Task]:
         """See `Work.begin`."""
-        kit, cell = self._kit, self._cell
-        lane = cell.fleet.lane(kit.agv)
-        cell.fleet.send(kit.agv, lane.start)
-        load = cell.inventory.load(kit.agv)
+        kit, shop = self._kit, self._shop
+        lane = shop.fleet.lane(kit.agv)
+        shop.fleet.send(kit.agv, lane.start)
+        load = shop.inventory.load(kit.agv)
         tasks: list[Task] = []
-        if load.tray != kit.tray and (slot := cell.inventory.take_tray(kit.tray)) is not None:
+        if load.tray != kit.tray and (slot := shop.inventory.take_tray(kit.tray)) is not None:
             tasks.append(self._fetch_tray(kit.agv, kit.tray, slot))
             load = Load(kit.tray)
         for quadrant, part in kit.products.items():
@@ -268,34 +268,34 @@ class KittingWork(Work):
         for quadrant in load.items:
             if quadrant not in kit.products:
                 tasks.append(self._clear(quadrant))
-        when_all_are_done(tasks, partial(cell.fleet.send, kit.agv, kit.destination))
+        when_all_are_done(tasks, partial(shop.fleet.send, kit.agv, kit.destination))
         return tasks
 
     def ready(self) -> bool:
         """See `Work.ready`."""
-        return self._cell.fleet.is_at(self._kit.agv, self._kit.destination)
+        return self._shop.fleet.is_at(self._kit.agv, self._kit.destination)
 
     def score(self) -> int:
         """See `Work.score`."""
         return kitting_score(
-            self._kit, self._cell.inventory.load(self._kit.agv), arrived=self.ready()
+            self._kit, self._shop.inventory.load(self._kit.agv), arrived=self.ready()
         )
 
     def hand_over(self) -> None:
         """Take the kit off its AGV, unless it is at an assembly station: there it is needed."""
-        lane = self._cell.fleet.lane(self._kit.agv)
+        lane = self._shop.fleet.lane(self._kit.agv)
         location = lane.serves.get(self._kit.destination, self._kit.destination)
         if location not in lane.serves.values():
-            self._cell.inventory.unload(self._kit.agv)
+            self._shop.inventory.unload(self._kit.agv)
 
     def _fill(self, quadrant: int, part: PartType, there: Item | None) -> list[Task]:
         """Return the tasks that get `part` into a quadrant in which there is `there`."""
-        agv, cell = self._kit.agv, self._cell
+        agv, shop = self._kit.agv, self._shop
         if there == Item(part):
             return []
         if there is not None and there.part == part:
             return [self._placing(quadrant, there, agv, self._from_agv(agv, quadrant, there))]
-        found = cell.inventory.take(part, cell.home(agv))
+        found = shop.inventory.take(part, shop.home(agv))
         if found is None:
             self.missing.append(part)
             return []
@@ -304,13 +304,13 @@ class KittingWork(Work):
         return [*cleared, self._placing(quadrant, item, bin, self._from_bin(bin, slot, item))]
 
     def _placing(self, quadrant: int, item: Item, origin: str, pick: Step) -> Task:
-        agv, cell = self._kit.agv, self._cell
-        put = partial(cell.inventory.lay, agv, quadrant)
+        agv, shop = self._kit.agv, self._shop
+        put = partial(shop.inventory.lay, agv, quadrant)
         place = self._onto_agv(agv, quadrant)
-        carried = self._carried(item, place, put, cell.home(agv))
+        carried = self._carried(item, place, put, shop.home(agv))
 
         def lost() -> tuple[Step, ...]:
-            cell.inventory.lift(agv, quadrant)  # if it came from there
+            shop.inventory.lift(agv, quadrant)  # if it came from there
             return carried.lost()
 
         def check() -> tuple[Step, ...]:
@@ -338,28 +338,28 @@ class KittingWork(Work):
         if not (item.faulty or quadrant in self._faulty):
             return False
         self._faulty.discard(quadrant)
-        self._cell.found_faulty.append(item.part)
+        self._shop.found_faulty.append(item.part)
         fields = {"part": str(item.part), "order": self.order.id, "agv": self._kit.agv}
-        self._cell.record(PartFaulty(**fields, quadrant=quadrant))
+        self._shop.record(PartFaulty(**fields, quadrant=quadrant))
         return True
 
     def _clear(self, quadrant: int) -> Task:
         """Return the task of throwing away the part in a quadrant."""
-        agv, cell = self._kit.agv, self._cell
-        item = cell.inventory.load(agv).items[quadrant]
+        agv, shop = self._kit.agv, self._shop
+        item = shop.inventory.load(agv).items[quadrant]
         steps = self._throwing_away(quadrant, "pick")
-        done = partial(cell.inventory.lift, agv, quadrant)
+        done = partial(shop.inventory.lift, agv, quadrant)
         fields = {"part": str(item.part), "from": agv, "to": steps[1].place}
         return self._task("dispose", steps, done, fields, stage=1)
 
     def _throwing_away(self, quadrant: int, action: str) -> tuple[Step, Step]:
-        agv, cell = self._kit.agv, self._cell
-        bin = cell.nearest(DISPOSAL_BINS, cell.home(agv))
+        agv, shop = self._kit.agv, self._shop
+        bin = shop.nearest(DISPOSAL_BINS, shop.home(agv))
         return (
             Step(
-                action, seconds=cell.handling.pick, place=agv, offset=self._quadrant(agv, quadrant)
+                action, seconds=shop.handling.pick, place=agv, offset=self._quadrant(agv, quadrant)
             ),
-            Step("place", seconds=cell.handling.place, place=bin),
+            Step("place", seconds=shop.handling.place, place=bin),
         )
 
 
@@ -367,9 +367,9 @@ class _AtStation(Work):
     """Common part of assembly and combined orders: parts are inserted at a station."""
 
     def __init__(
-        self, order: Order, task: AssemblyTask | CombinedTask, cell: Cell, agvs: tuple[str, ...]
+        self, order: Order, task: AssemblyTask | CombinedTask, shop: Shop, agvs: tuple[str, ...]
     ) -> None:
-        super().__init__(order, cell, (*agvs, task.station))
+        super().__init__(order, shop, (*agvs, task.station))
         self._assembly = task
 
     def ready(self) -> bool:
@@ -378,25 +378,25 @@ class _AtStation(Work):
 
     def score(self) -> int:
         """See `Work.score`."""
-        inserted = self._cell.inventory.inserted(self._assembly.station)
+        inserted = self._shop.inventory.inserted(self._assembly.station)
         return assembly_score(self._assembly, inserted)
 
     def hand_over(self) -> None:
         """See `Work.hand_over`."""
-        self._cell.inventory.hand_over(self._assembly.station)
+        self._shop.inventory.hand_over(self._assembly.station)
 
     def _insert_from_agv(self, agv: str, quadrant: int, item: Item, *, stage: int) -> Task:
         """Take an item from an AGV that has come to the station, and insert it."""
-        station, cell = self._assembly.station, self._cell
+        station, shop = self._assembly.station, self._shop
         carried = self._inserted(item)
 
         def done() -> None:
             if not task.given_up:
-                cell.inventory.lift(agv, quadrant)
+                shop.inventory.lift(agv, quadrant)
                 carried.put_down()
 
         def lost() -> tuple[Step, ...]:
-            cell.inventory.lift(agv, quadrant)
+            shop.inventory.lift(agv, quadrant)
             return carried.lost()
 
         task = self._task(
@@ -405,7 +405,7 @@ class _AtStation(Work):
             done,
             {"part": str(item.part), "from": agv, "to": station},
             stage=stage,
-            ready=partial(cell.fleet.is_at, agv, station),
+            ready=partial(shop.fleet.is_at, agv, station),
             lost=lost,
         )
         return task
@@ -424,15 +424,15 @@ class _AtStation(Work):
 
     def _inserted(self, item: Item) -> Carried:
         """Return a part on its way to be inserted."""
-        station, cell = self._assembly.station, self._cell
-        near = cell.place(assembly_table(station))
+        station, shop = self._assembly.station, self._shop
+        near = shop.place(assembly_table(station))
         return self._carried(
-            item, self._inserting(), lambda one: cell.inventory.insert(station, one.part), near
+            item, self._inserting(), lambda one: shop.inventory.insert(station, one.part), near
         )
 
     def _inserting(self) -> Step:
         table = assembly_table(self._assembly.station)
-        return Step("insert", seconds=self._cell.handling.insert, place=table)
+        return Step("insert", seconds=self._shop.handling.insert, place=table)
 
 
 class AssemblyWork(_AtStation):
@@ -441,26 +441,26 @@ class AssemblyWork(_AtStation):
     A part that none of them has is carried over from a bin.
     """
 
-    def __init__(self, order: Order, task: AssemblyTask, cell: Cell) -> None:
-        super().__init__(order, task, cell, task.agvs)
+    def __init__(self, order: Order, task: AssemblyTask, shop: Shop) -> None:
+        super().__init__(order, task, shop, task.agvs)
         self._agvs = task.agvs
 
     def begin(self) -> list[Task]:
         """See `Work.begin`."""
-        task, cell = self._assembly, self._cell
+        task, shop = self._assembly, self._shop
         on_agvs = {
             (agv, quadrant): item
             for agv in self._agvs
-            for quadrant, item in cell.inventory.load(agv).items.items()
+            for quadrant, item in shop.inventory.load(agv).items.items()
         }
-        near = cell.place(assembly_table(task.station))
+        near = shop.place(assembly_table(task.station))
         tasks = []
         for part in task.products:
             place = next((place for place, item in on_agvs.items() if item.part == part), None)
             if place is not None:
-                cell.fleet.send(place[0], task.station)
+                shop.fleet.send(place[0], task.station)
                 tasks.append(self._insert_from_agv(*place, on_agvs.pop(place), stage=0))
-            elif (found := cell.inventory.take(part, near)) is not None:
+            elif (found := shop.inventory.take(part, near)) is not None:
                 tasks.append(self._insert_from_bin(*found, stage=0))
             else:
                 self.missing.append(part)
@@ -474,19 +474,19 @@ class CombinedWork(_AtStation):
     """
 
     def __init__(
-        self, order: Order, task: CombinedTask, cell: Cell, agv: str, needed_trays: set[int]
+        self, order: Order, task: CombinedTask, shop: Shop, agv: str, needed_trays: set[int]
     ) -> None:
-        super().__init__(order, task, cell, (agv,))
+        super().__init__(order, task, shop, (agv,))
         self._agv = agv
         self._needed_trays = needed_trays
 
     def begin(self) -> list[Task]:
         """See `Work.begin`."""
-        task, cell, agv = self._assembly, self._cell, self._agv
-        lane = cell.fleet.lane(agv)
+        task, shop, agv = self._assembly, self._shop, self._agv
+        lane = shop.fleet.lane(agv)
         kit: list[Task] = []
         assembly: list[Task] = []
-        load = cell.inventory.load(agv)
+        load = shop.inventory.load(agv)
         present = dict(load.items)
         free = [quadrant for quadrant in QUADRANTS if quadrant not in present]
         for part in task.products:
@@ -494,7 +494,7 @@ class CombinedWork(_AtStation):
             if at is not None:
                 assembly.append(self._insert_from_agv(agv, at, present.pop(at), stage=2))
                 continue
-            found = cell.inventory.take(part, cell.home(agv))
+            found = shop.inventory.take(part, shop.home(agv))
             if found is None:
                 self.missing.append(part)
             elif free:
@@ -505,22 +505,22 @@ class CombinedWork(_AtStation):
             else:
                 assembly.append(self._insert_from_bin(*found, stage=2))
         if kit and load.tray is None:
-            spare = cell.inventory.take_spare_tray(self._needed_trays)
+            spare = shop.inventory.take_spare_tray(self._needed_trays)
             if spare is not None:
                 slot, tray = spare
                 kit.insert(0, self._fetch_tray(agv, tray, slot))
         if kit:
-            cell.fleet.send(agv, lane.start)
+            shop.fleet.send(agv, lane.start)
         if assembly:
-            when_all_are_done(kit, partial(cell.fleet.send, agv, task.station))
+            when_all_are_done(kit, partial(shop.fleet.send, agv, task.station))
         return kit + assembly
 
     def _kit(self, quadrant: int, bin: str, slot: int, item: Item, inserting: Task) -> Task:
         """Return the task of placing a part; without the part it is not `inserting` it either."""
-        agv, cell = self._agv, self._cell
+        agv, shop = self._agv, self._shop
         place = self._onto_agv(agv, quadrant)
-        put = partial(cell.inventory.lay, agv, quadrant)
-        carried = self._carried(item, place, put, cell.home(agv))
+        put = partial(shop.inventory.lay, agv, quadrant)
+        carried = self._carried(item, place, put, shop.home(agv))
 
         def lost() -> tuple[Step, ...]:
             steps = carried.lost()

@@ -55,12 +55,12 @@ class Mind(Protocol):
 class Outside:
     """Mind outside the simulation.
 
-    The person's percepts wait here until somebody takes them; `called` is called when there are
-    any, or when it is time to `wake_at`. Whoever decides calls the person's `act`.
+    The person's percepts wait here until a program takes them. The functions `on_decision` are
+    called when there are any, or at the time `wake_at`. The program calls the person's `act`.
     """
 
     def __init__(self, called: Callable[[], None] = lambda: None) -> None:
-        self.called = called
+        self.on_decision = [called]
         self.wake_at: float | None = None
         self._perceived: list[bdi.Literal] = []
 
@@ -77,12 +77,13 @@ class Outside:
         """Do nothing: whoever is outside takes percepts as they begin, and not their end."""
 
     def advance(self, time: float) -> None:
-        """Call `called` if there is something to think about at `time` (seconds)."""
-        if self.wake_at is not None and self.wake_at <= time:
+        """Call `on_decision` if there is something to decide at `time` (seconds)."""
+        is_awake = self.wake_at is not None and self.wake_at <= time
+        if is_awake:
             self.wake_at = None
-            self.called()
-        elif self._perceived:
-            self.called()
+        if is_awake or self._perceived:
+            for decides in self.on_decision:
+                decides()
 
     def take(self) -> list[bdi.Literal]:
         """Return the percepts since the last time, in their order."""

@@ -20,7 +20,7 @@ from bdi.reasoning.beliefs import LiveBeliefs
 from floorplan import Human, Point, UserError
 from navigation import PathPlanner, standing
 
-from ..core.body import PERSON, Body, Machine
+from ..core.body import PERSON, Body, Machine, OnCommand, commands
 from ..core.clock import Alarm, Clock, Turn
 from ..core.entries import ALL_ROUND, drawn_figure, seed_of
 from ..core.events import Awaited, Entered, HumanStarted, Left, PersonalityChanged
@@ -36,7 +36,7 @@ from .crowd.speed_zones import SpeedZones
 from .crowd.traveller import AT_THE_DOOR, Traveller
 from .errand import Errand
 from .interaction import Interaction
-from .minds import Mind, as_term
+from .minds import Mind, Outside, as_term
 from .perception import Senses, SocialPerception, Vision
 from .programs import find_program
 from .tracks.playback import Playback
@@ -156,6 +156,9 @@ class Person:
 
     `index` is their number among all people, and `slot` their place in a group that they follow.
     """
+
+    on_command: OnCommand | None = None
+    """Function that carries out and records commands from outside."""
 
     def __init__(
         self,
@@ -394,6 +397,7 @@ class Person:
 
         return {**found, ("waits_for", 1): waits_for}
 
+    @commands
     def start(self) -> None:
         """Begin; a second time does nothing."""
         if self.started_at is None:
@@ -434,6 +438,7 @@ class Person:
         """See whether the path is still free: a machine has come to rest on the floor."""
         self._errand.floor_changed(came)
 
+    @commands
     def act(self, action: bdi.Literal) -> bool | bdi.Refused:
         """Carry out an external action of the agent; return True if it could be.
 
@@ -464,6 +469,19 @@ class Person:
     def put_home_at(self) -> float | None:
         """Instant at which they were last put home (seconds)."""
         return self._actions.put_home_at
+
+    @commands
+    def decide_by(self, t: float) -> None:
+        """Call an external program for a decision at time `t` (s), unless it decides earlier."""
+        if not isinstance(self.mind, Outside):
+            raise UserError(f"{self.name} is not external")
+        self.mind.wake_at = t
+        self.wake()
+
+    @commands
+    def penalise(self) -> bool:
+        """Count a penalty on request. See `Referee.penalise`."""
+        return self._referee.penalise(self)
 
     def wake(self) -> None:
         """Let the mind think earlier than expected, if a message gives it something to do."""

@@ -260,14 +260,16 @@ def csv_line(cells: Iterable[str]) -> str:
 
 
 class WholeLines:
-    """Writer of a new text file that writes each line completely or not at all.
+    """Writer of a text file that writes each line completely or not at all.
 
-    Raises `FileExistsError` if the file exists.
+    Without `end` the file is new, and `FileExistsError` is raised if it exists. Otherwise the file
+    is cut to its first `end` bytes and continued.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._file = path.open("xb", buffering=0)
-        self._end = 0
+    def __init__(self, path: Path, end: int | None = None) -> None:
+        self._file = path.open("xb" if end is None else "ab", buffering=0)
+        self._end = end or 0
+        self._file.truncate(self._end)
 
     def write(self, line: str) -> None:
         """Add a line. Raises `OSError` if the disk is full, without leaving a part of it."""

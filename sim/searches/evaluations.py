@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ..runs.run import Run
-from ..studies.folder import Record
 from ..studies.running import figures_of
+from ..studies.table import Record, plain
 from .objective import Objective, Situation, failure_in_words, makes_no_trial
 from .space import Dimension, Point
 
@@ -106,11 +106,6 @@ def record(one: Evaluation, found: Found) -> Record:
     line |= {key: found[key] for key in ("result", "error", "value", *SITUATION)}
     line |= found["figures"]
     return line
-
-
-def plain(value: Any) -> Any:
-    """Return a value as a table has it: several numbers as one text."""
-    return " ".join(map(str, value)) if isinstance(value, tuple) else value
 
 
 def distinct(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from floorplan import UserError
+from floorplan.files.collector import frozen_collector
 from floorplan.files.values import require
 
 from ..core.custom_code import CodeFolder
@@ -19,8 +20,9 @@ from ..runs.run import Run
 from ..simulation import Simulation
 from ..studies.code_files import digest_of_code, digest_of_source
 from ..studies.design import Study, derived_seed
-from ..studies.folder import RESULTS, StudyFolder, read_table, writing_to
+from ..studies.folder import StudyFolder, writing_to
 from ..studies.running import WorkerError, backend_of, left_of, without_noise
+from ..studies.table import Record, plain
 from ..trials.trial import Trial
 from ..trials.writing import out_of_reach
 from ..views.replay import render
@@ -33,7 +35,6 @@ from .evaluations import (
     distinct,
     evaluation_of,
     failed,
-    plain,
     record,
 )
 from .minimising import Minimised, Minimiser
@@ -256,7 +257,7 @@ def _evaluated(
     """Yield the evaluations batch by batch; those that the folder has are not run again."""
     space, objective = wanted.space, wanted.objective
     sampler = Checked(make, space, derived_seed("sampler", wanted.study.seed))
-    known = read_table(folder.path / RESULTS) if folder.table.rows else {}
+    measured = folder.table.records()
     keep = Keep(objective)
     best: Evaluation | None = None
     done = 0
@@ -271,8 +272,7 @@ def _evaluated(
             space,
             [*zip(numbers, points, strict=True)],
             wanted_now,
-            folder,
-            known,
+            measured,
             keep,
             wanted,
             parallel,
@@ -298,8 +298,7 @@ def _run(
     space: Space,
     asked: list[tuple[int, Point]],
     count: int,
-    folder: StudyFolder,
-    known: Mapping[str, Any],
+    measured: Sequence[Record],
     keep: Keep,
     wanted: WorstCaseSearch,
     parallel: Parallel,
@@ -319,8 +318,8 @@ def _run(
             values = row.parameters
         except (UserError, OSError) as why:
             found = {**failed(why), "result": "no trial"}
-        if number < folder.table.rows:
-            found = _known(known, number, values, wanted)
+        if number < len(measured):
+            found = _repeated(measured[number], number, values, wanted)
         if found is None:
             tasks.append(one(row.trial, keep, failed, f"evaluation {number}: "))
         rows.append((number, point, values, found))
@@ -336,33 +335,19 @@ def _run(
         raise WorkerError(f"{message}. Run the same command to resume") from None
 
 
-def _known(
-    known: Mapping[str, Any], number: int, values: Mapping[str, Any], wanted: WorstCaseSearch
+def _repeated(
+    measured: Record, number: int, values: Mapping[str, Any], wanted: WorstCaseSearch
 ) -> Found:
-    """Return what a table has of an evaluation; `UserError` if it is not the one asked for."""
+    """Return the outcome of an evaluation from the table. `UserError` if its values differ."""
     for name, value in values.items():
-        written = known[name][number] if name in known else None
-        text = str(plain(value))
-        if written is None or not _same(written, text):
+        cell, written = plain(value), measured.get(name)
+        if written != cell:
             raise UserError(
                 f"the search can't be resumed: the sampler {wanted.sampler_name} asks for"
-                f" {name} {text} in evaluation {number}, and asked for {written} before;"
+                f" {name} {cell} in evaluation {number}, and asked for {written} before;"
                 " give another folder with --out"
             )
-    found: Found = {
-        key: known[key][number] if key in known else None
-        for key in ("result", "error", "value", *SITUATION)
-    }
-    return found
-
-
-def _same(written: Any, text: str) -> bool:
-    if isinstance(written, str):
-        return written == text
-    try:
-        return float(written) == float(text)
-    except ValueError:
-        return False
+    return {key: measured[key] for key in ("result", "error", "value", *SITUATION)}
 
 
 def _require_a_number(wanted: WorstCaseSearch, batch: list[Evaluation]) -> None:
@@ -460,7 +445,8 @@ def _origin(wanted: WorstCaseSearch, case: Case) -> str:
 
 def _run_of(trial: Trial) -> Run:
     """Return the run of a trial: up to where somebody's code fails, if it does."""
-    simulation = Simulation(trial)
-    with suppress(Exception):
-        simulation.advance(trial.duration)
-    return simulation.finish()
+    with frozen_collector():
+        simulation = Simulation(trial)
+        with suppress(Exception):
+            simulation.advance(trial.duration)
+        return simulation.finish()

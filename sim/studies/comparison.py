@@ -18,8 +18,8 @@ from floorplan.files.fields import brief
 from ..machines.kinds import KINDS
 from ..record.figures import FIGURES
 from .design import Study
-from .folder import Cell, TableError
 from .repeats import are_identical, column_of, repetitions_needed
+from .table import Cell, TableError
 
 CONFIDENCE = 0.95
 """The share of studies like this one whose interval would hold the true mean."""

@@ -32,7 +32,7 @@ from .comparison import (
     Trend,
     contrasts,
 )
-from .folder import Cell
+from .table import Cell
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -30,8 +30,9 @@ from ..simulation import run
 from ..trials.trial import Trial
 from .comparison import SLACK, StudyResults
 from .design import Row, Study
-from .folder import RESULTS, Record, StudyFolder, read_table, write_parquet, writing_to
+from .folder import StudyFolder, writing_to
 from .report import write_report
+from .table import Record, plain, write_parquet
 
 if TYPE_CHECKING:
     from joblib import Parallel
@@ -321,8 +322,9 @@ def run_study(
 ) -> StudyResults:
     """Run the rows of a study that are not in its folder yet.
 
-    Each row is written to `results.csv` when it and all earlier rows are done, so that an
-    interrupted study can be continued. The results do not depend on the number of processes.
+    Each row is written to `results.jsonl` when it and all earlier rows are done, so that an
+    interrupted study can be continued. In the end all rows are written to `results.csv`. The
+    results do not depend on the number of processes.
 
     Parameters
     ----------
@@ -354,30 +356,31 @@ def run_study(
     with StudyFolder(path, study) as folder:
         done = folder.table.rows
         begin(done)
-        if done < len(study) and not _is_enough(study, path, done):
+        if done < len(study) and not _is_enough(study, folder):
             keep = partial(figures_of, with_metrics=study.metrics)
             rows = of_rows(study.rows(done), keep, error_in, jobs=jobs, backend=backend)
             for row, figures in rows:
                 with writing_to(path):
                     folder.table.add(record_of(row, figures))
                 progress(folder.table.rows)
-                if _is_enough(study, path, folder.table.rows):
+                if _is_enough(study, folder):
                     break
             folder.check_unchanged()
-        results = StudyResults(study, path, read_table(path / RESULTS))
+        results = StudyResults(study, path, folder.table.columns())
         with writing_to(path):
             write_parquet(results.columns, path / "results.parquet")
             write_report(results, path / "report.html")
     return results
 
 
-def _is_enough(study: Study, path: Path, done: int) -> bool:
-    """Return whether so many rows make every interval as narrow as the study asks for."""
+def _is_enough(study: Study, folder: StudyFolder) -> bool:
+    """Return whether the rows of the folder make every interval narrow enough for the study."""
     until = study.until
-    repetitions, rest = divmod(done, len(study.combinations))
+    repetitions, rest = divmod(folder.table.rows, len(study.combinations))
     if until is None or rest or repetitions < until.at_least:
         return False
-    return StudyResults(study, path, read_table(path / RESULTS)).width(until.of) <= until.width
+    results = StudyResults(study, folder.path, folder.table.columns())
+    return results.width(until.of) <= until.width
 
 
 def of_rows(
@@ -444,7 +447,7 @@ def error_in(why: Exception) -> Record:
 def record_of(row: Row, figures: Record) -> Record:
     """Return the line of `row`: its number, its parameters, and its figures or error."""
     record: Record = {"row": row.number}
-    record |= {name: _plain(value) for name, value in row.parameters.items()}
+    record |= {name: plain(value) for name, value in row.parameters.items()}
     return record | figures
 
 
@@ -458,7 +461,3 @@ def flat(figures: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
             yield name, len(value)
         else:
             yield name, value
-
-
-def _plain(value: Any) -> Any:
-    return " ".join(str(one) for one in value) if isinstance(value, tuple) else value

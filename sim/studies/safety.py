@@ -59,10 +59,10 @@ from ..views.safety_page import (
 from ..views.safety_run_report import about, laws_of, run_report, software
 from .comparison import Comparison, Measure, StudyResults, Trend, sensitivities, spread
 from .design import Study
-from .folder import RESULTS
 from .identity import digest, identity, parts
 from .report import measures_shown, sensitivity_chart
 from .running import of_rows
+from .table import RESULTS
 
 VIOLATIONS = Measure("Violations", "safety.violations", "", "with any machine", chief=True)
 

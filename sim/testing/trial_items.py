@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from floorplan.files.collector import frozen_collector
 from floorplan.files.documents import Document, read_yaml
 
 from ..core.custom_code import CodeFolder, is_ours
@@ -44,11 +45,12 @@ class Failures:
         """Run `trial` to its end; what happened is kept also if a program of the user's fails."""
         __tracebackhide__ = True
         try:
-            simulation = Simulation(trial)
-            try:
-                simulation.advance(trial.duration)
-            finally:
-                self.runs.append(simulation.finish())
+            with frozen_collector():
+                simulation = Simulation(trial)
+                try:
+                    simulation.advance(trial.duration)
+                finally:
+                    self.runs.append(simulation.finish())
         except Exception as why:
             if not is_ours(why):
                 raise

@@ -23,7 +23,8 @@ from ..core.schedule import ClockTime, Interval, WorkTask, as_given, times_until
 from ..core.stage import Closures
 from ..machines.agv.model import MOST_MOVES, number_of
 from ..machines.kinds import kind_of, moves_of
-from ..machines.outside import call_fault
+from ..machines.outside import call_fault, method_fault
+from ..people.person import Person
 from .names import checked_name, machines, people, stations
 
 LONGEST = 31 * 86_400
@@ -221,13 +222,13 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
 def _faults(command: Command, trial: Scenario, placed: set[str]) -> Iterator[tuple[str, str]]:
     """Yield what can't be about one command, and of which key, while those are `placed`."""
     known = {
-        "send": people(trial),
+        **dict.fromkeys(("send", "person"), people(trial)),
         **dict.fromkeys(("hold", "release", "machine"), machines(trial)),
     }
     for key, names in known.items():
         if (name := getattr(command, key)) is not None:
             try:
-                checked_name(name, "person" if key == "send" else "machine", names)
+                checked_name(name, "person" if key in ("send", "person") else "machine", names)
             except UserError as why:
                 yield str(why), key
     if (command.send is None) != (command.to is None):
@@ -247,8 +248,11 @@ def _faults(command: Command, trial: Scenario, placed: set[str]) -> Iterator[tup
             yield "must have no holes", "block"
         if fault := height_fault(one):
             yield fault, "z"
-    if (command.call is None) != (command.machine is None):
+    if (command.call is None) != (command.machine is None and command.person is None):
         yield "a call has a machine, and a machine a call", "machine"
+    elif command.call is not None and command.person is not None:
+        if fault := method_fault(Person, "a person", command.call, command.arguments or {}):
+            yield fault, "call"
     elif command.call is not None and command.machine in machines(trial):
         kind = kind_of(command.machine, trial)
         if fault := call_fault(kind, command.call, command.arguments or {}):

@@ -27,7 +27,7 @@ from sim.core.clock import StandstillError
 from sim.people.tracks.tables import read_hdf5_tracks, read_jupedsim_tracks, read_parquet_tracks
 from sim.people.tracks.track_files import read_bag_tracks
 from sim.studies.comparison import StudyResults
-from sim.studies.folder import StudyFolder, read_table
+from sim.studies.folder import StudyFolder
 from sim.studies.report import write_report
 from sim.views.replay import recordings_in, render
 from sim.views.replay_data import replay_data
@@ -109,8 +109,8 @@ def results(path):
     with StudyFolder(path.parent, study) as opened:
         if opened.table.rows < len(study):
             opened.table.add({"row": opened.table.rows, "error": None})
-        found = StudyResults(study, path.parent, read_table(path.parent / "results.csv"))
-        if path.suffix == ".csv" and crc32(path.read_bytes()) % 10 == 0:
+        found = StudyResults(study, path.parent, opened.table.columns())
+        if path.suffix == ".jsonl" and crc32(path.read_bytes()) % 10 == 0:
             write_report(found, path.parent / "report.html")
 
 
@@ -236,7 +236,6 @@ READERS = {
     "run/violations.jsonl": recording,
     "page.html": page,
     "results/study.json": results,
-    "results/results.csv": results,
-    "results/results.sha256": results,
+    "results/results.jsonl": results,
 }
 """By the name of the file in the folder that `prepare` fills."""

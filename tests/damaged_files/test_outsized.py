@@ -236,7 +236,7 @@ SPOTS = [
     ("run/motions.jsonl", r"\"pieces\": \[\[[\d.]+, [\d.]+, \[(-?[\d.]+)", JSON),
     ("run/thoughts.jsonl", r"\"t\": ([\d.]+)", JSON),
     ("run/violations.jsonl", r"\"intervals\": \[\[([\d.]+)", JSON),
-    ("results/results.csv", r"short,(0\.\d+)", {"inf": "inf", "1e300": "1e300"}),
+    ("results/results.jsonl", r"\"max_speed\": (0\.\d+)", {"inf": "Infinity", "1e300": "1e300"}),
 ]
 
 

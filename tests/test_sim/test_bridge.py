@@ -75,6 +75,25 @@ def test_an_agent_across_the_bridge_does_the_same_as_within(personality, duratio
         assert across.motions[name] == motion
 
 
+def in_bytes(folder):
+    return [(folder / name).read_bytes() for name in ("events.jsonl", "motions.jsonl")]
+
+
+@pytest.mark.parametrize(("personality", "speed"), [("antagonistic", 0.0), ("curious", 40.0)])
+def test_a_run_of_an_agent_across_the_bridge_repeats_to_the_byte(personality, speed, tmp_path):
+    recording, again = sim.Recording(tmp_path / "first"), sim.Recording(tmp_path / "second")
+    with served(trial(duration=60.0), recording, speed=speed) as session:
+        drive(session.url, personality)
+        run = session.join()
+    recording.finish(run)
+    run.trial.save(tmp_path / "again.trial.yaml")
+    repeated = sim.run(sim.Trial.load(tmp_path / "again.trial.yaml"), again)
+    again.finish(repeated)
+    assert {command.person for command in run.trial.commands} == {"operator"}
+    assert repeated.trial.commands == run.trial.commands
+    assert in_bytes(tmp_path / "second") == in_bytes(tmp_path / "first")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("personality", ["curious", "scared", "surprised", "threatening"])
 def test_so_do_agents_that_want_more_than_ros_has_words_for(personality):

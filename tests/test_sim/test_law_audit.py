@@ -1,6 +1,7 @@
 """Rule sets whose laws count on shorter stops than the machines on the floor may take."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from run_events import figures_in_words
@@ -19,6 +20,7 @@ rules:
 """
 
 PLAN = floorplan.load("ariac2023")
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def audited(**laws):
@@ -122,9 +124,27 @@ def test_check_warns_in_one_line_at_the_law(tmp_path, floorwalker):
     assert "2.5 s and 1.9 m" in line and "1.94 m" in line
     path.write_text(TRIAL.replace("1.9}", "1.94}"))
     assert floorwalker("check", str(path)).stderr == ""
-    built_in = floorwalker("check", "ariac2023")
-    assert built_in.returncode == 0
-    assert built_in.stderr.count("\n") == 1
+
+
+def test_no_built_in_trial_and_no_example_has_too_short_a_law(floorwalker):
+    examples = [str(path) for path in sorted(EXAMPLES.glob("**/*.trial.yaml"))]
+    done = floorwalker("check", *sim.builtin_trials(), *examples)
+    assert done.returncode == 0
+    assert "stopping distance" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("rules", "warned"),
+    [("paper", ""), ("ariac2023", ""), ("protective_stop", "agv1, agv2")],
+)
+def test_the_scoring_laws_of_the_competition_are_no_protection(
+    tmp_path, floorwalker, rules, warned
+):
+    path = tmp_path / "scored.trial.yaml"
+    path.write_text(f"floorplan: ariac2023\nduration: 5\nrules: {rules}\n")
+    assert warned in floorwalker("check", str(path)).stderr
+    path.write_text(path.read_text() + "machines: {cart: {kind: amr, at: [-2.5, 0.5, 0]}}\n")
+    assert "cart" in floorwalker("check", str(path)).stderr
 
 
 def test_a_run_says_it_in_one_figure():

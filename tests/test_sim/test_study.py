@@ -16,7 +16,8 @@ from waiting import HANG, until
 
 import sim
 from sim.studies import save_trial
-from sim.studies.folder import ResultsTable, StudyFolder, read_table
+from sim.studies.folder import StudyFolder
+from sim.studies.table import ResultsTable
 
 TRIAL = """\
 floorplan: ariac2023
@@ -78,7 +79,7 @@ def finished(process):
 
 def wait_for_rows(folder, process):
     """Wait until the study that `process` runs into `folder` has some rows."""
-    results = folder / "results.csv"
+    results = folder / "results.jsonl"
     until(lambda: results.exists() and results.read_bytes().count(b"\n") > 3, process)
 
 
@@ -147,7 +148,7 @@ WAITS = """\
 import time
 from pathlib import Path
 def moody(gantry):
-    results = Path("killed/results.csv")
+    results = Path("killed/results.jsonl")
     runs = [Path(f"run{k}") for k in range(6)]
     free = Path("held").exists() and next((run for run in runs if not run.exists()), None)
     if free:
@@ -165,14 +166,14 @@ def test_a_killed_study_goes_on_and_ends_with_the_same_bytes(study, folder):
     (folder / "moody.py").write_text(CONTROLLER.replace("def moody", "def driven") + WAITS)
     (folder / "held").touch()  # when it has some rows, it waits for what kills it
     process = command(folder, "--out", "killed", "--jobs", "2", start_new_session=True)
-    results = folder / "killed" / "results.csv"
+    results = folder / "killed" / "results.jsonl"
     wait_for_rows(folder / "killed", process)
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
     (folder / "held").unlink()
-    assert len(lines(results)) < 16
+    assert results.read_bytes().count(b"\n") < 16
     with results.open("ab") as file:
-        file.write(b"9,short,indiff")
+        file.write(b'{"digest": "12')
     code, out, err = finished(command(folder, "--out", "killed", "--jobs", "1"))
     assert code == 1
     assert err.startswith("Continuing after ")
@@ -219,7 +220,8 @@ def test_a_study_that_is_stopped_says_how_to_go_on(folder, stop, sent, backend):
     assert err == "Stopped. Finished rows are kept in stopped. Run the same command to continue.\n"
     with pytest.raises(ProcessLookupError):
         until(lambda: os.killpg(process.pid, 0))
-    assert read_table(folder / "stopped" / "results.csv")["row"][:3] == [0, 1, 2]
+    table = lines(folder / "stopped" / "results.csv")
+    assert [line["row"] for line in table[:3]] == ["0", "1", "2"]
 
 
 def test_a_finished_study_runs_nothing_again(study, tmp_path):
@@ -231,26 +233,30 @@ def test_a_finished_study_runs_nothing_again(study, tmp_path):
     assert (table.read_bytes(), table.stat().st_mtime_ns) == before
 
 
-def test_a_changed_row_is_reported_and_one_without_a_digest_measured_again(study, tmp_path):
+def test_a_changed_row_is_reported_and_removed_rows_are_measured_again(study, tmp_path):
     sim.run_study(study, tmp_path, jobs=1)
-    table, digests = tmp_path / "results.csv", tmp_path / "results.sha256"
-    whole = table.read_bytes()
+    rows, table = tmp_path / "results.jsonl", tmp_path / "results.csv"
+    whole, csv_bytes = rows.read_bytes(), table.read_bytes()
     written = whole.splitlines(keepends=True)
-    cells = written[4].split(b",")
-    digit = next(k for k in reversed(range(len(cells))) if cells[k].strip().isdigit())
-    cells[digit] = b"7" + cells[digit]
-    table.write_bytes(b"".join([*written[:4], b",".join(cells), *written[5:]]))
-    with pytest.raises(ValueError, match=r"results\.csv, line 5: row 3 is not as it was measured"):
-        sim.run_study(study, tmp_path, jobs=1)
-    table.write_bytes(b"".join(written[:4]))
-    sim.run_study(study, tmp_path, jobs=1)
-    assert table.read_bytes() == whole
-    known = digests.read_bytes()
-    digests.write_bytes(known[:-20])
+    changed = written[3].replace(b'"seed": ', b'"seed": 7', 1)
+    for lines in ([*written[:3], changed, *written[4:]], [*written[:3], *written[4:]]):
+        rows.write_bytes(b"".join(lines))
+        with pytest.raises(ValueError, match=r"results\.jsonl, line 4: row 3 is not as it was"):
+            sim.run_study(study, tmp_path, jobs=1)
+    rows.write_bytes(b"".join(written[:3]))
     begun = []
     sim.run_study(study, tmp_path, jobs=1, begin=begun.append)
-    assert begun == [len(written) - 3]
-    assert (table.read_bytes(), digests.read_bytes()) == (whole, known)
+    assert begun == [3]
+    assert (rows.read_bytes(), table.read_bytes()) == (whole, csv_bytes)
+
+
+def test_a_changed_table_is_restored_from_its_rows(study, tmp_path):
+    before = sim.run_study(study, tmp_path, jobs=1)
+    table = tmp_path / "results.csv"
+    whole = table.read_bytes()
+    table.write_bytes(whole.replace(b"\n3,", b"\n3;"))
+    assert sim.run_study(study, tmp_path, jobs=1).columns == before.columns
+    assert table.read_bytes() == whole
 
 
 @pytest.mark.parametrize(
@@ -311,7 +317,7 @@ def test_a_full_disk_is_named_and_what_was_written_is_gone_on_with(study, tmp_pa
         with full, room_for(room):
             sim.run_study(study, tmp_path / "full", jobs=1)
         left = {path.name for path in (tmp_path / "full").iterdir()}
-        assert left <= {"study.json", "results.csv", "results.sha256"}
+        assert left <= {"study.json", "results.csv", "results.jsonl"}
     sim.run_study(study, tmp_path / "full", jobs=1)
     whole, full = (tmp_path / name / "results.csv" for name in ("whole", "full"))
     assert full.read_bytes() == whole.read_bytes()
@@ -388,28 +394,29 @@ RECORDS = [
 ]
 
 
-def written(path, records):
-    table = ResultsTable(path)
+def written(folder, records):
+    table = ResultsTable(folder)
     for record in records[table.rows :]:
         table.add(record)
+    table.write_csv()
+    columns = table.columns()
     table.close()
-    return path.read_bytes()
+    return (folder / "results.jsonl").read_bytes(), (folder / "results.csv").read_text(), columns
 
 
 @settings(max_examples=60)
-@given(cut=st.integers(0, 200))
-def test_a_table_cut_anywhere_is_gone_on_with(cut, tmp_path_factory):
+@given(cut=st.integers(0, 400))
+def test_a_table_cut_anywhere_is_continued(cut, tmp_path_factory):
     folder = tmp_path_factory.mktemp("table")
-    whole = written(folder / "whole.csv", RECORDS)
-    assert whole.decode() == (
+    whole, text, columns = written(folder, RECORDS)
+    assert text == (
         'row,name,error,x,y,z\n0,"a, b",,1.5,,\n1,"c""",it broke,,,\n2,d,,2.0,7,ü\n3,e,,-1e-09,,\n'
     )
-    (folder / "cut.csv").write_bytes(whole[:cut])
-    assert written(folder / "cut.csv", RECORDS) == whole
-    columns = read_table(folder / "cut.csv")
     assert columns["x"] == [1.5, None, 2.0, -1e-9]
     assert columns["y"] == [None, None, 7, None]
     assert columns["name"][1] == 'c"'
+    (folder / "results.jsonl").write_bytes(whole[:cut])
+    assert written(folder, RECORDS) == (whole, text, columns)
 
 
 def test_a_defect_in_a_row_is_told_apart_from_what_a_user_may_mend():

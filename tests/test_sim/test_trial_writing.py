@@ -220,6 +220,7 @@ commands:
 - {time: 5.0, release: gantry}
 - {time: 6.0, clear: crate}
 - {time: 7.0, call: move_to, machine: north, arguments: {x: -9.0, y: 2.0}}
+- {time: 8.0, call: act, person: ada, arguments: {action: stop_movement}, decision: 1}
 work:
   rounds: {tasks: [{at: station1, duration: {uniform: [1.0, 2.0]}}], repeat: true}
   picks:
