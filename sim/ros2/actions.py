@@ -12,6 +12,7 @@ from ..cell import Running
 from ..cell.tasks import CANCELLED, SUCCEEDED
 from .node import CellNode
 
+
 class Action:
     """Action that starts a task for each goal.
 

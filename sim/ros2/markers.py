@@ -82,7 +82,9 @@ class Markers:
         scale.x, scale.y, height = map(float, shape.size)
         scale.z = scale.y if shape.kind == "arrow" else height
         color.r, color.g, color.b, color.a = shape.color
-        marker.points = [self._point(x=float(x), y=float(y), z=float(z)) for x, y, z in shape.points]
+        marker.points = [
+            self._point(x=float(x), y=float(y), z=float(z)) for x, y, z in shape.points
+        ]
         return marker
 
 

@@ -93,13 +93,13 @@ class Navigator:
         progress = running.feedback()
         if hasattr(feedback, "distance_to_goal"):  # of FollowPath
             velocity = self._read_velocity()
-            feedback.distance_to_goal = progress.remaining
+            feedback.distance_to_goal = float(progress.remaining)
             feedback.speed = math.hypot(velocity.x, velocity.y)
             return
         set_header(feedback.current_pose.header, self._cell.now)
         set_pose(feedback.current_pose.pose, progress.pose)
         set_time(feedback.navigation_time, progress.elapsed)
-        feedback.distance_remaining = progress.remaining
+        feedback.distance_remaining = float(progress.remaining)
         if hasattr(feedback, "number_of_poses_remaining"):  # of NavigateThroughPoses
             feedback.number_of_poses_remaining = progress.waypoints
 

@@ -127,7 +127,9 @@ class _Server:
         self._pace.every(1 / RATE, self._publish_state)
         self._pace.every(1 / SLOWLY, self._publish_slowly)
         self._pace.every(1 / DIAGNOSTICS, self._monitoring.publish_diagnostics)
-        notice(f"serving {node.get_fully_qualified_name()} in domain {node.context.get_domain_id()}")
+        notice(
+            f"serving {node.get_fully_qualified_name()} in domain {node.context.get_domain_id()}"
+        )
 
     def run(self) -> None:
         """Serve until the trial is over or stopped."""

@@ -27,3 +27,9 @@ people: [{name: ann, at: [-5, 4], personality: external}]
 def hall(duration=600.0):
     """A hall with a rack, a person and a vehicle, which only a client moves."""
     return HALL % duration
+
+
+def antagonist(duration):
+    """A person with intentions, whom nobody commands."""
+    person = "{name: ann, personality: antagonistic}"
+    return f"floorplan: ariac2023\nduration: {duration}\npeople: [{person}]\n"

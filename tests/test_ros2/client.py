@@ -61,8 +61,8 @@ def topics(names):
     return client.until(there)
 
 
-def drive(speed, until):
-    """Drive with TwistStamped until the simulated time; the odometry, scan and map at the end."""
+def drive(speed):
+    """Drive with TwistStamped until the vehicle stops; the odometry, scan and map at the end."""
     from nav_msgs.msg import OccupancyGrid
     from sensor_msgs.msg import LaserScan
 
@@ -72,16 +72,19 @@ def drive(speed, until):
     client.listen("/odom", Odometry)
     client.listen("/scan", LaserScan)
 
-    def there():
+    moved = []
+
+    def stopped():
         message = TwistStamped()
         message.twist.linear.x = speed
         publisher.publish(message)
-        odometry = client.last.get("/odom")
-        return odometry and odometry.header.stamp.sec >= until and "/scan" in client.last
+        if odometry := client.last.pop("/odom", None):
+            moved.append(odometry.twist.twist.linear.x > 0)
+        return any(moved) and not any(moved[-50:])
 
-    client.until(there)
+    client.until(stopped)
+    odometry = client.heard("/odom", Odometry).pose.pose
     scan = client.heard("/scan", LaserScan)
-    odometry = client.last["/odom"].pose.pose
     width, origin = grid.info.width, grid.info.origin.position
     column = int((8.0 - origin.x) / grid.info.resolution)
     row = int((6.5 - origin.y) / grid.info.resolution)
@@ -130,7 +133,10 @@ def navigate(name, x, y, heading=0.0, cancel_after=None):
             GoalStatus.STATUS_ABORTED: "aborted",
         }[result.status],
         "distances": [one.distance_remaining for one in feedback],
-        "end": [feedback[-1].current_pose.pose.position.x, feedback[-1].current_pose.pose.position.y],
+        "end": [
+            feedback[-1].current_pose.pose.position.x,
+            feedback[-1].current_pose.pose.position.y,
+        ],
     }
 
 

@@ -12,16 +12,9 @@ import pytest
 HERE = Path(__file__).parent
 FOLDER = Path(os.environ.get("FLOORWALKER_ROS", Path.home() / ".cache" / "floorwalker-ros"))
 PYTHON = FOLDER / "venv" / "bin" / "python"
+READY = FOLDER / f"wheels-{sys.implementation.cache_tag}"
 HANG = 300.0
 """Seconds. What takes longer hangs, however busy the machine is."""
-
-
-def pytest_collection_modifyitems(items):
-    """Skip all tests of this folder if there is no environment with rclpy."""
-    for item in items:
-        if HERE in item.path.parents and not PYTHON.exists():
-            reason = f"{FOLDER} has no rclpy: make it with tests/test_ros2/environment.sh"
-            item.add_marker(pytest.mark.skip(reason=reason))
 
 
 class Ros:
@@ -80,7 +73,13 @@ class Ros:
 
 
 @pytest.fixture
-def ros(tmp_path, worker_id):
-    """Processes of a domain that no other test uses now."""
+def ros(tmp_path, worker_id, request):
+    """Processes of a domain that no other test uses now; skips without rclpy or messages."""
+    if not READY.exists():
+        pytest.skip(f"{READY} does not exist: run tests/test_ros2/environment.sh {FOLDER}")
+    for marker in request.node.iter_markers("messages"):
+        for package in marker.args:
+            if not (FOLDER / "build" / package / "done").exists():
+                pytest.skip(f"{FOLDER} has no {package}: see tests/test_ros2/environment.sh")
     number = int(worker_id.removeprefix("gw") or 0) if worker_id != "master" else 0
     return Ros(20 + number, tmp_path)

@@ -20,7 +20,9 @@ wheels=(
     ros-ament-cmake-ros{,-core}==0.14.5 ros-rosidl-core-generators==0.3.1
     catkin_pkg cmake ninja
 )
-if ! [ -e "$folder/wheels" ]; then
+ready=$folder/wheels-$(python3 -c "import sys; print(sys.implementation.cache_tag)")
+if ! [ -e "$ready" ]; then
+    rm -rf "$folder"/wheels-* "$folder/build"
     python3 -m venv --clear "$environment"
     "$environment/bin/pip" install --quiet --disable-pip-version-check "${wheels[@]}"
     # The CMake files of the wheels name the Python that they were built with.
@@ -28,7 +30,7 @@ if ! [ -e "$folder/wheels" ]; then
     numpy=$("$environment/bin/python" -c "import numpy; print(numpy.get_include())")
     grep -rl /opt/python "$environment/share" --include="*.cmake" | xargs -r sed -i -E \
         -e "s#/opt/python/[^\";]*/numpy/_?core/include#$numpy#g" -e "s#/opt/python/[^\";]*/include/python[0-9.]*#$include#g"
-    touch "$folder/wheels"
+    touch "$ready"
 fi
 
 build() {  # the message package NAME from the folder DEFINITIONS: its files, or those that match an expression
