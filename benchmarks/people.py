@@ -3,12 +3,12 @@
     python benchmarks/people.py [--people 10 50 100] [--duration 275] [--repetitions 3]
                                 [--in-reach 1.25]
 
-Everybody is on patrol on the ARIAC floor: from station to station in the trial's order, from the
+All people are on patrol on the ARIAC floor: from station to station in the trial's order, from the
 same starts in both. JuPedSim (`pip install jupedsim`) runs its collision-free speed model at 0.05 s
-with bodies and top speeds of the floor's people; one of its people has reached a station once
-they are `--in-reach` metres from it. Both do one run before the first that counts, so that what
-depends on the floor alone is worked out. Minds, the separation monitor and the record are in ours.
-Medians of several.
+with bodies and top speeds of the floor's people. There, a person has reached a station at
+`--in-reach` metres from it. Both do one run before the first that counts, so that the
+floor has been analysed. Minds, the separation monitor and the record are in ours. Medians of
+several.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Start = tuple[float, float]
 
 
 def trial(people: int, duration: float) -> sim.Trial:
-    """The patrol of so many people."""
+    """The patrol of this number of people."""
     return sim.Trial.parse(
         f"floorplan: ariac2023\nduration: {duration}\nrules: observe\n"
         f"people: [{{name: p, count: {people}, at: anywhere}}]\n"
@@ -47,7 +47,7 @@ def trial(people: int, duration: float) -> sim.Trial:
 
 
 def ours(given: sim.Trial) -> tuple[int, list[Start]]:
-    """Run a patrol; return the legs that were finished, and where people started."""
+    """Run a patrol. Return the number of finished legs, and the starts of the people."""
     run = sim.run(given)
     if run.summary.get("overlaps"):  # one alone has no such figure
         raise AssertionError(f"{run.summary['overlaps']} pairs of people overlap")
@@ -56,7 +56,7 @@ def ours(given: sim.Trial) -> tuple[int, list[Start]]:
 
 
 def jupedsims(starts: Sequence[Start], duration: float, in_reach: float) -> int:
-    """Run the same patrol in JuPedSim; return the legs that were finished."""
+    """Run the same patrol in JuPedSim. Return the number of finished legs."""
     human = PLAN.human
     floor = max(shapely.get_parts(PLAN.free(0.0, human.height)), key=lambda part: part.area)
     world = jupedsim.Simulation(model=jupedsim.CollisionFreeSpeedModel(), geometry=floor, dt=STEP)
@@ -106,7 +106,7 @@ def _three(figure: float) -> str:
 
 
 def legs(counts: Sequence[int], duration: float = 275.0) -> str:
-    """Return the table of the legs that so many people finish, which no machine changes."""
+    """Return the table of legs that these numbers of people finish, the same on every machine."""
     lines = ["| people | Floorwalker | JuPedSim |", "|---|---|---|"]
     for people in counts:
         finished, starts = ours(trial(people, duration))

@@ -32,10 +32,10 @@ from .core.stage import MachineEntry, MachineModel, Stage
 from .exports import export
 from .live.live_run import LiveRun
 from .machines.caution import Caution
-from .machines.controllers import ControllerError
 from .machines.gantry.controllers import Controller
 from .machines.gantry.robot import GantryRobot
 from .machines.kinds import KINDS
+from .machines.supervision import ControllerError
 from .record.output import OutputError
 from .record.social_metrics import metrics
 from .runs.recording import (

@@ -1,4 +1,4 @@
-"""Planners in one world, and their answers with the CPU time that these take."""
+"""Planners in one world, and their answers with CPU times."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class Answer:
     """Path of a planner and its costs, in seconds of CPU time."""
 
     points: Floats | None = None
-    """(N, 2) metres; None without a path."""
+    """(N, 2) metres, or None without a path."""
     reason: str = ""
-    """As of `PlanningError`; "failed" and the error if the planner itself failed."""
+    """Reason of `PlanningError`, or "failed" with the error of the planner."""
     planning: float = 0.0
     simplification: float = 0.0
     progress: tuple[Progress, ...] = ()
@@ -54,7 +54,7 @@ Ask = Callable[[Point, Point, int], Answer]
 
 
 def known(planner: str | PlannerChoice) -> str:
-    """Return the name of `planner` in tables; `UserError` if it is unknown or not installed."""
+    """Return the name of `planner` in tables. `UserError` if it is unknown or not installed."""
     if isinstance(planner, str) and planner in PEERS:
         if not PEERS[planner].installed:
             raise UserError(f"{planner} is not installed: pip install {planner.lower()}")
@@ -84,7 +84,7 @@ def planner_in(
     own = PathPlanner(world, radius, planner=choice)
     own.prepare()
     # Checks of earlier planners on this floor are not counted, so they must not be reused either.
-    own.roadmap().asked.clear()
+    own.roadmap().verdicts.clear()
     return lambda: partial(_ask_own, own, math.inf if seconds is None else seconds)
 
 
@@ -122,7 +122,7 @@ class _ProgressWatch(Watch):
         return time.process_time() - self._begin
 
     def iteration(self, planner: Any) -> bool:
-        """Record the planner's best cost, if it has one; see `Watch`."""
+        """Record the planner's best cost, if it has one: see `Watch`."""
         self._iterations += 1
         # OMPL's progress properties have the same value, but its binding cannot return them.
         if hasattr(planner, "bestCost"):
@@ -132,7 +132,7 @@ class _ProgressWatch(Watch):
         return self.elapsed() > self._limit
 
     def solved(self) -> None:
-        """Record the time; see `Watch`."""
+        """Record the time: see `Watch`."""
         self.solved_after = self.elapsed()
 
     def found(self, length: float) -> None:
@@ -146,7 +146,7 @@ def _ask_peer(search: Search, start: Point, goal: Point, seed: int) -> Answer:
     begin = time.process_time()
     try:
         points = search(start, goal)
-    except Exception as why:  # a peer's own failure, whatever it is, is its answer
+    except Exception as why:  # any failure of a peer is its answer
         reason = f"failed: {type(why).__name__}"
         return Answer(reason=reason, planning=time.process_time() - begin)
     taken = time.process_time() - begin

@@ -16,8 +16,8 @@ cdef class Passer:
 
 cdef class CarFollowing:
     cdef CommittedMotions motions
-    cdef Passer who
-    cdef ChoiceParameters given
+    cdef Passer walker
+    cdef ChoiceParameters parameters
     cdef Leader leader(self, list[Py_ssize_t] near, double t, CoursePlace here) except *
     cdef double speed_at(self, list[Py_ssize_t] near, double t, CoursePlace here) except? -1
     cdef Py_ssize_t followed(

@@ -10,11 +10,11 @@ from navigation.kernels.grid cimport Cells
 cdef double _STANDS, _HAIR, _HARDLY, _BEYOND
 
 cdef class TrajectoryChoice:
-    cdef ChoiceParameters given
+    cdef ChoiceParameters parameters
     cdef Candidates walks
     cdef Departure state
     cdef CommittedMotions motions
-    cdef Passer who
+    cdef Passer walker
     cdef CarFollowing following
     cdef Cells narrow
     cdef Legs legs

@@ -10,18 +10,18 @@ from floorplan import Gantry
 from navigation import Motion
 from navigation.motion import State
 
+from ..cell import Cell
 from ..cell.trajectories import (
     JointPoint,
     JointTrajectory,
     TrajectoryError as TrajectoryError,
-    follow,
     motion_along,
     target_in,
 )
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot
 from .client import Client
-from .exchange import Admit, Exchange, RefusedError, Values
+from .exchange import Exchange, RefusedError, Values, take
 from .messages import LOCATIONS, agv_status, joint_state
 
 
@@ -61,11 +61,11 @@ class GantryTopics:
     """
 
     def __init__(
-        self, gantry: GantryRobot, exchange: Exchange, admit: Admit, *, driven: bool
+        self, gantry: GantryRobot, cell: Cell, exchange: Exchange, *, driven: bool
     ) -> None:
         self._gantry = gantry
         self._exchange = exchange
-        self._admit = admit
+        self._command = cell.commands[f"machines/{gantry.name}/joints"]
         self._joints = exchange.advertise("/joint_states", "sensor_msgs/JointState")
         self._health = exchange.advertise("/ariac/robot_health", "ariac_msgs/Robots")
         if driven:
@@ -79,20 +79,18 @@ class GantryTopics:
         health = {"floor_robot": True, "ceiling_robot": not gantry.disabled}
         self._exchange.publish(self._health, health)
 
-    def _follow(self, message: Values) -> None:
-        self._admit(TRAJECTORY)
-        try:
-            follow(self._gantry, trajectory_of(message))
-        except TrajectoryError as why:
-            raise RefusedError(str(why)) from None
+    def _follow(self, message: Values, source: str = "") -> None:
+        if self._gantry.disabled:
+            raise RefusedError("the gantry is disabled")
+        take(TRAJECTORY, self._command, trajectory_of(message), source)
 
 
 class AgvTopics:
-    """Publishes the states of AGVs, and sends them to the locations that clients ask for."""
+    """Publishes the states of AGVs, and sends them to the locations that clients request."""
 
-    def __init__(self, agvs: Iterable[Agv], exchange: Exchange, admit: Admit) -> None:
+    def __init__(self, agvs: Iterable[Agv], cell: Cell, exchange: Exchange) -> None:
+        self._cell = cell
         self._exchange = exchange
-        self._admit = admit
         self._status = {}
         for agv in agvs:
             name = agv.lane.name
@@ -107,13 +105,13 @@ class AgvTopics:
             if topic.is_needed:
                 self._exchange.publish(topic, agv_status(agv.lane, agv.body.state))
 
-    def _move(self, agv: Agv, _: Client, request: Values) -> Values:
+    def _move(self, agv: Agv, client: Client | None, request: Values) -> Values:
         name, number = agv.lane.name, request["location"]
         known = {k: place for k, place in enumerate(LOCATIONS) if place in agv.lane.locations}
         if number not in known:
             there = ", ".join(f"{k} {place}" for k, place in known.items())
             message = f"{name} has no location {number} (there are: {there})"
             return {"success": False, "message": message}
-        self._admit(f"move_{name}")
-        agv.drive(known[number])
+        drive = self._cell.commands[f"machines/{name}/drive"]
+        take(f"/ariac/move_{name}", drive, known[number], client.name if client else "")
         return {"success": True, "message": f"on its way to {known[number]}"}

@@ -19,14 +19,19 @@ from ..people.actions import MindError
 from ..people.minds import Mind, make_agent
 from ..people.perception import Percepts
 from ..people.programs import EXTERNAL
-from .connection import ConnectError, LostError, RosbridgeConnection, ServiceError
-from .messages import NOWHERE
-from .workcell import (
+from .connection import (
+    FIRST_RETRY,
+    LAST_RETRY,
+    ConnectError,
+    LostError,
+    RosbridgeConnection,
+    ServiceError,
+)
+from .human_topics import (
     ACTION,
     BLOCKED,
     BOOL,
     DETECTED,
-    ENDED,
     GO_HOME,
     GOAL,
     PERCEPTS,
@@ -36,8 +41,9 @@ from .workcell import (
     STOP,
     STRING,
     UNSAFE,
-    BridgeError,
 )
+from .messages import NOWHERE
+from .workcell import ENDED, BridgeError
 
 _REPETITION = 0.5
 """Seconds. A violation that is heard of again within them is the same one."""
@@ -278,9 +284,6 @@ def _place(point: dict[str, Any]) -> Point:
 FOREVER = 1e12
 """Seconds. The next wakeup of an agent that waits for nothing."""
 
-FIRST_RETRY, LAST_RETRY = 0.5, 5.0
-"""Seconds of the wall clock before a lost connection is tried anew: at first, and at the most."""
-
 
 class RemoteAgent:
     """Runs a person's program against a live rosbridge, until the trial there is over.
@@ -318,7 +321,7 @@ class RemoteAgent:
             trial,
             act=self._act,
             print=lambda text: said(self._now, text),
-            on_event=self._pass_on_warning,
+            settings=bdi.AgentSettings(on_event=self._pass_on_warning, kinds=("warning",)),
         )
         self._person = RemotePerson(
             trial,

@@ -49,6 +49,10 @@ class Rejected(UserError):  # noqa: N818 (what a client reads)
         self.value = value
         self.reason = reason
 
+    def named(self, name: str) -> Rejected:
+        """Return the error with another name for the command or task."""
+        return Rejected(name, self.value, self.reason)
+
 
 class Admission:
     """Admits values of commands and goals of tasks.

@@ -56,10 +56,10 @@ class Cell:
     ) -> None:
         simulation.start()
         self.simulation = simulation
-        self.pace = pace or Pace(simulation, step=True)
         self.admission = Admission(simulation, notice)
-        self.admission.is_open = lambda: not self.pace.over
-        self.admission.catch_up = self.pace.catch_up
+        self.has_decision = False
+        """Whether an external person has something to decide on now."""
+        self.follow(pace or Pace(simulation, step=True))
         self.signals: dict[str, Signal] = {one.name: one for one in signals_of(simulation)}
         self.commands: dict[str, CellCommand] = {
             one.name: one for one in commands_of(simulation, self.admission, self._interrupt)
@@ -78,12 +78,17 @@ class Cell:
             for person in simulation.people
             if isinstance(person.mind, Outside)
         }
-        self._has_decision = False
         for mind in self._outside.values():
             mind.on_decision.append(self._decide)
-        if self._outside:
-            self.pace.enough = lambda: self._has_decision
-        self.pace.after.append(self.update)
+
+    def follow(self, pace: Pace) -> None:
+        """Change the pace, which is then interrupted at each decision of an external person."""
+        self.pace = pace
+        self.admission.is_open = lambda: not pace.over
+        self.admission.catch_up = pace.catch_up
+        pace.enough = lambda: self.has_decision
+        if self.update not in pace.after:
+            pace.after.append(self.update)
 
     @property
     def now(self) -> float:
@@ -95,7 +100,7 @@ class Cell:
 
         Call it after each advance if you advance the simulation yourself.
         """
-        self._has_decision = False
+        self.has_decision = False
         events = self.simulation.events
         while self._events < len(events):
             event = events[self._events]
@@ -116,7 +121,7 @@ class Cell:
                 signal.send(state)
 
     def _decide(self) -> None:
-        self._has_decision = True
+        self.has_decision = True
 
     def _begin(self, body: str, running: Running) -> None:
         self._interrupt(body)

@@ -123,14 +123,19 @@ def _stop(one: PersonRoute | CommandedMachine, _: object) -> None:
 
 def _send(route: PersonRoute, goal: Pose | Sequence[float]) -> None:
     target = target_of(goal)
-    if fault := route.fault(target):
-        raise UserError(fault)
+    if route.is_external:
+        route.require_on_floor(target)  # whether there is a path is a percept
+    else:
+        route.require(target)
     route.go(target)
 
 
 def _act(route: PersonRoute, action: str | bdi.Literal) -> None:
     if isinstance(action, str):
-        action = bdi.parse_literal(action)
+        try:
+            action = bdi.parse_literal(action)
+        except bdi.ProgramError as why:
+            raise UserError(f"is no action: {why}") from why
     route.person.act(action)
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
 from simpy.events import Event as Occurrence
 
-from floorplan import UserError
+from floorplan import Lane, UserError
 from navigation import PlanningError
 from navigation.machines import lane_state
 
@@ -22,7 +23,7 @@ from ..simulation import Simulation
 from .people import PersonProgress, PersonRoute
 from .tasks import REPLACED, SUCCEEDED, Journey, required_targets, simplified
 from .trajectories import JointTrajectory, follow
-from .values import Target, target_of
+from .values import Pose, Target, target_of
 
 NEAR = 1e-3
 """Metres and radians. A machine this close to its target has arrived."""
@@ -118,7 +119,9 @@ class TrajectoryJourney(MachineJourney):
 class LaneJourney:
     """Drive of an AGV to a location or position of its lane."""
 
-    def __init__(self, agv: Agv, to: str | float) -> None:
+    def __init__(self, agv: Agv, to: str | float | Pose) -> None:
+        if isinstance(to, Pose):
+            to = _on_lane(agv.lane, to)
         locations = agv.lane.locations
         low, high = agv.lane.limits
         if isinstance(to, str) and to not in locations:
@@ -152,13 +155,27 @@ class LaneJourney:
         agv.drive(min(max(lane_state(lane, motion.state(motion.end)).position, low), high))
 
 
+ASIDE = 0.5
+"""Distance in metres of a goal from the lane of an AGV."""
+
+
+def _on_lane(lane: Lane, pose: Pose) -> float:
+    """Return the position on a lane (m) of a pose. `ValueError` if it is elsewhere."""
+    (ax, ay), (bx, by) = lane.position(lane.limits[0]), lane.position(lane.limits[1])
+    length = math.dist((ax, ay), (bx, by))
+    along = ((pose.x - ax) * (bx - ax) + (pose.y - ay) * (by - ay)) / length
+    position = lane.limits[0] + min(max(along, 0.0), length)
+    if math.dist(lane.position(position), (pose.x, pose.y)) > ASIDE:
+        raise UserError(f"must be within {ASIDE:g} m of the lane of {lane.name}")
+    return position
+
+
 class PersonJourney:
     """Walk of a person to targets, one after the other."""
 
     def __init__(self, route: PersonRoute, targets: Sequence[Target]) -> None:
         for target in targets:
-            if fault := route.fault(target):
-                raise UserError(fault)
+            route.require(target)
         self.body = route.person.body
         self.left = [*targets]
         self._route = route

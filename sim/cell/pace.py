@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 from floorplan import UserError
 
@@ -20,21 +19,6 @@ def checked_speed(speed: float) -> float:
     if not 0 < speed < math.inf:
         raise UserError(f"speed must be more than 0, not {speed:g}")
     return speed
-
-
-class Tempo(Protocol):
-    """Speed and pauses of a run."""
-
-    @property
-    def speed(self) -> float:
-        """Simulated seconds per second of real time, or 0 if time advances in steps."""
-
-    @property
-    def paused(self) -> bool:
-        """Whether the run is paused."""
-
-    def change(self, *, speed: float | None = None, paused: bool | None = None) -> None:
-        """Change the speed, pause, or continue. See `Pace.change`."""
 
 
 class _Tick:
@@ -67,7 +51,7 @@ class Pace:
     enough : callable
         Function that is called after each event, and ends `advance` early if it returns True.
     after : list of callable
-        Functions that are called after each advance.
+        Functions that are called after each advance, before those of the ticks.
     changed : callable
         Function that is called after each change of speed or pause.
     failure : Exception or None
@@ -229,13 +213,13 @@ class Pace:
         except Exception as why:  # of a custom program, not of the caller
             self.failure = self.failure or why
             return False
+        for action in self.after:
+            action()
         now = self._clock.now
         for tick in self._ticks:
             if now >= tick.next:
                 tick.count += 1
                 tick.action()
-        for action in self.after:
-            action()
         return enough
 
     def _restart(self, at: float) -> None:

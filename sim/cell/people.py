@@ -7,7 +7,7 @@ import math
 import shapely
 
 import bdi
-from floorplan import Point
+from floorplan import Point, UserError
 
 from ..core.entries import Command
 from ..core.recorder import Event
@@ -32,20 +32,23 @@ class PersonRoute:
         """Whether an external program decides for the person."""
         return isinstance(self.person.mind, Outside)
 
-    def fault(self, target: Target) -> str:
-        """Return why a person cannot be sent to a target, or an empty text."""
-        person, (x, y) = self.person, target[:2]
+    def require_on_floor(self, target: Target) -> None:
+        """Raise a `ValueError` for a target outside the floor."""
         boundary = self._simulation.trial.floorplan.boundary
-        if not boundary.covers(shapely.Point(x, y)):
+        if not boundary.covers(shapely.Point(target[:2])):
             west, south, east, north = boundary.bounds
-            return f"outside the floor (x {west:g} … {east:g}, y {south:g} … {north:g})"
-        if person.started_at is None:
-            return f"{person.name} has not started"
-        if person.away:
-            return f"{person.name} is not on the floor"
+            raise UserError(f"outside the floor (x {west:g} … {east:g}, y {south:g} … {north:g})")
+
+    def require(self, target: Target) -> None:
+        """Raise a `ValueError` if the person cannot be sent to a target now."""
+        person, (x, y) = self.person, target[:2]
+        self.require_on_floor(target)
         if self.room((x, y)) is None:
-            return f"no room for a person within {TOLERANCE:g} m"
-        return ""
+            raise UserError(f"no room for a person within {TOLERANCE:g} m")
+        if person.started_at is None:
+            raise UserError(f"{person.name} has not started")
+        if person.away:
+            raise UserError(f"{person.name} is not on the floor")
 
     def room(self, goal: Point) -> Point | None:
         """Return a goal, or the nearest free point if something fixed is there; None without room.

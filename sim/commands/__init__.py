@@ -1,1 +1,1 @@
-"""One file for each command; what is heavy is imported when the command runs."""
+"""One file per command. Heavy packages are imported when a command runs."""

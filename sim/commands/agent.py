@@ -1,4 +1,4 @@
-"""`floorwalker agent`: one agent alone, against a script of percepts, each with its time."""
+"""`floorwalker agent`: one agent alone, with a script of timed percepts."""
 
 from __future__ import annotations
 
@@ -65,8 +65,7 @@ def agent(
         print=lambda line: show(print=line),
         name="human",
         society=bdi.Society(),
-        seed=seed,
-        on_event=follow if trace else None,
+        settings=bdi.AgentSettings(seed=seed, on_event=follow if trace else None),
     )
     for time, changes in _instants(script):
         if until is not None and time > until:
@@ -82,7 +81,7 @@ def agent(
 
 
 _MOST_WAKEUPS = 1_000_000
-"""Wake-ups after which a program that goes on for ever is stopped without --until."""
+"""Number of wake-ups after which an endless program is stopped without --until."""
 
 
 def _run_out(person: bdi.Agent) -> None:
@@ -103,7 +102,7 @@ def _instants(script: list[Change]) -> Iterator[tuple[float, list[Change]]]:
 
 
 class Change(NamedTuple):
-    """From `time` (seconds) on, `percept` is perceived (`added`) or no longer."""
+    """Change of a percept at `time` (s): `added` or removed."""
 
     time: float
     added: bool
@@ -111,9 +110,9 @@ class Change(NamedTuple):
 
 
 def read_percepts(path: Path) -> list[Change]:
-    """Read the script at `path`, one `{"t": …, "add": …}` or `{"t": …, "remove": …}` a line.
+    """Read a script with a line `{"t": …, "add": …}` or `{"t": …, "remove": …}` per change.
 
-    `ValueError` names the line that is none.
+    `ValueError` names the invalid line.
     """
     from floorplan import InputError
     from floorplan.files.reading import read_lines
@@ -150,7 +149,7 @@ def _change(line: str, place: str, earliest: float) -> Change:
 
 
 def literal(text: str, place: str) -> bdi.Literal:
-    """Return the literal in `text`, which stands at `place`; `ValueError` if it is none."""
+    """Return the literal in `text` at `place`. `ValueError` if it is invalid."""
     import bdi
     from floorplan import UserError
 

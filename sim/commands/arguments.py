@@ -1,6 +1,6 @@
-"""Arguments and options that several commands take, and their completion in the shell.
+"""Arguments and options of several commands, and their completion in the shell.
 
-Names are found without loading what they name: the shell asks on every Tab.
+Completion runs on every Tab, so that names are found without loading their objects.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def complete_floor_source(incomplete: str) -> list[str]:
 
 
 def complete_checked(incomplete: str) -> list[str]:
-    """Return all that `floorwalker check` reads."""
+    """Complete all files that `floorwalker check` reads."""
     names = {*_floors(), *_personalities(), *RULE_SETS, *_data("sim", "data/trials/*.yaml")}
     return _offer(incomplete, sorted(names), (*FLOORS, ".asl"))
 
@@ -96,7 +96,7 @@ def _personalities() -> list[str]:
 
 
 def _data(package: str, pattern: str) -> list[str]:
-    """Return the names of a package's data files; the package is not imported for it."""
+    """Return the names of a package's data files without importing the package."""
     spec = find_spec(package)
     folders = spec.submodule_search_locations if spec is not None else None
     return sorted(file.stem for folder in folders or () for file in Path(folder).glob(pattern))
@@ -108,10 +108,10 @@ def _offer(incomplete: str, names: Iterable[str], endings: tuple[str, ...] = ())
 
 
 def _files(incomplete: str, endings: tuple[str, ...], *, deeper: bool = True) -> list[str]:
-    """Return the folders, and files with one of `endings`, that `incomplete` is the beginning of.
+    """Return the folders, and the files with one of `endings`, that begin with `incomplete`.
 
-    Where only one folder is left, what is in it is offered: shells would put a blank after the
-    folder. For the same reason names with blanks are left to be typed.
+    The contents of a single folder are offered, because shells would put a blank after the folder.
+    For the same reason names with blanks are omitted.
     """
     parent, _, beginning = incomplete.rpartition("/")
     above = f"{parent}/" if "/" in incomplete else ""
@@ -119,7 +119,7 @@ def _files(incomplete: str, endings: tuple[str, ...], *, deeper: bool = True) ->
         entries = sorted(os.scandir(above or "."), key=lambda entry: entry.name)
     except OSError:
         return []
-    found = [
+    names = [
         f"{above}{entry.name}/" if entry.is_dir() else f"{above}{entry.name}"
         for entry in entries
         if entry.name.startswith(beginning)
@@ -127,9 +127,9 @@ def _files(incomplete: str, endings: tuple[str, ...], *, deeper: bool = True) ->
         and (entry.is_dir() or entry.name.endswith(endings))
         and not any(map(str.isspace, entry.name))
     ]
-    if deeper and len(found) == 1 and found[0].endswith("/"):
-        return _files(found[0], endings, deeper=False) or found
-    return found
+    if deeper and len(names) == 1 and names[0].endswith("/"):
+        return _files(names[0], endings, deeper=False) or names
+    return names
 
 
 TrialName = Annotated[

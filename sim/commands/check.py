@@ -84,7 +84,7 @@ def _read(file: str, own_code: bool) -> str:
 
 
 def _built_in(name: str) -> Iterator[str]:
-    """Return the built-ins of that name: a trial may share it with its floorplan, or its rules."""
+    """Return the built-ins of that name. Trials, floorplans and rule sets may share a name."""
     import floorplan
 
     from ..core.rules import RULE_SETS
@@ -116,7 +116,7 @@ def _program(file: str) -> str:
     from ..people.programs import load_program
 
     program = load_program(file, CodeFolder())
-    assert program is not None  # it is no name of somebody outside
+    assert program is not None  # external agents have no program to check
     _print_doubts(bdi.doubts(program))
     return f"a program of {_number(len(program.plans), 'plan')}"
 
@@ -136,13 +136,13 @@ def _trial(trial: Trial, file: str) -> str:
 
 
 def _print_doubts(doubts: Iterable[ProgramProblem]) -> None:
-    """Print what is doubtful in programs."""
+    """Print the warnings about programs."""
     for doubt in doubts:
         say(str(doubt), err=True)
 
 
 def _warn_of_short_laws(trial: Trial, file: str) -> None:
-    """Warn, at its place, of a rule set that counts on shorter stops than machines may take."""
+    """Print warnings about rule sets that assume shorter stops than machines may need."""
     import floorplan
     from floorplan.files.documents import read_yaml
 
@@ -221,7 +221,7 @@ def convert(
     print_floor_notices(plan)
     suffix = ".pgm" if resolution is not None else target.suffix.lower()
     files = map_files(target) if suffix == ".pgm" else (target,)
-    written = sorted(files, key=lambda file: file != target)  # OUT itself comes first
+    written = sorted(files, key=lambda file: file != target)  # OUT is first
     if Path(source).exists():
         for one in written:
             if one.exists() and one.samefile(source):
@@ -287,7 +287,7 @@ def list_all(
 
 
 def _opening(file: Path, mark: str) -> str:
-    """Return the first sentence of the comment that a file begins with, after a `mark` a line."""
+    """Return the first sentence of the comment at the begin of a file, marked by `mark`."""
     lines = file.read_text(encoding="utf-8").splitlines()
     comment = " ".join(
         line.removeprefix(mark).strip()

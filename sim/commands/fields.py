@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from navigation.field_lengths import Limits
 
 WIDTH = 80
-"""Columns of the output."""
+"""Maximum columns of the output."""
 
 RESPONSE_TIME = 0.2
-"""Seconds. Response time of the sensor, the control and the brakes, where none is given."""
+"""Seconds. Default response time of sensor, control and brakes."""
 
 
 def fields(
@@ -105,7 +105,7 @@ def fields(
 
 @dataclass(frozen=True)
 class _Section:
-    """What is written of one machine."""
+    """Output for one machine."""
 
     name: str
     footprint: Polygon

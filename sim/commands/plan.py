@@ -83,7 +83,7 @@ def plan(
 
 
 def _move(world: CollisionWorld, text: str) -> None:
-    """Move an AGV to the place that NAME=PLACE gives, a location or a lane position."""
+    """Move an AGV to the place of NAME=PLACE, a location or a lane position."""
     from floorplan import UserError
 
     name, equals, place = text.partition("=")
@@ -128,10 +128,10 @@ def _draw(world: CollisionWorld, planned: PlannedPath, radius: float, path: Path
 
 
 _ODD = r"[^\w.-]"
-"""Characters of names that are left out of names of files."""
+"""Characters of names that are not used in file names."""
 
 QUERIES = 20
-"""Number of seeded questions where none is given."""
+"""Default number of seeded queries."""
 
 
 def benchmark(
@@ -197,8 +197,8 @@ def benchmark(
         if figure is not None and not (least < figure < math.inf):
             wrong = f"must be above {least:g} and finite, found {figure:g}"
             raise typer.BadParameter(wrong, param_hint=name)
-    asked = {known(one): one for one in map(_planner, planner or [i.name for i in planners()])}
-    names = list(asked)
+    contenders = {known(one): one for one in map(_planner, planner or [i.name for i in planners()])}
+    names = list(contenders)
     plans = _floors(floorplan, questions, cell)
     if questions is None:
         queries = queries or QUERIES
@@ -216,7 +216,7 @@ def benchmark(
 
         attempts = measure(
             plans,
-            list(asked.values()),
+            list(contenders.values()),
             queries=queries,
             runs=runs,
             seed=seed,
@@ -250,7 +250,7 @@ def benchmark(
 
 
 def _warn_of_unknown(attempts: Sequence[Attempt], longest: float | None) -> None:
-    """Say on which floors lengths are not compared, and what `--longest` cannot judge there."""
+    """Print the floors without comparable lengths, which `--longest` cannot judge."""
     from navigation.benchmark import MOST_CORNERS
 
     unjudged = "" if longest is None else "; --longest ignores these"
@@ -265,7 +265,7 @@ def _warn_of_unknown(attempts: Sequence[Attempt], longest: float | None) -> None
 
 
 def _planner(text: str) -> str | PlannerChoice:
-    """Return the peer, or the choice of a planner; one of the user's own is imported from here."""
+    """Return the peer or the planner of that name. A custom one is imported from here."""
     from floorplan import UserError
     from navigation import planners
     from navigation.benchmark import PEERS
@@ -281,8 +281,8 @@ def _planner(text: str) -> str | PlannerChoice:
         choice = PlannerChoice.of(text)
         return find_planner(choice, CodeFolder())
     except UserError as why:
-        known = [info.name for info in planners()]
-        unknown = choice is not None and not choice.is_own and choice.name not in known
+        names = [info.name for info in planners()]
+        unknown = choice is not None and not choice.is_own and choice.name not in names
         others = f" (peers: {', '.join(PEERS)})" if unknown else ""
         raise UserError(f"--planner {text}: {why}{others}") from None
 
@@ -290,7 +290,7 @@ def _planner(text: str) -> str | PlannerChoice:
 def _floors(
     floorplan: list[str] | None, questions: Path | None, cell: float | None
 ) -> list[Floorplan]:
-    """Return the floors to ask on: of a scenario without a floor, its map."""
+    """Return the floors of the benchmark. For a scenario without a floor it is its map."""
     import floorplan as floors
     from floorplan.formats.movingai import CELL
     from navigation.benchmark import map_of

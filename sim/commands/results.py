@@ -190,7 +190,7 @@ def riskmap(
 
 
 def _run(source: str, out: Path, *, own_code: bool) -> Recorded:
-    """Return the run to be drawn into `out`, if that can be done at all."""
+    """Return the run to draw into `out`, after checking that `out` can be written."""
     from ..views import plots
     from .sources import run_from
 
@@ -299,7 +299,7 @@ def _radius(text: str) -> tuple[str, float]:
 
 
 def _table_of(title: str, columns: dict[str, str], rows: dict[str, dict[str, Any]]) -> Table:
-    """Return a table of figures: `columns` has the heads by the keys of figures."""
+    """Return a table of figures, whose heads are `columns` by key."""
     from rich.table import Table
 
     table = Table("", title=title, title_justify="left")

@@ -42,10 +42,10 @@ if TYPE_CHECKING:
 
 
 INTERRUPTED = 130
-"""The exit code of a command stopped by Ctrl-C, as shells have it."""
+"""Exit code of a command stopped by Ctrl-C, as in shells."""
 
 REPORTS = 200
-"""Number of moves of the progress bar in a run."""
+"""Number of updates of the progress bar in a run."""
 
 
 def run(
@@ -104,8 +104,10 @@ def run(
         raise typer.BadParameter("needs --watch", param_hint="--speed")
     if speed is not None and not (math.isfinite(speed) and speed > 0):
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
-    given = Trial.load(trial, own_code=not no_own_code)
-    chosen = changed(given, personality, duration, seed, rules, controller or (), planner, commands)
+    loaded = Trial.load(trial, own_code=not no_own_code)
+    chosen = changed(
+        loaded, personality, duration, seed, rules, controller or (), planner, commands
+    )
     count_floor_notices(chosen.floorplan, str(trial))
     print_notices(chosen)
     _warn_of_external(chosen)
@@ -126,7 +128,7 @@ def run(
 
 
 def print_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
-    """Print how a run went; `typer.Exit` where it was interrupted, or not what was expected."""
+    """Print the results of a run. `typer.Exit` if it was interrupted or expectations were unmet."""
     _report(finished, folder)
     if interrupted:
         say(
@@ -140,7 +142,7 @@ def print_result(finished: Run, folder: Path, *, interrupted: bool) -> None:
 
 
 def _warn_of_external(trial: Trial) -> None:
-    """Print who does nothing here because they are driven from outside."""
+    """Print the people who do nothing because they are driven from outside."""
     from ..people.programs import EXTERNAL
 
     waiting = [person.name for person in trial.people if person.personality == EXTERNAL]
@@ -155,7 +157,7 @@ def _warn_of_external(trial: Trial) -> None:
 
 
 def _warn_of_undone(trial: Trial) -> None:
-    """Print that jobs and orders are left undone because nothing does them."""
+    """Print the jobs and orders that nothing will do."""
     if trial.gantry.controller == "parked" and (trial.gantry.jobs or trial.workload):
         say(
             f"{trial.name}: the gantry is parked and does no jobs; choose another --controller",
@@ -173,7 +175,7 @@ def changed(
     planner: str | None = None,
     commands: Path | None = None,
 ) -> Trial:
-    """Return the trial as the options change it; `TrialError` if it can't be run so."""
+    """Return the trial with the changes of the options. `TrialError` if it is invalid."""
     from floorplan.files.reading import is_file
 
     from ..core.custom_code import CodeFolder
@@ -205,7 +207,7 @@ def changed(
 
 
 def recording_of(name: str, out: Path | None, *, trajectory: bool = True) -> Recording:
-    """Open the recording of the trial `name` in `out`, or else in a new folder in `runs`."""
+    """Open the recording of the trial `name` in `out`, or in a new folder in `runs`."""
     from ..runs.recording import Recording
 
     folder = folder_for(name, "runs") if out is None else out
@@ -213,7 +215,7 @@ def recording_of(name: str, out: Path | None, *, trajectory: bool = True) -> Rec
 
 
 def _carried_out(trial: Trial, recording: Recording) -> Run:
-    """Return the run, which went on until its end or Ctrl-C."""
+    """Return the run, which ended or was stopped by Ctrl-C."""
     from ..simulation import Simulation
 
     simulation = Simulation(trial, recording)
@@ -221,7 +223,7 @@ def _carried_out(trial: Trial, recording: Recording) -> Run:
 
 
 def _watched(trial: Trial, recording: Recording, speed: float, *, opened: bool) -> Run:
-    """Return the same, and show the run in the browser meanwhile."""
+    """Return the run, and show it in the browser while it runs."""
     from ..live.live_run import LiveRun
     from ..simulation import Simulation
 
@@ -241,7 +243,7 @@ def _kept(
     advance: Callable[[Simulation], None],
     *listeners: Recording | LiveRun,
 ) -> Run:
-    """Return the run as far as it went; listeners get it also where the user's own code fails."""
+    """Return the run up to its end or failure. Listeners get it even if custom code fails."""
     from floorplan.files.collector import frozen_collector
 
     from ..core.custom_code import broken_off
@@ -256,14 +258,14 @@ def _kept(
         with frozen_collector(), broken_off(), taken_by(simulation.stop):
             advance(simulation)
     except Exception:
-        with suppress(Exception):  # where nothing can be written that was the error already
+        with suppress(Exception):  # if nothing can be written, that was the first error
             finish()
         raise
     return finish()
 
 
 def _advance(simulation: Simulation) -> None:
-    """Run to the end, or until it is stopped, with a progress bar on a terminal."""
+    """Run to the end or an interrupt, with a progress bar on a terminal."""
     duration = simulation.trial.duration
     if not sys.stderr.isatty():
         simulation.advance(duration)
@@ -371,7 +373,7 @@ def _page(run: Path, other: Path | None) -> str:
 
 
 def _told_apart(one: Path, other: Path) -> tuple[str, str]:
-    """Return the ends of two paths from where they differ, without a page's own name."""
+    """Return the ends of two paths from where they differ, without names of pages."""
     parts = [
         path.parts[:-1] if path.suffix == ".html" and path.stem == "replay" else path.parts
         for path in (one.absolute(), other.absolute())
@@ -387,7 +389,7 @@ def _write(page: str, file: Path) -> None:
 
 
 def _page_file(run: Path) -> Path:
-    """Return the page of a run; it is written if the run was broken off before."""
+    """Return the page of a run, which is written first if the run was interrupted."""
     if not run.is_dir():
         _check_page(run)
         return run
@@ -398,7 +400,7 @@ def _page_file(run: Path) -> Path:
 
 
 def _check_page(file: Path) -> None:
-    """Say what is wrong with a page; `ValueError` where it is none, or can't say so itself."""
+    """Report problems of a page. `ValueError` if it is invalid and cannot report them itself."""
     from floorplan import InputError, UserError
     from floorplan.files.reading import LARGEST_RECORDED, read_text
 
@@ -415,7 +417,7 @@ def _check_page(file: Path) -> None:
 
 
 def _recordings(path: Path) -> list[dict[str, Any]]:
-    """Return the data of a run from its folder, or those of a page, of one run or two."""
+    """Return the data of one or two runs from a folder or a page."""
     from floorplan import InputError, UserError
     from floorplan.files.reading import LARGEST_RECORDED, read_text
 

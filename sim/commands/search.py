@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..studies import Study
 
 MOST_SHOWN = 10
-"""Evaluations in the table on a terminal."""
+"""Maximum number of evaluations in the table on a terminal."""
 
 
 def search(
@@ -71,7 +71,7 @@ def search(
     from ..studies import Study
 
     study = Study.load(file, own_code=not no_own_code)
-    given = {
+    options = {
         "minimise": minimise,
         "slack": slack,
         "below": below,
@@ -80,7 +80,7 @@ def search(
         "batch": batch,
         "cases": cases,
     }
-    wanted = _wanted(study, {key: value for key, value in given.items() if value is not None})
+    wanted = _wanted(study, {key: value for key, value in options.items() if value is not None})
     results = _carried_out(wanted, out, jobs, backend)
     _report(results)
     if results.interrupted:
@@ -93,17 +93,17 @@ def search(
         raise typer.Exit(1)
 
 
-def _wanted(study: Study, given: dict[str, Any]) -> WorstCaseSearch:
-    """Return the search of the study file's keys and of the options, which come before them."""
+def _wanted(study: Study, options: dict[str, Any]) -> WorstCaseSearch:
+    """Return the search of the study file, with the options instead of its keys."""
     from ..searches import Objective, WorstCaseSearch
 
     keys: dict[str, Any] = {}
     if study.search is not None:
         keys = study.search.model_dump(exclude_none=True)
-    if "minimise" in given or "slack" in given:
+    if "minimise" in options or "slack" in options:
         for key in ("minimise", "slack", "below"):
             keys.pop(key, None)
-    keys |= given
+    keys |= options
     objective = Objective(
         keys.pop("minimise", ""), slack=keys.pop("slack", ""), below=keys.pop("below", 0.0)
     )
@@ -113,7 +113,7 @@ def _wanted(study: Study, given: dict[str, Any]) -> WorstCaseSearch:
 def _carried_out(
     wanted: WorstCaseSearch, out: Path | None, jobs: int | None, backend: str
 ) -> SearchResults:
-    """Run a search, with its progress and the least value so far: a bar on a terminal, or lines."""
+    """Run a search with a progress bar and the least value, or with lines."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
     from ..searches import SearchProgress, run_search
@@ -154,7 +154,7 @@ def _value(one: Any) -> str:
 
 
 def _report(results: SearchResults) -> None:
-    """Print the worst evaluations as a table, the cases, and what the search is worth."""
+    """Print the worst evaluations, the cases, and the value of the search."""
     from ..searches.report import rounded, size, where
 
     console = plain_console(WIDTH)
@@ -182,7 +182,7 @@ def _report(results: SearchResults) -> None:
 
 
 def _print_worst(results: SearchResults, console: Console) -> None:
-    """Print the worst evaluations with as many columns as fit, and which are left out."""
+    """Print the worst evaluations with as many columns as fit, and the names of the others."""
     from rich.table import Table
 
     from ..searches.report import short, shown, varying

@@ -1,4 +1,4 @@
-"""Meaning of a word on the command line: a recording, a trial, or a floorplan."""
+"""Meaning of an argument: a recording, a trial, or a floorplan."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from ..trials.trial import Trial, builtin_trials
 def run_from(
     source: str | Path, duration: float | None = None, *, own_code: bool = True
 ) -> Recorded:
-    """Read back the run in the folder `source`, or run the trial `source`, for `duration` seconds.
+    """Return the run in the folder `source`, or run the trial `source` for `duration` seconds.
 
-    `own_code` is as of `Trial.load`. Errors are those of `load_run`, `Trial.load` and `run`.
+    `own_code` is as in `Trial.load`. Errors are those of `load_run`, `Trial.load` and `run`.
     """
     if Path(source).is_dir():
         return load_run(source)
@@ -34,10 +34,9 @@ def run_from(
 
 
 def floorplan_from(source: str | Path, *, own_code: bool = True) -> Floorplan:
-    """Return the floor of that name, in that file, of that trial, or of the run in that folder.
+    """Return the floor of that name or file, of that trial, or of the run in that folder.
 
-    A name that both a floorplan and a trial have means the floorplan. `own_code` is as of
-    `Trial.load`.
+    A name of both a floorplan and a trial means the floorplan. `own_code` is as in `Trial.load`.
     """
     path, name = Path(source), str(source)
     if path.is_dir():
@@ -58,7 +57,7 @@ def _is_trial(path: Path) -> bool:
 
 
 def outermost_keys(path: Path) -> set[str]:
-    """Return the outermost keys of a YAML file, none of what is no such file."""
+    """Return the outermost keys of a YAML file, or none for other files."""
     if path.suffix.lower() not in (".yaml", ".yml") or not is_file(path):
         return set()
     data = read_yaml(path, floorplan.FloorplanError).data

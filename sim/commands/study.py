@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
 
 WIDTH = 120
-"""Characters in a line of the table where no terminal says how many there are."""
+"""Characters per line of the table if there is no terminal."""
 
 SCOREBOARD = "scoreboard"
 """Name of the built-in study."""
 
 SIGNIFICANT = 0.05
-"""Differences with at least this p are left to the page."""
+"""Differences with at least this p appear only on the page."""
 
 BESIDE = 3
-"""Characters in a line that a column takes beside its text: blanks and a rule."""
+"""Characters that a column takes beside its text: blanks and a rule."""
 
 
 def study(
@@ -111,10 +111,10 @@ def _scoreboard(controllers: list[str], repeat: int | None, *, own_code: bool) -
 
 
 def _print_scoreboard(results: StudyResults) -> None:
-    """Print the score of each controller, and the paired tests in which two differ."""
+    """Print the score of each controller, and the significant paired tests."""
     from rich.table import Table
 
-    from ..studies import figure
+    from ..core.wording import figure, interval
     from ..studies.scoreboard import MEASURES, paired_tests, scores, write_scoreboard
 
     console = plain_console(WIDTH)
@@ -124,7 +124,7 @@ def _print_scoreboard(results: StudyResults) -> None:
     for score in scores(results):
         means = (score.spreads[measure] for measure in MEASURES)
         cells = (
-            "–" if one is None else f"{figure(one.mean)} ({figure(one.low)} … {figure(one.high)})"
+            "–" if one is None else f"{figure(one.mean)} ({interval(one.low, one.high)})"
             for one in means
         )
         table.add_row(score.controller, figure(score.least_margin), *cells)
@@ -133,7 +133,7 @@ def _print_scoreboard(results: StudyResults) -> None:
         if test.p < SIGNIFICANT:
             console.print(
                 f"{test.one} − {test.other}: {test.measure.words} {figure(test.difference)}"
-                f" ({figure(test.low)} … {figure(test.high)}), p = {test.p:.4f},"
+                f" ({interval(test.low, test.high)}), p = {test.p:.4f},"
                 f" {test.count} pairs",
                 highlight=False,
                 soft_wrap=True,
@@ -142,7 +142,7 @@ def _print_scoreboard(results: StudyResults) -> None:
 
 
 def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> StudyResults:
-    """Run what is left of a study, with a progress bar and an estimate on a terminal."""
+    """Run the missing rows of a study, with a progress bar and an estimate on a terminal."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
     from ..studies import run_study
@@ -161,7 +161,7 @@ def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> 
         def begin(done: int) -> None:
             if 0 < done < len(chosen):
                 say(f"Continuing after {done:,} of {len(chosen):,} rows.", err=True)
-            # Rows that were there already say nothing about how long the others will take.
+            # Rows that exist already would distort the estimate.
             bars.reset(bar, completed=done)
 
         return run_study(
@@ -175,18 +175,18 @@ def carried_out(chosen: Study, folder: Path, jobs: int | None, backend: str) -> 
 
 
 def column_width(texts: Iterable[str]) -> int:
-    """Return the characters that a column of these texts takes, with the line beside it."""
+    """Return the width of a column of these texts with its rule."""
     return max(map(len, texts), default=0) + BESIDE
 
 
 def _report(results: StudyResults) -> None:
     """Print the means of every combination as a table, and the path of the report.
 
-    The table has as many measures as fit beside each other, and says which it leaves to the report.
+    The table has as many measures as fit. The names of the others are printed below.
     """
     from rich.table import Table
 
-    from ..studies import figure
+    from ..core.wording import figure
 
     compared = results.comparison
     table = Table(title=results.study.name, title_justify="left")
@@ -210,7 +210,7 @@ def _report(results: StudyResults) -> None:
             continue
         room -= width
         shown.append(means)
-        # Of columns without a width the widest are narrowed first, even where that breaks words.
+        # Columns without a width would be narrowed first, even if words break.
         table.add_column(measure.label, justify="right", overflow="fold", width=width - BESIDE)
     for k, group in enumerate(groups):
         table.add_row(*group.values, f"{len(group.rows):,}", *(means[k] for means in shown))
@@ -278,8 +278,8 @@ def report(
     require_writable(out)
     sign_off = SignOff(plant=plant, revision=revision, author=author, date=date)
     if not is_study(source):
-        for option, given in (("--results", results), ("--jobs", jobs)):
-            if given is not None:
+        for option, value in (("--results", results), ("--jobs", jobs)):
+            if value is not None:
                 raise typer.BadParameter("is for studies only", param_hint=option)
         if (Path(source) / "results.csv").is_file():
             raise UserError(

@@ -1,7 +1,7 @@
 """Terminal output, notices, the user's browser, and interrupts.
 
-If it comes just then, some compiled packages print a traceback and say that another one is
-missing.
+An interrupt during an import makes some compiled packages print a traceback and report a missing
+package.
 """
 
 from __future__ import annotations
@@ -30,30 +30,31 @@ _CONTROL = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f]")
 
 
 def visible(text: str) -> str:
-    r"""Return `text` with its control characters as JSON writes them, `\u001b` for an escape.
+    r"""Return `text` with control characters escaped as in JSON, such as `\u001b`.
 
-    Names, messages and recordings come from files: a terminal would obey what is in them.
+    Names, messages and recordings come from files, and terminals would obey their control
+    characters.
     """
-    return _CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+    return _CONTROL.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def say(text: str, *, err: bool = False) -> None:
     """Print a line on stdout, or on stderr if `err`."""
-    # Left to itself, typer writes UTF-8 to terminals that have ASCII alone.
+    # By default typer writes UTF-8 to terminals that support only ASCII.
     typer.echo(visible(text), file=None if err else sys.stdout, err=err)
 
 
 def plain_console(width: int | None = None) -> Console:
     """Return a console that prints names with [brackets] or :colons: unchanged.
 
-    Where it is no terminal it is `width` characters wide, if that is given.
+    If it is no terminal, it is `width` characters wide if that is given.
     """
     from rich.console import Console
     from rich.text import Text
 
     class PlainConsole(Console):
         def render_str(self, text: str, **how: Any) -> Text:
-            """Every text of a table comes through here."""
+            """Render every text of a table without markup."""
             return super().render_str(visible(text), **how)
 
     console = PlainConsole(markup=False, emoji=False)
@@ -63,7 +64,7 @@ def plain_console(width: int | None = None) -> Console:
 
 
 def progress_bars(*columns: str | ProgressColumn) -> Progress:
-    """Return bars on stderr that are gone when they are done, or none if it is no terminal."""
+    """Return bars on stderr that disappear at the end, or none if it is no terminal."""
     from rich.console import Console
     from rich.progress import Progress
 
@@ -74,16 +75,16 @@ def progress_bars(*columns: str | ProgressColumn) -> Progress:
 
 
 MOST_NOTICES = 20
-"""Number of notices of one kind that are shown."""
+"""Maximum number of notices of one kind that are shown."""
 
 
 def print_notices(trial: Trial) -> None:
-    """Print the notices on entries that make no difference, or may be meant otherwise."""
+    """Print the notices about entries that have no effect or may be mistakes."""
     _print(trial.name, trial.notices)
 
 
 def count_floor_notices(plan: Floorplan, source: str) -> None:
-    """Print how many notices there are on the drawing of a floor, and how `source` shows them."""
+    """Print the number of notices about the drawing of a floor, and how `source` shows them."""
     if plan.notices:
         count = len(plan.notices)
         notices = f"{count:,} notice{'' if count == 1 else 's'}"
@@ -94,7 +95,7 @@ def count_floor_notices(plan: Floorplan, source: str) -> None:
 
 
 def print_floor_notices(plan: Floorplan) -> None:
-    """Print what was left out of the drawing of a floor, or taken for granted there."""
+    """Print the omissions and assumptions about the drawing of a floor."""
     _print(plan.name, plan.notices)
 
 
@@ -106,7 +107,7 @@ def _print(name: str, notices: Sequence[Problem]) -> None:
 
 
 def open_in_browser(address: str) -> bool:
-    """Open a page there; return True if there is a browser."""
+    """Open a page. Return True if there is a browser."""
     try:
         return webbrowser.open(address)
     except webbrowser.Error:
@@ -114,10 +115,10 @@ def open_in_browser(address: str) -> bool:
 
 
 def somebody_looks(stdout: TextIO | None, environment: Mapping[str, str]) -> bool:
-    """Return True if a browser may come up unasked: somebody sits at a terminal with a screen.
+    """Return True if a browser may open unasked, because there is a terminal with a screen.
 
-    Not in continuous integration (`CI` is set), and not where only a browser in text could be
-    opened, which would take the terminal away. `stdout` is None where it was closed.
+    That is not the case in continuous integration (`CI` is set), or if the only browser is a text
+    browser, which would take over the terminal. `stdout` is None if it was closed.
     """
     if stdout is None or not stdout.isatty() or environment.get("CI"):
         return False
@@ -126,18 +127,18 @@ def somebody_looks(stdout: TextIO | None, environment: Mapping[str, str]) -> boo
 
 
 AGAIN = 0.02
-"""Seconds after which it is tried again."""
+"""Seconds between attempts."""
 
 PATIENCE = 1.0
-"""Seconds that code of the user's own has to come to its end."""
+"""Seconds within which custom code must end."""
 
 
 @contextmanager
 def put_off_while_loading() -> Iterator[None]:
-    """In this context Ctrl-C raises `KeyboardInterrupt` as ever, but never inside of an import.
+    """Raise `KeyboardInterrupt` on Ctrl-C in this context, but never during an import.
 
-    So does SIGTERM, which would leave files unfinished and worker processes alone otherwise.
-    Where whoever started us wants it ignored, as shells do in the background, it stays ignored.
+    The same holds for SIGTERM, which would otherwise leave unfinished files and worker processes.
+    Signals stay ignored if the parent process ignores them, as shells do in the background.
     """
     usual = signal.getsignal(signal.SIGINT)
     if usual is not signal.default_int_handler or not hasattr(signal, "setitimer"):
@@ -157,10 +158,9 @@ def put_off_while_loading() -> Iterator[None]:
 
 @contextmanager
 def taken_by(stop: Callable[[], None]) -> Iterator[None]:
-    """In this context the first Ctrl-C calls `stop`, in the middle of whatever happens.
+    """Call `stop` on the first Ctrl-C in this context, at any point of the program.
 
-    `KeyboardInterrupt` is raised by the second one, and where code of the user's own is under way
-    that does not come to its end.
+    `KeyboardInterrupt` is raised by the second Ctrl-C, or if custom code does not end.
     """
     usual = signal.getsignal(signal.SIGINT)
     if usual not in (_interrupt, signal.default_int_handler):
@@ -186,7 +186,7 @@ def taken_by(stop: Callable[[], None]) -> Iterator[None]:
 
 
 def leave_to_asyncio() -> None:
-    """Let Ctrl-C come at once from now on: asyncio ends its tasks well only if nobody has it."""
+    """Handle Ctrl-C immediately from now on, because asyncio ends its tasks only then."""
     if signal.getsignal(signal.SIGINT) is _interrupt:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

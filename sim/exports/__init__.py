@@ -1,4 +1,4 @@
-"""Runs in the formats of others: tables, robotics viewers, ROS, pedestrian dynamics."""
+"""Exports of runs: tables, robotics viewers, ROS, pedestrian dynamics."""
 
 from .formats import FORMATS, Export, Format, export
 

@@ -1,4 +1,4 @@
-"""The formats of others, and the export of a run into one of them."""
+"""Formats of other tools, and the export of a run."""
 
 from __future__ import annotations
 
@@ -18,18 +18,19 @@ from ..record.output import OutputError, replacing, writing
 from ..record.sampling import require_instants, require_rate
 
 DEFAULT_RATE = 20.0
-"""Hz."""
+"""Sampling rate in Hz."""
 
 Writer = Callable[[Outcome, Path, float], None]
-"""Writes a run into a file or folder that isn't there yet, at a rate in Hz."""
+"""Function that writes a run to a new file or folder at a rate in Hz."""
 
 
 @dataclass(frozen=True)
 class Format:
-    """A format: its name and title, the suffix of its files, and what has to be installed for it.
+    """A format: its name and title, the suffix of its files, and its requirements.
 
-    `parts` are the packages that its writer imports, `extra` the extra of Floorwalker that
-    brings them. `source` is the writer as `module:function`. A format without a suffix is a folder.
+    `parts` are the packages that its writer imports, and `extra` is the extra of Floorwalker that
+    contains them. `source` is the writer as `module:function`. A format without a suffix is a
+    folder.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Format:
     extra: str = ""
 
     def writer(self) -> Writer:
-        """Return the function that writes it; `ValueError` that says what to install for it."""
+        """Return the function that writes it. `ValueError` if packages are missing."""
         try:
             module, _, function = self.source.partition(":")
             return cast(Writer, getattr(import_module(f".{module}", __package__), function))
@@ -71,7 +72,7 @@ FORMATS = {
 
 @dataclass(frozen=True)
 class Export:
-    """A file or folder to be written: `path`, in `format`, `rate` times a second (Hz)."""
+    """A file or folder to be written: `path`, `format`, and sampling rate (Hz)."""
 
     path: Path
     format: Format
@@ -81,7 +82,7 @@ class Export:
     def to(
         cls, path: str | Path, *, rate: float = DEFAULT_RATE, format: str | None = None
     ) -> Export:
-        """Check the arguments of `export` before there is a run; errors as there."""
+        """Check the arguments of `export` before the run. The errors are the same."""
         require_rate(rate)
         path = Path(path)
         chosen = _by_name(format) if format is not None else _by_suffix(path)
@@ -91,9 +92,9 @@ class Export:
         return cls(path, chosen, rate)
 
     def write(self, run: Outcome) -> None:
-        """Write `run`; `OutputError` if that can't be done, and then nothing is left.
+        """Write `run`, or raise `OutputError` and leave nothing.
 
-        `ValueError` if the rate is so high that it would never end.
+        `ValueError` if the rate is too high.
         """
         require(run, Outcome, "sim.load_run")
         require_instants(run.duration, self.rate)
@@ -107,7 +108,7 @@ class Export:
 
 
 def write_csv(run: Outcome, path: Path, rate: float) -> None:
-    """Write `run` to `path` at `rate` (Hz); see `write_trajectory`."""
+    """Write `run` to `path` at `rate` (Hz). See `write_trajectory`."""
     with path.open("w", encoding="utf-8", newline="\n") as file:
         write_trajectory(run, file, rate)
 

@@ -1,9 +1,8 @@
-"""A run as JuPedSim records one (SQLite, version 2), for PedPy and JuPedSim's own tools.
+"""A run in JuPedSim's format (SQLite, version 2), for PedPy and JuPedSim's own tools.
 
-Only people are in it, as agents; the walkable area is the floor minus its obstacles. An agent is
-never put elsewhere: a person who was is another agent from then on, so that no speed, flow or
-crossing is made up. Who comes in later, or leaves, is an agent only in between.
-`floorwalker_agents` in `metadata` has the person of each agent.
+The agents are people. The walkable area is the floor without obstacles. A person who was teleported
+is another agent afterwards, so that no speed, flow or crossing is invented. A person who enters or
+leaves is an agent only in between. `floorwalker_agents` in `metadata` has the person of each agent.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from ..record.outcome import Outcome
 from ..record.sampling import Array, blocks_of_instants, sample
 
 VERSION = 2
-"""Of the schema, by JuPedSim's count."""
+"""Version of JuPedSim's schema."""
 
 _TABLES = """
     CREATE TABLE trajectory_data (frame INTEGER NOT NULL, id INTEGER NOT NULL,
@@ -40,7 +39,7 @@ _TABLES = """
 
 @dataclass(frozen=True)
 class RecordedAgent:
-    """A person between two instants (seconds) at which they were put elsewhere."""
+    """A person between two teleports (times in seconds)."""
 
     id: int
     person: str
@@ -97,7 +96,7 @@ def _agents(run: Outcome) -> Iterator[RecordedAgent]:
 def _rows(
     run: Outcome, agents: list[RecordedAgent], times: Array, frames: range
 ) -> list[tuple[float, ...]]:
-    """Return frame, id, x, y and the heading as a unit vector, by frame and agent."""
+    """Return frame, id, x, y and heading as a unit vector, by frame and agent."""
     rows: list[tuple[float, ...]] = []
     for agent in agents:
         until = times < agent.end if agent.end < run.duration else times <= agent.end
@@ -112,7 +111,7 @@ def _rows(
 
 
 def _walkable(run: Outcome) -> Polygon:
-    """Return the area in which people can stand; of several that in which most of them start."""
+    """Return the walkable area. If there are several, the one with most initial positions."""
     human = run.floorplan.human
     starts = [Point(*run.scene.starts[person.name][:2]) for person in run.scene.people]
 

@@ -1,6 +1,6 @@
 """A run as an MCAP file with Foxglove's schemas, which Foxglove opens as a scene.
 
-The shapes of bodies are written once, each in a frame of its own; `/tf` moves the frames.
+Each body has a frame. Its shapes are written once, and `/tf` moves the frames.
 """
 
 from __future__ import annotations
@@ -55,9 +55,9 @@ _LEVELS = {"info": LogLevel.Info, "warning": LogLevel.Warning, "error": LogLevel
 
 
 def write(run: Outcome, path: Path, rate: float) -> None:
-    """Write `run` to `path` with `rate` poses a second of every body."""
+    """Write `run` to `path` with `rate` poses per second of every body."""
     context = foxglove.Context()
-    # One thread compresses: several cut the data differently on machines with other core counts.
+    # One thread compresses, because several split the data depending on the number of cores.
     options = MCAPWriteOptions(compression_threads=0)
     with path.open("wb") as file:
         sink = _Sink(file)
@@ -79,10 +79,10 @@ def _about(run: Outcome, rate: float) -> dict[str, str]:
 
 
 class _Sink:
-    """A file that drops what no longer fits on its disk, and keeps the error for afterwards.
+    """A file that ignores writes after the disk is full, and keeps the error.
 
-    The SDK prints a line for every message that it can't write, and raises nothing. From the
-    first failure on only the position is kept, which the SDK relies on.
+    The SDK prints a line for every message that it cannot write, and raises nothing. After the
+    first failure only the position is updated, because the SDK relies on it.
     """
 
     def __init__(self, file: BinaryIO) -> None:
@@ -115,7 +115,7 @@ class _Sink:
 
 
 class _Writer:
-    """The channels of one file."""
+    """Channels of one file."""
 
     def __init__(self, run: Outcome, context: foxglove.Context) -> None:
         people = [person.name for person in run.scene.people]
@@ -133,7 +133,7 @@ class _Writer:
         }
 
     def write(self, rate: float) -> None:
-        """Write everything, in order of time."""
+        """Write everything in order of time."""
         self._draw(self._floor, scene.floor(self._run), 0.0)
         self._draw(self._bodies, scene.bodies(self._run), 0.0)
         for moment in scene.moments(self._run, rate):

@@ -1,4 +1,4 @@
-"""A run as one table in Parquet: a row for every body at every instant."""
+"""A run as one table in Parquet: a row for every body at every time."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ SCHEMA = pa.schema(
 
 
 def write(run: Outcome, path: Path, rate: float) -> None:
-    """Write `run` to `path` at `rate` (Hz); who is not on the floor has no row."""
+    """Write `run` to `path` at `rate` (Hz). Absent bodies have no rows."""
     names = pa.array(list(run.motions), pa.string())
     about = {"trial": run.scene.trial, "floorplan": run.floorplan.name, "rate": f"{rate:g}"}
     with ParquetWriter(path, SCHEMA.with_metadata(about), compression="zstd") as writer:
         for block in blocks(run, rate):
             bodies = np.tile(np.arange(len(names), dtype=np.int32), len(block.times))
-            # Instants first, bodies within them: (N, B, 5) → (N · B, 5).
+            # Bodies vary fastest: (N, B, 5) → (N · B, 5).
             tables = list(block.figures.values())
             figures = np.stack(tables, axis=1) if tables else np.empty((len(block.times), 0, 5))
             columns = [

@@ -1,7 +1,7 @@
 """ROS 2 bag of a run, with its messages.
 
-The bag's storage is SQLite and its version 8, which every ROS 2 reads from Humble on. The shapes
-of bodies are written once, each in a frame of its own; `/tf` moves the frames.
+The storage of the bag is SQLite and its version 8, which every ROS 2 from Humble on reads. Each
+body has a frame. Its shapes are written once, and `/tf` moves the frames.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ _NOTHING = np.empty(0, np.uint8)
 def transforms(
     t: float, frames: Iterable[tuple[str, float, float, float]]
 ) -> ros.tf2_msgs__msg__TFMessage:
-    """Return where frames are at `t` (seconds), each given as (name, x, y, rotation)."""
+    """Return the positions of frames, each given as (name, x, y, rotation), at `t` (s)."""
     return ros.tf2_msgs__msg__TFMessage(
         [
             ros.geometry_msgs__msg__TransformStamped(
@@ -67,14 +67,14 @@ def transforms(
 
 
 def pose_message(t: float, pose: BodyPose) -> ros.geometry_msgs__msg__PoseStamped:
-    """Return the pose of a body at `t` (seconds)."""
+    """Return the pose of a body at `t` (s)."""
     return ros.geometry_msgs__msg__PoseStamped(
         _header(t), _pose(pose.x, pose.y, 0.0, pose.rotation)
     )
 
 
 def velocity_message(t: float, pose: BodyPose) -> ros.geometry_msgs__msg__TwistStamped:
-    """Return the velocity of a body at `t` (seconds), along the axes of the floor."""
+    """Return the velocity of a body at `t` (s), along the axes of the floor."""
     twist = ros.geometry_msgs__msg__Twist(_vector(pose.vx, pose.vy, 0.0), _vector(0.0, 0.0, 0.0))
     return ros.geometry_msgs__msg__TwistStamped(_header(t), twist)
 
@@ -98,7 +98,7 @@ def log_line(line: LogLine) -> ros.rcl_interfaces__msg__Log:
 def markers(
     t: float, things: Iterable[Thing], lifetime: float = 0.0
 ) -> ros.visualization_msgs__msg__MarkerArray:
-    """Return things to draw from `t` on; `lifetime` in seconds, 0 for ever."""
+    """Return shapes to draw from `t` on. `lifetime` is in seconds, 0 for unlimited."""
     return ros.visualization_msgs__msg__MarkerArray(
         [
             _marker(t, thing, number, shape, lifetime)
@@ -167,29 +167,29 @@ LATCHED = Qos(
     liveliness_lease_duration=QosTime(0, 0),
     avoid_ros_namespace_conventions=False,
 )
-"""Later subscribers get the last message too."""
+"""Quality of service by which later subscribers get the last message."""
 
 Topic = Callable[[float, Any], None]
-"""Writes a message for an instant (seconds)."""
+"""Function that writes a message for a time (s)."""
 
 
 def write(run: Outcome, path: Path, rate: float) -> None:
-    """Write `run` into the folder `path` with `rate` poses a second of every body."""
+    """Write `run` into the folder `path` with `rate` poses per second of every body."""
     with Writer(path, version=VERSION, storage_plugin=StoragePlugin.SQLITE3) as bag:
         _Topics(run, bag).write(rate)
 
 
 def topic_names(names: Iterable[str]) -> dict[str, str]:
-    """Return for each name one that ROS allows in a topic: letters, digits and _, all different."""
-    found: dict[str, str] = {}
+    """Return a unique topic name that ROS allows for each name: letters, digits and _."""
+    topics: dict[str, str] = {}
     for name in names:
         plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
         plain = plain if plain[:1].isalpha() else f"body_{plain}"
-        taken, free, number = set(found.values()), plain, 2
+        taken, free, number = set(topics.values()), plain, 2
         while free in taken:
             free, number = f"{plain}_{number}", number + 1
-        found[name] = free
-    return found
+        topics[name] = free
+    return topics
 
 
 class _Topics:
@@ -218,7 +218,7 @@ class _Topics:
         }
 
     def write(self, rate: float) -> None:
-        """Write everything, in order of time."""
+        """Write everything in order of time."""
         things = [*scene.floor(self._run), *scene.bodies(self._run)]
         self._markers(0.0, markers(0.0, things))
         for moment in scene.moments(self._run, rate):

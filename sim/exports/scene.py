@@ -1,10 +1,10 @@
 """Scene for robotics viewers: shapes, poses over time, and log lines.
 
-Metres and radians, z up, in the frame of the thing that they belong to; colours are red, green,
-blue and opacity, 0 … 1.
+Units are metres and radians, with z up, in the frame of the body. Colours are red, green, blue and
+opacity from 0 to 1.
 
-Every body has a frame of its own, at its centre on the floor, that turns with it; the gantry on
-the rails of the floor has a second one, `NAME/bridge`, which follows its x only.
+Every body has a frame at its centre on the floor that turns with it. A gantry on rails has a second
+frame, `NAME/bridge`, which follows its x only.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from navigation import Motion
 
 from ..core.body import Category, MachineShape
 from ..core.recorder import Event, Figure
+from ..core.wording import trimmed
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import rails_under
 from ..record.outcome import NANOSECOND, Outcome
@@ -62,7 +63,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Thing:
-    """Shapes with a name that stay where they are in `frame`, and move with it."""
+    """Named shapes that are fixed in `frame` and move with it."""
 
     name: str
     frame: str
@@ -70,17 +71,17 @@ class Thing:
 
 
 ROUNDING = 1e-8
-"""Seconds. Instants of events are rounded to less than this, instants of motions are exact."""
+"""Seconds. Times of events are rounded to less than this. Times of motions are exact."""
 
 
 _SETS_OUT = ("goal", "replanned")
 _IS_PUT = ("teleport", "left")
-"""Events at which a path begins, and at which one ends that was under way."""
+"""Events at which a path begins, and at which the current path ends."""
 
 
 @dataclass(frozen=True)
 class BodyPose:
-    """The pose of a body: x, y (metres), rotation (radians); and its velocity (m/s)."""
+    """The pose of a body: x, y (m) and rotation (rad), and its velocity (m/s)."""
 
     body: str
     x: float
@@ -92,7 +93,7 @@ class BodyPose:
 
 @dataclass(frozen=True)
 class WalkedPath:
-    """The path of a person from `t` (seconds) until a new goal: (x, y, rotation) of its points."""
+    """Path of a person from `t` (s) to the next goal: (x, y, rotation) of its points."""
 
     t: float
     person: str
@@ -101,7 +102,7 @@ class WalkedPath:
 
 @dataclass(frozen=True)
 class Moment:
-    """The news of the instant `t` (seconds): poses of bodies, an event, or a path that begins."""
+    """News at the time `t` (s): poses of bodies, an event, or a path that begins."""
 
     t: float
     poses: tuple[BodyPose, ...] = ()
@@ -110,12 +111,12 @@ class Moment:
 
 
 def moments(run: Outcome, rate: float) -> Iterator[Moment]:
-    """Return the moments of a run in order of time, with the pose of every body at `rate` (Hz).
+    """Yield the news of a run in order of time, with poses of every body at `rate` (Hz).
 
-    Who is not on the floor has none but the jump by which they come or go, from or to far outside.
+    Absent people have only the poses at their entry or exit, from or to far outside.
 
-    Viewers draw a straight line from one pose to the next: another pose a nanosecond before
-    every jump, and one at it, keep them from drawing a body that slides over the floor.
+    Viewers interpolate between poses. Additional poses a nanosecond before and at every jump keep a
+    body from sliding over the floor.
     """
     return heapq.merge(
         (Moment(event["t"], event=event) for event in run.events),
@@ -127,8 +128,8 @@ def moments(run: Outcome, rate: float) -> Iterator[Moment]:
 
 
 def walked_paths(run: Outcome) -> list[WalkedPath]:
-    """Return the paths of people from goal to goal, in order of time; as walked, not as planned."""
-    found: list[WalkedPath] = []
+    """Return the paths of people from goal to goal, as walked, in order of time."""
+    paths: list[WalkedPath] = []
     for person in run.scene.people:
         changes = [
             event
@@ -140,17 +141,17 @@ def walked_paths(run: Outcome) -> list[WalkedPath]:
             begin = event["t"] + ROUNDING
             if event["kind"] in _SETS_OUT and end - ROUNDING > begin:
                 motion = run.motions[person.name].cut(begin, end - ROUNDING)
-                found.append(WalkedPath(event["t"], person.name, _corners(motion)))
-    return sorted(found, key=attrgetter("t"))
+                paths.append(WalkedPath(event["t"], person.name, _corners(motion)))
+    return sorted(paths, key=attrgetter("t"))
 
 
 def just_before(run: Outcome, body: str, event: Event) -> tuple[float, float]:
-    """Return the place (x, y in metres) of a body just before `event`, not where that put it."""
+    """Return the position (m) of a body just before `event`, which may move it."""
     return run.motions[body].state(event["t"] - ROUNDING).at
 
 
 def nanoseconds(t: float) -> int:
-    """Return an instant (seconds) in nanoseconds, as viewers count."""
+    """Return a time (s) in nanoseconds."""
     return round(t * 1e9)
 
 
@@ -164,17 +165,17 @@ def _regular(run: Outcome, rate: float) -> Iterator[Moment]:
 
 
 def _jumps(run: Outcome) -> list[Moment]:
-    found = [
+    jumps = [
         Moment(t, (BodyPose(name, *sample(motion, np.array([t]))[0].tolist()),))
         for name, motion in run.motions.items()
         for jump in motion.jumps
         for t in (jump - NANOSECOND, jump)
     ]
-    return sorted(found, key=attrgetter("t"))
+    return sorted(jumps, key=attrgetter("t"))
 
 
 def _corners(motion: Motion) -> tuple[tuple[float, float, float], ...]:
-    """Return the poses at which the pieces of a motion begin, and the last one ends; none twice."""
+    """Return the poses at the begins of the pieces of a motion and at its end, each once."""
     corners = [motion.state(piece.begin).position for piece in motion.pieces]
     corners.append(motion.state_before(motion.end).position)
     new = [after for before, after in pairwise(corners) if after[:2] != before[:2]]
@@ -199,12 +200,12 @@ LEVELS: dict[str, Level] = {
     "traffic_deadlock": "warning",
     "warning": "warning",
 }
-"""The level of events by their kind; all others are "info"."""
+"""Log levels by kind of event. Other events are "info"."""
 
 
 @dataclass(frozen=True)
 class LogLine:
-    """One line of a log: its instant (seconds), level, subject and text."""
+    """One line of a log: its time (s), level, subject and text."""
 
     t: float
     level: Level
@@ -213,7 +214,7 @@ class LogLine:
 
 
 def line(event: Event) -> LogLine:
-    """Return the line for an event: its kind, and its fields as name=value."""
+    """Return the log line of an event: its kind, and its fields as name=value."""
     kind = event["kind"]
     subject = next((role for role in ("person", "agv", "machine") if event.get(role)), "")
     who = event[subject] if subject else _subject(event)
@@ -226,20 +227,20 @@ def line(event: Event) -> LogLine:
 
 
 def _subject(event: Event) -> str:
-    """Return what an event without a body is about."""
+    """Return the subject of an event without a body."""
     return "trial" if "trial" in event["kind"] or "machines" in event else GANTRY
 
 
 def _shown(value: object) -> str:
     if isinstance(value, float):
-        return f"{value:.3f}".rstrip("0").rstrip(".")
+        return trimmed(value)
     if isinstance(value, list | tuple):
         return "(" + ", ".join(_shown(inner) for inner in value) + ")"
     return "none" if value is None else str(value)
 
 
 ROOT_FRAME = "map"
-"""The frame of the floor, as ROS calls it (REP 105)."""
+"""Frame of the floor, as named by ROS (REP 105)."""
 
 GROUND = (0.93, 0.93, 0.91, 1.0)
 WALL = (0.62, 0.62, 0.6, 1.0)
@@ -248,13 +249,13 @@ PERSON = (0.0, 0.45, 0.70, 1.0)
 SAFE = (0.0, 0.62, 0.45, 1.0)
 MACHINES: dict[Category, Color] = {"robot": (0.90, 0.62, 0.0, 1.0), "vehicle": SAFE}
 ALARM = (0.84, 0.37, 0.0, 1.0)
-# Hues of M. Okabe and K. Ito, "Color Universal Design", which colour-blind people can tell apart.
+# Colours of M. Okabe and K. Ito, "Color Universal Design", for all kinds of colour vision.
 
 ALARM_TIME = 2.0
-"""Seconds for which the place of a violation is marked."""
+"""Seconds for which the position of a violation is marked."""
 
 _HAIR = 0.01
-"""Metres between what lies on the floor and the floor."""
+"""Metres between flat shapes and the floor."""
 
 _CIRCLE = tuple((math.cos(k * math.pi / 24), math.sin(k * math.pi / 24)) for k in range(49))
 
@@ -267,7 +268,7 @@ def frame(body: str, part: str = "base") -> str:
 
 
 def floor(run: Outcome) -> list[Thing]:
-    """Return everything that stays where it is."""
+    """Return everything that does not move."""
     plan = run.floorplan
     ground = Shape(
         kind="triangles", points=_triangles(plan.boundary, -_HAIR), size=_AS_IT_IS, color=GROUND
@@ -298,7 +299,7 @@ def floor(run: Outcome) -> list[Thing]:
 
 
 def bodies(run: Outcome) -> list[Thing]:
-    """Return everything that moves, each thing in the frame that moves it."""
+    """Return everything that moves, each thing in its frame."""
     things = [
         Thing(person.name, frame(person.name), _person(person)) for person in run.scene.people
     ]
@@ -311,7 +312,7 @@ def bodies(run: Outcome) -> list[Thing]:
 
 
 def frames(run: Outcome, poses: Iterable[BodyPose]) -> Iterator[tuple[str, float, float, float]]:
-    """Return the frames that move with these bodies: name, x, y, rotation."""
+    """Return the frames of bodies: name, x, y, rotation."""
     for pose in poses:
         yield frame(pose.body), pose.x, pose.y, pose.rotation
         if rails_under(pose.body, run.floorplan) is not None:
@@ -346,7 +347,7 @@ def _person(person: Figure) -> tuple[Shape, ...]:
 
 
 def _machine(machine: MachineShape, rails: Gantry | None) -> Iterator[Shape]:
-    """Its box; its folded arm, where it has one; and the mast by which it hangs from rails."""
+    """Return its box, its folded arm if there is one, and the mast below rails."""
     color, bottom, top = MACHINES[machine.category], machine.bottom, machine.top
     yield _cube(
         (0.0, 0.0, (bottom + top) / 2), (machine.length, machine.width, top - bottom), color

@@ -17,16 +17,14 @@ from numpy.typing import NDArray
 from floorplan import InputError, UserError
 
 from ..core.recorder import Event, Listener
-from ..machines.commanded import CommandedMachine
-from ..machines.gantry.robot import GantryRobot
 from ..machines.policy import (
     ActionBounds,
     Array,
     Interface,
     Observation,
     flat,
-    goal_of,
 )
+from ..machines.policy_driven import PolicyDriven
 from ..runs.run import Run
 from ..studies.design import Study
 from ..trials.trial import Trial
@@ -45,11 +43,11 @@ LEVELS = (-1.0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Transition:
-    """What happened to a machine between two ticks, for a reward.
+    """Changes of a machine between two ticks, for a reward.
 
     Attributes
     ----------
-    machine : CommandedMachine
+    machine : PolicyDriven
         The machine.
     events : tuple of dict
         Events of the run.
@@ -65,7 +63,7 @@ class Transition:
         Least distance minus required distance to a person now, in metres.
     """
 
-    machine: CommandedMachine
+    machine: PolicyDriven
     events: tuple[Event, ...]
     progress: float
     goals: int
@@ -145,7 +143,7 @@ class Episodes:
 
     def _goal(self, name: str) -> tuple[tuple[float, float] | None, float]:
         machine = self.ticks.machines[name]
-        goal = goal_of(machine)
+        goal = machine.goal_pose
         if goal is None:
             return None, 0.0
         return (goal[0], goal[1]), math.dist(goal[:2], machine.position[:2])
@@ -195,11 +193,6 @@ class Spaces:
     def observed(self, observation: Observation) -> Observation | Array:
         """Return an observation as the space has it."""
         return flat(observation) if self._flat else observation
-
-    def standing(self, machine: CommandedMachine) -> list[float]:
-        """Return the action with which a machine stops."""
-        x, y, _ = machine.position
-        return [x, y, 1.0] if isinstance(machine, GantryRobot) else [0.0] * self._actions.count
 
     def chosen(self, action: Any) -> list[float]:
         """Return an action as numbers. `ValueError` says what is wrong with it."""
@@ -303,7 +296,7 @@ class FloorEnv(gymnasium.Env[Any, Any]):
         self.episodes.ticks.advance({self.name: self._spaces.chosen(action)})
         step = self.episodes.step(self.name)
         observation = self._spaces.observed(self.episodes.observe(self.name))
-        done = step.contacts > 0 or goal_of(step.machine) is None
+        done = step.contacts > 0 or step.machine.goal_pose is None
         return (
             observation,
             float(self._reward(step)),
@@ -318,7 +311,7 @@ class FloorEnv(gymnasium.Env[Any, Any]):
             return None
         if self._picture is None:
             self._picture = Picture(self.episodes.ticks.simulation)
-        return self._picture.frame(goal_of(self.episodes.ticks.machines[self.name]))
+        return self._picture.frame(self.episodes.ticks.machines[self.name].goal_pose)
 
     def run(self) -> Run:
         """Return the run of this episode up to now, for a recording or a replay page."""

@@ -13,7 +13,6 @@ from pettingzoo import ParallelEnv
 
 from floorplan import UserError
 
-from ..machines.policy import goal_of
 from ..studies.design import Study
 from ..trials.trial import Trial
 from .drawing import Picture
@@ -79,7 +78,7 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Begin a trial that is drawn with a seed; see `FloorEnv.reset`."""
+        """Begin a trial that is drawn with a seed, as `FloorEnv.reset` does."""
         if seed is not None:
             self._random = np.random.default_rng(seed)
         self.episodes.reset(int(self._random.integers(2**31)))
@@ -89,7 +88,7 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         }
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
-        """Carry out the actions of all machines until the next tick; see `FloorEnv.step`."""
+        """Carry out the actions of all machines until the next tick, as `FloorEnv.step` does."""
         chosen = dict(self._stands)
         for name in self.agents:
             if name not in actions:
@@ -99,10 +98,10 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         ticks.advance(chosen)
         agents, over = self.agents, ticks.over
         steps = {name: self.episodes.step(name) for name in agents}
-        done = {n: one.contacts > 0 or goal_of(one.machine) is None for n, one in steps.items()}
+        done = {n: one.contacts > 0 or one.machine.goal_pose is None for n, one in steps.items()}
         for name in agents:
             if done[name]:
-                self._stands[name] = self._spaces[name].standing(ticks.machines[name])
+                self._stands[name] = ticks.machines[name].stop_action
         self.agents = [name for name in agents if not (done[name] or over)]
         return (
             self._observed(agents),
@@ -113,7 +112,7 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         )
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture of the floor; see `FloorEnv.render`."""
+        """Return a picture of the floor, as `FloorEnv.render` does."""
         if self.render_mode is None:
             return None
         if self._picture is None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -12,12 +11,11 @@ from simpy.events import Event
 from floorplan import UserError
 from floorplan.files.problems import suggestion
 
-from ..core.clock import occur
 from ..core.recorder import Event as Recorded, Listener
-from ..core.stage import MachineEntry
-from ..machines.commanded import CommandedMachine
 from ..machines.gantry.robot import GANTRY
+from ..machines.kinds import with_controller
 from ..machines.policy import Interface, driven
+from ..machines.policy_driven import PolicyDriven
 from ..runs.run import Run
 from ..simulation import Simulation
 from ..trials.trial import Trial
@@ -47,7 +45,7 @@ class Ticks:
         self.events: list[Recorded] = []
         """Events since the last tick."""
         self._waiting: dict[str, Event] = {}
-        self._actions: Mapping[str, Any] = {}
+        self._actions: dict[str, Any] = {}
         controller = partial(driven, self._wait, interface)
         self.simulation = Simulation(
             with_controllers(trial, dict.fromkeys(names, controller)),
@@ -72,31 +70,25 @@ class Ticks:
         """Return the run up to the current time."""
         return self.simulation.finish()
 
-    def _wait(self, machine: CommandedMachine) -> Event:
+    def _wait(self, machine: PolicyDriven) -> Event:
         event = self._waiting[machine.name] = Event(machine.body.clock)
         return event
 
     def _waits(self) -> bool:
-        """Let machines go on that have an action; return whether one waits for its action."""
+        """Resume machines that have an action. Return whether a machine waits for its action."""
         for name in [name for name in self._waiting if name in self._actions]:
-            occur(self._waiting.pop(name), self._actions.pop(name))  # type: ignore[attr-defined]
+            self.simulation.clock.occur(self._waiting.pop(name), self._actions.pop(name))
         return bool(self._waiting)
 
 
 def with_controllers(trial: Trial, controllers: Mapping[str, Any]) -> Trial:
     """Return the trial with these controllers. `ValueError` if there is no such machine."""
+    known = {*trial.machines, *([GANTRY] if trial.floorplan.gantry is not None else [])}
     for name, controller in controllers.items():
-        if name == GANTRY and trial.floorplan.gantry is not None:
-            trial = replace(trial, gantry=replace(trial.gantry, controller=controller))
-            continue
-        entry = trial.machines.get(name)
-        if entry is None:
+        if name not in known:
             hint = suggestion(name, names_of(trial))
             raise UserError(f"machine: {trial.name} has no vehicle or gantry {name!r}; {hint}")
-        keys = {**entry.keys, "controller": controller}
-        keys.pop("rate", None)
-        machines = {**trial.machines, name: MachineEntry(entry.kind, keys)}
-        trial = replace(trial, machines=machines)
+        trial = with_controller(trial, controller, name)
     return trial
 
 
@@ -107,8 +99,8 @@ def names_of(trial: Trial) -> list[str]:
     return [*(name for name, one in trial.machines.items() if one.kind in kinds), *own]
 
 
-def _commanded(machine: Any) -> CommandedMachine:
-    assert isinstance(machine, CommandedMachine)
+def _commanded(machine: Any) -> PolicyDriven:
+    assert isinstance(machine, PolicyDriven)
     return machine
 
 

@@ -26,7 +26,7 @@ from typing_extensions import override
 from floorplan import UserError
 from navigation import Motion, standing
 
-from ..cell.pace import Pace, Tempo, checked_speed
+from ..cell.pace import Pace, checked_speed
 from ..core.body import Body
 from ..core.clock import InProgress
 from ..core.entries import COMMANDS
@@ -128,7 +128,7 @@ class LiveRun(InProgress, Listener):
     ) -> None:
         self._speed = checked_speed(speed)
         self._now = now
-        self._pace: Tempo | None = None
+        self._pace: Pace | None = None
         self._duration = duration
         self._stream = MessageStream()
         self._page = ""
@@ -189,7 +189,7 @@ class LiveRun(InProgress, Listener):
         finally:
             self.leave()
 
-    def follow(self, simulation: Simulation, pace: Tempo) -> None:
+    def follow(self, simulation: Simulation, pace: Pace) -> None:
         """Show a started run that the caller advances.
 
         The caller calls `attend` regularly between two steps, and `leave` at the end.

@@ -1,4 +1,4 @@
-"""Motion of a machine that can always stop before it is too near to people."""
+"""Motions of a machine that can always stop before it comes too close to people."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from .commanded import CommandedMachine, Sighting
 from .commanding import Steps
 
 SHARES = (1.0, 0.5, 0.25, 0.1)
-"""The shares of its top speeds that a machine chooses from."""
+"""Shares of the top speeds, fastest first."""
 
 LEAST = 0.2
-"""Seconds for which a motion must be safe to be commanded."""
+"""Seconds for which a motion must be safe to begin."""
 
 AGAIN = 2.0
-"""Seconds after which it looks for a faster motion than that under way."""
+"""Seconds after which a machine on a slow motion tries a faster one."""
 
 ARRIVED = 1e-6
-"""Metres and radians. Nearer than this is there."""
+"""Metres and radians. Tolerance of targets."""
 
 INSTANT = 1e-6
-"""Seconds. Less than this is no time at all."""
+"""Seconds. Shorter durations are rounding."""
 
 
 class Caution:
@@ -46,15 +46,15 @@ class Caution:
     def __init__(self, gantry: CommandedMachine) -> None:
         self._gantry = gantry
         self._human_speed = gantry.human_speed
-        self._foresight = StoppingCheck(gantry.law, gantry.shape.top_speed, gantry.shapes)
+        self._check = StoppingCheck(gantry.law, gantry.shape.top_speed, gantry.shapes)
         self._move: Event = gantry.stop()
         self._under_way: tuple[Motion, Pose, float] | None = None
         self._stuck: tuple[Motion, Pose, Sequence[Sighting]] | None = None
-        """The standstill, and what it was before it, from which no motion was safe."""
+        """The standstill from which no motion was safe, with the target and the people."""
         self._hindered_by: str | None = None
-        """The person for whom the slowest motion was not safe."""
+        """The person because of whom the slowest motion was not safe."""
         self._has_recorded = False
-        """Whether it has recorded that it waits, since it last moved."""
+        """Whether the wait has been recorded since the last motion."""
         self._seen: tuple[Sighting, ...] = ()
         self._seen_at = -math.inf
 
@@ -68,7 +68,7 @@ class Caution:
         """
         if self._seen_at != self._gantry.now:
             people: tuple[Sighting, ...] = yield self._gantry.look()
-            self._take_note(people)
+            self._see(people)
         return self._seen
 
     def go(self, pose: Pose, *, seconds: float = math.inf) -> Steps:
@@ -97,25 +97,22 @@ class Caution:
         end = gantry.now + seconds
         people = yield from self.look()
         while not self._is_at(pose) or gantry.now < gantry.body.motion.end:
-            # Less than this is what rounding leaves of the time it was given.
             if end - gantry.now < INSTANT:
                 return False
-            share = self._share_to(pose)
-            found, safe = self._fastest(pose, people)
-            if found == 0.0 and self._under_way is not None:
+            share, safe = self._fastest(pose, people)
+            if share == 0.0 and self._under_way is not None:
                 gantry.stop()
                 self._under_way = None
-            elif found != share:
+            elif share != self._share_to(pose):
                 self._has_recorded = False
-                self._move = gantry.move_to(*pose, speed_share=found, resume=False)
-                self._under_way = (gantry.body.motion, pose, found)
-            if found == 0.0 and not gantry.disabled:
+                self._move = gantry.move_to(*pose, speed_share=share, resume=False)
+                self._under_way = (gantry.body.motion, pose, share)
+            if share == 0.0 and not gantry.disabled:
                 self.record_waiting(self._hindered_by, people)
-            # For `safe` seconds nobody can matter, so it looks no sooner.
             look = gantry.look(min(safe, end - gantry.now))
-            yield look | self._move if found > 0.0 else look
+            yield look | self._move if share > 0.0 else look
             if look.processed:
-                self._take_note(look.value or ())
+                self._see(look.value or ())
             people = yield from self.look()
         return True
 
@@ -149,11 +146,11 @@ class Caution:
             Observed people.
         """
         gantry = self._gantry
-        plan = Stoppable(motion, gantry.drive.stops)
+        plan = Stoppable(motion, gantry.stops)
         seen = [Pedestrian(person.name, person.at, self._human_speed) for person in people]
-        until, who = self._foresight.safe_until(plan, seen, gantry.now, LEAST)
-        self._hindered_by = None if who is None else who.name
-        return until - gantry.now if who is not None else max(until - gantry.now, LEAST)
+        until, person = self._check.safe_until(plan, seen, gantry.now, LEAST)
+        self._hindered_by = None if person is None else person.name
+        return until - gantry.now if person is not None else max(until - gantry.now, LEAST)
 
     def room_to_move(self, speed: float) -> float:
         """Return the distance in metres between centres at which motion is possible.
@@ -164,8 +161,6 @@ class Caution:
             Speed of the gantry in m/s.
         """
         moving = State(self._gantry.position, (speed, 0.0, 0.0), (0.0, 0.0, 0.0))
-        # What the stop from that speed takes, in metres and in seconds, in which people come
-        # nearer.
         stop = self._gantry.stopping(moving, 0.0)
         metres = math.dist(stop.state(0.0).at, stop.state(stop.end).at)
         required = self.required_between_centres(speed)
@@ -181,7 +176,7 @@ class Caution:
         robot_speed : float
             Speed of the gantry in m/s.
         """
-        return self._foresight.required(self._human_speed, robot_speed)
+        return self._check.required(self._human_speed, robot_speed)
 
     def required_between_centres(self, robot_speed: float) -> float:
         """Return a distance in metres between centres at which `required` is kept in any pose.
@@ -191,7 +186,7 @@ class Caution:
         robot_speed : float
             Speed of the gantry in m/s.
         """
-        return self.required(robot_speed) + self._foresight.around
+        return self.required(robot_speed) + self._check.around
 
     def record_waiting(self, name: str | None, people: Sequence[Sighting]) -> None:
         """Record that the gantry waits for a person, once until it moves again.
@@ -206,45 +201,44 @@ class Caution:
         if self._has_recorded or not people:
             return
         here = self._gantry.position[:2]
-        nearest = min(people, key=lambda one: (one.name != name, math.dist(one.at, here)))
+        nearest = min(people, key=lambda other: (other.name != name, math.dist(other.at, here)))
         self._has_recorded = True
         self._gantry.record(
             GantryYielded(
                 person=nearest.name,
-                distance=self._foresight.distance(nearest.at, self._gantry.position),
+                distance=self._check.distance(nearest.at, self._gantry.position),
                 required=self.required(self._gantry.state.speed),
             )
         )
 
-    def _take_note(self, people: tuple[Sighting, ...]) -> None:
+    def _see(self, people: tuple[Sighting, ...]) -> None:
         self._seen, self._seen_at = people, self._gantry.now
 
     def _share_to(self, pose: Pose) -> float:
-        """Return the share of its speeds at which it moves to `pose`; 0 if it does not."""
+        """Return the speed share of the present motion to `pose`, or 0 if there is none."""
         if self._under_way is None:
             return 0.0
         motion, target, share = self._under_way
         return share if motion is self._gantry.body.motion and target == pose else 0.0
 
     def _fastest(self, pose: Pose, people: Sequence[Sighting]) -> tuple[float, float]:
-        """Return the greatest safe share of the top speeds, and the seconds for which it is safe.
+        """Return the highest safe speed share, and the seconds for which it is safe.
 
         If none is safe: 0, and the seconds until the next look.
         """
         gantry = self._gantry
         if not gantry.disabled:
             motion = gantry.body.motion
-            now_at = (motion, pose, people) if motion.end <= gantry.now else None
-            # What was not safe from a standstill is not while nobody has moved since.
-            if now_at is None or self._stuck != now_at:
-                # From the fastest on: the first that is safe is taken.
+            standstill = (motion, pose, people) if motion.end <= gantry.now else None
+            # A motion that was unsafe from standstill stays unsafe until somebody moves.
+            if standstill is None or self._stuck != standstill:
                 for candidate in SHARES:
                     motion = self.preview(pose, candidate)
                     seconds = self.safe_for(motion, people)
                     if seconds > 0.0:
                         return candidate, seconds if candidate == 1.0 else min(seconds, AGAIN)
-                self._stuck = now_at
-        distances = (self._foresight.distance(p.at, gantry.position) for p in people)
+                self._stuck = standstill
+        distances = (self._check.distance(person.at, gantry.position) for person in people)
         nearest = min(distances, default=math.inf)
         lacking = self.required(0.0) - nearest
         return 0.0, max(LEAST, lacking / self._human_speed)

@@ -1,10 +1,9 @@
-"""Machines with a controller: their sensors, commands and tasks, the same for every kind."""
+"""Machines with a controller: their sensors and commands, the same for every kind."""
 
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -16,27 +15,28 @@ from typing_extensions import override
 
 from floorplan import UserError
 from navigation import Motion, minimum_margin
+from navigation.kernels.braking import Stops
 from navigation.motion import State
 
 from ..core.body import TRAFFIC, Machine, MachineShape, checked, commands
-from ..core.clock import Alarm, Turn
+from ..core.clock import Turn
 from ..core.entries import Pose
-from ..core.events import EventKind, JobDone, JobStarted
+from ..core.events import EventKind
 from ..core.recorder import Record
 from ..core.stage import Stage
 from ..safety.proximity import ApproachMonitor
 from .arguments import instance, number, target
-from .commanding import Drive, Interruption, Interrupts, Steps
+from .commanding import Drive, Steps
+from .interrupts import Interruption, Interrupts
 from .scan import Scanner
-from .tasks import Task, Tasks
 
 OBSERVATION_RATE = 10.0
-"""Hz. Rate at which a machine sees where people are."""
+"""Hz. Rate of the observations of people."""
 
 
 @dataclass(frozen=True)
 class Sighting:
-    """A person as a machine's sensors see them: x, y in metres, velocity in m/s."""
+    """Observation of a person: x, y in metres, velocity in m/s."""
 
     name: str
     at: tuple[float, float]
@@ -44,17 +44,17 @@ class Sighting:
 
     @property
     def speed(self) -> float:
-        """The speed over the floor, m/s."""
+        """Speed, m/s."""
         return math.hypot(*self.velocity)
 
 
 class CommandedMachine(Machine):
-    """A machine to be commanded by a controller.
+    """A machine that a controller commands.
 
-    A controller yields what its methods return: `yield machine.move_to(-2.5, 0.5)`. It does one
-    thing at a time, so a command takes the place of what was under way. While it is made to stand
-    it stands, and whatever was under way goes on afterwards. `record(event)` records an event,
-    which may be of a custom `EventKind`.
+    A controller yields the results of its methods: `yield machine.move_to(-2.5, 0.5)`. The machine
+    carries out one command at a time: a new one replaces the current one. A stopped machine resumes
+    the current command afterwards. `record(event)` records an event, which may be of a custom
+    `EventKind`.
     """
 
     record: Record
@@ -73,7 +73,7 @@ class CommandedMachine(Machine):
             "resume",
             "stopping",
         }
-        | {"wait", "until", "open_tasks", "next_task", "do", "locate", "handle"}
+        | {"wait", "until"}
     )
     """Names for controllers. All others are for the simulation."""
 
@@ -87,37 +87,26 @@ class CommandedMachine(Machine):
         shape: MachineShape,
         drive: Drive,
         controller: Callable[[Any], Steps],
-        *,
-        repeat: bool = False,
-        every: float | None = None,
     ) -> None:
         self.rules = stage.rules
         self.human_speed = stage.fastest
-        self.tasks = Tasks(stage.clock)
-        self.tasks.more_to_come = every is not None
-        self.jobs_done = 0
         self.shape = shape
         self.law = stage.rules.law_of(shape)
         self.shapes = stage.rules.shapes_of(shape, stage.widest)
-        self.drive = drive
+        self._drive = drive
         self.body = drive.body
         self._stage = stage
         self._clock = stage.clock
         self._interrupts = Interrupts()
         self._proximity: ApproachMonitor | None = None
         self._controller = controller
-        self._repeat = repeat
-        self._every = every
-        self._round: Sequence[Task] = ()
-        self._round_began = -math.inf
-        self._next_round = Alarm(stage.clock, self._begin_round, Turn.MOTION_ENDS)
 
     def begin(self) -> None:
         """Start the controller."""
         self._proximity = ApproachMonitor(self._stage, self, self._came_near)
         self.start(self._controller(self))
 
-    # Its sensors.
+    # Sensors.
 
     @property
     def now(self) -> float:
@@ -137,7 +126,7 @@ class CommandedMachine(Machine):
     @property
     def disabled(self) -> bool:
         """Whether the machine is disabled or in a protective stop."""
-        return self.drive.disabled
+        return self._drive.disabled
 
     @property
     def people(self) -> tuple[Sighting, ...]:
@@ -153,9 +142,9 @@ class CommandedMachine(Machine):
         law, now, motion = self.law, self.now, self.body.motion
         if law is None:
             return math.inf
-        motions = [person.body.motion for person in self._stage.people if not person.away]
+        walks = [person.body.motion for person in self._stage.people if not person.away]
         return min(
-            (minimum_margin(one, motion, law, now, now, shapes=self.shapes)[1] for one in motions),
+            (minimum_margin(walk, motion, law, now, now, shapes=self.shapes)[1] for walk in walks),
             default=math.inf,
         )
 
@@ -240,11 +229,11 @@ class CommandedMachine(Machine):
         ValueError
             If the reason is unknown or the distance invalid.
         """
-        self._interrupts.ask_for(reason, distance)
+        self._interrupts.request(reason, distance)
         if self._proximity is not None:
             self._proximity.near(self._interrupts.close_distance)
 
-    # Its commands.
+    # Commands.
 
     @commands
     def move_to(
@@ -281,8 +270,8 @@ class CommandedMachine(Machine):
         PlanningError
             If there is no route.
         """
-        pose = self.drive.destination(target("move_to", x, y, rotation, speed_share))
-        move = self.drive.move(pose, speed_share, resume=resume)
+        pose = self._drive.destination(target("move_to", x, y, rotation, speed_share))
+        move = self._drive.move(pose, speed_share, resume=resume)
         self._interrupts.command_given()
         return move
 
@@ -297,7 +286,7 @@ class CommandedMachine(Machine):
         x, y, rotation, speed_share
             See `move_to`.
         """
-        return self.drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
+        return self._drive.preview(target("preview", x, y, rotation, speed_share), speed_share)
 
     @commands
     def follow(self, motion: Motion) -> Event:
@@ -331,7 +320,7 @@ class CommandedMachine(Machine):
         Process
             Event to yield.
         """
-        return self._command(self.drive.stop())
+        return self._command(self._drive.stop())
 
     @commands
     def resume(self) -> Event:
@@ -347,10 +336,15 @@ class CommandedMachine(Machine):
         ValueError
             If the last command before `stop` was not a move.
         """
-        if self.drive.last_move is None:
+        if self._drive.last_move is None:
             raise UserError("there is no move to resume")
-        pose, speed_share = self.drive.last_move
+        pose, speed_share = self._drive.last_move
         return self.move_to(*pose, speed_share=speed_share)
+
+    @property
+    def stops(self) -> Stops:
+        """Stops of the machine at all times of a motion."""
+        return self._drive.stops
 
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop without moving the machine.
@@ -362,7 +356,7 @@ class CommandedMachine(Machine):
         t : float
             Start time in seconds.
         """
-        return self.drive.stopping(state, t)
+        return self._drive.stopping(state, t)
 
     @checked
     def wait(self, seconds: float) -> Process:
@@ -378,7 +372,7 @@ class CommandedMachine(Machine):
         Process
             Event to yield.
         """
-        return self._command(self.drive.wait(seconds))
+        return self._command(self._drive.wait(seconds))
 
     @checked
     def until(self, t: float) -> Event:
@@ -397,82 +391,7 @@ class CommandedMachine(Machine):
         self._interrupts.command_given()
         return self._clock.at(number("until(t)", t), Turn.NOTICE)
 
-    # Its tasks.
-
-    @property
-    def open_tasks(self) -> tuple[Task, ...]:
-        """Tasks that can be started or continued now, in order of preference."""
-        return self.tasks.open
-
-    def next_task(self) -> Event:
-        """Wait for a task.
-
-        Returns
-        -------
-        Event
-            Event to yield. Its value is the preferred open task, or None if there will be none.
-        """
-        self._interrupts.command_given()
-        return self.tasks.next()
-
-    @commands
-    def do(self, task: Task) -> Process:
-        """Carry out the remaining steps of a task.
-
-        An interrupted step is repeated from its begin.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Process
-            Event to yield. Its value is False if another command replaced this one, otherwise True.
-        """
-        instance("do(task)", task, Task)
-        return self._command(self._do(task, self.drive.begin()))
-
-    @abstractmethod
-    def locate(self, task: Task) -> Event:
-        """Start or continue a task, and wait until its next step is in reach.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Event
-            Event to yield. Its value is the pose of the next step.
-        """
-
-    @abstractmethod
-    def handle(self, task: Task) -> Process:
-        """Carry out the next step of a task at the current pose.
-
-        An interrupted step is repeated from its begin.
-
-        Parameters
-        ----------
-        task : Task
-            The task.
-
-        Returns
-        -------
-        Process
-            Event to yield. Its value is False if the machine is elsewhere or another command
-            replaced this one, otherwise True.
-
-        Raises
-        ------
-        ValueError
-            If the task is done.
-        """
-
-    # The simulation's side of it.
+    # For the simulation.
 
     def start(self, controller: Steps) -> None:
         """Start or replace the controller.
@@ -485,7 +404,7 @@ class CommandedMachine(Machine):
         self._interrupts.start(self._clock, controller)
 
     def interrupt(self, reason: str) -> None:
-        """Interrupt the controller as soon as possible if it has asked for that.
+        """Interrupt the controller as soon as possible if it has requested that.
 
         Parameters
         ----------
@@ -496,39 +415,26 @@ class CommandedMachine(Machine):
 
     @override
     def hold(self, stands: bool) -> None:
-        self.drive.hold(stands)
+        self._drive.hold(stands)
 
     @commands
+    @override
     def limit_speed(self, speed: float | None) -> bool:
-        """Limit the top speed. See `Machine.limit_speed`.
-
-        A motion that is followed and faster ends: the machine is stopped until the limit ends.
-
-        Parameters
-        ----------
-        speed : float or None
-            Top speed in m/s, or None to end the limit.
-
-        Returns
-        -------
-        bool
-            True.
-        """
         if speed is not None and not number("limit_speed(speed)", speed) > 0:
             raise UserError(f"limit_speed(speed) must be more than 0, not {speed}")
-        self.drive.limit_speed(speed)
+        self._drive.limit_speed(speed)
         return True
 
     def touched(self) -> None:
-        """Interrupt the controller at the begin of a contact, if it has asked for that."""
+        """Interrupt the controller at the begin of a contact, if it has requested that."""
         self.interrupt("contact")
 
     def stopped_by_contact(self) -> None:
-        """Stay free, so that the controller can leave what the machine touches."""
+        """Do nothing, so that the controller can move away from the contact."""
 
     def close(self) -> None:
         """Finish at the end of the trial."""
-        self.drive.close()
+        self._drive.close()
 
     def sight_changed(self) -> None:
         """Handle the begin or end of a blackout."""
@@ -544,19 +450,19 @@ class CommandedMachine(Machine):
         self._stage.record(event)
 
     def _follow(self, motion: Motion, again: Callable[[], Motion] | None = None) -> Event:
-        """Follow a motion, which is compared with the claims of others; see `Drive.follow`."""
+        """Follow a motion, which traffic checks for conflicts. See `Drive.follow`."""
         if self.only_waits:
             self.stand_for(TRAFFIC, False)
-        move = self.drive.follow(motion, again)
+        move = self._drive.follow(motion, again)
         self._interrupts.command_given()
         return move
 
     def _idle_time(self, motion: Motion, now: float) -> float:
-        """Return how long it neither moved, handled nor was made to stand (s).
+        """Return the time (s) in which it neither moved, worked nor was stopped.
 
-        `motion` is all that it did.
+        `motion` is its whole track.
         """
-        drive = self.drive
+        drive = self._drive
         moving = sum(piece.end - piece.begin for piece in motion.pieces if not piece.stands)
         return max(0.0, now - moving - drive.working_time - drive.standing_time)
 
@@ -567,44 +473,6 @@ class CommandedMachine(Machine):
     def _command(self, steps: Steps) -> Process:
         self._interrupts.command_given()
         return self._clock.process(steps)
-
-    @abstractmethod
-    def _do(self, task: Task, command: int) -> Steps:
-        """Do the steps of a task that are left, as a part of a command."""
-
-    def _begin(self, task: Task) -> None:
-        if not task.announced:
-            task.announced = True
-            self.record(JobStarted.of({"job": task.kind, **task.fields}))
-
-    def _finish(self, task: Task) -> None:
-        if not task.given_up:
-            self._record_done(task)
-        task.done()
-        self._go_on()
-
-    def _record_done(self, task: Task) -> None:
-        self.jobs_done += 1
-        self.record(JobDone.of({"job": task.kind, **task.fields}))
-
-    def _go_on(self) -> None:
-        """Let the next round begin if this one is over, and let tasks be chosen anew."""
-        if all(task.finished for task in self._round) and self.now > self._round_began:
-            if self._every is not None:
-                self._next_round.set(max(self._round_began + self._every, self.now))
-            elif self._repeat:
-                self._begin_round()
-        self.tasks.reconsider()
-
-    def _begin_round(self) -> None:
-        """Set out to do all tasks of the trial."""
-        self._round_began = self.now
-        self._round = self._new_round()
-        self.tasks.add(self._round)
-
-    @abstractmethod
-    def _new_round(self) -> Sequence[Task]:
-        """Return the tasks of a round."""
 
     def _sightings(self) -> tuple[Sighting, ...]:
         if self._stage.blind[self.name]:

@@ -1,35 +1,30 @@
-"""Controllers that machines share: built-in ones, and reports of the errors of all.
+"""Controllers of all machines: built-in ones, and custom ones by name.
 
-A controller is a callable of one argument, the machine, that returns a generator of things to wait
-for.
+A controller is a callable of one argument, the machine, that returns a generator of events.
 """
 
 from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Generator
-from functools import partial
+from collections.abc import Callable
 from typing import Any
 
-from simpy.events import Event
-from simpy.exceptions import Interrupt
-
-from floorplan import UserError
 from navigation import PlanningError
 
-from ..core.custom_code import FLOORWALKER, code_of, file_of, in_words, own_line
+from ..core.custom_code import CodeFolder, CustomCode, Kind
 from ..core.entries import Pose
 from .caution import Caution
 from .commanded import CommandedMachine
 from .commanding import RETRY, Steps
+from .policy_files import SUFFIX, PolicyFile
+from .tasked import TaskedMachine
 
 STAY = ("parked", "external")
 """Built-in controllers that do not move a machine without a command."""
 
-
-class ControllerError(UserError):
-    """Error of a controller that cannot be found or that failed."""
+Source = CustomCode | PolicyFile
+"""Source of a custom controller, which is not imported before its method `load`."""
 
 
 def parked(machine: CommandedMachine) -> Steps:
@@ -38,13 +33,13 @@ def parked(machine: CommandedMachine) -> Steps:
     yield
 
 
-def oblivious(machine: CommandedMachine) -> Steps:
+def oblivious(machine: TaskedMachine) -> Steps:
     """Do tasks in order on straight paths, and ignore people."""
     while (task := (yield machine.next_task())) is not None:
         yield machine.do(task)
 
 
-def pausing(machine: CommandedMachine) -> Steps:
+def pausing(machine: TaskedMachine) -> Steps:
     """Do one task after the other, at the speed that people allow."""
     caution = Caution(machine)
     while (task := (yield machine.next_task())) is not None:
@@ -55,7 +50,7 @@ def pausing(machine: CommandedMachine) -> Steps:
 
 
 def gone_to(machine: CommandedMachine, caution: Caution, pose: Pose, seconds: float) -> Steps:
-    """Go to a pose as `Caution.go`; stop where something has closed the way to it."""
+    """Go to a pose as `Caution.go`, and stop if there is no path any more."""
     try:
         return (yield from caution.go(pose, seconds=seconds))
     except PlanningError:
@@ -70,87 +65,40 @@ def external(machine: CommandedMachine) -> Steps:
     yield
 
 
-def is_controller(found: object) -> bool:
+def is_controller(code: object) -> bool:
     """Return whether an object is a generator function, or a class with a method `__iter__`."""
-    if inspect.isclass(found):
-        return hasattr(found, "__iter__")
-    return inspect.isfunction(found) and inspect.isgeneratorfunction(inspect.unwrap(found))
+    if inspect.isclass(code):
+        return hasattr(code, "__iter__")
+    return inspect.isfunction(code) and inspect.isgeneratorfunction(inspect.unwrap(code))
 
 
-MOST_AT_ONCE = 1000
-"""Number of times a controller may yield at one instant; more count as endless."""
+def source_of(
+    controller: str | Callable[[Any], Any], kind: Kind, folder: CodeFolder
+) -> Source | None:
+    """Return the source of a custom controller, or None for a built-in one or a callable.
 
-
-def supervised(
-    name: str, controller: Callable[[Any], Steps], machine: CommandedMachine, code: Any = None
-) -> Steps:
-    """Return the steps of `controller`, which a trial names `name`.
-
-    `ControllerError` names the fault: it raised something, yielded something that can't be
-    waited for, or is not a generator at all. `code` is what it calls, if that is something else.
+    The error of the `kind` is raised if there is no such controller.
     """
-    steps: Any = None
-    try:
-        steps = controller(machine)
-        if not isinstance(steps, Generator):
-            steps = _iterated(steps)
-        yield from _checked(steps, machine)
-    except Exception as why:
-        raise ControllerError(
-            f"the {machine.shape.kind} controller {name!r} failed at t = {machine.now:g} s"
-            f"{_place(why, controller if code is None else code, steps)}: {_fault(why)}"
-        ) from why
+    if isinstance(controller, str):
+        if controller in kind.builtin:
+            return None
+        if controller.endswith(SUFFIX):
+            return PolicyFile.find(controller, folder)
+        return folder.find(controller, kind)
+    if callable(controller):
+        return None
+    raise kind.error(
+        f"{controller!r} is not a {kind.noun}; give a name, or a function of one argument"
+    )
 
 
-def _fault(why: Exception) -> str:
-    """Return the error's text with its type; of an interrupt, the remedy."""
-    if isinstance(why, Interrupt):
-        return f"it was interrupted by {why.cause!r} where no `except simpy.Interrupt` catches it"
-    return in_words(why)
-
-
-def _iterated(steps: Any) -> Steps:
-    if isinstance(steps, tuple) or not hasattr(steps, "__iter__"):
-        raise TypeError(
-            f"what it returned, {steps!r}, is not a generator; if that is a twist, give a rate"
-        )
-    yield from steps
-
-
-def _checked(steps: Steps, machine: CommandedMachine) -> Steps:
-    """Yield the same steps, if each is something that can be waited for."""
-    go_on: Callable[[], Event] = partial(next, steps)
-    now, yields = machine.now, 0
-    while True:
-        now, yields = machine.now, yields + 1 if machine.now == now else 0
-        if yields > MOST_AT_ONCE:
-            raise RuntimeError("it never lets time pass")
-        try:
-            event = go_on()
-        except StopIteration:
-            return
-        if not isinstance(event, Event):
-            raise TypeError(
-                f"it yielded {event!r}, not something that the {machine.shape.kind}'s methods"
-                " return"
-            )
-        try:
-            answer = yield event
-            go_on = partial(steps.send, answer)
-        except Exception as why:
-            go_on = partial(steps.throw, why)
-
-
-def _place(why: Exception, code: Any, steps: Any) -> str:
-    """Return file and line of the code at which it failed, in brackets, where known."""
-    source = file_of(code)
-    if source is None or code_of(code).__module__.partition(".")[0] in FLOORWALKER:
-        return ""
-    if place := own_line(why, str(source)):
-        return place
-    frame = getattr(steps, "gi_frame", None)  # what it yielded is judged outside of it
-    if frame is not None and frame.f_code.co_filename == str(source):
-        return f" ({source.name}, line {frame.f_lineno})"
-    found = code_of(code)  # and so is what a function returned
-    function = code_of(found.__call__) if inspect.isclass(found) else found
-    return f" ({source.name}, line {inspect.getsourcelines(function)[1]})"
+def loaded(
+    controller: str | Callable[[Any], Any], kind: Kind, source: Source | None
+) -> Callable[[Any], Any]:
+    """Return a controller by its name and source, or the callable itself."""
+    if source is not None:
+        code: Callable[[Any], Any] = source.load()
+        return code
+    builtin: Callable[[Any], Any]
+    builtin = kind.builtin[controller] if isinstance(controller, str) else controller
+    return builtin

@@ -30,20 +30,20 @@ from .gantry.model import GantryModel
 from .gantry.robot import GANTRY
 
 KINDS: dict[str, type[MachineModel]] = {"gantry": GantryModel, "agv": AgvModel, "amr": AmrModel}
-"""The kinds of machines by name. A package adds its own by `KINDS["tugger"] = TuggerModel`."""
+"""Kinds of machines by name. A package adds a kind by `KINDS["tugger"] = TuggerModel`."""
 
 
 _Scenario = TypeVar("_Scenario", bound=Scenario)
 
 
 class MachineError(UserError):
-    """A machine of a trial that can't be found, or whose keys are wrong."""
+    """Error of a machine that does not exist, or has invalid keys."""
 
 
-def _is_model(found: object) -> bool:
-    if not inspect.isclass(found) or not issubclass(found, MachineModel):
+def _is_model(code: object) -> bool:
+    if not inspect.isclass(code) or not issubclass(code, MachineModel):
         return False
-    return is_dataclass(found) and not inspect.isabstract(found)
+    return is_dataclass(code) and not inspect.isabstract(code)
 
 
 MODEL = Kind(
@@ -53,16 +53,15 @@ MODEL = Kind(
     error=MachineError,
     builtin=KINDS,
 )
-"""The kind of class that a trial names as the kind of a machine."""
+"""Classes that a trial can name as the kind of a machine."""
 
 
 @importing()
 def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel]:
-    """Return the machines of a trial by name: the floor's gantry and AGVs, then its `machines`.
+    """Return the machines of a trial by name: gantry and AGVs of the floor, then its `machines`.
 
-    Those of the user's `own` kinds are left out if code of theirs is not to be run.
-    `MachineError` if there is something wrong with one of the latter. Whether built-in kinds fit
-    the floor is checked with the trial (`machine_faults`).
+    Custom kinds are included if their code may run (`own`). `MachineError` if one of them is
+    invalid. Built-in kinds are checked with the trial (`machine_faults`).
     """
     models = on_floor(scenario)
     for name, entry in scenario.machines.items():
@@ -85,7 +84,7 @@ def models_of(scenario: Scenario, *, own: bool = True) -> dict[str, MachineModel
 
 
 def made_by(model: MachineModel, name: str, stage: Stage) -> Machine:
-    """Return the machine `name` of a model; `MachineError` if that makes something else."""
+    """Return the machine `name` of a model. `MachineError` if that makes another object."""
     made = model.make(name, stage)
     if not isinstance(made, Machine):
         raise MachineError(f"the machine {name!r}: make returned {shown(made)}, not a sim.Machine")
@@ -111,28 +110,28 @@ def made_by(model: MachineModel, name: str, stage: Stage) -> Machine:
 
 
 def on_floor(scenario: Scenario) -> dict[str, MachineModel]:
-    """Return the machines of a trial's floor, with their moves and jobs in the trial, by name."""
+    """Return the machines of the floor of a trial, with their moves and jobs, by name."""
     return _on(scenario.floorplan, scenario.gantry, scenario.agvs, scenario.yielding)
 
 
 def machines_on(plan: Floorplan) -> tuple[MachineShape, ...]:
-    """Return the machines that a floor itself has, as others see them."""
+    """Return the shapes of the machines of a floor."""
     models = _on(plan, GantryEntry(), {}, frozenset())
     return tuple(model.shape(name, plan) for name, model in models.items())
 
 
 def rails_under(machine: str, plan: Floorplan) -> Gantry | None:
-    """Return the rails of the floor, if `machine` is the name of the gantry that runs on them."""
+    """Return the rails of the floor if `machine` is the name of its gantry."""
     return plan.gantry if machine == GANTRY else None
 
 
 def is_own(entry: MachineEntry) -> bool:
-    """Return True if the kind of a machine is code that stands beside the trial."""
+    """Return whether the kind of a machine is custom code."""
     return isinstance(entry.kind, str) and entry.kind not in KINDS
 
 
 def keys_of(entry: MachineEntry, scenario: Scenario) -> list[str] | None:
-    """Return the keys that a machine of this kind may have; None where only a run can tell.
+    """Return the keys of the kind of a machine, or None for a custom kind.
 
     `MachineError` if there is no such kind.
     """
@@ -148,51 +147,51 @@ def with_controller(
 ) -> _Scenario:
     """Return the scenario with this controller of one machine, or of each gantry and vehicle.
 
-    A built-in controller has no `rate`. `MachineError` if there is no such machine, and
-    `ControllerError` if there is no such controller.
+    Built-in controllers and generators have no `rate`. `MachineError` if there is no such machine,
+    and `ControllerError` if there is no such controller.
     """
-    machines, found = {**scenario.machines}, False
+    machines = {}
     for name, entry in scenario.machines.items():
-        keys = keys_of(entry, scenario) or (["controller"] if name == machine else [])
-        if machine in ("", name) and "controller" in keys:
-            given = {**entry.keys, "controller": controller}
-            if controller in VEHICLE_CONTROLLERS:
-                given.pop("rate", None)
-            machines[name], found = replace(entry, keys=given), True
-    changed = replace(scenario, machines=machines)
-    if machine in ("", GANTRY) and (scenario.floorplan.gantry is not None or not found):
+        names = keys_of(entry, scenario) or (["controller"] if name == machine else [])
+        if machine in ("", name) and "controller" in names:
+            keys = {**entry.keys, "controller": controller}
+            if controller in VEHICLE_CONTROLLERS or inspect.isgeneratorfunction(controller):
+                keys.pop("rate", None)
+            machines[name] = replace(entry, keys=keys)
+    changed = replace(scenario, machines=scenario.machines | machines)
+    if machine in ("", GANTRY) and (scenario.floorplan.gantry is not None or not machines):
         controller_source(controller, scenario.code_folder)
         return replace(changed, gantry=replace(scenario.gantry, controller=controller))
-    if not found:
+    if not machines:
         raise MachineError(f"no machine with a controller is called {machine!r}")
     return changed
 
 
 def may_be(category: Category, entry: MachineEntry) -> bool:
-    """Return True if a machine may be of a category; no code of the user's own is run for that."""
+    """Return whether a machine may be of a category, without running custom code."""
     kind = entry.kind if isinstance(entry.kind, type) else KINDS.get(entry.kind)
     return kind is None or kind.category == category
 
 
 def kind_name(entry: MachineEntry) -> str:
-    """Return the name of a machine's kind: of one's own, that of its class in small letters."""
+    """Return the name of the kind of a machine: its class in lower case for a custom kind."""
     kind = entry.kind if isinstance(entry.kind, str) else entry.kind.__name__
     return kind.rpartition(":")[2].lower()
 
 
 def kind_of(name: str, scenario: Scenario) -> str:
-    """Return the name of the kind of a machine of a trial, as of `kind_name`."""
+    """Return the name of the kind of a machine of a trial. See `kind_name`."""
     entry = scenario.machines.get(name, MachineEntry("gantry" if name == GANTRY else "agv"))
-    known = [kind for kind, model in KINDS.items() if entry.kind in (kind, model)]
-    return known[0] if known else kind_name(entry)
+    builtin = (kind for kind, model in KINDS.items() if entry.kind in (kind, model))
+    return next(builtin, kind_name(entry))
 
 
 def machine_faults(scenario: Scenario) -> Iterator[Fault]:
-    """Yield the faults of a trial's `machines`; code of the user's own is not run."""
+    """Yield the faults of the `machines` of a trial, without running custom code."""
     plan = scenario.floorplan
     taken = {GANTRY, *(lane.name for lane in plan.lanes)}
     vehicles = _vehicles(scenario)
-    stand: dict[str, Polygon] = {}
+    starts: dict[str, Polygon] = {}
     for name, entry in scenario.machines.items():
         if name in taken:
             yield f"another machine is called {name!r} already", (name,)
@@ -211,20 +210,20 @@ def machine_faults(scenario: Scenario) -> Iterator[Fault]:
             yield from (
                 (message, (name, *place)) for message, place in model.faults(plan, vehicles)
             )
-            found = (*model.place_faults(name, plan), *model.code_faults(scenario.code_folder))
-            yield from ((message, (name, *place)) for message, place in found)
+            faults = (*model.place_faults(name, plan), *model.code_faults(scenario.code_folder))
+            yield from ((message, (name, *place)) for message, place in faults)
             if (area := model.stands_at_start(name, plan)) is not None:
-                stand[name] = area
+                starts[name] = area
     lanes = {lane.name: lane.footprint(lane.locations[lane.start]) for lane in plan.lanes}
-    for one, other in overlaps({**lanes, **stand}.items()):
-        if isinstance(stand.get(other), Polygon):
+    for one, other in overlaps({**lanes, **starts}.items()):
+        if other in starts:
             yield f"starts where {one} stands", (other,)
 
 
 def moves_of(scenario: Scenario) -> Iterator[tuple[Place, Sequence[AgvMove]]]:
-    """Yield the moves of each AGV as they are given, and its place in the trial.
+    """Yield the place of each AGV in the trial, and its moves as in the file.
 
-    Machines that can't be are left out.
+    Invalid machines are omitted.
     """
     for name, moves in scenario.agvs.items():
         yield ("agvs", name), moves
@@ -237,7 +236,7 @@ def moves_of(scenario: Scenario) -> Iterator[tuple[Place, Sequence[AgvMove]]]:
 
 
 def own_kind(entry: MachineEntry, folder: CodeFolder) -> CustomCode:
-    """Return the source of a machine's own kind, which is not imported; `MachineError` if none."""
+    """Return the source of a custom kind without importing it. `MachineError` if there is none."""
     return folder.find(str(entry.kind), MODEL)
 
 
@@ -251,11 +250,10 @@ def _kind(name: str, entry: MachineEntry, scenario: Scenario) -> type[MachineMod
     if entry.kind in KINDS:
         return KINDS[entry.kind]
     try:
-        source = own_kind(entry, scenario.code_folder)
-        found: type[MachineModel] = source.load()
+        model: type[MachineModel] = own_kind(entry, scenario.code_folder).load()
     except MachineError as why:
         raise MachineError(f"the machine {name!r}: {why}") from why
-    return found
+    return model
 
 
 def _on(
@@ -271,18 +269,18 @@ def _on(
 
 
 FAR = 2.0
-"""Sizes of a floor. A law that asks for more was probably meant in other units."""
+"""Diagonals of a floor. A longer distance was probably meant in other units."""
 
 _ROUNDING = 1e-9
-"""Seconds or metres. A law that is short by less is not short."""
+"""Seconds or metres. Tolerance of comparisons with a law."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ShortLaw:
-    """A law that states a shorter stop than its machine may take, in seconds and metres.
+    """A law that states a shorter stop than its machine may need, in seconds and metres.
 
-    `law` is its key in the rule set; `stopping` is None where the law computes it from `t2`. Of
-    ISO 13855, `t2` is its time.
+    `law` is its key in the rule set. `stopping` is None if the law computes the distance from `t2`.
+    For ISO 13855, `t2` is its time.
     """
 
     machine: str
@@ -307,13 +305,13 @@ class ShortDistance:
 
 
 def short_laws(trial: Scenario, *, own_laws: bool = False) -> tuple[ShortLaw | ShortDistance, ...]:
-    """Return the machines of `trial` for which the law states too short a stop.
+    """Return the machines of `trial` whose law states a stop that is too short.
 
-    Laws that state no stop are not judged of machines with protective fields, which stop these.
-    Custom laws are judged only with `own_laws`, because their code is run.
+    Laws without a stop are ignored for machines with protective fields. Custom laws count only with
+    `own_laws`, because their code runs then.
     """
     plan, rules = trial.floorplan, trial.rules
-    found: list[ShortLaw | ShortDistance] = []
+    short: list[ShortLaw | ShortDistance] = []
     for name, model in models_of(trial, own=False).items():
         shape = model.shape(name, plan)
         key, law = rules.law_and_key_of(shape)
@@ -324,7 +322,7 @@ def short_laws(trial: Scenario, *, own_laws: bool = False) -> tuple[ShortLaw | S
             t2 = law.time if isinstance(law, ApproachLaw) else law.t2
             stopping = None if isinstance(law, ApproachLaw) else law.stopping
             if time > t2 + _ROUNDING or (stopping is not None and distance > stopping + _ROUNDING):
-                found.append(
+                short.append(
                     ShortLaw(
                         machine=name,
                         law=key,
@@ -339,17 +337,17 @@ def short_laws(trial: Scenario, *, own_laws: bool = False) -> tuple[ShortLaw | S
             stated = required_at_speeds(law, walking, shape.top_speed)
             needed = walking * time + distance
             if needed > stated + _ROUNDING:
-                found.append(
+                short.append(
                     ShortDistance(machine=name, law=key, distance=stated, needed_distance=needed)
                 )
-    return tuple(found)
+    return tuple(short)
 
 
 def far_laws(trial: Scenario) -> dict[str, float]:
-    """Return the laws that ask for more room than there is, by their keys, and how much (metres).
+    """Return the required distances (m) of laws that exceed `FAR` diagonals of the floor, by key.
 
-    That is more than `FAR` times the diagonal of the floor, of somebody at the usual top speed
-    near a machine that stands. Laws of one's own are not asked.
+    They apply to a person at the default top speed beside a stationary machine. Custom laws are
+    omitted.
     """
     plan, rules = trial.floorplan, trial.rules
     west, south, east, north = plan.boundary.bounds
@@ -358,24 +356,24 @@ def far_laws(trial: Scenario) -> dict[str, float]:
         rules.law_and_key_of(model.shape(name, plan))
         for name, model in models_of(trial, own=False).items()
     )
-    asked = {
+    distances = {
         key: required_at_speeds(law, plan.human.max_speed, 0.0)
         for key, law in laws.items()
         if not isinstance(law, OwnLaw)
     }
-    return {key: metres for key, metres in asked.items() if metres > room}
+    return {key: metres for key, metres in distances.items() if metres > room}
 
 
-def in_words(found: Iterable[ShortLaw | ShortDistance]) -> str:
-    """Return the stops that the laws state and those the machines need, rounded up to 0.01."""
+def in_words(short: Iterable[ShortLaw | ShortDistance]) -> str:
+    """Return the stops that the laws state and those that the machines need, rounded up to 0.01."""
     machines: dict[str, list[str]] = {}
-    for short in found:
-        if isinstance(short, ShortDistance):
-            stated, needed = f"{short.distance:g} m", f"{_rounded_up(short.needed_distance):g} m"
+    for one in short:
+        if isinstance(one, ShortDistance):
+            stated, needed = f"{one.distance:g} m", f"{_rounded_up(one.needed_distance):g} m"
         else:
-            stated = _stop(short.t2, short.stopping)
-            needed = _stop(_rounded_up(short.needed_t2), _rounded_up(short.needed_stopping))
-        machines.setdefault(f"{stated} (up to {needed} needed)", []).append(short.machine)
+            stated = _stop(one.t2, one.stopping)
+            needed = _stop(_rounded_up(one.needed_t2), _rounded_up(one.needed_stopping))
+        machines.setdefault(f"{stated} (up to {needed} needed)", []).append(one.machine)
     return "; ".join(f"{', '.join(names)} {figures}" for figures, names in machines.items())
 
 

@@ -16,8 +16,8 @@ from ..core.body import Machine
 from ..core.custom_code import argument_fault
 from .agv.agv import Agv
 from .amr.amr import Amr
-from .commanded import CommandedMachine
 from .gantry.robot import GantryRobot
+from .tasked import TaskedMachine
 from .tasks import Task
 
 CLASSES: Mapping[str, type[Machine]] = {"gantry": GantryRobot, "agv": Agv, "amr": Amr}
@@ -25,18 +25,18 @@ CLASSES: Mapping[str, type[Machine]] = {"gantry": GantryRobot, "agv": Agv, "amr"
 
 
 def call_fault(kind: str, method: str, arguments: Mapping[str, Any]) -> str:
-    """Return why a machine of a built-in kind cannot be commanded so, or an empty text."""
+    """Return the fault of a command to a machine of a built-in kind, or an empty text."""
     if kind not in CLASSES:
         return ""
     return method_fault(CLASSES[kind], f"a machine of the kind {kind}", method, arguments)
 
 
 def method_fault(cls: type, noun: str, method: str, arguments: Mapping[str, Any]) -> str:
-    """Return why a method of a class is no command with these arguments, or an empty text."""
-    known = [name for name in dir(cls) if hasattr(getattr(cls, name), "is_command")]
-    if method in known:
+    """Return the fault of a call of a command of a class, or an empty text."""
+    names = [name for name in dir(cls) if hasattr(getattr(cls, name), "is_command")]
+    if method in names:
         return argument_fault(partial(getattr(cls, method), None), arguments)
-    return f"{noun} has no command {method!r}; {suggestion(method, known)}"
+    return f"{noun} has no command {method!r}; {suggestion(method, names)}"
 
 
 def written_arguments(arguments: Mapping[str, Any]) -> dict[str, Any]:
@@ -51,7 +51,7 @@ def given_arguments(one: object, written: Mapping[str, Any]) -> dict[str, Any]:
         arguments["motion"] = Motion(tuple(map(_piece, arguments["motion"])))
     if "action" in arguments:
         arguments["action"] = bdi.parse_literal(arguments["action"])
-    if "task" in arguments and isinstance(one, CommandedMachine):
+    if "task" in arguments and isinstance(one, TaskedMachine):
         arguments["task"] = one.tasks.numbered(arguments["task"])
     return arguments
 
@@ -71,5 +71,5 @@ def _written(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, list | tuple):
-        return [_written(one) for one in value]
+        return [_written(item) for item in value]
     return value

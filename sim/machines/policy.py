@@ -1,10 +1,10 @@
-"""What a policy sees of a machine, what it does, and the controller that asks it at each tick."""
+"""Policies: their observations and actions, and the controller that calls them at each tick."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
@@ -14,17 +14,12 @@ from simpy.events import Event
 
 from floorplan import UserError
 
-from ..core.entries import Pose
-from .amr.amr import Amr
 from .commanded import CommandedMachine, Sighting
 from .commanding import Steps
-from .gantry.robot import GantryRobot
-
-SLOWEST = 0.05
-"""Lowest share of the speed of a gantry."""
+from .policy_driven import PolicyDriven
 
 ROUNDING = 1e-6
-"""By how much an action may exceed its bounds."""
+"""Largest excess of an action over its bounds that counts as rounding."""
 
 Array = NDArray[np.float32]
 Observation = dict[str, Array]
@@ -82,7 +77,7 @@ class Interface:
 
     def bounds(self, machine: CommandedMachine) -> dict[str, tuple[Array, Array]]:
         """Return the lowest and highest value of each part of an observation."""
-        fastest = 1.01 * max(machine.human_speed, machine.drive.top_speed, 10.0)
+        fastest = 1.01 * max(machine.human_speed, machine.shape.top_speed, 10.0)
         own = [FARTHEST, FARTHEST, 1.0, 1.0, fastest, fastest, fastest]
         high = {
             "self": own,
@@ -91,13 +86,13 @@ class Interface:
             "margin": [FARTHEST],
             "scan": [self.reach] * self.rays,
         }
-        found = {}
+        bounds = {}
         for name, shape in self.sizes.items():
             highest = np.array(high[name], np.float32).reshape(shape)
-            found[name] = (-highest, highest) if name != "scan" else (0 * highest, highest)
-        return found
+            bounds[name] = (-highest, highest) if name != "scan" else (0 * highest, highest)
+        return bounds
 
-    def observe(self, machine: CommandedMachine) -> Observation:
+    def observe(self, machine: PolicyDriven) -> Observation:
         """Return what a machine observes now.
 
         Returns
@@ -109,28 +104,27 @@ class Interface:
             or zeros. `margin`: least distance minus required distance to a person. `scan`: lengths
             of the rays, as of `scan`.
         """
-        (x, y, rotation), (vx, vy, turning), _ = machine.state
+        x, y, rotation = machine.position
         c, s = math.cos(rotation), math.sin(rotation)
-        goal = goal_of(machine)
+
+        def turned(u: float, v: float) -> tuple[float, float]:
+            return u * c + v * s, v * c - u * s
+
         people = np.zeros((self.people, 5), np.float32)
         for row, person in zip(people, self._nearest(machine, x, y), strict=False):
-            dx, dy = person.at[0] - x, person.at[1] - y
-            u, v = person.velocity
-            row[:] = dx * c + dy * s, dy * c - dx * s, u * c + v * s, v * c - u * s, 1.0
-        towards = (0.0, 0.0, 0.0)
-        if goal is not None:
-            dx, dy = goal[0] - x, goal[1] - y
-            towards = (dx * c + dy * s, dy * c - dx * s, 1.0)
-        own = (x, y, c, s, vx * c + vy * s, vy * c - vx * s, turning)
-        seen: Observation = {
-            "self": np.array(own, np.float32),
+            ahead = turned(person.at[0] - x, person.at[1] - y)
+            row[:] = *ahead, *turned(*person.velocity), 1.0
+        goal = machine.goal_pose
+        towards = (0.0, 0.0, 0.0) if goal is None else (*turned(goal[0] - x, goal[1] - y), 1.0)
+        observation: Observation = {
+            "self": np.array((x, y, c, s, *machine.twist_now), np.float32),
             "goal": np.array(towards, np.float32),
             "people": people,
             "margin": np.array([self.margin(machine)], np.float32),
         }
         if self.rays:
-            seen["scan"] = machine.scan(self.rays, self.reach).astype(np.float32)
-        return seen
+            observation["scan"] = machine.scan(self.rays, self.reach).astype(np.float32)
+        return observation
 
     def margin(self, machine: CommandedMachine) -> float:
         """Return the margin of a machine now in metres, at most `reach`."""
@@ -147,40 +141,20 @@ def flat(observation: Observation) -> Array:
     return np.concatenate([part.ravel() for part in observation.values()])
 
 
-def goal_of(machine: CommandedMachine) -> Pose | None:
-    """Return the goal of the current mission or step: x, y (m) and rotation (nan for any)."""
-    if isinstance(machine, Amr):
-        goals = [one.go for one in machine.missions if isinstance(one.go, tuple)]
-        return (goals[0][0], goals[0][1], math.nan) if goals else None
-    if not isinstance(machine, GantryRobot) or not machine.open_tasks:
-        return None
-    return machine.where(machine.open_tasks[0])
-
-
 class ActionBounds:
     """Actions of a machine as numbers from -1 to 1, and the commands that they stand for.
 
-    Those of a vehicle stand for its twist: m/s forwards, m/s to the left (of a holonomic drive
-    only) and rad/s. Those of a gantry stand for its target (x, y in metres) and the share of its
-    speed.
+    See `PolicyDriven.act` for the commands of each kind of machine.
     """
 
-    def __init__(self, machine: CommandedMachine) -> None:
-        if isinstance(machine, GantryRobot):
-            axes = (machine.gantry.x, machine.gantry.y)
-            low = [*(axis.low for axis in axes), SLOWEST]
-            high = [*(axis.high for axis in axes), 1.0]
-        else:
-            assert isinstance(machine, Amr)
-            limits = machine.limits
-            high = [limits.speed, *filter(None, [limits.side_speed]), limits.turn_speed]
-            low = [-value for value in high]
-        self._middle = (np.array(low) + high) / 2
-        self._half = (np.array(high) - low) / 2
+    def __init__(self, machine: PolicyDriven) -> None:
+        low, high = map(np.array, machine.action_bounds)
+        self._middle = (low + high) / 2
+        self._half = (high - low) / 2
         self.count = len(high)
 
     def command(self, action: ArrayLike) -> list[float]:
-        """Return the command of an action. `ValueError` says what is wrong with an action."""
+        """Return the command of an action. `ValueError` if the action is invalid."""
         try:
             values = np.asarray(action, np.float64)
         except (TypeError, ValueError):
@@ -196,50 +170,18 @@ class ActionBounds:
 
 
 Choose = Callable[[Any], Any]
-"""Chooses the action of a machine, as numbers or as an event whose value they are."""
+"""Returns the action of a machine as numbers, or as an event with these numbers as its value."""
 
 
-def driven(choose: Choose, interface: Interface, machine: CommandedMachine) -> Steps:
-    """Carry out the actions that are chosen at each tick, and count goals that are reached."""
+def driven(choose: Choose, interface: Interface, machine: PolicyDriven) -> Steps:
+    """Carry out the action that `choose` returns at each tick."""
     for k in itertools.count(1):
-        if k / interface.rate <= machine.now:  # a step of a task took longer than a tick
+        until = k / interface.rate
+        if until <= machine.now:  # a step of a task took longer than a tick
             continue
-        if isinstance(machine, Amr):
-            _complete(machine, interface.goal_radius)
+        machine.count_goals(interface.goal_radius)
         action = choose(machine)
         if isinstance(action, Event):
             action = yield action
-        until = k / interface.rate
-        if isinstance(machine, Amr):
-            _steer(machine, action, until)
-        else:
-            yield from _aim(machine, action, interface.goal_radius)
+        yield from machine.act(action, until, interface.goal_radius)
         yield machine.until(max(until, machine.now))
-
-
-def _complete(vehicle: Amr, radius: float) -> None:
-    vehicle.begin_mission()
-    while vehicle.missions:
-        x, y, _ = vehicle.position
-        goal = vehicle.missions[0].go
-        if isinstance(goal, tuple) and math.dist(goal[:2], (x, y)) > radius:
-            return
-        vehicle.complete()
-
-
-def _steer(vehicle: Amr, twist: Sequence[float], until: float) -> None:
-    may_move = vehicle.only_waits or not vehicle.disabled
-    if may_move and (vehicle.body.motion.end > vehicle.now or any(twist)):
-        vehicle.twist(twist, until - vehicle.now)
-
-
-def _aim(gantry: CommandedMachine, action: Sequence[float], radius: float) -> Steps:
-    """Move towards a target; carry out the step of a task if the gantry stands at its place."""
-    x, y, share = action
-    goal = goal_of(gantry)
-    if goal is None or math.dist(goal[:2], (x, y)) > radius:
-        gantry.move_to(x, y, speed_share=share)
-    elif gantry.body.motion.end <= gantry.now and gantry.position == goal:
-        yield gantry.handle(gantry.open_tasks[0])
-    else:
-        gantry.move_to(*goal, speed_share=share)

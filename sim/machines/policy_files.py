@@ -14,10 +14,10 @@ import numpy as np
 from floorplan.files.reading import is_file
 
 from ..core.custom_code import CodeFolder
-from .commanded import CommandedMachine
 from .commanding import Steps
-from .controllers import ControllerError
 from .policy import ActionBounds, Interface, driven, flat
+from .policy_driven import PolicyDriven
+from .supervision import ControllerError
 
 SUFFIX = ".onnx"
 
@@ -40,12 +40,12 @@ class PolicyFile:
             raise ControllerError(f"the policy {name!r} can't be found: there is no file {file}")
         return cls(file, folder.path.resolve())
 
-    def load(self) -> Callable[[CommandedMachine], Steps]:
+    def load(self) -> Callable[[PolicyDriven], Steps]:
         """Return the controller. `ControllerError` says what is wrong with the file."""
         self._session.get_inputs()
         return self._controller
 
-    def _controller(self, machine: CommandedMachine) -> Steps:
+    def _controller(self, machine: PolicyDriven) -> Steps:
         actions, interface = ActionBounds(machine), self._interface
         for node, count, what in (
             (self._session.get_inputs()[0], interface.size, "input"),
@@ -59,7 +59,7 @@ class PolicyFile:
                 )
         return driven(partial(self._choose, actions), interface, machine)
 
-    def _choose(self, actions: ActionBounds, machine: CommandedMachine) -> list[float]:
+    def _choose(self, actions: ActionBounds, machine: PolicyDriven) -> list[float]:
         observation = flat(self._interface.observe(machine))[np.newaxis]
         node = self._session.get_inputs()[0].name
         action = np.asarray(self._session.run(None, {node: observation})[0]).ravel()

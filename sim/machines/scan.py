@@ -45,7 +45,7 @@ class Scanner:
         self._outlines: dict[str, Array] = {}
 
     def ranges(self, rays: int, reach: float, height: float) -> Array:
-        """Return the distances in metres, `reach` where nothing is nearer, as (rays,).
+        """Return the distances in metres, at most `reach`, as (rays,).
 
         The first ray points backwards, and the others follow counterclockwise.
         """
@@ -57,11 +57,12 @@ class Scanner:
         angles = rotation + np.linspace(-math.pi, math.pi, rays, endpoint=False)
         directions = np.stack((np.cos(angles), np.sin(angles)), axis=1)
         here = np.array((x, y))
-        seen = (self._floor(height), *self._closures(height), *self._machines(height))
-        segments = np.concatenate(seen)
-        found = _to_segments(here, directions, segments, reach)
-        found = np.minimum(found, _to_discs(here, directions, self._people(height)))
-        return np.minimum(found, reach)
+        segments = np.concatenate(
+            (self._floor(height), *self._closures(height), *self._machines(height))
+        )
+        to_segments = _to_segments(here, directions, segments, reach)
+        to_people = _to_discs(here, directions, self._people(height))
+        return np.minimum(np.minimum(to_segments, to_people), reach)
 
     def _floor(self, height: float) -> Array:
         if height not in self._walls:
@@ -109,7 +110,7 @@ def _moved(sides: Array, state: State) -> Array:
 
 
 def _to_segments(here: Array, directions: Array, segments: Array, reach: float) -> Array:
-    """Return the distance from `here` to the first segment on each ray; inf for none."""
+    """Return the distance from `here` to the first segment on each ray, or inf."""
     begin, end = segments[:, :2] - here, segments[:, 2:] - here
     low, high = np.minimum(begin, end), np.maximum(begin, end)
     near = ((low <= reach) & (high >= -reach)).all(axis=1)
@@ -128,7 +129,7 @@ def _to_segments(here: Array, directions: Array, segments: Array, reach: float) 
 
 
 def _to_discs(here: Array, directions: Array, discs: Array) -> Array:
-    """Return the distance from `here` to the first disc on each ray; inf for none."""
+    """Return the distance from `here` to the first disc on each ray, or inf."""
     if not len(discs):
         return np.full(len(directions), math.inf)
     offset = discs[:, :2] - here

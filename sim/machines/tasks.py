@@ -1,4 +1,4 @@
-"""Tasks of machines with a controller: their steps, and the order in which they are done."""
+"""Tasks of machines: their steps, and their order."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from ..core.entries import Pose
 
 @dataclass(frozen=True)
 class Passing:
-    """Something that is picked while it goes by, straight on and steadily.
+    """A part that is picked while it passes on a conveyor, at constant velocity.
 
-    It lies on a conveyor during `track`, and `taken()` is called when it is picked.
+    It is on the conveyor during `track`. `taken()` is called when it is picked.
     """
 
     track: Motion
     taken: Callable[[], None]
 
     def at(self, point: Point, within: float) -> float | None:
-        """Return the instant (s) at which it comes by a point, `within` metres; None if never."""
+        """Return the time (s) at which it passes a point `within` metres, or None."""
         (ax, ay), (bx, by) = (self.track.state(t).at for t in (self.track.start, self.track.end))
         length, (dx, dy) = math.dist((ax, ay), (bx, by)), (point[0] - ax, point[1] - ay)
-        # Straight and steady: the share of the track's length is that of its time, too. The cross
-        # product is the distance from the track, times its length.
+        # At constant velocity, shares of length are shares of time. The cross product is the
+        # distance from the track times its length.
         along = (dx * (bx - ax) + dy * (by - ay)) / length
         if abs(dx * (by - ay) - dy * (bx - ax)) > within * length or not 0 <= along <= length:
             return None
@@ -40,11 +40,13 @@ class Passing:
 
 @dataclass(frozen=True)
 class Step:
-    """One errand of a task: go somewhere, and handle something there for `seconds`.
+    """Step of a task: go to a pose, and work there for `seconds`.
 
-    It is at the obstacle, station or AGV named `place`, `offset` metres (x, y) from its
-    middle; or at `target` (x, y, rotation); or where it meets what is `passing`; or, with none of
-    them, wherever the gantry is.
+    The pose is one of these, by default the present one:
+
+    - `offset` metres (x, y) from the middle of the obstacle, station or AGV named `place`
+    - `target` (x, y, rotation)
+    - the meeting with a `passing` part
     """
 
     action: str
@@ -57,13 +59,13 @@ class Step:
 
 
 class Task:
-    """Something to be done in `steps`, one after the other.
+    """Task with `steps` that are done one after the other.
 
-    `kind` and `fields` go into its events. A task of a later `stage` waits for
-    those before it in its `group`; `ready()` is True while it may be begun as things stand.
-    After its last step `check()` returns what more there is to be done for it, and if that is
-    nothing `done()` is called. Where the part that it carries is `lost()`, that returns the steps
-    with which it begins again: the same ones by default, or none if it has to be given up.
+    Its events contain its `kind` and `fields`. A task waits for those of an earlier `stage` in its
+    `group`, and while `ready()` is False. After its last step, `check()` returns additional steps.
+    If there are none, `done()` is called. When the machine drops the part of the task, `lost()`
+    returns the steps with which the task begins again. By default these are the same. The task is
+    given up if there are none.
     """
 
     def __init__(
@@ -85,7 +87,7 @@ class Task:
         self.ready = ready
         self.done = done
         self.given_up = False
-        """Whether there is nothing more to be done for it, though it is not done."""
+        """Whether it has ended without being done."""
         self.check = check
         self.lost: Callable[[], tuple[Step, ...]] = self._same_steps if lost is None else lost
         self.group = 0
@@ -102,26 +104,26 @@ class Task:
     def _count(self, done: int) -> None:
         self._steps_done = done
         self.begun = done > 0
-        """Whether a step of it has been done."""
+        """Whether a step has been done."""
         self.finished = done == len(self.steps)
-        """Whether all of it has been done."""
+        """Whether all steps have been done."""
 
     @property
     def steps_left(self) -> tuple[Step, ...]:
-        """Steps that have to be done yet."""
+        """Remaining steps."""
         return self.steps[self._steps_done :]
 
     @property
     def next_step(self) -> Step | None:
-        """Step that has to be done next; None once it is finished."""
+        """Next step, or None if it is finished."""
         return None if self.finished else self.steps[self._steps_done]
 
     def advance(self) -> None:
-        """Take note that the next step has been done."""
+        """Count the next step as done."""
         self._count(self._steps_done + 1)
 
     def begin_again(self, steps: tuple[Step, ...]) -> None:
-        """Do these `steps` from now on, instead of those that are left."""
+        """Replace the remaining steps."""
         self.steps = steps
         self._count(0)
         picked = [step.place for step in steps if step.action == "pick"]
@@ -132,14 +134,14 @@ class Task:
         return self.steps
 
     def give_up(self) -> None:
-        """Let there be nothing more to be done for it."""
+        """End it without its remaining steps."""
         self.given_up = True
         self.begin_again(())
         self.done()
 
 
 class Tasks:
-    """All tasks of a machine, in groups; of a group, one stage at a time."""
+    """All tasks of a machine in groups. Each group is done by stages."""
 
     def __init__(self, clock: Clock) -> None:
         self.more_to_come = False
@@ -151,12 +153,12 @@ class Tasks:
 
     @property
     def open(self) -> tuple[Task, ...]:
-        """The tasks that may be begun or gone on with now, the preferred one first."""
+        """Tasks that can be started or continued now, in order of preference."""
         return tuple(self._open())
 
     @property
     def unfinished(self) -> bool:
-        """Whether there is something to be done yet."""
+        """Whether a task is unfinished."""
         return any(not task.finished for _, group in self._groups for task in group)
 
     def _open(self) -> Iterator[Task]:
@@ -172,14 +174,14 @@ class Tasks:
         return self._added[number]
 
     def picking(self, passing: Passing) -> Iterator[Task]:
-        """Yield the tasks whose next step is to pick it."""
+        """Yield the tasks whose next step is to pick this part."""
         for _, group in self._groups:
             for task in group:
                 if task.next_step is not None and task.next_step.passing is passing:
                     yield task
 
     def add(self, tasks: Iterable[Task], *, first: bool = False) -> None:
-        """Add a group of tasks; `first` puts it before all others that were not put first."""
+        """Add a group of tasks, before others if `first`."""
         group = list(tasks)
         self._groups_added += 1
         for task in group:
@@ -191,9 +193,9 @@ class Tasks:
         self.reconsider()
 
     def next(self) -> Event:
-        """Return an event that happens once a task is open; its value is the preferred one.
+        """Return an event that occurs when a task is open. Its value is the preferred task.
 
-        The value is None when everything is done and nothing more will come.
+        The value is None if all tasks are finished and there will be no more.
         """
         event = self._clock.event()
         self._waiting.append(event)
@@ -201,7 +203,7 @@ class Tasks:
         return event
 
     def reconsider(self) -> None:
-        """Answer those who wait for a task: something has changed."""
+        """Notify controllers that wait for a task, after a change."""
         self._groups = [
             (first, group)
             for first, group in self._groups
@@ -218,7 +220,7 @@ class Tasks:
 
 
 def _current(group: list[Task]) -> list[Task]:
-    """Return the unfinished tasks of the lowest stage, with those that were begun in front."""
+    """Return the unfinished tasks of the lowest stage, started ones first."""
     begun: list[Task] = []
     others: list[Task] = []
     stage = math.inf

@@ -1,1 +1,1 @@
-"""Trials of the ARIAC competition: their files, their orders, and the points for them."""
+"""Trials of the ARIAC competition: their files, orders, and points."""

@@ -15,7 +15,7 @@ from .schema import AriacTrialFile, Challenge, OrderEntry, StartCondition, angle
 
 
 def problems(file: AriacTrialFile, plan: Floorplan, document: Document) -> Iterator[Problem]:
-    """Return everything that keeps the file from being run on this floor, each with its place.
+    """Return all problems that keep the file from being run on this floor, with their places.
 
     Entries of `file` that could not be read are None, and have been reported.
     """
@@ -33,12 +33,12 @@ def problems(file: AriacTrialFile, plan: Floorplan, document: Document) -> Itera
 
 
 def agv_name(number: int) -> str:
-    """Return the AGV that a trial file knows by its number."""
+    """Return the AGV with the number of a trial file."""
     return f"agv{number}"
 
 
 def conditions(file: AriacTrialFile) -> Iterator[tuple[Place, StartCondition]]:
-    """Yield every condition of the file, and its place."""
+    """Yield every condition of the file with its place."""
     for k, order in enumerate(file.orders):
         if order:
             yield ("orders", k, "announcement"), order.announcement
@@ -69,11 +69,13 @@ def _supply_problems(
     if trays:
         slots = [(("kitting_trays", "slots", k), slot) for k, slot in enumerate(trays.slots)]
         yield from _twice(slots, "there is a tray in slot", document)
-    known = [o.name for o in plan.obstacles if o.name.startswith("bin")]
+    all_bins = [o.name for o in plan.obstacles if o.name.startswith("bin")]
     for name, lots in ((file.parts and file.parts.bins) or {}).items():
         place: Place = ("parts", "bins", name)
-        if name not in known:
-            yield document.problem(f"no bin is called {name!r}; {suggestion(name, known)}", *place)
+        if name not in all_bins:
+            yield document.problem(
+                f"no bin is called {name!r}; {suggestion(name, all_bins)}", *place
+            )
         taken = [
             ((*place, k, "slots", j), slot)
             for k, lot in enumerate(lots or [])
@@ -94,7 +96,7 @@ def _supply_problems(
 
 
 def _reach_problems(file: AriacTrialFile, plan: Floorplan, document: Document) -> Iterator[Problem]:
-    """Yield the things needed for orders that the gantry can't get to; each once."""
+    """Yield the objects of orders that the gantry cannot reach, each once."""
     if plan.gantry is None:
         return
     middles = {obstacle.name: obstacle.footprint.centroid for obstacle in plan.obstacles}
@@ -126,8 +128,8 @@ def _order_problems(
         yield from _agv_problems(kit.agv_number, number, plan, document)
         lane = next((one for one in plan.lanes if one.name == agv_name(kit.agv_number)), None)
         if lane and kit.destination not in {*lane.locations, *lane.serves}:
-            known = ", ".join([*lane.locations, *lane.serves])
-            message = f"{lane.name} can't go to {kit.destination!r} (it goes to: {known})"
+            locations = ", ".join([*lane.locations, *lane.serves])
+            message = f"{lane.name} can't go to {kit.destination!r} (it goes to: {locations})"
             yield document.problem(message, *place, "destination")
         filled = [
             ((*place, "products", j, "quadrant"), product.quadrant)
@@ -206,14 +208,14 @@ def _agv_problems(
 ) -> Iterator[Problem]:
     names = [lane.name for lane in plan.lanes]
     if agv_name(number) not in names:
-        known = ", ".join(name.removeprefix("agv") for name in names)
-        yield document.problem(f"there is no AGV {number} (there are: {known})", *place)
+        numbers = ", ".join(name.removeprefix("agv") for name in names)
+        yield document.problem(f"there is no AGV {number} (there are: {numbers})", *place)
 
 
 def _twice(
     entries: Iterable[tuple[Place, object]], what: str, document: Document
 ) -> Iterator[Problem]:
-    """Yield a problem for every value of `entries` that stood there before."""
+    """Yield a problem for every repeated value of `entries`."""
     seen: set[object] = set()
     for place, value in entries:
         if value in seen:
@@ -221,12 +223,12 @@ def _twice(
         seen.add(value)
 
 
-def _no_order(order: str, known: Sequence[str], place: Place, document: Document) -> Problem:
-    return document.problem(f"no order is called {order!r}; {suggestion(order, known)}", *place)
+def _no_order(order: str, orders: Sequence[str], place: Place, document: Document) -> Problem:
+    return document.problem(f"no order is called {order!r}; {suggestion(order, orders)}", *place)
 
 
 def notices(file: AriacTrialFile, workload: Workload, document: Document) -> Iterator[Problem]:
-    """Yield the notices, each with its place; one that applies to several places comes once."""
+    """Yield the notices with their places, each once."""
     yield from _not_simulated(file, document)
     yield from _angles(document.data, (), document)
     yield from _nowhere(workload, document)
@@ -264,7 +266,7 @@ def _is_of_floor_robot(challenge: Challenge) -> bool:
 
 
 def _angles(data: object, place: Place, document: Document) -> Iterator[Problem]:
-    """Yield slips of the pen in angles, wherever they stand."""
+    """Yield probable typing errors of angles."""
     if isinstance(data, dict):
         for key, value in data.items():
             if key in ("rotation", "rpy"):
@@ -286,7 +288,7 @@ def _angle_slips(value: object, place: Place, document: Document) -> Iterator[Pr
 
 
 def _nowhere(workload: Workload, document: Document) -> Iterator[Problem]:
-    """Yield trays and parts that orders need and that are nowhere, as far as can be foreseen."""
+    """Yield trays and parts that orders need and that are missing, as far as is foreseeable."""
     left = Counter(item.part for slots in workload.bins.values() for item in slots.values())
     left.update(item.part for item, _ in workload.conveyor.parts)
     on_agvs = {
@@ -309,9 +311,9 @@ def _nowhere(workload: Workload, document: Document) -> Iterator[Problem]:
 
 
 def _never(file: AriacTrialFile, document: Document) -> Iterator[Problem]:
-    """Yield the conditions that wait for a part that no order has put on an AGV."""
+    """Yield the conditions that wait for a part that no order places on an AGV."""
     kits = [(order.kitting_task, order.combined_task) for order in file.orders]
-    placed = {  # a combined order has its parts put on any AGV
+    placed = {  # combined orders may use any AGV
         (one.color, one.type, agv_name(kit.agv_number) if kit else None)
         for kit, combined in kits
         for one in (kit.products if kit else combined.products if combined else ())
@@ -342,7 +344,7 @@ def _found(
     left: Counter[PartType],
     on_agvs: dict[str, dict[int, PartType]],
 ) -> bool:
-    """Take product `k` from the order's AGVs or the bins; return False if it is in none."""
+    """Take product `k` from the order's AGVs or the bins. Return False if it is missing."""
     task = order.task
     if isinstance(task, KittingTask):
         quadrant = list(task.products)[k]

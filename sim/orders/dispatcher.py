@@ -1,4 +1,4 @@
-"""The orders of a trial as it runs: announced, worked on, submitted, and scored."""
+"""Orders of a running trial: announced, worked on, submitted, and scored."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from ..core.body import Machine
 from ..core.entries import AssemblyTask, CombinedTask, KittingTask, Order, Workload
-from ..core.events import OrderAnnounced, OrderSubmitted, RobotMalfunction
+from ..core.events import OrderAnnounced, OrderSubmitted
 from ..core.stage import Stage
 from ..machines.agv.agv import Agv
 from ..machines.gantry.robot import GantryRobot
@@ -18,7 +18,7 @@ from .work import AssemblyWork, CombinedWork, KittingWork, Shop, Work, when_all_
 
 
 class _OrderProgress:
-    """Progress of an order; times in seconds."""
+    """Progress of an order, with times in seconds."""
 
     def __init__(self, order: Order) -> None:
         self.order = order
@@ -45,10 +45,10 @@ class _OrderProgress:
 
 
 class Dispatcher:
-    """Announces the orders of a workload, and turns them into tasks for the gantry.
+    """Announces the orders of a workload, and creates the tasks of the gantry.
 
-    An order is begun as soon as the AGVs and the station it needs are held by no other order,
-    priority orders first. `all_done` is called when no order is left that can still be submitted.
+    An order begins as soon as no other order holds the AGVs and the station it needs. Priority
+    orders are first. `all_done` is called when no order is left that can be submitted.
     """
 
     def __init__(
@@ -96,12 +96,12 @@ class Dispatcher:
         for order in self._workload.orders:
             triggers.add(order.announcement, partial(self._announce, order))
         for malfunction in self._workload.malfunctions:
-            stand = partial(self._gantry.drive.disable, malfunction.seconds, RobotMalfunction)
+            stand = partial(self._gantry.malfunction, malfunction.seconds)
             triggers.add(malfunction.start, stand)
 
     @property
     def figures(self) -> dict[str, Any]:
-        """Figures for the summary: every order, and the points of all of them."""
+        """Figures of the summary: every order, and the points of all orders."""
         orders = {name: progress.figures for name, progress in self._orders.items()}
         return {
             "orders": orders,
@@ -112,7 +112,7 @@ class Dispatcher:
         }
 
     def _came_to_rest(self, machine: Machine) -> None:
-        """Take note that a machine has come to rest: an order may have waited for it."""
+        """Update the orders after a machine has come to rest."""
         if isinstance(machine, Agv):
             self._fleet.stopped(machine)
             self._submit_orders()
@@ -125,17 +125,18 @@ class Dispatcher:
         self._begin_orders()
 
     def _begin_orders(self) -> None:
-        """Begin every order that has what it needs; those behind it don't take that away."""
-        held = {thing for work in self._begun for thing in work.holds}
+        """Begin every order whose resources are free, without using those of earlier ones."""
+        in_use = {thing for work in self._begun for thing in work.holds}
         for order in list(self._waiting):
-            work = self._work_on(order, held)
+            work = self._work_on(order, in_use)
             if work is not None:
                 self._waiting.remove(order)
                 self._begin(work)
-                held.update(work.holds)
+                in_use.update(work.holds)
             else:
-                # What it waits for is kept for it, or those behind it might overtake it for ever.
-                held.update(_wanted(order))
+                # The resources of a waiting order are reserved, because later orders might overtake
+                # it repeatedly.
+                in_use.update(_wanted(order))
 
     def _begin(self, work: Work) -> None:
         order = work.order
@@ -146,27 +147,27 @@ class Dispatcher:
         when_all_are_done(tasks, partial(self._finish, work))
         self._gantry.tasks.add(tasks, first=order.priority)
 
-    def _work_on(self, order: Order, held: set[str]) -> Work | None:
-        """Return the work on an order, or None while something it needs is held."""
+    def _work_on(self, order: Order, reserved: set[str]) -> Work | None:
+        """Return the work on an order, or None while its resources are held."""
         task = order.task
         if isinstance(task, CombinedTask):
-            return self._combined_work(order, task, held)
-        if held.intersection(_wanted(order)):
+            return self._combined_work(order, task, reserved)
+        if reserved.intersection(_wanted(order)):
             return None
         if isinstance(task, AssemblyTask):
             return AssemblyWork(order, task, self._shop)
         return KittingWork(order, task, self._shop)
 
-    def _combined_work(self, order: Order, task: CombinedTask, held: set[str]) -> Work | None:
-        """Return the work on a combined order: on the free AGV with the least on it."""
-        free = [agv for agv in self._fleet.serving(task.station) if agv not in held]
-        if task.station in held or not free:
+    def _combined_work(self, order: Order, task: CombinedTask, reserved: set[str]) -> Work | None:
+        """Return the work on a combined order, on the free AGV with the smallest load."""
+        free = [agv for agv in self._fleet.serving(task.station) if agv not in reserved]
+        if task.station in reserved or not free:
             return None
         agv = min(free, key=lambda name: len(self._shop.inventory.load(name).items))
         return CombinedWork(order, task, self._shop, agv, self._needed_trays)
 
     def _finish(self, work: Work) -> None:
-        """Submit an order, all tasks of which are done, once everything is where it has to be."""
+        """Submit an order whose tasks are done when everything is in its place."""
         self._finished.append(work)
         self._clock.call_at(self._clock.now, self._submit_orders)
 
@@ -200,7 +201,7 @@ class Dispatcher:
             self._all_done()
 
     def _to_be_announced(self) -> bool:
-        """Return True if an order will still be announced although nothing is being worked on."""
+        """Return True if an order will be announced even without further work."""
         return any(
             progress.announced is None and progress.order.announcement.time is not None
             for progress in self._orders.values()
@@ -208,7 +209,7 @@ class Dispatcher:
 
 
 def _wanted(order: Order) -> tuple[str, ...]:
-    """Return the AGVs and stations that an order needs, as far as it names them."""
+    """Return the AGVs and stations that an order names."""
     task = order.task
     if isinstance(task, KittingTask):
         return (task.agv,)

@@ -1,7 +1,7 @@
-"""Layout of the floor of an ARIAC trial, and where its parts are: bins, trays, AGVs, the conveyor.
+"""Layout of the floor of an ARIAC trial, and positions of parts: bins, trays, AGVs, conveyor.
 
-The figures are those of the competition's own `environment_startup.py`, `object_poses.yaml` and
-`agv_macro.xacro` (2023), as offsets in metres from the middle of the thing they belong to.
+The numbers are those of the competition's `environment_startup.py`, `object_poses.yaml` and
+`agv_macro.xacro` (2023), as offsets (m) from the centre of the obstacle.
 """
 
 from __future__ import annotations
@@ -29,19 +29,19 @@ TRAY_SLOTS = range(1, 7)
 QUADRANTS = range(1, 5)
 
 TABLES = ("kit_tray_table1", "kit_tray_table2")
-"""The obstacles that are the tray tables, with tray slots 1 to 3 and 4 to 6."""
+"""Obstacles of the tray tables, with tray slots 1 to 3 and 4 to 6."""
 
 DISPOSAL_BINS = ("disposal_bin1", "disposal_bin2", "disposal_bin3")
-"""The obstacles into which parts are thrown that nobody needs."""
+"""Obstacles for parts that nobody needs."""
 
 BELT = "conveyor"
-"""The obstacle that is the conveyor."""
+"""Obstacle of the conveyor."""
 
 BELT_SPEED = 0.2
-"""m/s, as in the `max_velocity` of the competition's model of the conveyor belt."""
+"""m/s. `max_velocity` of the competition's model of the conveyor belt."""
 
 BELT_REACH = 0.14
-"""Metres. The farthest that a part lies from the middle of the belt."""
+"""Metres. Maximum distance of a part from the middle of the belt."""
 
 _BELT_MIDDLE = -0.055
 _BELT_BEGINS = 4.005
@@ -57,53 +57,53 @@ _QUADRANT_ACROSS = 0.0925
 
 
 def assembly_table(station: str) -> str:
-    """Return the obstacle that is the table of an assembly station: as1 has assembly_table1."""
+    """Return the obstacle of the table of an assembly station: as1 has assembly_table1."""
     return station.replace("as", "assembly_table", 1)
 
 
 def bin_slot(slot: int) -> Offset:
-    """Return the place of a bin's slot: 1 to 9 in rows of three, from its (-x, -y) corner."""
+    """Return the position of a bin's slot: 1 to 9 in rows of three, from its (-x, -y) corner."""
     row, column = divmod(slot - 1, 3)
     return (_SLOT_PITCH * (row - 1), _SLOT_PITCH * (column - 1))
 
 
 def tray_slot(slot: int) -> tuple[str, Offset]:
-    """Return the table on which a tray slot is, and the slot's place on it."""
+    """Return the table of a tray slot, and the slot's position on it."""
     table, k = divmod(slot - 1, 3)
     facing = _facing(TABLES[table])
     return TABLES[table], (facing * _TRAY_PITCH * (k - 1), facing * _TRAY_BEHIND)
 
 
 def tool_stand(table: str, tool: str) -> Offset:
-    """Return the place at a tray table where the gripper for "parts" or "trays" is taken up."""
+    """Return the position at a tray table of the gripper for "parts" or "trays"."""
     facing = _facing(table)
     aside = _STAND_ASIDE if tool == "trays" else -_STAND_ASIDE
     return (facing * aside, -facing * _STAND_AHEAD)
 
 
 def tray_on(lane: Lane) -> Offset:
-    """Return the place of the tray on the AGV of `lane`."""
+    """Return the position of the tray on the AGV of `lane`."""
     return _turned(lane, _TRAY_ON_AGV, 0.0)
 
 
 def quadrant_on(lane: Lane, quadrant: int) -> Offset:
-    """Return the place of a quadrant of the tray on the AGV of `lane`."""
+    """Return the position of a quadrant of the tray on the AGV of `lane`."""
     along = _QUADRANT_ALONG if quadrant <= 2 else -_QUADRANT_ALONG
     across = _QUADRANT_ACROSS if quadrant % 2 else -_QUADRANT_ACROSS
     return _turned(lane, _TRAY_ON_AGV + along, across)
 
 
 def belt_ends(plan: Floorplan) -> tuple[Offset, Offset]:
-    """Return where parts are put on the middle of the belt, and where they fall off (x, y)."""
+    """Return the begin and end of the middle of the belt (x, y)."""
     footprint = plan.obstacle(BELT).footprint
     x = footprint.centroid.x + _BELT_MIDDLE
     return (x, footprint.centroid.y + _BELT_BEGINS), (x, footprint.bounds[1])
 
 
 def lacking(plan: Floorplan, *, belt: bool = False) -> list[str]:
-    """Return the names of the obstacles that a floor lacks to be like the ARIAC workcell.
+    """Return the names of obstacles of the ARIAC workcell that a floor lacks.
 
-    The conveyor counts if the `belt` brings parts.
+    The conveyor is required if the `belt` brings parts.
     """
     names = {obstacle.name for obstacle in plan.obstacles}
     stations = {station for lane in plan.lanes for station in lane.serves}
@@ -115,9 +115,9 @@ def lacking(plan: Floorplan, *, belt: bool = False) -> list[str]:
 def errands(
     plan: Floorplan, bins: Iterable[str], *, belt: bool = False
 ) -> Iterator[tuple[str, Offset]]:
-    """Yield the places to which parts in these bins may send the gantry: obstacles, offsets.
+    """Yield the targets of the gantry for parts in these bins: obstacles and offsets.
 
-    And those along the conveyor, if the `belt` brings parts.
+    If the `belt` brings parts, they include those along the conveyor.
     """
     if belt and any(obstacle.name == BELT for obstacle in plan.obstacles):
         middle = plan.obstacle(BELT).footprint.centroid
@@ -135,7 +135,7 @@ def errands(
 
 
 def _facing(table: str) -> int:
-    """Return the orientation of a table: the first one is rotated by half a turn."""
+    """Return the orientation of a table. The first one is rotated by half a turn."""
     return -1 if table == TABLES[0] else 1
 
 
@@ -154,10 +154,10 @@ class _Conveyed:
 
 
 class Belt:
-    """Parts on the conveyor: where each of them is follows from when it was put on.
+    """Parts on the conveyor, whose positions follow from their start times.
 
-    An order has parts promised, also such as are yet to come. `missed(passing)` is called for
-    those that fall off.
+    Parts are promised to orders, possibly before they arrive. `missed(passing)` is called for parts
+    that fall off.
     """
 
     def __init__(
@@ -173,13 +173,13 @@ class Belt:
         ]
 
     def begin(self, came: Callable[[], None]) -> None:
-        """Let parts come, each at its time; `came()` is called then."""
+        """Schedule the arrival of each part. `came()` is called at each."""
         for one in self._parts:
             self._stage.clock.call_at(one.passing.track.start, partial(self._came, one, came))
             self._stage.clock.call_at(one.passing.track.end, partial(self._fall, one))
 
     def take(self, part: PartType) -> tuple[int, Item] | None:
-        """Promise the next such part that is there or comes; return its number and the item."""
+        """Promise the next suitable part, present or future. Return its number and the item."""
         for one in self._parts:
             if one.item.part == part and not (one.promised or one.is_gone):
                 one.promised = True
@@ -187,11 +187,11 @@ class Belt:
         return None
 
     def step(self, number: int, seconds: float) -> Step:
-        """Return the step of picking a part from the belt."""
+        """Return the step that picks a part from the belt."""
         return Step("pick", seconds=seconds, place=BELT, passing=self._parts[number].passing)
 
     def has_come(self, passing: Passing) -> bool:
-        """Return whether a part is on the belt, or has been."""
+        """Return True if a part has arrived."""
         return passing.track.start <= self._stage.clock.now
 
     def _came(self, one: _Conveyed, came: Callable[[], None]) -> None:
@@ -217,7 +217,7 @@ class Belt:
 
 
 def track_of(plan: Floorplan, time: float, across: float) -> Motion:
-    """Return the motion of a part that is put on at `time` (s), `across` metres from the middle."""
+    """Return the motion of a part from `time` (s), `across` metres from the middle."""
     (x, begin), (_, end) = belt_ends(plan)
     seconds = (begin - end) / BELT_SPEED
     x_of, y_of = (x + across, 0.0, 0.0, 0.0), (begin, -BELT_SPEED, 0.0, 0.0)
@@ -225,10 +225,10 @@ def track_of(plan: Floorplan, time: float, across: float) -> Motion:
 
 
 class Inventory:
-    """Contents of bins, tray tables, AGVs and assembly stations now.
+    """Current contents of bins, tray tables, AGVs and assembly stations.
 
-    What an order will need from a bin or a tray table is taken out of it as soon as the order is
-    begun, so that no other order counts on it.
+    The parts and trays of an order are removed when it begins, so that no other order counts on
+    them.
     """
 
     def __init__(self, workload: Workload, plan: Floorplan, belt: Belt) -> None:
@@ -244,12 +244,12 @@ class Inventory:
         }
 
     def take(self, part: PartType, near: Point) -> tuple[str, int, Item] | None:
-        """Take a part out of a bin; return the bin, the slot, and the item.
+        """Take a part out of a bin. Return the bin, the slot, and the item.
 
-        The nearest bin is preferred, and before that parts that need not be turned over. Where no
-        bin has one, it is a part of the conveyor, and its number; None if there is no such part.
+        Parts that need not be turned over are preferred, then the nearest bin. If no bin has one,
+        the conveyor and the part's number are returned instead, or None if there is no such part.
         """
-        found = min(
+        nearest = min(
             (
                 (item.flipped, math.dist(self._places[name], near), name, slot)
                 for name, slots in self._bins.items()
@@ -258,21 +258,21 @@ class Inventory:
             ),
             default=None,
         )
-        if found is None:
+        if nearest is None:
             coming = self.belt.take(part)
             return None if coming is None else (BELT, *coming)
-        _, _, name, slot = found
+        _, _, name, slot = nearest
         return name, slot, self._bins[name].pop(slot)
 
     def take_tray(self, tray: int) -> int | None:
-        """Take the tray with this id from its table; return its slot, None if there is none."""
+        """Take the tray with this id from its table. Return its slot, or None if there is none."""
         slot = min((slot for slot, one in self._trays.items() if one == tray), default=None)
         if slot is not None:
             del self._trays[slot]
         return slot
 
     def take_spare_tray(self, needed: Iterable[int]) -> tuple[int, int] | None:
-        """Take a tray that is not `needed`; return its slot and id, None if there is none."""
+        """Take a tray that is not `needed`. Return its slot and id, or None if there is none."""
         spare = min(((slot, t) for slot, t in self._trays.items() if t not in needed), default=None)
         if spare is not None:
             del self._trays[spare[0]]
@@ -283,7 +283,7 @@ class Inventory:
         return self._loads[agv]
 
     def lay_tray(self, agv: str, tray: int) -> None:
-        """Put a tray on an AGV; the load before it is gone with its tray."""
+        """Put a tray on an AGV in place of its load."""
         self._loads[agv] = Load(tray)
 
     def lay(self, agv: str, quadrant: int, item: Item) -> None:
@@ -310,16 +310,16 @@ class Inventory:
         return self._inserted.get(station, {})
 
     def hand_over(self, station: str) -> None:
-        """Take away the parts inserted at a station, and put an empty insert there."""
+        """Remove the parts inserted at a station, and put an empty insert there."""
         self._inserted.pop(station, None)
 
 
 TOLERANCE = 1e-6
-"""Metres. Distance to a location within which an AGV stands there."""
+"""Metres. Maximum distance of an AGV from a location that it has reached."""
 
 
 class Fleet:
-    """Sends AGVs to where orders need them, and keeps them there."""
+    """Sends AGVs to the locations of orders, and keeps them there."""
 
     def __init__(self, agvs: Iterable[Agv]) -> None:
         self._agvs = {agv.lane.name: agv for agv in agvs}
@@ -334,24 +334,24 @@ class Fleet:
         return [name for name, agv in self._agvs.items() if station in agv.lane.serves]
 
     def send(self, name: str, location: str) -> None:
-        """Let an AGV go to a location, and come back to it after any other move."""
+        """Send an AGV to a location, to which it returns after any other move."""
         under_way = self._sent.get(name) == location and not self._agvs[name].stands
         self._sent[name] = location
         if not under_way and not self.is_at(name, location):
             self._agvs[name].drive(location)
 
     def release(self, name: str) -> None:
-        """Let an AGV go wherever its moves take it."""
+        """Release an AGV from its location."""
         self._sent.pop(name, None)
 
     def is_at(self, name: str, location: str) -> bool:
-        """Return True if an AGV stands at a location."""
+        """Return True if an AGV has stopped at a location."""
         agv = self._agvs[name]
         off = agv.lane_position - agv.lane.lane_position(location)
         return agv.stands and abs(off) < TOLERANCE
 
     def stopped(self, agv: Agv) -> None:
-        """Send on an AGV that has come to rest, if it should be elsewhere."""
+        """Send an AGV that has come to rest back to its location, if it has one."""
         name = agv.lane.name
         if name in self._sent:
             self.send(name, self._sent[name])

@@ -49,28 +49,28 @@ from .schema import (
 )
 
 FLOOR = "ariac2023"
-"""The floor on which ARIAC trial files are run."""
+"""Floor of ARIAC trial files."""
 
 LONGEST = 1000.0
 """Seconds after which a trial without time limit ends even if orders are left.
 
-Twice the longest time limit that the competition has.
+Twice the longest time limit of the competition.
 """
 
 CONTROLLER = "pausing"
-"""The gantry controller that works on the orders, unless the user names another."""
+"""Default gantry controller for orders."""
 
 _Model = TypeVar("_Model", bound=BaseModel)
 _Made = TypeVar("_Made", bound=Scenario)
 
 
 def build(form: type[_Made], document: Document, folder: Path) -> _Made:
-    """Return the trial in `document`: on the competition's floor, by its rules.
+    """Return the trial in `document`, on the floor and with the rules of the competition.
 
-    `TrialError` with everything that is wrong.
+    `TrialError` contains all problems.
     """
     plan = floorplan.load(FLOOR)
-    workload, found = read_workload(document, plan)
+    workload, doubts = read_workload(document, plan)
     path = Path(document.file)
     return form(
         floorplan=plan,
@@ -83,31 +83,31 @@ def build(form: type[_Made], document: Document, folder: Path) -> _Made:
         gantry=GantryEntry(CONTROLLER),
         folder=folder,
         workload=workload,
-        notices=found,
+        notices=doubts,
     )
 
 
 def read_workload(document: Document, plan: Floorplan) -> tuple[Workload, tuple[Problem, ...]]:
-    """Return the work in `document`, to be done on the floor `plan`, and the notices on it.
+    """Return the work in `document` for the floor `plan`, and notices about it.
 
-    `TrialError` with everything that is wrong.
+    `TrialError` contains all problems.
     """
     file, misfits = _readable(document)
-    found = [*misfits, *problems(file, plan, document)]
-    if found:
-        raise TrialError(document.file, found)
+    faults = [*misfits, *problems(file, plan, document)]
+    if faults:
+        raise TrialError(document.file, faults)
     workload = _workload(file, Path(document.file).name)
     by_line = sorted(notices(file, workload, document), key=lambda notice: notice.line or 0)
     return workload, tuple(by_line)
 
 
 def duration_of(workload: Workload) -> float:
-    """Return the time limit of a trial, or the longest that it may take without one (seconds)."""
+    """Return the time limit of a trial, or its maximum duration without one (s)."""
     return LONGEST if workload.time_limit is None else workload.time_limit
 
 
 def people_of(workload: Workload) -> tuple[PersonEntry, ...]:
-    """Return the people of the human challenge: the operator, and any others by number."""
+    """Return the people of the human challenge: the operator, and others by number."""
     return tuple(
         PersonEntry(
             f"operator{k + 1}" if k else "operator", personality=human.behavior, start=human.start
@@ -117,7 +117,7 @@ def people_of(workload: Workload) -> tuple[PersonEntry, ...]:
 
 
 def _readable(document: Document) -> tuple[AriacTrialFile, tuple[Problem, ...]]:
-    """Return the file, with None for entries that can't be read, and the problems of those."""
+    """Return the file with None for unreadable entries, and the problems of these."""
     try:
         return document.checked(AriacTrialFile, TrialError), ()
     except TrialError as why:
@@ -225,13 +225,13 @@ def _malfunctions(challenges: list[Challenge]) -> Iterator[Malfunction]:
 
 def _faulty(challenges: list[Challenge]) -> dict[str, frozenset[int]]:
     """Return the quadrants in which the first part is faulty, by order."""
-    found: dict[str, frozenset[int]] = {}
+    by_order: dict[str, frozenset[int]] = {}
     for faulty in (challenge.faulty_part for challenge in challenges):
         if faulty is not None:
             marked = (faulty.quadrant1, faulty.quadrant2, faulty.quadrant3, faulty.quadrant4)
             quadrants = frozenset(k for k, is_faulty in enumerate(marked, start=1) if is_faulty)
-            found[faulty.order_id] = found.get(faulty.order_id, frozenset()) | quadrants
-    return found
+            by_order[faulty.order_id] = by_order.get(faulty.order_id, frozenset()) | quadrants
+    return by_order
 
 
 def _order(entry: OrderEntry) -> Order:
@@ -250,7 +250,7 @@ def _order(entry: OrderEntry) -> Order:
         agvs = tuple(dict.fromkeys(agv_name(number) for number in assembly.agv_number))
         task = AssemblyTask(assembly.station, agvs, tuple(map(_part, assembly.products)))
     else:
-        assert entry.combined_task is not None  # the schema wants one of the three
+        assert entry.combined_task is not None  # the schema requires one of the three
         combined = entry.combined_task
         task = CombinedTask(combined.station, tuple(map(_part, combined.products)))
     return Order(entry.id, task, announcement=_start(entry.announcement), priority=entry.priority)

@@ -1,4 +1,4 @@
-"""The keys and values of a trial file as the ARIAC competition writes them (2023)."""
+"""Keys and values of trial files of the ARIAC competition (2023)."""
 
 import math
 import re
@@ -33,10 +33,10 @@ Color = Literal["blue", "green", "orange", "purple", "red"]
 Robot = Literal["ceiling_robot", "floor_robot"]
 Sensor = Literal["break_beam", "proximity", "laser_profiler", "lidar", "camera", "logical_camera"]
 SEE_PEOPLE = frozenset(("lidar", "camera", "logical_camera"))
-"""The sensors by which people can be seen."""
+"""Sensors that detect people."""
 
 MOST_PARTS = 1000
-"""On a conveyor, of one kind."""
+"""Maximum number of parts of one kind on a conveyor."""
 
 Vector = tuple[Number, Number, Number]
 
@@ -51,18 +51,18 @@ def _angle(value: object) -> object:
 
 
 Angle = Annotated[Any, AfterValidator(_angle)]
-"""Radians, as a number or as text such as 'pi/2'; `angle` reads it."""
+"""Radians as a number, or as text such as 'pi/2' for `angle`."""
 
 _ANGLE = r"(-?)\s*(?:(\d+(?:\.\d+)?)\s*\*?\s*)?pi(?:\s*/\s*(\d+(?:\.\d+)?))?"
 
 
 def angle(value: float | str) -> float | None:
-    """Return an angle in radians, or None for a text that is none."""
+    """Return an angle in radians, or None for an invalid text."""
     if not isinstance(value, str):
         return value
-    found = re.fullmatch(_ANGLE, value.strip())
-    if found is not None:
-        sign, factor, divisor = found.groups()
+    match = re.fullmatch(_ANGLE, value.strip())
+    if match is not None:
+        sign, factor, divisor = match.groups()
         size = math.pi * float(factor or 1.0) / (float(divisor or 1.0) or math.nan)
         return -size if sign else size
     try:
@@ -124,7 +124,7 @@ class AgvLoad(Strictly):
 
 
 class ConveyorPart(PartKeys):
-    """Parts of one kind that come along the conveyor."""
+    """Parts of one kind on the conveyor."""
 
     number: Annotated[int, whole(0, MOST_PARTS)]
     offset: Offset = 0.0
@@ -133,7 +133,7 @@ class ConveyorPart(PartKeys):
 
 
 class ConveyorBelt(Strictly):
-    """Parts that come along the conveyor."""
+    """Parts on the conveyor."""
 
     active: Flag = False
     spawn_rate: Positive = 1.0
@@ -150,19 +150,19 @@ class Parts(Strictly):
 
 
 class PartPlace(PartKeys):
-    """A part is placed on an AGV."""
+    """Condition: a part is placed on an AGV."""
 
     agv: Whole | None = None
 
 
 class Submission(Strictly):
-    """An order is submitted."""
+    """Condition: an order is submitted."""
 
     order_id: Text
 
 
 class StartCondition(Strictly):
-    """Condition that something waits for: one of the three."""
+    """Start condition: one of the three."""
 
     time_condition: NotNegative | None = None
     part_place_condition: PartPlace | None = None
@@ -170,8 +170,8 @@ class StartCondition(Strictly):
 
     @model_validator(mode="after")
     def _one_of_them(self) -> "StartCondition":
-        given = [self.time_condition, self.part_place_condition, self.submission_condition]
-        if sum(condition is not None for condition in given) != 1:
+        conditions = [self.time_condition, self.part_place_condition, self.submission_condition]
+        if sum(condition is not None for condition in conditions) != 1:
             raise UserError(
                 "give one of time_condition, part_place_condition, submission_condition"
             )
@@ -185,21 +185,21 @@ class HumanChallenge(StartCondition):
 
 
 class MalfunctionChallenge(StartCondition):
-    """Robots that stand still for a while."""
+    """Robots that are disabled for a time."""
 
     duration: Positive
     robots_to_disable: list[Robot]
 
 
 class BlackoutChallenge(StartCondition):
-    """Sensors that see nothing for a while."""
+    """Sensors that are blind for a time."""
 
     duration: NotNegative
     sensors_to_disable: list[Sensor]
 
     @property
     def is_of_people(self) -> bool:
-        """Whether one of the sensors sees people; the others see parts that go by."""
+        """True if one of the sensors detects people. The others detect parts."""
         return not SEE_PEOPLE.isdisjoint(self.sensors_to_disable)
 
 
@@ -224,7 +224,7 @@ class DroppedPartChallenge(Strictly):
 
 
 class Challenge(Strictly):
-    """One challenge, of the kind that its key says."""
+    """One challenge, whose kind is its key."""
 
     human: HumanChallenge | None = None
     human_operator: HumanChallenge | None = None
@@ -244,7 +244,7 @@ class Challenge(Strictly):
 
     @property
     def kind(self) -> str:
-        """Its key."""
+        """Key of the challenge."""
         return min(self.model_fields_set, default="human")
 
 
@@ -306,7 +306,7 @@ class OrderEntry(Strictly):
 
 
 class AriacTrialFile(Strictly):
-    """All of a trial file. `assembly_inserts` came in with ARIAC 2024."""
+    """A whole trial file. `assembly_inserts` is a key since ARIAC 2024."""
 
     time_limit: TimeLimit = -1.0
     kitting_trays: KittingTrays | None = None

@@ -6,12 +6,12 @@ from ..core.scenario import Scenario
 
 
 def has_orders(trial: Scenario) -> bool:
-    """Return whether there are orders, and a gantry that can work on them."""
+    """Return True if there are orders, and a gantry that can work on them."""
     return trial.workload is not None and trial.floorplan.gantry is not None
 
 
 def has_faulty_parts(trial: Scenario) -> bool:
-    """Return whether the quality check may find faulty parts."""
+    """Return True if the quality check may find faulty parts."""
     work = trial.workload if has_orders(trial) else None
     return work is not None and (
         bool(work.faulty)
@@ -20,13 +20,13 @@ def has_faulty_parts(trial: Scenario) -> bool:
 
 
 def has_conveyor(trial: Scenario) -> bool:
-    """Return whether parts arrive on a conveyor."""
+    """Return True if parts arrive on a conveyor."""
     work = trial.workload if has_orders(trial) else None
     return work is not None and bool(work.conveyor.parts)
 
 
 def has_drops(trial: Scenario) -> bool:
-    """Return whether a gripper drops parts."""
+    """Return True if a gripper drops parts."""
     more = (entry.keys.get("drops") for entry in trial.machines.values())
     ordered = () if trial.workload is None else trial.workload.drops
     return any((trial.gantry.drops, ordered, *more))

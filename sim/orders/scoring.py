@@ -1,8 +1,8 @@
 """Points for orders, by the scoring page of the competition's documentation (ARIAC 2023).
 
-The competition's trial score multiplies the points of each order by how fast and with how cheap
-sensors it was done beside the other teams. A simulation knows no other teams: those factors are
-left at 1, and a trial's score is the sum of its orders' points ("completion score").
+The competition multiplies the points of each order by factors for speed and cost of sensors
+relative to other teams. A simulation has no other teams. The factors are 1, and a trial's score is
+the sum of its orders' points ("completion score").
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ class Inserted:
 def kitting_score(
     task: KittingTask, shipment: Load, *, arrived: bool, faulty: Iterable[int] = ()
 ) -> int:
-    """Points for a kit.
+    """Return the points for a kit.
 
-    `arrived` is True if the AGV stands at its destination, `faulty` has the quadrants in which the
-    parts are faulty.
+    `arrived` is True if the AGV is at its destination, and `faulty` contains the quadrants with
+    faulty parts.
     """
     points = [
         _kit_part_points(part, shipment, quadrant, set(faulty))
@@ -46,9 +46,9 @@ def kitting_score(
 
 
 def assembly_score(task: AssemblyTask | CombinedTask, inserted: Mapping[str, Inserted]) -> int:
-    """Points for what was inserted at the task's station, by the type of the part.
+    """Return the points for the parts inserted at the task's station, by type of the part.
 
-    What was inserted at another station is no part of it, and gives no points.
+    Parts inserted at other stations give no points.
     """
     full = COMBINED_PART_POINTS if isinstance(task, CombinedTask) else ASSEMBLY_PART_POINTS
     points = [_inserted_points(part, inserted.get(part.type), full) for part in task.products]
@@ -57,7 +57,7 @@ def assembly_score(task: AssemblyTask | CombinedTask, inserted: Mapping[str, Ins
 
 
 def best_score(task: KittingTask | AssemblyTask | CombinedTask) -> int:
-    """Return the points for a task that is done without a fault."""
+    """Return the points for a task without a fault."""
     n = len(task.products)
     if isinstance(task, KittingTask):
         return TRAY_POINTS + n * KIT_PART_POINTS + n

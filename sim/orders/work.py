@@ -34,14 +34,14 @@ from .inventory import (
 from .scoring import assembly_score, kitting_score
 
 Found = tuple[Item, Step]
-"""A part, and the step by which it is picked."""
+"""A part, and the step that picks it."""
 
 
 class Carried:
-    """A part that the gantry carries for an order; another takes its place if it is lost.
+    """A part that the gantry carries for an order, replaced by another if it is lost.
 
-    The `last` step brings it where it belongs, `put` takes note of that. `another()` finds the
-    next one; where there is none, the part is one of those that are `missing`.
+    The `last` step puts it in its place, and `put` records that. `another()` returns the next part.
+    If there is none, the part is added to the `missing` ones.
     """
 
     def __init__(
@@ -61,18 +61,18 @@ class Carried:
         self._missing = missing
 
     def put_down(self) -> None:
-        """Take note that it is where it belongs, if it has not been given up."""
+        """Record that the part is in its place, unless it was given up."""
         if self.item is not None:
-            self._put(Item(self.item.part, faulty=self.item.faulty))  # turned over, if need be
+            self._put(Item(self.item.part, faulty=self.item.faulty))  # turned over if necessary
 
     def lost(self) -> tuple[Step, ...]:
-        """Return the steps that bring another; none if there is none."""
-        found = self._another()
-        if found is None:
+        """Return the steps that bring another part, none if there is none."""
+        another = self._another()
+        if another is None:
             self.item = None
             self._missing.append(self._part)
             return ()
-        self.item, pick = found
+        self.item, pick = another
         return (pick, self._last)
 
 
@@ -81,10 +81,10 @@ Action = Callable[[], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Shop:
-    """Workshop as orders use it: the floor, its inventory, the AGVs, and times of handling.
+    """Workshop of orders: the floor, its inventory, the AGVs, and handling times.
 
-    `faulty` has the quadrants of kits in which the first part is faulty, by order; the parts that
-    were found so are in `found_faulty`.
+    `faulty` contains the quadrants of kits in which the first part is faulty, by order.
+    `found_faulty` contains the parts that were rejected.
     """
 
     plan: Floorplan
@@ -96,25 +96,25 @@ class Shop:
     found_faulty: list[PartType] = field(default_factory=list)
 
     def place(self, obstacle: str) -> Point:
-        """Return the middle of an obstacle: x, y in metres."""
+        """Return the centre of an obstacle (m)."""
         middle = self.plan.obstacle(obstacle).footprint.centroid
         return (middle.x, middle.y)
 
     def home(self, agv: str) -> Point:
-        """Return the place where kits are made on an AGV: x, y in metres."""
+        """Return the position of kitting on an AGV (m)."""
         lane = self.fleet.lane(agv)
         return lane.position(lane.locations[lane.start])
 
     def nearest(self, obstacles: Iterable[str], point: Point) -> str:
-        """Return the obstacle whose middle is nearest to a point."""
+        """Return the obstacle whose centre is nearest to a point."""
         return min(obstacles, key=lambda name: math.dist(self.place(name), point))
 
 
 class Work(ABC):
     """The work on one order.
 
-    No other order is begun that needs what this one `holds`, AGVs and stations, until it has been
-    submitted. `missing` are the parts that it lacks.
+    Until it is submitted, no other order may begin that needs the AGVs and stations that it
+    `holds`. `missing` are the parts that it lacks.
     """
 
     def __init__(self, order: Order, shop: Shop, holds: tuple[str, ...]) -> None:
@@ -125,19 +125,19 @@ class Work(ABC):
 
     @abstractmethod
     def begin(self) -> list[Task]:
-        """Send the AGVs; return the gantry's tasks that come before the order is submitted."""
+        """Send the AGVs. Return the gantry's tasks before the order is submitted."""
 
     @abstractmethod
     def ready(self) -> bool:
-        """Return True if all is where it has to be for submission."""
+        """Return True if everything is in its place for submission."""
 
     @abstractmethod
     def score(self) -> int:
-        """Return the points for the order as things stand."""
+        """Return the current points for the order."""
 
     @abstractmethod
     def hand_over(self) -> None:
-        """Take away the kit or assembly: the order has been submitted."""
+        """Remove the kit or assembly of a submitted order."""
 
     def _task(
         self,
@@ -166,11 +166,11 @@ class Work(ABC):
         )
 
     def _carried(self, item: Item, last: Step, put: Callable[[Item], None], near: Point) -> Carried:
-        """Return a part on its way; others of its kind are looked for in bins near `near`."""
+        """Return a part on its way. Replacements are taken from bins near `near`."""
 
         def another() -> Found | None:
-            found = self._shop.inventory.take(item.part, near)
-            return None if found is None else (found[2], self._from_bin(*found))
+            source = self._shop.inventory.take(item.part, near)
+            return None if source is None else (source[2], self._from_bin(*source))
 
         return Carried(item, last, put, another=another, missing=self.missing)
 
@@ -226,7 +226,7 @@ def _change_tool(table: str, tool: str, handling: Handling) -> Step:
 
 
 def when_all_are_done(tasks: list[Task], action: Action) -> None:
-    """Call `action` after the last of `tasks` is done; at once if there are none."""
+    """Call `action` after the last of `tasks` is done, immediately if there are none."""
     left = len(tasks)
 
     def count(done: Action) -> None:
@@ -243,9 +243,9 @@ def when_all_are_done(tasks: list[Task], action: Action) -> None:
 
 
 class KittingWork(Work):
-    """Fetch the tray, put the parts on it in any order, and send the AGV off.
+    """Fetches the tray, puts the parts on it in any order, and sends the AGV off.
 
-    Parts that already lie where they should stay; others that are in the way are thrown away.
+    Parts that are already in their places stay. Others that are in the way are thrown away.
     """
 
     def __init__(self, order: Order, task: KittingTask, shop: Shop) -> None:
@@ -282,24 +282,24 @@ class KittingWork(Work):
         )
 
     def hand_over(self) -> None:
-        """Take the kit off its AGV, unless it is at an assembly station: there it is needed."""
+        """Take the kit off its AGV, unless an assembly station needs it."""
         lane = self._shop.fleet.lane(self._kit.agv)
         location = lane.serves.get(self._kit.destination, self._kit.destination)
         if location not in lane.serves.values():
             self._shop.inventory.unload(self._kit.agv)
 
     def _fill(self, quadrant: int, part: PartType, there: Item | None) -> list[Task]:
-        """Return the tasks that get `part` into a quadrant in which there is `there`."""
+        """Return the tasks that put `part` into a quadrant that contains `there`."""
         agv, shop = self._kit.agv, self._shop
         if there == Item(part):
             return []
         if there is not None and there.part == part:
             return [self._placing(quadrant, there, agv, self._from_agv(agv, quadrant, there))]
-        found = shop.inventory.take(part, shop.home(agv))
-        if found is None:
+        source = shop.inventory.take(part, shop.home(agv))
+        if source is None:
             self.missing.append(part)
             return []
-        bin, slot, item = found
+        bin, slot, item = source
         cleared = [self._clear(quadrant)] if there is not None else []
         return [*cleared, self._placing(quadrant, item, bin, self._from_bin(bin, slot, item))]
 
@@ -316,7 +316,7 @@ class KittingWork(Work):
         def check() -> tuple[Step, ...]:
             if carried.item is None or not self._is_faulty(quadrant, carried.item):
                 return ()
-            # What is thrown away is nothing that the gripper was to lose.
+            # Drops of the trial do not concern parts that are thrown away.
             away = self._throwing_away(quadrant, "take_away")
             another = lost()
             task.given_up = not another
@@ -334,7 +334,7 @@ class KittingWork(Work):
         return task
 
     def _is_faulty(self, quadrant: int, item: Item) -> bool:
-        """Return the outcome of the quality check of what was placed, and record a fault."""
+        """Return the outcome of the quality check of a placed part, and record a fault."""
         if not (item.faulty or quadrant in self._faulty):
             return False
         self._faulty.discard(quadrant)
@@ -344,7 +344,7 @@ class KittingWork(Work):
         return True
 
     def _clear(self, quadrant: int) -> Task:
-        """Return the task of throwing away the part in a quadrant."""
+        """Return the task that throws away the part in a quadrant."""
         agv, shop = self._kit.agv, self._shop
         item = shop.inventory.load(agv).items[quadrant]
         steps = self._throwing_away(quadrant, "pick")
@@ -364,7 +364,7 @@ class KittingWork(Work):
 
 
 class _AtStation(Work):
-    """Common part of assembly and combined orders: parts are inserted at a station."""
+    """Base of assembly and combined orders, whose parts are inserted at a station."""
 
     def __init__(
         self, order: Order, task: AssemblyTask | CombinedTask, shop: Shop, agvs: tuple[str, ...]
@@ -386,7 +386,7 @@ class _AtStation(Work):
         self._shop.inventory.hand_over(self._assembly.station)
 
     def _insert_from_agv(self, agv: str, quadrant: int, item: Item, *, stage: int) -> Task:
-        """Take an item from an AGV that has come to the station, and insert it."""
+        """Take an item from an AGV at the station, and insert it."""
         station, shop = self._assembly.station, self._shop
         carried = self._inserted(item)
 
@@ -436,9 +436,9 @@ class _AtStation(Work):
 
 
 class AssemblyWork(_AtStation):
-    """Send the AGVs with the parts to the station, and insert the parts there in any order.
+    """Sends the AGVs with the parts to the station, and inserts the parts in any order.
 
-    A part that none of them has is carried over from a bin.
+    Parts that no AGV has are carried over from bins.
     """
 
     def __init__(self, order: Order, task: AssemblyTask, shop: Shop) -> None:
@@ -460,17 +460,17 @@ class AssemblyWork(_AtStation):
             if place is not None:
                 shop.fleet.send(place[0], task.station)
                 tasks.append(self._insert_from_agv(*place, on_agvs.pop(place), stage=0))
-            elif (found := shop.inventory.take(part, near)) is not None:
-                tasks.append(self._insert_from_bin(*found, stage=0))
+            elif (source := shop.inventory.take(part, near)) is not None:
+                tasks.append(self._insert_from_bin(*source, stage=0))
             else:
                 self.missing.append(part)
         return tasks
 
 
 class CombinedWork(_AtStation):
-    """Make a kit on an AGV, send it to the station, and insert the parts there in any order.
+    """Makes a kit on an AGV, sends it to the station, and inserts the parts in any order.
 
-    A part for which the AGV has no room is carried over from its bin.
+    Parts for which the AGV has no room are carried over from bins.
     """
 
     def __init__(
@@ -494,16 +494,16 @@ class CombinedWork(_AtStation):
             if at is not None:
                 assembly.append(self._insert_from_agv(agv, at, present.pop(at), stage=2))
                 continue
-            found = shop.inventory.take(part, shop.home(agv))
-            if found is None:
+            source = shop.inventory.take(part, shop.home(agv))
+            if source is None:
                 self.missing.append(part)
             elif free:
                 quadrant = free.pop(0)
                 inserting = self._insert_from_agv(agv, quadrant, Item(part), stage=2)
-                kit.append(self._kit(quadrant, *found, inserting))
+                kit.append(self._kit(quadrant, *source, inserting))
                 assembly.append(inserting)
             else:
-                assembly.append(self._insert_from_bin(*found, stage=2))
+                assembly.append(self._insert_from_bin(*source, stage=2))
         if kit and load.tray is None:
             spare = shop.inventory.take_spare_tray(self._needed_trays)
             if spare is not None:
@@ -516,7 +516,7 @@ class CombinedWork(_AtStation):
         return kit + assembly
 
     def _kit(self, quadrant: int, bin: str, slot: int, item: Item, inserting: Task) -> Task:
-        """Return the task of placing a part; without the part it is not `inserting` it either."""
+        """Return the task that places a part. Without it, the part is not `inserted` either."""
         agv, shop = self._agv, self._shop
         place = self._onto_agv(agv, quadrant)
         put = partial(shop.inventory.lay, agv, quadrant)

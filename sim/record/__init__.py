@@ -1,5 +1,6 @@
-"""The record of a run: its outcome, and the figures worked out from it.
+"""The record of a run: its outcome, and the figures computed from it.
 
-`figures` declares what a summary has, `finished` measures it in a simulation at its end; all else
-works on an `outcome`, which may have been read back from a folder. Nothing here knows who looks.
+`figures` declares the summary, and `finished` measures it at the end of a simulation. The other
+modules work on an `outcome`, which may have been loaded from a folder. They do not know their
+viewers.
 """

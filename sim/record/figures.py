@@ -22,20 +22,20 @@ from .social_metrics import DISTANCES, MOVEMENT, PROGRESS
 class SummaryFigure:
     """One figure of a run.
 
-    `path` is where it stands in the summary, or in the metrics; NAME in it is a name of the trial,
-    OTHER that of another body. `of` works it out from a `Finished` run, and from the person for
-    one below `people.NAME`; a part of another figure needs none. Trials can expect something of
-    all that is a number, a flag or visits.
+    `path` is its place in the summary or the metrics. NAME in it is a name of the trial, and OTHER
+    the name of another body. `of` computes it from a `Finished` run, and from the person below
+    `people.NAME`. Parts of other figures need no `of`. Trials can expect numbers, flags and visits.
 
-    `events` are those that made it what it is: their kind, and fields that they have, with NAME for
-    the one in `path` and VEHICLE for any kind of vehicle. With `instant` it has the time of the
-    figure of that name beside it; with `short` it is also found by the name of the figure that it
-    is a part of. It is one of the trials for which `only` holds; where `null` does it has no value,
-    and nothing can be expected of it.
-    `label` is what people read; `words`, if given, how much it is on a terminal. A study has it as
-    a column unless not `column`; its report compares it as a `measure`, "rare" ones only where
-    there is something, and its first rows are worth a look if it is among the `worst`: the least
-    (1), or the most (-1).
+    `events` are the events behind the figure: their kind and their fields, with NAME for the name
+    in `path` and VEHICLE for any kind of vehicle. With `instant`, the figure of that name beside it
+    is its time. With `short`, it is also found by the name of the figure that contains it. It
+    exists in trials for which `only` holds. Where `null` holds it has no value, and cannot be
+    expected.
+
+    `label` is its name for people, and `words` formats it for terminals. It is a column of studies
+    unless `column` is False. Reports of studies compare it as a `measure`. "rare" measures appear
+    only if they are not 0 everywhere. `worst` lists the rows with the least (1) or the most (-1) of
+    it.
     """
 
     path: str
@@ -124,7 +124,7 @@ def _violations(prefix: str, fields: Mapping[str, Any]) -> Iterator[SummaryFigur
 
 
 def _separation(prefix: str) -> Iterator[SummaryFigure]:
-    """Yield the parts of the least separation: of all people, or of one."""
+    """Yield the parts of the least separation, of all people or of one."""
     yield from _nearest(
         f"{prefix}minimum_separation",
         partial(SummaryFigure, null=_no_robot),
@@ -136,7 +136,7 @@ def _separation(prefix: str) -> Iterator[SummaryFigure]:
 
 
 def _nearest_agv(prefix: str) -> Iterator[SummaryFigure]:
-    """Yield the parts of the least distance to a vehicle that moves: of all people, or of one."""
+    """Yield the parts of the least distance to a moving vehicle, of all people or of one."""
     yield from _nearest(
         f"{prefix}nearest_agv",
         _of_vehicles,
@@ -150,7 +150,7 @@ def _nearest_agv(prefix: str) -> Iterator[SummaryFigure]:
 def _nearest(
     path: str, figure: Callable[..., SummaryFigure], **distance: Any
 ) -> Iterator[SummaryFigure]:
-    """Yield the parts of a least distance: how much it is, when that was, and what was required."""
+    """Yield the parts of a least distance: the distance, its time, and the required distance."""
     part = partial(figure, instant="time")
     yield part(path=f"{path}.distance", unit="m", short=True, **distance)
     yield part(path=f"{path}.time", meaning="time of this distance", unit="s")
@@ -159,7 +159,7 @@ def _nearest(
 
 
 def _least_margin(path: str, which: int, **value: Any) -> Iterator[SummaryFigure]:
-    """Yield a least margin and its parts: how much it is, when, and of whom."""
+    """Yield a least margin and its parts: its value, its time, person and machine."""
     figure = partial(SummaryFigure, null=lambda trial: not _may_touch(trial))
     part = partial(figure, instant="time")
 
@@ -175,7 +175,7 @@ def _least_margin(path: str, which: int, **value: Any) -> Iterator[SummaryFigure
 
 
 def _approaches() -> Iterator[SummaryFigure]:
-    """Yield the approaches of machines during violations: how many, how long, and the worst."""
+    """Yield the approaches of machines during violations: number, duration, and the worst."""
     figure = partial(SummaryFigure, null=lambda trial: not _may_touch(trial))
     part = partial(figure, instant="time")
 
@@ -214,7 +214,7 @@ def _approaches() -> Iterator[SummaryFigure]:
 
 
 def _counterfactual() -> Iterator[SummaryFigure]:
-    """Yield what a run has more than the same trial without machines, or without people."""
+    """Yield the differences to the same trial without machines, or without people."""
     figure = partial(SummaryFigure, only=attrgetter("counterfactual"))
     people = partial(SummaryFigure, only=lambda one: one.counterfactual == "without machines")
     machines = partial(SummaryFigure, only=lambda one: one.counterfactual == "without people")
@@ -260,7 +260,7 @@ def _counterfactual() -> Iterator[SummaryFigure]:
 
 
 def _metrics() -> Iterator[SummaryFigure]:
-    """Yield the metrics of social navigation; `docs/metrics.md` says what they mean."""
+    """Yield the metrics of social navigation. `docs/metrics.md` defines them."""
     person, machine = "metrics.people.NAME.", "metrics.machines.NAME."
     for prefix, keys in (
         (person, (*MOVEMENT, *PROGRESS)),
@@ -798,4 +798,4 @@ FIGURES: dict[str, SummaryFigure] = {
 """Every figure by its path, in the order of the summary."""
 
 COSTS = ("cpu_seconds", "realtime_factor")
-"""Figures that differ each time that a trial is run."""
+"""Figures that differ between runs of the same trial."""

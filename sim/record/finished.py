@@ -1,4 +1,4 @@
-"""A run at its end, measured."""
+"""Measurement of a simulation at its end."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ from ..safety.referee import Referee
 from .sampling import Stay, zone_exposures
 
 CAUSES = ("gantry", "person")
-"""Causes of a violation with a gantry: which of the two moved."""
+"""Causes of a violation with a gantry: the body that moved."""
 
 CATEGORIES: tuple[Category, ...] = ("robot", "vehicle")
-"""Kinds of machines that people are watched beside."""
+"""Categories of machines whose distances to people are monitored."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Finished:
-    """A simulation at its end: `duration` in seconds, `work` the figures of orders."""
+    """A simulation at its end: `duration` in seconds, `work` with the figures of orders."""
 
     trial: Scenario
     duration: float
@@ -55,14 +55,14 @@ class Finished:
     collisions: int = 0
     contacts_with_floor: int = 0
     waiting_times: Mapping[str, float] = field(default_factory=dict)
-    """How long each machine that may meet others has waited for them (s)."""
+    """Time (s) for which each machine has waited for others."""
     traffic_deadlocks: int = 0
     deadlocks: int = 0
     people_too_near: int = 0
     people_too_near_time: float = 0.0
 
     def violations(self, person: Person | None = None) -> dict[str, int]:
-        """Return how many violations with the gantry had which cause: of one person, or of all."""
+        """Return the number of violations with the gantry by cause, of one person or all."""
         counted = self.referee.violations.items()
         return {
             cause: sum(
@@ -75,72 +75,74 @@ class Finished:
 
     @property
     def agv_violations(self) -> int:
-        """The number of violations with vehicles."""
+        """Number of violations with vehicles."""
         kinds = self._kinds("vehicle")
         return sum(n for (_, cause), n in self.referee.violations.items() if cause in kinds)
 
     @cached_property
     def nearest(self) -> dict[str, dict[str, float]]:
-        """The least distance (m) of each person who started to a gantry, as the rules measure.
+        """Least distance (m) of each started person to a gantry, as the rules measure.
 
-        With its `time` (s), and the distance `required` then (m).
+        With its `time` (s), and the `required` distance then (m).
         """
-        found: dict[str, dict[str, float]] = {}
+        by_person: dict[str, dict[str, float]] = {}
         for watch, one, other, spans in self._together("robot"):
             person, shapes = watch.pair.person.name, watch.pair.shapes
             for begin, end in spans:
                 time, distance = minimum_separation(one, other, begin, end, shapes=shapes)
-                if person not in found or distance < found[person]["distance"]:
-                    # A violation ends in a jump: what counts is the plan until then.
+                if person not in by_person or distance < by_person[person]["distance"]:
+                    # A violation may end in a teleport, so the motion before it counts.
                     required = watch.required_before(time, one, other)
-                    found[person] = {"distance": distance, "time": time, "required": required}
-        return found
+                    by_person[person] = {"distance": distance, "time": time, "required": required}
+        return by_person
 
     @property
     def nearest_of_all(self) -> dict[str, float] | None:
-        """The least of the distances in `nearest`, None where there is none."""
-        return min(self.nearest.values(), key=lambda found: found["distance"], default=None)
+        """Least of the distances in `nearest`, or None if there is none."""
+        return min(self.nearest.values(), key=lambda least: least["distance"], default=None)
 
     @cached_property
     def nearest_vehicles(self) -> dict[str, dict[str, Any]]:
-        """The least distance (m) of each person to a vehicle while it moved, as the rules measure.
+        """Least distance (m) of each person to a moving vehicle, as the rules measure.
 
-        With its `time` (s), the distance `required` then (m) and which `agv` it was.
+        With its `time` (s), the `required` distance then (m), and the `agv`.
         """
-        found: dict[str, dict[str, Any]] = {}
+        nearest: dict[str, dict[str, Any]] = {}
         for watch, one, other, spans in self._together("vehicle"):
             person, machine = watch.pair.person.name, watch.pair.machine
             measured = other.translated(*self.trial.rules.measured_at(machine.shape))
             shapes = watch.pair.shapes
             for begin, end in spans:
                 time, distance = minimum_separation(one, measured, begin, end, shapes=shapes)
-                if person not in found or distance < found[person]["distance"]:
+                if person not in nearest or distance < nearest[person]["distance"]:
                     required = watch.required_before(time, one, other)
                     figures = {"distance": distance, "time": time, "required": required}
-                    found[person] = {**figures, "agv": machine.name}
-        return found
+                    nearest[person] = {**figures, "agv": machine.name}
+        return nearest
 
     @property
     def nearest_agv(self) -> dict[str, Any] | None:
-        """The least of the distances in `nearest_vehicles` and whose it is, None without any."""
+        """Least of the distances in `nearest_vehicles` with its person, None if there is none."""
         nearest = self.nearest_vehicles.items()
-        name, found = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
-        return None if found is None else {**found, "person": name}
+        name, least = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
+        return None if least is None else {**least, "person": name}
 
     @cached_property
     def margins(self) -> tuple[Margin | None, Margin | None]:
-        """The least margin (m) while violations count, and that while the machine moves."""
+        """Least margin (m) while violations count, and the least while the machine moves."""
         return least_margins(beside for beside, _ in self._encountered)
 
     @cached_property
     def approaches(self) -> list[Approach]:
-        """The approaches of machines during violations, in order of time."""
-        found = (one for beside, during in self._encountered for one in approaches(beside, during))
-        return sorted(found, key=lambda one: (one.begin, one.person, one.machine))
+        """Approaches of machines during violations, in order of time."""
+        all_approaches = (
+            one for beside, during in self._encountered for one in approaches(beside, during)
+        )
+        return sorted(all_approaches, key=lambda one: (one.begin, one.person, one.machine))
 
     @cached_property
     def _encountered(self) -> list[tuple[Encountered, list[Span]]]:
-        """Each person beside each machine, and the violations of the two."""
+        """Each person beside each machine, with the violations of the two."""
         return [
             (
                 Encountered(
@@ -160,7 +162,7 @@ class Finished:
         ]
 
     def _moving(self, watch: SeparationMonitor, spans: Iterable[Span]) -> list[Span]:
-        """Return those parts of spans in which a machine moves, as the rules have it."""
+        """Return the parts of spans in which a machine moves, as the rules define it."""
         motion, shapes = self.motions[watch.pair.machine.name], watch.pair.shapes
         moving = Moving(reach=0.0 if shapes is None else shapes.reach)
         return [part for span in spans for part in when(moving, motion, motion, *span)]
@@ -168,9 +170,9 @@ class Finished:
     def _together(
         self, category: Category
     ) -> Iterator[tuple[SeparationMonitor, Motion, Motion, list[tuple[float, float]]]]:
-        """Yield each watch on a person beside such a machine, their motions, and spans (seconds).
+        """Yield each monitor of a person and a machine of a category, their motions, and spans (s).
 
-        These are those in which the person was on the floor and, if it is a vehicle, it moved.
+        In these spans the person is on the floor, and a vehicle moves.
         """
         stays = {person.name: self._stays(person) for person in self.people}
         drives: dict[str, list[tuple[float, float]]] = {}
@@ -188,14 +190,14 @@ class Finished:
             yield watch, self.motions[person], self.motions[machine.name], spans
 
     def _stays(self, person: Person) -> list[tuple[float, float]]:
-        """Return when a person was on the floor after the start, s."""
+        """Return the times (s) for which a person was on the floor after the start."""
         since = math.inf if person.started_at is None else person.started_at
         cut = ((max(begin, since), min(end, self.duration)) for begin, end in person.stays)
         return [(begin, end) for begin, end in cut if begin <= end]
 
     @cached_property
     def among_people(self) -> Nearest | None:
-        """The nearest that two people came to each other; None if no two were there at once."""
+        """Nearest encounter of two people, or None if no two were there at the same time."""
         return nearest_pair(
             [self.motions[person.name] for person in self.people],
             [person.walker.human.radius for person in self.people],
@@ -207,15 +209,15 @@ class Finished:
 
     @property
     def nearest_people(self) -> dict[str, Any] | None:
-        """The least distance between the bodies of two people (m), when it was (s), and of whom.
+        """Least distance between the bodies of two people (m), its time (s), and their names.
 
-        None if no two were on the floor at once.
+        None if no two were on the floor at the same time.
         """
-        found = self.among_people
-        if found is None:
+        encounter = self.among_people
+        if encounter is None:
             return None
-        between = [self.people[k].name for k in found.pair]
-        return {"distance": found.distance, "time": found.time, "between": between}
+        between = [self.people[k].name for k in encounter.pair]
+        return {"distance": encounter.distance, "time": encounter.time, "between": between}
 
     @property
     def overlaps(self) -> int:
@@ -224,7 +226,7 @@ class Finished:
 
     @property
     def zones(self) -> dict[str, dict[str, float]]:
-        """The exposure of people in each zone of the floor, by its name."""
+        """Exposure of people in each zone of the floor, by name."""
         stays = [
             Stay(
                 self.motions[person.name],
@@ -243,32 +245,32 @@ class Finished:
 
     @cached_property
     def of_machines(self) -> dict[str, dict[str, Any]]:
-        """The figures of each machine alone, by its name; `ValueError` if JSON has no such."""
-        found = {}
+        """Figures of each machine by name. `UserError` if they cannot be written as JSON."""
+        all_figures = {}
         for name, machine in self.machines.items():
-            found[name] = machine.figures(self.motions[name], self.duration)
+            all_figures[name] = machine.figures(self.motions[name], self.duration)
             try:
-                json.dumps(found[name], allow_nan=False)
+                json.dumps(all_figures[name], allow_nan=False)
             except (TypeError, ValueError) as why:
                 raise UserError(f"the figures of the machine {name!r}: {why}") from why
-            if not isinstance(found[name], dict):
-                message = f"expected a dict, found {found[name]!r}"
+            if not isinstance(all_figures[name], dict):
+                message = f"expected a dict, found {all_figures[name]!r}"
                 raise UserError(f"the figures of the machine {name!r}: {message}")
             if name in self.waiting_times:
-                found[name] = {**found[name], "waiting_time": self.waiting_times[name]}
-        return found
+                all_figures[name] = {**all_figures[name], "waiting_time": self.waiting_times[name]}
+        return all_figures
 
     @cached_property
     def of_fields(self) -> dict[str, dict[str, float]]:
-        """The figures of protective fields, by the name of the machine."""
+        """Figures of protective fields, by the name of the machine."""
         return {name: guard.figures for name, guard in self.guards.items()}
 
     def of_all_fields(self, figure: str) -> float:
-        """Return a figure of protective fields, all machines together."""
+        """Return the sum of a figure of protective fields over all machines."""
         return sum(figures[figure] for figures in self.of_fields.values())
 
     def of_robots(self, figure: str) -> Any:
-        """Return a figure of robots, all of them together."""
+        """Return the sum of a figure over all robots."""
         return sum(figures.get(figure, 0) for figures in self.of_machines.values())
 
     def _kinds(self, category: Category) -> set[str]:
@@ -276,11 +278,11 @@ class Finished:
         return {shape.kind for shape in shapes if shape.category == category}
 
     def distance_walked(self, person: Person) -> float:
-        """Return how far (m) a person has walked since they started; teleports don't count."""
+        """Return the distance (m) that a person has walked since the start, without teleports."""
         return self._walks[person.name][0]
 
     def time_standing(self, person: Person) -> float:
-        """Return how long (s) a person has stood since they started."""
+        """Return the time (s) for which a person has stood since the start."""
         return self._walks[person.name][1]
 
     @cached_property
@@ -294,6 +296,6 @@ class Finished:
         walked = walked_and_stood(motion.table, stays[0][0], math.inf)[0]
         stood = sum(walked_and_stood(motion.table, *stay)[1] for stay in stays)
         if person.is_recorded:
-            # The pieces of those who were measured are curved: their speed is integrated.
+            # Pieces of recorded people are curved, so their speed is integrated.
             walked = Odometer(motion).reading(self.duration)
         return walked, stood

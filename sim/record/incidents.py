@@ -24,13 +24,14 @@ CELL = 0.1
 """Metres. The side of a cell."""
 
 Risk = Literal["margin", "time", "severity"]
-"""The least margin to the required distance (m); the time without it (s); the speed then (m/s)."""
+"""Least margin to the required distance (m), time below it (s), relative speed below it (m/s)."""
 
 
 def risk(run: Outcome, of: Risk) -> CellArray:
-    """Return the risk in each cell that was under a person's body: (rows, columns).
+    """Return the risk in each cell that a person's body covered, shape (rows, columns).
 
-    The first cell is in the south-west corner of the floor's bounds. `ValueError` if `of` is none.
+    The first cell is in the south-west corner of the floor's bounds. `ValueError` if `of` is
+    unknown.
     """
     if of not in _RISKS:
         *first, last = _RISKS
@@ -39,15 +40,14 @@ def risk(run: Outcome, of: Risk) -> CellArray:
 
 
 def risk_of_all(maps: Iterable[CellArray], of: Risk) -> CellArray:
-    """Return the risk of several runs together: the worst of any, or the time in all."""
+    """Return the joint risk of several runs: the worst of them, or the total time."""
     return np.asarray(_RISKS[of][1].reduce([*maps]))
 
 
 def least_margins(run: Outcome) -> CellArray:
-    """Return the least margin (metres) to any machine in each cell, (rows, columns).
+    """Return the least margin (m) to any machine in each cell, shape (rows, columns).
 
-    Infinite where nobody was, or nothing was required; nothing is required of a vehicle that
-    stands.
+    It is infinite in cells without people or required distances. Stationary vehicles require none.
     """
     least = np.full(cells_of(run.floorplan, CELL), math.inf)
     for person in run.scene.people:
@@ -58,7 +58,7 @@ def least_margins(run: Outcome) -> CellArray:
                 margin = np.minimum(margin, _margins(run, person.name, machine, times))
         cells = np.full(least.shape, math.inf)
         np.minimum.at(cells, _cells(run, person.name, times), margin)
-        # A violation whose person is put elsewhere at once falls between two moments.
+        # The violation of a person who is teleported immediately lies between two samples.
         for at, margin_then in _begins(run, person.name):
             cells[_cell(run, at)] = min(cells[_cell(run, at)], margin_then)
         least = np.minimum(least, spread(cells, CELL, person.radius, np.minimum, math.inf))
@@ -66,7 +66,7 @@ def least_margins(run: Outcome) -> CellArray:
 
 
 def violation_times(run: Outcome) -> CellArray:
-    """Return the time (seconds) for which people in each cell were nearer than required."""
+    """Return the time (s) for which people in each cell were nearer than required."""
     total = np.zeros(cells_of(run.floorplan, CELL))
     for person in run.scene.people:
         mine = run.violations_of(person.name).values()
@@ -81,10 +81,10 @@ def violation_times(run: Outcome) -> CellArray:
 
 
 def severities(run: Outcome) -> CellArray:
-    """Return the highest speed (m/s) of person and machine relative to each other in each cell.
+    """Return the highest relative speed (m/s) of person and machine in each cell during violations.
 
-    While the two were nearer than required; 0 where nobody ever was. The energy of a contact
-    grows with its square (ISO/TS 15066:2016, annex A.3.4).
+    It is 0 in cells without violations. The energy of a contact grows with its square (ISO/TS
+    15066:2016, annex A.3.4).
     """
     worst = np.zeros(cells_of(run.floorplan, CELL))
     for person in run.scene.people:
@@ -102,13 +102,13 @@ def severities(run: Outcome) -> CellArray:
 
 
 def relative_speeds(run: Outcome, person: str, machine: str, times: CellArray) -> CellArray:
-    """Return how fast (m/s) a person and a machine move relative to each other, at each instant."""
+    """Return the relative speed (m/s) of a person and a machine at each time."""
     between = run.motions[machine].velocity(times) - run.motions[person].velocity(times)
     return np.asarray(np.hypot(*between.reshape(-1, 2).T))
 
 
 RISKS: tuple[Risk, ...] = ("margin", "time", "severity")
-"""All of them."""
+"""All kinds of risk."""
 
 _RISKS: dict[Risk, tuple[Callable[[Outcome], CellArray], np.ufunc]] = {
     "margin": (least_margins, np.minimum),
@@ -118,14 +118,14 @@ _RISKS: dict[Risk, tuple[Callable[[Outcome], CellArray], np.ufunc]] = {
 
 
 def _moments_of_person(run: Outcome, person: str) -> tuple[CellArray, CellArray]:
-    """Return the moments in which a person is on the floor, from their start on."""
+    """Return sample times and durations while a started person is on the floor."""
     started = [e["t"] for e in run.events if e["kind"] == "human_started" and e["person"] == person]
     begin, end = run.presence[person]
     return moments(run.motions[person], max([begin, *started[:1]]), end if started else begin)
 
 
 def _margins(run: Outcome, person: str, machine: str, times: CellArray) -> CellArray:
-    """Return the margin (metres) to one machine at each instant; infinite if none is required."""
+    """Return the margin (m) to one machine at each time, infinite if none is required."""
     if run.scene.machine(machine).category != "vehicle":
         return run.margin(person, machine, times)
     moves = np.hypot(*run.motions[machine].velocity(times).T) > 0.0
@@ -135,8 +135,8 @@ def _margins(run: Outcome, person: str, machine: str, times: CellArray) -> CellA
 
 
 def _begins(run: Outcome, person: str) -> Iterator[tuple[Point, float]]:
-    """Yield where a person was as each of their violations began, and the margin then (metres)."""
-    # Events have rounded times: by such a one the person may be elsewhere already.
+    """Yield the position of a person and the margin (m) at the begin of each violation."""
+    # Times of events are rounded, and a person may have been teleported by then.
     begins = {
         (machine, rounded(begin)): begin
         for machine, intervals in run.violations_of(person).items()
@@ -144,25 +144,25 @@ def _begins(run: Outcome, person: str) -> Iterator[tuple[Point, float]]:
     }
     for event in run.events:
         if event["kind"] == "violation" and event["person"] == person:
-            known = (event["with"], event["t"])
-            t = begins[known] if known in begins else event["t"]
+            key = (event["with"], event["t"])
+            t = begins[key] if key in begins else event["t"]
             at = run.motions[person].state_before(t).at
             yield at, event["distance"] - event["required"]
 
 
 def _cell(run: Outcome, at: Point) -> tuple[int, int]:
-    """Return the row and column of the cell of a place."""
+    """Return the row and column of the cell of a position."""
     row, column = _cells_at(run, np.array([at]))
     return int(row[0]), int(column[0])
 
 
 def _cells(run: Outcome, person: str, times: CellArray) -> tuple[Any, Any]:
-    """Return the row and column of the cell in which a person's centre is at each instant."""
+    """Return the rows and columns of the cells of a person's centre at each time."""
     return _cells_at(run, run.motions[person].position(times).reshape(-1, 2))
 
 
 def _cells_at(run: Outcome, places: CellArray) -> tuple[Any, Any]:
-    """Return the rows and columns of the cells of places (N, 2)."""
+    """Return the rows and columns of the cells of positions (N, 2)."""
     west, south, *_ = run.floorplan.boundary.bounds
     rows, columns = cells_of(run.floorplan, CELL)
     x, y = places.T
@@ -171,23 +171,22 @@ def _cells_at(run: Outcome, places: CellArray) -> tuple[Any, Any]:
 
 
 _AT_ONCE = 1e-6
-"""Seconds. Instants of events are rounded to less than this."""
+"""Seconds. Times of events are rounded to less than this."""
 
 _KINDS = ("violation", "teleport", "gantry_disabled", "protective_stop", "protective_stop_ended")
 
 _MOST_MOMENTS = 20_000
-"""A long interval is looked at in so many moments at most."""
+"""Maximum number of samples of an interval."""
 
 
 @dataclass(frozen=True)
 class Incident:
     """A time in which a `person` was nearer to a `machine` than the rules required.
 
-    From `begin` to `end` (seconds). The person was `at` a place, so far away (`distance`, metres)
-    when so much was `required`; the least margin of the whole time is `margin`, at the instant
-    `worst_at` (seconds), and `severity` the highest speed of the two relative to each other (m/s).
-    `cause` says who moved at the beginning, `zones` where it was, and `led_to` in words what
-    followed from it.
+    It lasts from `begin` to `end` (s). The person was `at` a position, at a `distance` (m) below
+    the `required` one (m). `margin` is the least margin of the interval, at the time `worst_at`
+    (s). `severity` is the highest relative speed (m/s). `cause` is the body that moved at the
+    begin. `zones` contain the position. `led_to` lists the consequences in words.
     """
 
     person: str
@@ -206,36 +205,36 @@ class Incident:
 
     @property
     def seconds(self) -> float:
-        """How long it took."""
+        """Duration (s)."""
         return self.end - self.begin
 
 
 def incidents(run: Outcome) -> list[Incident]:
     """Return the incidents of a run in the order of time."""
     log = _Log(run.events)
-    found = [
+    unsorted = [
         _incident(run, log, person, machine, span)
         for (person, machine), intervals in run.violations.items()
         for span in intervals
     ]
-    return sorted(found, key=lambda one: (one.begin, one.person, one.machine))
+    return sorted(unsorted, key=lambda one: (one.begin, one.person, one.machine))
 
 
-def worst_first(found: list[Incident]) -> list[Incident]:
-    """Return incidents by what they fell short by, the most first."""
-    return sorted(found, key=lambda one: (one.margin, one.begin, one.person))
+def worst_first(unsorted: list[Incident]) -> list[Incident]:
+    """Return incidents in order of margin, the least first."""
+    return sorted(unsorted, key=lambda one: (one.margin, one.begin, one.person))
 
 
 def time_too_close(run: Outcome) -> float:
-    """Return for how long (seconds) people were nearer than required, all of them together.
+    """Return the total time (s) for which people were nearer than required.
 
-    Somebody who is too near to two machines at once counts once.
+    A person who is too near to two machines at the same time counts once.
     """
     total = 0.0
     for person in run.scene.people:
         until = -math.inf
         mine = run.violations_of(person.name).values()
-        # Sorted by their begins, each adds what it has beyond the end of all before it.
+        # In order of their begins, each interval adds its part after the end of all earlier ones.
         for begin, end in sorted(span for some in mine for span in some):
             total += max(0.0, end - max(begin, until))
             until = max(until, end)
@@ -243,21 +242,21 @@ def time_too_close(run: Outcome) -> float:
 
 
 def time_on_floor(run: Outcome) -> float:
-    """Return for how long (seconds) people were on the floor, all of them together."""
+    """Return the total time (s) for which people were on the floor."""
     return math.fsum(
         end - begin for person in run.scene.people for begin, end in run.stays[person.name]
     )
 
 
 class _Log:
-    """The events of a run that are about violations, found by their time."""
+    """Events of a run that concern violations, indexed by time."""
 
     def __init__(self, events: Sequence[Event]) -> None:
         self._events = [event for event in events if event["kind"] in _KINDS]
         self._times = [event["t"] for event in self._events]
 
     def of(self, person: str, machine: str, span: Span) -> Iterator[Event]:
-        """Yield the events of an interval that are about the two."""
+        """Yield the events of an interval that concern the two."""
         first = bisect_left(self._times, span[0] - _AT_ONCE)
         last = bisect_right(self._times, span[1] + _AT_ONCE)
         for event in self._events[first:last]:
@@ -271,7 +270,7 @@ class _Log:
                 yield event
 
     def consequences(self, events: Sequence[Event], machine: str) -> Iterator[str]:
-        """Yield in words what events led to."""
+        """Yield the consequences of events in words."""
         for event in events:
             match event["kind"]:
                 case "violation" if event.get("penalty"):
@@ -284,7 +283,7 @@ class _Log:
                     yield f"protective stop {self._length_of(event, machine)}"
 
     def _length_of(self, stop: Event, machine: str) -> str:
-        """Return in words how long a protective stop took."""
+        """Return the duration of a protective stop in words."""
         for event in self._events[bisect_left(self._times, stop["t"]) :]:
             if event["kind"] == "protective_stop_ended" and event["machine"] == machine:
                 return f"of {event['t'] - stop['t']:.1f} s"
@@ -293,13 +292,13 @@ class _Log:
 
 def _incident(run: Outcome, log: _Log, person: str, machine: str, span: Span) -> Incident:
     begin = span[0]
-    # At the instant of a violation the person may be put elsewhere: what counts is before.
+    # The person may be teleported at the instant of the violation, so the states before it count.
     human, robot = (run.motions[name].state_before(begin) for name in (person, machine))
     times = _sample_times(span)
     worst_at, margin = _least_margin(run, person, machine, span, times)
     events = list(log.of(person, machine, span))
     violation = next((event for event in events if event["kind"] == "violation"), None)
-    if violation is None:  # it began before the warm-up, or the run was broken off
+    if violation is None:  # it began in the warm-up, or the run was interrupted
         distance = float(run.distance(person, machine, begin))
         required, cause = float(run.required(person, machine, begin)), ""
     else:
@@ -328,19 +327,19 @@ def _incident(run: Outcome, log: _Log, person: str, machine: str, span: Span) ->
 
 
 def _sample_times(span: Span) -> CellArray:
-    """Return instants (N,) from the beginning of an interval to just before its end."""
+    """Return times (N,) from the begin of an interval to just before its end."""
     begin, end = span
     count = min(max(2, math.ceil((end - begin) / MOMENT) + 1), _MOST_MOMENTS)
-    # At its end a body may be put elsewhere.
+    # A body may be teleported at the end.
     return np.linspace(begin, max(begin, np.nextafter(end, begin)), count)
 
 
 def _least_margin(
     run: Outcome, person: str, machine: str, span: Span, times: CellArray
 ) -> tuple[float, float]:
-    """Return when in an interval the margin is least, and that margin: (seconds, metres).
+    """Return the time (s) and value (m) of the least margin in an interval.
 
-    Solved for where the law allows it, and else the least at `times`.
+    It is exact if the law depends on speeds only, and otherwise the least at `times`.
     """
     begin, end = span
     shape = run.scene.machine(machine)

@@ -81,8 +81,8 @@ class Outcome:
             times = np.ravel(np.asarray(t, dtype=np.float64))
             motion = self.motions[other]
             poses = np.column_stack([motion.position(times), motion.rotation(times)])
-            found = shapes.distances(self.motions[person].position(times), poses)
-            return np.asarray(found.reshape(np.shape(t)))
+            distances = shapes.distances(self.motions[person].position(times), poses)
+            return np.asarray(distances.reshape(np.shape(t)))
         apart = self.motions[other].position(t) - self.motions[person].position(t)
         if is_machine:
             apart = apart + self.scene.rules.measured_at(self.scene.machine(other))
@@ -260,7 +260,7 @@ def csv_line(cells: Iterable[str]) -> str:
 
 
 class WholeLines:
-    """Writer of a text file that writes each line completely or not at all.
+    """Writer of a text file that writes each line completely or, on failure, nothing of it.
 
     Without `end` the file is new, and `FileExistsError` is raised if it exists. Otherwise the file
     is cut to its first `end` bytes and continued.
@@ -370,14 +370,14 @@ def _with_jumps(run: Outcome, times: Array, jumps: Mapping[str, Array]) -> Block
 
 
 def _are_among(times: Array, rising: Array) -> NDArray[np.bool_]:
-    """Return which of some `times` (N,) are among others, which rise."""
+    """Return which of `times` (N,) are among other times, which increase."""
     return np.searchsorted(rising, times, "left") < np.searchsorted(rising, times, "right")
 
 
 def _texts(samples: NDArray[np.float64]) -> list[str]:
-    """Return the figures of each of `samples` (N, 5) as they stand in a line.
+    """Return the cells of each row of `samples` (N, 5).
 
-    A body that stands has the same ones again and again: they are written out once.
+    Rows of a stationary body are equal and formatted once.
     """
     figures = np.round(samples, DECIMALS) + 0.0
     fresh = np.ones(len(figures), dtype=bool)

@@ -1,4 +1,4 @@
-"""Output files: names of folders, and files that are written completely or not at all."""
+"""Output files: names of folders, and files that are replaced completely or not changed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 
 
 def folder_for(name: str, parent: str) -> Path:
-    """Return the folder right in `parent` for a trial or a study named `name`, whatever it is."""
+    """Return the folder in `parent` for a trial or study of any name."""
     plain = re.sub(r"[/\\]", "-", name)
     return Path(parent) / (plain if plain.strip(".") else "unnamed")
 
@@ -23,7 +23,7 @@ class OutputError(OSError):
 
 @contextmanager
 def writing(path: Path, words: str = "can't write") -> Iterator[None]:
-    """Raise the system's errors in this context as ones of writing `path`, in these `words`."""
+    """Raise errors of the system in this context as `OutputError`, in these `words`."""
     try:
         yield
     except OutputError:
@@ -36,8 +36,8 @@ def writing(path: Path, words: str = "can't write") -> Iterator[None]:
 def replacing(path: Path) -> Iterator[Path]:
     """Yield a temporary path that replaces `path` on success and is deleted on failure.
 
-    It has the same name, in a folder beside `path`, so that renaming it is atomic. A link stays a
-    link; what is no file, as /dev/stdout, is written to itself.
+    It has the same name, in a folder beside `path`, so that renaming it is atomic. Links are
+    followed. Special files, such as /dev/stdout, are written directly.
     """
     target = Path(os.path.realpath(path))
     if target.exists() and not (target.is_file() or target.is_dir()):
@@ -52,6 +52,6 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Write `text` (UTF-8, as it is) to `path`, or leave `path` as it was; `OSError` says why."""
+    """Write `text` as UTF-8 to `path`, or raise `OSError` and leave `path` unchanged."""
     with replacing(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")

@@ -16,10 +16,10 @@ from navigation import Motion
 from ..core.recorder import Event
 
 Span = tuple[float, float]
-"""From when to when, seconds."""
+"""Begin and end in seconds."""
 
 ROUNDING = 1e-8
-"""Seconds. Instants of events are rounded to less than this."""
+"""Seconds. Times of events are rounded to less than this."""
 
 
 def stays(
@@ -27,7 +27,7 @@ def stays(
 ) -> dict[str, tuple[Span, ...]]:
     """Return the intervals in which each body of a run is on the floor.
 
-    Their times are those of the motions, to which events are rounded.
+    Their times are exact times of motions. Times of events are rounded.
     """
     spans: dict[str, tuple[Span, ...]] = dict.fromkeys(motions, ((0.0, duration),))
     for event in events:
@@ -46,74 +46,74 @@ def stays(
 
 
 def _exact(motion: Motion, t: float) -> float:
-    """Return the instant of the jump that was recorded for `t` (seconds)."""
+    """Return the exact time of the jump recorded at `t` (s)."""
     return next((jump for jump in motion.jumps if abs(jump - t) < ROUNDING), t)
 
 
 Array = NDArray[np.float64]
 
 BLOCK = 8192
-"""Number of instants worked out at a time when a run is sampled piece by piece."""
+"""Number of times that are sampled together."""
 
 MOST = 100_000_000
-"""Largest number of instants at which a run is sampled."""
+"""Maximum number of sample times of a run."""
 
 
 def instants(duration: float, rate: float) -> Array:
-    """`rate` instants a second (Hz), from 0 to `duration` (seconds): (N,).
+    """Return times (N,) from 0 to `duration` (s) at `rate` (Hz).
 
-    `ValueError` if the rate isn't positive, or if there are more than `MOST` instants.
+    `ValueError` if the rate is not positive, or if there are more than `MOST` times.
     """
     require_instants(duration, rate)
     return np.arange(_count(duration, rate)) / rate
 
 
 def blocks_of_instants(duration: float, rate: float) -> Iterator[Array]:
-    """Yield the same times, `BLOCK` of them at once."""
+    """Yield the same times, at most `BLOCK` of them together."""
     count = _count(duration, rate)
     for first in range(0, count, BLOCK):
         yield np.arange(first, min(first + BLOCK, count)) / rate
 
 
 def sample(motion: Motion, times: Array) -> Array:
-    """Return a motion at `times` (N,): x, y, rotation and velocity along x and y, (N, 5).
+    """Return x, y, rotation and velocity of a motion at `times` (N,), shape (N, 5).
 
-    Metres, radians, m/s.
+    Units are m, rad and m/s.
     """
     return np.column_stack([motion.position(times), motion.rotation(times), motion.velocity(times)])
 
 
 def sample_all(motions: Mapping[str, Motion], times: Array) -> dict[str, Array]:
-    """Every motion at `times` (N,) as `sample` has it, by its name."""
+    """Return the samples of every motion at `times` (N,) by name. See `sample`."""
     return {name: sample(motion, times) for name, motion in motions.items()}
 
 
 def require_rate(rate: float) -> None:
-    """`ValueError` if `rate` is nothing to sample at (Hz)."""
+    """Raise `ValueError` if `rate` (Hz) is not positive and finite."""
     if not (np.isfinite(rate) and rate > 0):
         raise UserError(f"rate must be more than 0 Hz, not {rate:g}")
 
 
 def require_instants(duration: float, rate: float) -> None:
-    """`ValueError` if `duration` (seconds) at `rate` (Hz) is more than `MOST` instants."""
+    """Raise `ValueError` if `duration` (s) at `rate` (Hz) has more than `MOST` times."""
     if duration * rate > MOST:
         raise UserError(f"{duration:g} s at {rate:g} Hz are more than {MOST:,} instants")
 
 
 def _count(duration: float, rate: float) -> int:
     require_rate(rate)
-    # The product may be a hair less than the whole number that is meant: 4.35 × 100 is.
+    # The product may be slightly less than a whole number, as 4.35 × 100 is.
     return int(duration * rate + 1e-9) + 1
 
 
 CellArray = NDArray[np.float64]
 
 _HAIR = 1e-9
-"""Metres. Cells that are beyond a radius by no more than this still count."""
+"""Metres. Tolerance of the distance between cells."""
 
 
 def cells_of(plan: Floorplan, side: float) -> tuple[int, int]:
-    """Return how many rows and columns of cells with this side (metres) the floor's bounds take."""
+    """Return the number of rows and columns of cells with this side (m) in the floor's bounds."""
     west, south, east, north = plan.boundary.bounds
     return (math.ceil((north - south) / side), math.ceil((east - west) / side))
 
@@ -121,9 +121,9 @@ def cells_of(plan: Floorplan, side: float) -> tuple[int, int]:
 def spread(
     cells: CellArray, side: float, radius: float, join: Callable[..., CellArray], nothing: float
 ) -> CellArray:
-    """Return each cell (of this side) joined with all within `radius` metres of it.
+    """Return each cell joined with all cells within `radius` (m). `side` is in metres.
 
-    `nothing` is what stands beyond the floor.
+    `nothing` is the value beyond the floor.
     """
     reach = math.ceil(radius / side)
     rows, columns = cells.shape
@@ -131,7 +131,7 @@ def spread(
     joined = np.full_like(cells, nothing)
     for i in range(-reach, reach + 1):
         for j in range(-reach, reach + 1):
-            # One shift of the whole array for each cell of the disc: a dilation, or a sum, by its
+            # The array is shifted once for each cell of the disc: a dilation, or a sum, by its
             # mask.
             if math.hypot(i, j) * side < radius + _HAIR:
                 joined = join(joined, padded[reach + i :, reach + j :][:rows, :columns])
@@ -139,14 +139,14 @@ def spread(
 
 
 MOMENT = 0.02
-"""Seconds. Whoever moves is looked at so often."""
+"""Seconds. Sampling interval of moving bodies."""
 
 TimeArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Stay:
-    """Somebody who is on the floor for a `span` of a run, and `too_close` within some intervals."""
+    """A person's `span` on the floor, and the intervals in which they are `too_close`."""
 
     motion: Motion
     span: Span
@@ -154,10 +154,10 @@ class Stay:
 
 
 def zone_exposures(zones: Sequence[Zone], stays: Sequence[Stay]) -> dict[str, dict[str, float]]:
-    """Return figures of each zone by name, of all people together; where their centre is counts.
+    """Return figures of each zone by name, for all people. A person is where their centre is.
 
-    `time_occupied` and `time_too_close` are in seconds, right to 0.02 s for each time that
-    somebody goes in or out; `entries` is how often somebody comes in, or is there at first.
+    `time_occupied` and `time_too_close` are in seconds, with an error of at most 0.02 s per
+    crossing of the border. `entries` counts entries, and people who are inside at first.
     """
     figures: dict[str, dict[str, float]] = {
         zone.name: {"time_occupied": 0.0, "time_too_close": 0.0, "entries": 0} for zone in zones
@@ -176,7 +176,7 @@ def zone_exposures(zones: Sequence[Zone], stays: Sequence[Stay]) -> dict[str, di
 
 
 def _inside(zone: Zone, x: TimeArray, y: TimeArray) -> NDArray[np.bool_]:
-    """Return which places (metres, (N,) each) are in a zone; only those in its bounds are asked."""
+    """Return which positions (m, (N,) each) are in a zone, testing only those in its bounds."""
     west, south, east, north = zone.area.bounds
     inside: NDArray[np.bool_] = (x >= west) & (x <= east) & (y >= south) & (y <= north)
     inside[inside] = shapely.intersects_xy(zone.area, x[inside], y[inside])
@@ -184,9 +184,9 @@ def _inside(zone: Zone, x: TimeArray, y: TimeArray) -> NDArray[np.bool_]:
 
 
 def moments(motion: Motion, begin: float, end: float) -> tuple[TimeArray, TimeArray]:
-    """Return the middles and lengths (seconds, (N,) each) of parts of a motion between instants.
+    """Return the middles and durations (s, (N,) each) of parts of a motion from `begin` to `end`.
 
-    Parts in which it moves are no longer than `MOMENT`; in the others it stands.
+    Parts with motion are at most `MOMENT` long.
     """
     if end <= begin:
         return np.empty(0), np.empty(0)
@@ -200,8 +200,8 @@ def moments(motion: Motion, begin: float, end: float) -> tuple[TimeArray, TimeAr
 
 
 def within(times: TimeArray, intervals: Sequence[Span]) -> NDArray[np.bool_]:
-    """Return for each of `times` (seconds) whether it lies in one of the intervals."""
-    found = np.zeros(len(times), dtype=bool)
+    """Return which of `times` (s) lie in one of the intervals."""
+    inside = np.zeros(len(times), dtype=bool)
     for begin, end in intervals:
-        found |= (times >= begin) & (times < end)
-    return found
+        inside |= (times >= begin) & (times < end)
+    return inside

@@ -1,7 +1,7 @@
 """Scene file of a recording (`scene.json`), and strict parsing of JSON.
 
-Areas are GeoJSON polygons, everything else the fields of the values by name. A field that an
-older recording does not have gets its default.
+Areas are GeoJSON polygons, everything else the fields of values by name. Fields that an older
+recording lacks have their default.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ from ..machines.kinds import machines_on
 from ..safety.laws import OwnLaw
 
 LARGEST_OF_ALL = 1e30
-"""No figure of a run is larger, coefficients and seeds among them."""
+"""Maximum of all numbers of a run, including coefficients and seeds."""
 
 
 def parse_json(text: str) -> Any:
-    """Return the value in `text`; `ValueError` if it is no JSON, or has a larger number."""
+    """Return the value in `text`. `ValueError` if it is no JSON or contains a larger number."""
     value = from_json(text, allow_inf_nan=False)
     require_figures(value, LARGEST_OF_ALL)
     return value
 
 
 def require_figures(value: Any, most: float) -> None:
-    """Raise `UserError` if a number in `value`, or in what it holds, is not within ±`most`."""
+    """Raise `UserError` if a number in `value`, or nested in it, exceeds ±`most`."""
     if isinstance(value, dict):
         value = [*value.values()]
     if isinstance(value, list):
@@ -57,7 +57,7 @@ def require_figures(value: Any, most: float) -> None:
 
 
 FORMAT = "floorwalker-scene/1"
-"""Value of `format`, by which a reader knows the file."""
+"""Value of `format` that identifies the file."""
 
 _LATER = r"floorwalker-scene/([2-9]|[1-9]\d+)"
 
@@ -71,7 +71,7 @@ OPTIONAL = (
     "outline",
     "fields",
 )
-"""Fields of floors, scenes and rule sets that are left out where they are empty."""
+"""Fields of floors, scenes and rule sets that are omitted if they are empty."""
 
 _LAWS = {
     law.__name__: law for law in (SeparationLaw, IntegralLaw, ApproachLaw, FixedDistance, Scaled)
@@ -79,17 +79,17 @@ _LAWS = {
 
 
 class SceneError(UserError):
-    """A text that is not a scene."""
+    """Error of a text that is not a scene."""
 
 
 @dataclass(frozen=True)
 class ForeignLaw:
-    """A law from outside the library that a recording names; its distances are not known."""
+    """Custom law that a recording names. Its distances are unknown."""
 
     name: str
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """`SceneError`: the distance is not known."""
+        """Raise `SceneError`, because the distance is unknown."""
         raise SceneError(
             f"the recording was made with a law of its own, {self.name}, which it does not hold;"
             " use the trial instead of the recording"
@@ -118,10 +118,10 @@ def write_scene(scene: Scene) -> str:
 
 
 def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
-    """Return the scene in `text`; `SceneError` says why there is none.
+    """Return the scene in `text`, or raise `SceneError`.
 
-    With `later` a scene of a later version is read too, without what is not known here, and
-    `later(sentence)` says so.
+    With `later`, a scene of a later version is accepted without its unknown fields, and `later` is
+    called with a sentence about it.
     """
     try:
         data = parse_json(text)
@@ -133,14 +133,14 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
     except UserError as why:
         raise SceneError(str(why)) from None
     data = _with_polygons(data)
-    found = data.get("format") if isinstance(data, dict) else None
-    if found != FORMAT:
-        if later is None or not re.fullmatch(_LATER, str(found)):
-            raise SceneError(f"expected the format {FORMAT!r}, found {found!r}")
-        later(f"made in the later format {found}; what this version knows of it is shown")
+    form = data.get("format") if isinstance(data, dict) else None
+    if form != FORMAT:
+        if later is None or not re.fullmatch(_LATER, str(form)):
+            raise SceneError(f"expected the format {FORMAT!r}, found {form!r}")
+        later(f"made in the later format {form}; what this version knows of it is shown")
     try:
         # The fields by their names in Python. Keys of files may have others.
-        extra: Literal["ignore"] | None = None if found == FORMAT else "ignore"
+        extra: Literal["ignore"] | None = None if form == FORMAT else "ignore"
         scene = _SceneFile.model_validate(data, by_alias=False, by_name=True, extra=extra)
     except ValidationError as misfits:
         first = misfits.errors()[0]
@@ -153,7 +153,7 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
         trial=scene.trial,
         seed=scene.seed,
         floorplan=scene.floorplan,
-        rules=_rules(_known(scene.rules) if found != FORMAT else scene.rules),
+        rules=_rules(_known(scene.rules) if form != FORMAT else scene.rules),
         people=scene.people,
         starts=scene.starts,
         machines=machines_on(scene.floorplan) if scene.machines is None else scene.machines,
@@ -164,7 +164,7 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
 
 
 def _plain(value: Any) -> Any:
-    """Return `value` as JSON has it."""
+    """Return `value` in the form for JSON."""
     if isinstance(value, Polygon):
         return mapping(value)
     if hasattr(value, "distance") or hasattr(value, "required"):
@@ -185,7 +185,7 @@ def _plain(value: Any) -> Any:
 
 
 def _fields(value: Any) -> dict[str, Any]:
-    """Return the fields of a value, but for empty ones of late, and the notices on a floor."""
+    """Return the fields of a value without empty optional ones and notices of a floor."""
     left_out = {"notices"} if isinstance(value, Floorplan) else set()
     if isinstance(value, Floorplan | Scene | RuleSet | MachineShape):
         left_out |= {name for name in OPTIONAL if not getattr(value, name, True)}
@@ -196,7 +196,7 @@ def _fields(value: Any) -> dict[str, Any]:
 
 
 def _with_polygons(data: Any, *place: str | int) -> Any:
-    """Return the data at a place in the scene with polygons where they stand for one."""
+    """Return the data at a place in the scene with GeoJSON converted to polygons."""
     if isinstance(data, list):
         return [_with_polygons(inner, *place, k) for k, inner in enumerate(data)]
     if not isinstance(data, dict):
@@ -214,7 +214,7 @@ def _with_polygons(data: Any, *place: str | int) -> Any:
 
 
 def _known(rules: dict[str, Any]) -> dict[str, Any]:
-    """Return the fields of rules that are known here."""
+    """Return the fields of rules that this version has."""
     names = {field.name for field in fields(RuleSet)}
     return {name: value for name, value in rules.items() if name in names}
 
@@ -226,8 +226,8 @@ def _rules(data: dict[str, Any]) -> RuleSet:
         rules = RuleSet(**(_terms(data) | {"notice": notice, "laws": laws}))
     except (AttributeError, KeyError, TypeError, ValueError) as why:
         raise SceneError(f"rules: {why}") from None
-    known = (rules.gantry_law, rules.agv_law, notice.law, *laws.values())
-    if not (isinstance(notice.law, Scaled) and all(map(_is_law, known))):
+    all_laws = (rules.gantry_law, rules.agv_law, notice.law, *laws.values())
+    if not (isinstance(notice.law, Scaled) and all(map(_is_law, all_laws))):
         raise SceneError("rules: invalid law")
     return rules
 
@@ -239,7 +239,7 @@ def _is_law(law: object) -> bool:
 
 
 def _terms(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the values of `data`, with laws where they stand for one."""
+    """Return the values of `data` with forms converted to laws."""
     return {key: _term(value) for key, value in data.items()}
 
 

@@ -1,13 +1,13 @@
 """Metrics of social navigation, with groups of people and social work.
 
 The force is that of M. Moussaïd et al., "Experimental study of the behavioural mechanisms
-underlying self-organization in human crowds", Proc. R. Soc. B 276, 2009, with the figures of
+underlying self-organization in human crowds", Proc. R. Soc. B 276, 2009, with the constants of
 HuNavSim's evaluator (its factor is 2.1, where the paper fits 4.5).
 
 Names follow the evaluator of HuNavSim (N. Pérez-Higueras et al., "HuNavSim: A ROS 2 Human
 Navigation Simulator for Benchmarking Human-Aware Robot Navigation", IEEE Robotics and Automation
-Letters 8, 2023). `docs/metrics.md` has every formula and its source. Everything is worked out from
-the motions themselves, not from samples.
+Letters 8, 2023). `docs/metrics.md` has every formula and its source. Metrics are computed from
+motions, not from samples.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ Cubic = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class WalkingGroup:
-    """Those who walk with a leader: their names, the leader's first, and when (s) they are there.
+    """People who walk with a leader: their names, the leader's first, and their time span (s).
 
-    `middle` is the mean of their places.
+    `middle` is the mean of their positions.
     """
 
     members: tuple[str, ...]
@@ -49,26 +49,26 @@ class WalkingGroup:
 def groups(
     motions: Mapping[str, Motion], events: Iterable[Event], presence: Mapping[str, Span]
 ) -> dict[str, WalkingGroup]:
-    """Return the groups of a run by their leaders' names, from when all walk together on."""
+    """Return the groups of a run by their leaders' names, from the time when all walk together."""
     members: dict[str, dict[str, float]] = {}
     for event in events:
         if event["kind"] == "walks_with":
             members.setdefault(event["other"], {}).setdefault(event["person"], event["t"])
-    found = {}
+    by_leader = {}
     for leader, others in members.items():
         names = (leader, *others)
         begin = max(*others.values(), *(presence[name][0] for name in names))
         end = min(presence[name][1] for name in names)
         if begin < end:
             middle = mean_motion([motions[name] for name in names], begin, end)
-            found[leader] = WalkingGroup(names, (begin, end), middle)
-    return found
+            by_leader[leader] = WalkingGroup(names, (begin, end), middle)
+    return by_leader
 
 
 def mean_motion(motions: Sequence[Motion], begin: float, end: float) -> Motion:
-    """Return the motion of the middle of several bodies between two instants (seconds)."""
-    # Between two instants at which any of them begins a new piece, all are cubics, and so is their
-    # mean, coefficient by coefficient, once they are written from the same instant on.
+    """Return the mean motion of several bodies between two times (s)."""
+    # Between changes of pieces all motions are cubics. Written from the same time, their mean is
+    # the mean of their coefficients.
     parts = [motion.cut(begin, end) for motion in motions]
     cuts = sorted({t for part in parts for piece in part.pieces for t in piece[:2]})
     ahead = [list(part.pieces) for part in parts]
@@ -93,29 +93,29 @@ def _mean(cubics: Sequence[Cubic]) -> Cubic:
 Array = NDArray[np.float64]
 
 FACTOR, LAMBDA, GAMMA, N, N_PRIME = 2.1, 2.0, 0.35, 2.0, 3.0
-"""Metres per square second, and figures without unit."""
+"""Parameters of the force: m/s², and numbers without unit."""
 
 STRAIGHT = 1e-9
-"""Radians. Where D is no further from the line between two bodies, there is no turning."""
+"""Radians. There is no turning if D deviates less from the line between two bodies."""
 
 LONGEST = 0.25
-"""Seconds. Stretches are halved until they are no longer than this."""
+"""Seconds. Maximum length of the stretches of integration."""
 
 _AT_ONCE = 1024
-"""Stretches that are worked on at once: what is known of a pair in them stays in the cache."""
+"""Number of stretches that are evaluated together, so that their data fit into the cache."""
 
 _NODES, _WEIGHTS = np.array(NODES_5), np.array(WEIGHTS_5)
 
 
 def social_force(apart: Array, velocity: Array) -> Array:
-    """Return the force per mass (m/s²) on a body from another one: (2, N).
+    """Return the force per mass (m/s²) on a body from another one, shape (2, N).
 
-    `apart` is from the body to the other one (m), `velocity` the body's less the other's (m/s),
-    each (2, N). The force of the body on the other one is its opposite.
+    `apart` is from the body to the other one (m), and `velocity` the body's minus the other's
+    (m/s), each (2, N). The force of the body on the other one is its opposite.
     """
-    # In the paper's terms `towards` is D = λ Δv + e, `angle` θ, from D to e, and `width` B = γ |D|;
-    # the force is that of slowing down, along D, and that of turning, across it. As the other one
-    # has it, e and Δv are the opposite: so is D, and θ is the same.
+    # In the paper's terms `towards` is D = λ Δv + e, `angle` is θ from D to e, and `width` is B = γ
+    # |D|. The force has a part that slows down, along D, and a part that turns, across it. For the
+    # other body, e, Δv and D are the opposite, and θ is the same.
     distance = np.maximum(_length(apart), 1e-9)
     direction = apart / distance
     towards = LAMBDA * velocity + direction
@@ -123,7 +123,7 @@ def social_force(apart: Array, velocity: Array) -> Array:
     along = towards / length
     across = along[0] * direction[1] - along[1] * direction[0]
     angle = np.arctan2(across, along[0] * direction[0] + along[1] * direction[1])
-    # Towards either side, if D is along e or against it: rounding must not say which.
+    # No side if D is parallel to e, because rounding would decide.
     side = np.where(np.abs(across) > STRAIGHT, np.sign(across), 0.0)
     width = GAMMA * length
     nearness, turn = -distance / width, (width * angle) ** 2
@@ -138,8 +138,7 @@ def social_work(
 ) -> Array:
     """Return ∫ |Σ force of others on the body| + Σ |force of the body on each other| dt, m/s: (B,).
 
-    Each of the bodies has the span (seconds) in which it is there; `pairs` are their indices, each
-    pair once.
+    Each body has the span (s) in which it is present. `pairs` are pairs of indices, each pair once.
     """
     work = np.zeros(len(bodies))
     spans = np.array([span for _, span in bodies])
@@ -150,7 +149,7 @@ def social_work(
         shape = (len(bodies), 2, u.size)
         at = (c0 + u * (c1 + u * (c2 + u * c3))).reshape(shape)
         velocity = (c1 + u * (2 * c2 + u * 3 * c3)).reshape(shape)
-        felt, given = np.zeros(shape), np.zeros((len(bodies), u.size))
+        felt, exerted = np.zeros(shape), np.zeros((len(bodies), u.size))
         there = np.searchsorted(begins, spans) * u.shape[1]
         for one, other in pairs:
             both = slice(max(there[one, 0], there[other, 0]), min(there[one, 1], there[other, 1]))
@@ -161,21 +160,21 @@ def social_work(
             felt[one, :, both] += force
             felt[other, :, both] -= force
             size = _length(force)
-            given[one, both] += size
-            given[other, both] += size
+            exerted[one, both] += size
+            exerted[other, both] += size
         weights = (halves[:, None] * _WEIGHTS).ravel()
-        work += ((_length(felt.swapaxes(0, 1)) + given) * weights).sum(1)
+        work += ((_length(felt.swapaxes(0, 1)) + exerted) * weights).sum(1)
     return work
 
 
 def _stretches(
     bodies: Sequence[tuple[Motion, tuple[float, float]]],
 ) -> Iterator[tuple[Array, Array]]:
-    """Yield begins and half durations (S,), in seconds, of some stretches after others.
+    """Yield begins and half durations (s) of consecutive stretches, (S,) each.
 
-    Between two cuts nobody's motion goes over into another polynomial, comes or goes: the integrand
-    is smooth there, and Gauss-Legendre's five nodes, exact up to the ninth degree, need only short
-    stretches; across a cut they would lose that order.
+    Between two cuts, motions are polynomials and nobody comes or goes. The integrand is smooth
+    there, so that Gauss-Legendre quadrature with five nodes, exact up to the ninth degree, needs
+    only short stretches. Across a cut it would lose that order.
     """
     spans = [t for _, span in bodies for t in span]
     changes = (t for motion, _ in bodies for piece in motion.pieces for t in piece[:2])
@@ -227,7 +226,7 @@ DISTANCES = (
 
 
 class _Run(Protocol):
-    """Parts of a run from which its metrics are worked out."""
+    """Parts of a run that its metrics need."""
 
     @property
     def scene(self) -> Scene: ...
@@ -343,7 +342,7 @@ def _progress(person: str, run: _Run) -> dict[str, Any]:
 
 
 def _legs(events: Iterable[Event]) -> Iterable[float | None]:
-    """Yield for each goal of one person the seconds until it was reached, or None."""
+    """Yield the time (s) until each goal of one person was reached, or None."""
     since: float | None = None
     for event in events:
         if event["kind"] in ("goal", "teleport"):
@@ -358,16 +357,16 @@ def _legs(events: Iterable[Event]) -> Iterable[float | None]:
 def _companies(
     courses: Courses, names: list[str], people: list[str], radii: list[float]
 ) -> dict[tuple[str, str], dict[str, float]]:
-    """Distances: of each person to every other body, and of each machine to the people."""
+    """Return the distances of each person to other bodies, and of each machine to people."""
     index = {name: k for k, name in enumerate(names)}
     pairs = [(a, b) for a in people for b in names if index[a] < index[b]]
-    asked = {(a, b): (index[a], [index[b]]) for a, b in pairs}
+    queries = {(a, b): (index[a], [index[b]]) for a, b in pairs}
     machines = [name for name in names if name not in people]
     if len(people) > 1:
         everybody = [index[name] for name in people]
-        asked |= {(name, "people"): (index[name], everybody) for name in machines}
-    found = courses.company(list(asked.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
-    beside = dict(zip(asked, map(_distances, found), strict=True))
+        queries |= {(name, "people"): (index[name], everybody) for name in machines}
+    companies = courses.company(list(queries.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
+    beside = dict(zip(queries, map(_distances, companies), strict=True))
     beside |= {(b, a): beside[a, b] for a, b in pairs}
     if len(people) == 1:
         beside |= {(name, "people"): beside[name, people[0]] for name in machines}
@@ -378,20 +377,20 @@ def _companies(
 def _beside_groups(
     courses: Courses,
     names: list[str],
-    found: Mapping[str, WalkingGroup],
+    groups: Mapping[str, WalkingGroup],
     sizes: Mapping[str, float],
 ) -> dict[str, dict[str, Any]]:
-    """Distances of each body to the middle of each group, if any, that it is not one of."""
-    asked = {
+    """Return the distances of each body to the middle of each group of other people."""
+    queries = {
         (name, leader): (k, [len(names) + j])
-        for j, (leader, group) in enumerate(found.items())
+        for j, (leader, group) in enumerate(groups.items())
         for k, name in enumerate(names)
         if name not in group.members
     }
-    radii = [*(sizes.get(name, 0.0) for name in names), *(0.0 for _ in found)]
-    measured = courses.company(list(asked.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
+    radii = [*(sizes.get(name, 0.0) for name in names), *(0.0 for _ in groups)]
+    measured = courses.company(list(queries.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
     beside: dict[str, dict[str, Any]] = {}
-    for (name, leader), company in zip(asked, measured, strict=True):
+    for (name, leader), company in zip(queries, measured, strict=True):
         to = beside.setdefault(name, {"distance_to_groups": {}})["distance_to_groups"]
         to[leader] = _distances(company)
     return beside
@@ -400,7 +399,7 @@ def _beside_groups(
 def _social_work(
     run: _Run, spans: Mapping[str, tuple[float, float]], people: Sequence[str]
 ) -> dict[str, float]:
-    """Return the social work of each body beside people: m/s."""
+    """Return the social work of each body beside people (m/s)."""
     crowd = [(run.motions[name], spans[name]) for name in people]
     pairs = list(itertools.combinations(range(len(people)), 2))
     work = dict(zip(people, social_work(crowd, pairs).tolist(), strict=True))
@@ -412,7 +411,7 @@ def _social_work(
 
 
 def _distances(company: Company) -> dict[str, Any]:
-    """`DISTANCES`: metres, and the share of time in each of Hall's spaces in percent."""
+    """Return `DISTANCES`: metres, and the share of time in each of Hall's spaces in percent."""
     time = company.time
     if not time:
         return dict(zip(DISTANCES, (0.0, None, None, None, 0.0, 0.0, 0.0), strict=True))

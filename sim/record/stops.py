@@ -1,4 +1,4 @@
-"""Times in which machines stood still, by cause, and the people for whom they did."""
+"""Times in which machines stood still, by cause, and the people who caused them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .outcome import Outcome
 from .sampling import Span
 
 UNRECORDED = "not recorded"
-"""Cause of a standstill of a custom machine without another one."""
+"""Cause of a standstill of a custom machine that records none."""
 
 CAUSES_OF_STOPS = {
     "penalty": "disabled as a penalty",
@@ -36,18 +36,18 @@ CAUSES_OF_STOPS = {
     "nothing to do": "has no job, or no move under way",
     UNRECORDED: "a custom machine, which records no causes",
 }
-"""Causes of standing still, the first that holds, and their meanings."""
+"""Causes of standing still in order of priority, and their meanings."""
 
 
 FASTER = 0.05
-"""m/s. A machine that gains as much while it brakes has gone on."""
+"""m/s. A machine that gains as much while it brakes has resumed."""
 
 
 @dataclass(frozen=True)
 class Standstill:
-    """A time, from `begin` to `end` (s), in which a machine stood still for one `cause`.
+    """A time from `begin` to `end` (s) in which a machine stood still for one `cause`.
 
-    `who` is the person or machine for which it began, or what was in the way, if any.
+    `who` is the person, machine or obstacle that caused it, if any.
     """
 
     begin: float
@@ -60,8 +60,8 @@ class Standstill:
 class MachineTimes:
     """Times of one machine, in one run or in several.
 
-    It was `moving` for so many seconds. `stopped` has the seconds of standing still by cause.
-    `whom` has the number and seconds of stops by cause and person (or thing), the longest first.
+    `moving` is the time of motion (s). `stopped` has the standstill time (s) by cause. `whom` has
+    the number and duration (s) of stops by cause and person (or obstacle), the longest first.
     `jobs_done` counts finished jobs. `had_jobs` is True if there was something to do.
     """
 
@@ -74,11 +74,11 @@ class MachineTimes:
 
 
 def times_of_all(runs: Iterable[Sequence[MachineTimes]]) -> list[MachineTimes]:
-    """Return the times of each machine in several runs together."""
-    found: dict[str, list[MachineTimes]] = {}
+    """Return the total times of each machine in several runs."""
+    by_machine: dict[str, list[MachineTimes]] = {}
     for times in runs:
         for one in times:
-            found.setdefault(one.machine, []).append(one)
+            by_machine.setdefault(one.machine, []).append(one)
     return [
         MachineTimes(
             machine=machine,
@@ -88,29 +88,29 @@ def times_of_all(runs: Iterable[Sequence[MachineTimes]]) -> list[MachineTimes]:
             jobs_done=sum(one.jobs_done for one in several),
             had_jobs=any(one.had_jobs for one in several),
         )
-        for machine, several in found.items()
+        for machine, several in by_machine.items()
     ]
 
 
 def _seconds(parts: Iterable[tuple[str, float]]) -> dict[str, float]:
-    found = dict.fromkeys(CAUSES_OF_STOPS, 0.0)
+    totals = dict.fromkeys(CAUSES_OF_STOPS, 0.0)
     for cause, seconds in parts:
-        found[cause] += seconds
-    return {cause: seconds for cause, seconds in found.items() if seconds > 0.0}
+        totals[cause] += seconds
+    return {cause: seconds for cause, seconds in totals.items() if seconds > 0.0}
 
 
 def _counted(
     parts: Iterable[tuple[tuple[str, str], int, float]],
 ) -> dict[tuple[str, str], tuple[int, float]]:
-    found: dict[tuple[str, str], tuple[int, float]] = {}
+    totals: dict[tuple[str, str], tuple[int, float]] = {}
     for key, n, seconds in parts:
-        count, before = found.get(key, (0, 0.0))
-        found[key] = count + n, before + seconds
-    return dict(sorted(found.items(), key=lambda one: -one[1][1]))
+        count, before = totals.get(key, (0, 0.0))
+        totals[key] = count + n, before + seconds
+    return dict(sorted(totals.items(), key=lambda one: -one[1][1]))
 
 
 JobKey = tuple[object, ...]
-"""What tells a job apart from others: its kind and the fields of its events."""
+"""Identity of a job: its kind and the fields of its events."""
 
 
 _BEGINS = {
@@ -124,7 +124,7 @@ _BEGINS = {
     "machine_blocked": "blocked",
     "agv_blocked": "blocked",
 }
-"""Causes that hold from an event on, by its kind."""
+"""Causes that begin with an event, by its kind."""
 
 _ENDS = {
     "gantry_enabled": ("penalty", "malfunction"),
@@ -133,22 +133,22 @@ _ENDS = {
     "field_slowdown_ended": ("warning field",),
     "machine_proceeds": ("traffic",),
 }
-"""Causes that no longer hold from an event on, by its kind."""
+"""Causes that end with an event, by its kind."""
 
 
 class _State:
-    """Causes for which a machine stands still at an instant, and its jobs."""
+    """Causes for which a machine stands still, and its jobs."""
 
     def __init__(self, otherwise: str) -> None:
         self.holding: dict[str, str] = {}
-        """Whom each cause concerns."""
+        """Person or machine that each cause concerns."""
         self.jobs: set[JobKey] = set()
         self._otherwise = otherwise
         self.blocked_at: float | None = None
-        """Last lane position (m) before what closes the lane of an AGV."""
+        """Last lane position (m) before the obstacle on the lane of an AGV."""
 
     def cause(self) -> tuple[str, str]:
-        """Return why the machine does not move, and for whom."""
+        """Return the cause of a standstill, and the person or machine it concerns."""
         holding = {**self.holding}
         if self.jobs:
             holding["job wait" if any(job[0] == "wait" for job in self.jobs) else "job"] = ""
@@ -158,12 +158,12 @@ class _State:
         return first, holding.get(first, "")
 
     def end(self, *causes: str) -> None:
-        """Take note that causes no longer hold."""
+        """Remove causes."""
         for cause in causes:
             self.holding.pop(cause, None)
 
     def take(self, event: Event, penalised: str) -> None:
-        """Take in an event of the machine. `penalised` is the person of the last penalty."""
+        """Apply an event of the machine. `penalised` is the person of the last penalty."""
         kind = event["kind"]
         self.end(*_ENDS.get(kind, ()))
         cause = _BEGINS.get(kind)
@@ -180,7 +180,7 @@ class _State:
             self.blocked_at = event["at"]
         elif kind == "agv_moved":
             self.end("people")
-            # An AGV that is blocked drives up to the last place before that.
+            # A blocked AGV drives to the last position before the obstacle.
             if event["to"] != self.blocked_at:
                 self.end("blocked")
         elif kind == "job_started":
@@ -231,7 +231,7 @@ def _times(
 
 
 def _leads_to_a_stop(run: Outcome, machine: str, event: Event, moves: Sequence[Span]) -> bool:
-    """Return False for a gantry that began to brake for a person, but went on before it stood."""
+    """Return False if a gantry braked for a person but resumed before it stopped."""
     t = event["t"]
     end = next((b for a, b in moves if a < t < b), None)
     if event["kind"] != "gantry_yielded" or end is None:
@@ -244,7 +244,7 @@ def _leads_to_a_stop(run: Outcome, machine: str, event: Event, moves: Sequence[S
 def _stops(
     state: _State, log: Sequence[tuple[Event, str]], moves: Sequence[Span], since: float, end: float
 ) -> Iterator[Standstill]:
-    """Yield the stops of a machine between its moves, cut wherever their cause may change."""
+    """Yield the stops of a machine between its moves, split where their cause may change."""
     events = iter([*log, None])
     following = next(events)
     at = since
@@ -255,7 +255,7 @@ def _stops(
             state.take(*following)
             following, at = next(events), t
         yield Standstill(at, begin, *state.cause())
-        # Who moves waits no longer. Whom it yields to meanwhile, it brakes for.
+        # A moving machine no longer waits, and only slows down for people.
         while following is not None and following[0]["t"] == begin < end:
             state.take(*following)
             following = next(events)
@@ -266,7 +266,7 @@ def _stops(
 
 
 def _joined(stops: Iterable[Standstill]) -> Iterator[Standstill]:
-    """Yield stops that take time, those without a break and of one cause as one."""
+    """Yield stops with a duration, joining adjacent ones with the same cause."""
     last: Standstill | None = None
     for stop in stops:
         if stop.end <= stop.begin:
@@ -283,7 +283,7 @@ def _joined(stops: Iterable[Standstill]) -> Iterator[Standstill]:
 
 
 def _job(event: Event) -> JobKey:
-    """Return what tells the job of an event apart."""
+    """Return the identity of the job of an event."""
     if event["kind"] == "order_submitted":
         return ("submit", event["order"])
     job = event["job"]

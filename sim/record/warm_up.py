@@ -1,4 +1,4 @@
-"""A run after its warm-up, from which what happened before is left out."""
+"""A run without its warm-up."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .outcome import Outcome
 from .sampling import Span, Stay, zone_exposures
 
 JUDGED = frozenset({"violation", "penalty", "teleport", "contact"})
-"""Kinds of events that are findings. Those of the warm-up are left out."""
+"""Kinds of events that are findings. Those of the warm-up are omitted."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -32,7 +32,7 @@ class AfterWarmUp(Outcome):
 
 
 def after_warm_up(run: Outcome, since: float) -> Outcome:
-    """Return a run without its warm-up, which ends at `since` (s). It is the run itself at 0."""
+    """Return a run without its warm-up, which ends at `since` (s), or the run itself at 0."""
     if since <= 0.0:
         return run
     return AfterWarmUp(
@@ -52,7 +52,7 @@ def after_warm_up(run: Outcome, since: float) -> Outcome:
 
 
 def started(run: Outcome) -> dict[str, float]:
-    """Return when (s) each person started who did."""
+    """Return the start (s) of each person who started."""
     return {e["person"]: e["t"] for e in reversed(run.events) if e["kind"] == "human_started"}
 
 
@@ -72,5 +72,5 @@ def zones_of(run: Outcome) -> dict[str, dict[str, float]]:
 
 
 def contacts_of(run: Outcome, what: str = "person") -> int:
-    """Return how often a machine touched a "person", or (`what` is "with") something else."""
+    """Return the number of contacts of machines with a "person" or, if `what` is "with", others."""
     return sum(event["kind"] == "contact" and what in event for event in run.events)

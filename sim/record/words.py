@@ -1,4 +1,4 @@
-"""The figures of a run in words, as a terminal or a notebook shows them."""
+"""Figures of a run in words, for terminals and notebooks."""
 
 from __future__ import annotations
 
@@ -7,17 +7,19 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..core.wording import distinguished, to_millimetres
+
 Words = Callable[[Any, Mapping[str, Any]], str]
-"""Puts a figure into words, from its value and what stands beside it; "" where it is not shown."""
+"""Formats a figure from its value and the figures beside it, or returns "" if it is not shown."""
 
 
 def plain(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return a number or a text as it is."""
+    """Return a number or a text unchanged."""
     return str(value)
 
 
 def some(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return a number that is told only where it is not 0."""
+    """Return a number, or "" if it is 0."""
     return str(value) if value else ""
 
 
@@ -31,25 +33,20 @@ def metres(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value:.1f} m"
 
 
-def millimetres(margin: float) -> str:
-    """Return a margin; one that is shorter than a millimetre has no sign."""
-    return f"{round(margin, 3) + 0.0:.3f} m"
-
-
 def by_cause(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return how many violations there were, and by which cause."""
+    """Return the number of violations by cause."""
     counts = {cause: count for cause, count in value.items() if count}
     causes = [f"{cause} {count}×" for cause, count in counts.items()]
     return f"{sum(counts.values())}" + (f" ({', '.join(causes)})" if causes else "")
 
 
 def stops(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return how many protective stops there were, and how long they took."""
+    """Return the number of protective stops and their duration."""
     return f"{value}, {beside['protective_stop_time']:.1f} s" if value else ""
 
 
 def beside_robots(inner: Words) -> Words:
-    """Return words for a figure of people beside gantries: none where they were not both there."""
+    """Return words for a figure that is shown only if there are people and gantries."""
 
     def put(value: Any, beside: Mapping[str, Any]) -> str:
         counts = value.values() if isinstance(value, Mapping) else [value]
@@ -60,19 +57,19 @@ def beside_robots(inner: Words) -> Words:
 
 
 def beside_vehicles(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return a number that is told only where people and vehicles that may move were there."""
+    """Return a number that is shown only if there are people and moving vehicles."""
     there = "nearest_agv" in beside and beside["people"]
     return str(value) if there or value else ""
 
 
 def jobs(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return the number of jobs: none where people were there, but no gantry and no job."""
+    """Return the number of jobs, or "" if there were people but no gantry and no job."""
     there = beside["minimum_separation"] is not None or not beside["people"]
     return str(value) if there or value else ""
 
 
 def machine(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return the figures of a machine that the trial adds, without times that are nothing."""
+    """Return the figures of an added machine, without times that are 0."""
     shown = []
     for key, number in value.items():
         if isinstance(number, bool) or not isinstance(number, int | float):
@@ -86,12 +83,12 @@ def machine(value: Any, beside: Mapping[str, Any]) -> str:
 
 
 def score(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return the points there were, of all there could have been."""
+    """Return the points and the maximum points."""
     return f"{value} of {beside['best_score']}"
 
 
 def order(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return what became of an order."""
+    """Return the outcome of an order."""
     if value["submitted"] is None:
         outcome = "not announced" if value["announced"] is None else "not submitted"
     else:
@@ -101,54 +98,41 @@ def order(value: Any, beside: Mapping[str, Any]) -> str:
 
 
 def nearest_people(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return a distance between two people, who they are, and when it was."""
+    """Return a distance between two people, their names, and its time."""
     if value is None:
         return ""
     one, other = value["between"]
     return f"{value['distance']:.2f} m ({one} and {other}) at {value['time']:.1f} s"
 
 
-def told_apart(distance: float, required: float) -> tuple[str, str]:
-    """Return a distance and what was required, in metres, with digits enough to tell them apart.
-
-    Up to millimetres: a violation begins where the two are equal, and a hair later is as exact as
-    a recording gets; that is just under what was required.
-    """
-    for digits in (2, 3):
-        shown = f"{distance:.{digits}f}", f"{required:.{digits}f}"
-        if shown[0] != shown[1]:
-            return shown
-    return ("just under " if distance < required else "") + f"{distance:.2f}", f"{required:.2f}"
-
-
 def nearest(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return a distance, when it was, and what was required then."""
+    """Return a distance, its time, and the required distance."""
     if value is None:
         return ""
-    distance, required = told_apart(value["distance"], value["required"])
+    distance, required = distinguished(value["distance"], value["required"])
     between = beside.get("distances_between", "centres")
     return f"{distance} m between {between} at {value['time']:.1f} s ({required} m required)"
 
 
 def margin(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return a least margin, whose and beside which machine, and when it was."""
+    """Return a least margin, its person and machine, and its time."""
     if value is None:
         return ""
     between = f"{value['person']} and {value['machine']}"
-    return f"{millimetres(value['value'])} ({between}) at {value['time']:.1f} s"
+    return f"{to_millimetres(value['value'])} m ({between}) at {value['time']:.1f} s"
 
 
 def approaches(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return how many approaches there were and how long they took, and the worst of them."""
+    """Return the number and duration of approaches, and the worst of them."""
     if not value["count"]:
         return ""
     between = f"{value['person']} and {value['machine']}"
-    worst = f"least margin {millimetres(value['margin'])} ({between}) at {value['time']:.1f} s"
+    worst = f"least margin {to_millimetres(value['margin'])} m ({between}) at {value['time']:.1f} s"
     return f"{value['count']}, {value['duration']:.1f} s, {worst}"
 
 
 def differences(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return what a run has more than its counterfactual."""
+    """Return the differences of a run to its counterfactual."""
     if "visits" in value:
         return (
             f"{value['visits']:+d} visits, {value['distance_walked']:+.1f} m walked,"
@@ -158,10 +142,10 @@ def differences(value: Any, beside: Mapping[str, Any]) -> str:
 
 
 def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return a distance to an AGV, whose and to which, when it was, and what was required then."""
+    """Return a distance to an AGV, the person and the AGV, its time, and the required distance."""
     if value is None:
         return ""
-    distance, required = told_apart(value["distance"], value["required"])
+    distance, required = distinguished(value["distance"], value["required"])
     between = f"{value['person']} and {value['agv']}"
     if beside.get("distances_between") == "surfaces":
         between = f"between surfaces, {between}"
@@ -169,7 +153,7 @@ def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:
 
 
 def short_laws(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return the machines that may take longer to stop than their law counts on."""
+    """Return the machines that may take longer to stop than their law assumes."""
     vehicles = sum(short["law"] == "agv_law" for short in value)
     names = [short["machine"] for short in value if short["law"] != "agv_law"]
     return ", ".join([*names, *([f"{vehicles} vehicle{'s' * (vehicles > 1)}"] if vehicles else [])])
@@ -181,5 +165,5 @@ def program(value: Any, beside: Mapping[str, Any]) -> str:
 
 
 def counted(value: Any, beside: Mapping[str, Any]) -> str:
-    """Return how often each of some names is there, in the order of the first ones."""
+    """Return names with the number of their occurrences, in the order of the first ones."""
     return ", ".join(f"{name} {n}×" for name, n in Counter(value).items()) or "none"

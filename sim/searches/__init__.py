@@ -1,4 +1,4 @@
-"""Worst-case search: the trials of a study that break a controller, minimised."""
+"""Worst-case search: samplers, evaluations, minimised cases, and the report."""
 
 from .evaluations import Evaluation
 from .objective import Objective, ObjectiveError, Situation

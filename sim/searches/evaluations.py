@@ -1,4 +1,4 @@
-"""Evaluations of a search: trials that were tried, and what came of each."""
+"""Evaluations of a search: points, results and distinct cases."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .objective import Objective, Situation, failure_in_words, makes_no_trial
 from .space import Dimension, Point
 
 Result = Literal["run", "error", "no trial"]
-"""What came of a trial: a run, an error of somebody's code, or values that make no trial."""
+"""Result of a trial: a run, an error of custom code, or values that make no trial."""
 
 SITUATION = ("worst.person", "worst.machine", "worst.time", "worst.x", "worst.y")
 """Columns of a situation."""
@@ -24,17 +24,17 @@ ALIKE = 2.0
 """Metres. Two situations of one person and machine are distinct if they are farther apart."""
 
 APART = 0.25
-"""Share of each dimension, root mean square, by which points differ where no place is known."""
+"""Minimum difference of points without a situation: root mean square share of each dimension."""
 
 Found = dict[str, Any]
-"""What is left of a run: result, value, error, situation, and figures."""
+"""Outcome of a run: result, value, error, situation, and figures."""
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One evaluation: its number, its point, how that was chosen, and what came of it.
+    """One evaluation: its number, its point, how that was chosen, and its result.
 
-    `value` is that of the objective, None where there is none.
+    `value` is the value of the objective, None if there is none.
     """
 
     number: int
@@ -53,58 +53,60 @@ class Evaluation:
         return math.inf if self.value is None else self.value
 
     def is_break(self, objective: Objective) -> bool:
-        """Return whether it breaks the objective."""
+        """Return True if it breaks the objective."""
         return self.result == "error" or objective.is_broken_by(self.value)
 
 
 class Keep:
-    """Takes from a run what a search needs of it, in the process where it was run."""
+    """Reduces a run to its outcome for the search, in the process of the run."""
 
     def __init__(self, objective: Objective) -> None:
         self._objective = objective
 
     def __call__(self, run: Run) -> Found:
-        """Return what is left of a run."""
-        found = self._objective.situation(run)
+        """Return the outcome of a run."""
+        situation = self._objective.situation(run)
         value = self._objective.value(run)
         left: Found = {
             "result": "run",
             "error": None,
             "value": value,
-            **{key: getattr(found, key.removeprefix("worst.")) for key in SITUATION},
+            **{key: getattr(situation, key.removeprefix("worst.")) for key in SITUATION},
             "figures": {k: v for k, v in figures_of(run).items() if k != "error"},
         }
         return left
 
 
 def failed(why: Exception) -> Found:
-    """Return what is left of a trial that raised an error."""
+    """Return the outcome of a trial that raised an error."""
     result: Result = "no trial" if makes_no_trial(why) else "error"
     nothing: Found = {"value": None, **dict.fromkeys(SITUATION)}
     return {"result": result, "error": failure_in_words(why), **nothing, "figures": {}}
 
 
 def evaluation_of(
-    number: int, point: Point, values: Mapping[str, Any], found: Found, *, is_random: bool
+    number: int, point: Point, values: Mapping[str, Any], outcome: Found, *, is_random: bool
 ) -> Evaluation:
-    """Return an evaluation from what is left of its run, or from its line in a table."""
+    """Return the evaluation of an outcome, which may come from a table."""
     situation = Situation(
-        person=found["worst.person"] or "",
-        machine=found["worst.machine"] or "",
-        time=found["worst.time"],
-        x=found["worst.x"],
-        y=found["worst.y"],
-        error=found["error"] or "",
+        person=outcome["worst.person"] or "",
+        machine=outcome["worst.machine"] or "",
+        time=outcome["worst.time"],
+        x=outcome["worst.x"],
+        y=outcome["worst.y"],
+        error=outcome["error"] or "",
     )
-    return Evaluation(number, point, is_random, values, found["result"], found["value"], situation)
+    return Evaluation(
+        number, point, is_random, values, outcome["result"], outcome["value"], situation
+    )
 
 
-def record(one: Evaluation, found: Found) -> Record:
-    """Return the line of an evaluation in the table."""
+def record(one: Evaluation, outcome: Found) -> Record:
+    """Return the row of an evaluation."""
     line: Record = {"row": one.number, "sampled": "random" if one.is_random else "sampler"}
     line |= {name: plain(value) for name, value in one.values.items()}
-    line |= {key: found[key] for key in ("result", "error", "value", *SITUATION)}
-    line |= found["figures"]
+    line |= {key: outcome[key] for key in ("result", "error", "value", *SITUATION)}
+    line |= outcome["figures"]
     return line
 
 
@@ -126,7 +128,7 @@ def distinct(
 def _alike(one: Evaluation, other: Evaluation, dimensions: Sequence[Dimension]) -> bool:
     a, b = one.situation, other.situation
     if a.error or b.error:
-        # Numbers in a message, as the time, make no other failure of it.
+        # Errors that differ only in numbers, for example the time, are the same failure.
         return re.sub(r"[\d.]+", "", a.error) == re.sub(r"[\d.]+", "", b.error)
     if (a.person, a.machine) != (b.person, b.machine):
         return False
@@ -142,11 +144,11 @@ def _alike(one: Evaluation, other: Evaluation, dimensions: Sequence[Dimension]) 
 
 
 def upper_bound(broken: int, count: int, confidence: float = 0.95) -> float:
-    """Return the greatest rate of breaking that is not ruled out, one-sided.
+    """Return the one-sided upper confidence limit of the rate of breaking.
 
     C. J. Clopper and E. S. Pearson, "The use of confidence or fiducial limits illustrated in the
-    case of the binomial", Biometrika 26, 1934: the rate at which no more than `broken` of `count`
-    independent trials break with a probability of 1 - `confidence`.
+    case of the binomial", Biometrika 26, 1934. At this rate, at most `broken` of `count`
+    independent trials break with probability 1 - `confidence`.
     """
     if broken >= count:
         return 1.0

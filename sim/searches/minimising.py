@@ -1,8 +1,8 @@
-"""Minimisation of a trial that breaks an objective: fewest entries, shortest, roundest values.
+"""Minimisation of a trial that breaks an objective: few entries, short, round values.
 
 Delta debugging on the entries of a trial (A. Zeller and R. Hildebrandt, "Simplifying and isolating
-failure-inducing input", IEEE Transactions on Software Engineering 28, 2002): whatever can be left
-out without the trial being met is left out, in large parts first.
+failure-inducing input", IEEE Transactions on Software Engineering 28, 2002). Every part that the
+break does not need is removed, large parts first.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from ..trials.trial import Trial
 from .objective import Objective, Situation, makes_no_trial
 
 MOST_RUNS = 200
-"""Number of runs that the minimisation of one trial takes at most."""
+"""Maximum number of runs of one minimisation."""
 
 AFTER = 1.0
-"""Seconds that a minimised trial lasts beyond the instant at which it is worst."""
+"""Seconds that a minimised trial lasts after its worst time."""
 
 TESTED = ("controller", "rate")
-"""Keys of a machine that make up what is tested."""
+"""Keys of a machine that are tested."""
 
 OF_A_PERSON = ("personality", "start", "at", "recorded", "source")
-"""Keys of a person without which people differ most from those that broke the objective."""
+"""Keys of a person that change their behaviour most, and are removed first."""
 
 ROUNDED = (
     "gantry.at.*",
@@ -59,12 +59,12 @@ LISTS = ("missions", "moves")
 _Entry = TypeVar("_Entry")
 
 Candidate = Trial | None
-"""A smaller trial, or None where there is none."""
+"""A smaller trial, or None if there is none."""
 
 
 @dataclass(frozen=True)
 class Minimised:
-    """A minimised trial: how many runs it took, its value, and the situation."""
+    """A minimised trial: the number of runs it took, its value, and the situation."""
 
     trial: Trial
     runs: int
@@ -73,7 +73,7 @@ class Minimised:
 
 
 class Minimiser:
-    """Minimises one trial; `paths` are those of numbers to be rounded (as in a study)."""
+    """Minimises one trial. `paths` are further numbers to round, as in a study."""
 
     def __init__(
         self, trial: Trial, objective: Objective, paths: Sequence[str] = (), most: int = MOST_RUNS
@@ -87,12 +87,12 @@ class Minimiser:
         self._value: float | None = None
         self._situation = Situation()
         self._failed: list[Trial] = []
-        """Trials that do not break it."""
+        """Trials that do not break the objective."""
         self._run: Run | None = None
-        """The run of the smallest trial so far, unless it raised an error."""
+        """Run of the smallest trial so far, unless it raised an error."""
 
     def minimised(self) -> Minimised | None:
-        """Return the smallest trial found that still breaks the objective; None if it does not."""
+        """Return the smallest trial that breaks the objective, or None if the first does not."""
         if not self._breaks(self._best, first=True):
             return None
         before: Candidate = None
@@ -115,7 +115,7 @@ class Minimiser:
         return Minimised(self._best, self.runs, self._value, self._situation)
 
     def _try(self, candidate: Candidate) -> bool:
-        """Take a candidate if it still breaks the objective."""
+        """Replace the trial by a candidate that still breaks the objective."""
         if candidate is None or candidate == self._best or candidate in self._failed:
             return False
         if not self._breaks(candidate):
@@ -125,21 +125,21 @@ class Minimiser:
         return True
 
     def _try_with(self, path: str, value: Any) -> bool:
-        """Take the trial with another value at a path, if that is one and breaks the objective."""
+        """Replace a value of the trial, if the result is valid and breaks the objective."""
         try:
             return self._try(with_value(self._best, path, value))
         except (UserError, ValueError, TypeError):
             return False
 
     def _breaks(self, trial: Trial, *, first: bool = False) -> bool:
-        """Return whether a trial breaks the objective as the first one did, and note its value."""
+        """Return True if a trial breaks the objective as the first did, and record its value."""
         if self.runs >= self._most:
             return False
         self.runs += 1
         try:
             finished = run(trial)
             value = self._objective.value(finished)
-        except Exception as why:  # somebody's controller may raise anything
+        except Exception as why:  # custom controllers may raise anything
             kind = type(why).__name__
             if makes_no_trial(why) or not (first or self._error == kind):
                 return False
@@ -153,21 +153,21 @@ class Minimiser:
 
     @cached_property
     def _proves_nothing(self) -> bool:
-        """Whether nothing at all breaks the objective: then less work and time prove nothing.
+        """True if a trial without work breaks the objective, so that less work proves nothing.
 
-        So it is with an expectation of jobs that are to be done.
+        An expectation of jobs to be done is an example.
         """
         if self._error:
             return False
-        kept, best = (self._value, self._situation, self._run), self._best
+        before, best = (self._value, self._situation, self._run), self._best
         gantry = replace(best.gantry, jobs=())
         nothing = lasting(replace(best, gantry=gantry, agvs={}), min(1.0, best.duration))
-        found = self._breaks(nothing)
-        self._value, self._situation, self._run = kept
-        return found
+        breaks = self._breaks(nothing)
+        self._value, self._situation, self._run = before
+        return breaks
 
     def _end_early(self) -> None:
-        """Let the trial end soon after it breaks: at one of the times that its run says, if any."""
+        """End the trial soon after it breaks, at one of the times of its run if there are any."""
         if self._proves_nothing:
             return
         times = [] if self._run is None else self._objective.instants(self._run)
@@ -209,9 +209,9 @@ class Minimiser:
         self._skip_ahead()
 
     def _skip_ahead(self) -> None:
-        """Let the gantry start where it has done the first jobs, after a wait as long as they took.
+        """Replace the gantry's first jobs by a wait of their duration at their last position.
 
-        What breaks may need the instant at which a job begins, and not the jobs before it.
+        The break may need the time at which a job begins, and not the jobs before it.
         """
         jobs = self._best.gantry.jobs
         if self._run is None or GANTRY not in self._run.motions:
@@ -227,7 +227,7 @@ class Minimiser:
                 return
 
     def _events(self) -> None:
-        """Leave out what happens in the trial otherwise."""
+        """Remove other events of the trial."""
         self._try(
             replace(
                 self._best,
@@ -244,42 +244,42 @@ class Minimiser:
             self._try_with("doors", _without(self._best.doors, name))
 
     def _keys_of_people(self) -> None:
-        """Leave out keys of people: all but those that matter most, or else one by one."""
+        """Remove keys of people: all but the important ones at once, then one by one."""
         for k, person in enumerate(self._best.people):
             plain = PersonEntry(name=person.name)
-            kept = {key: getattr(person, key) for key in OF_A_PERSON}
-            self._try_with(f"people.{k}", replace(plain, **kept))
+            important = {key: getattr(person, key) for key in OF_A_PERSON}
+            self._try_with(f"people.{k}", replace(plain, **important))
             for key, value in vars(plain).items():
                 self._try_with(f"people.{k}.{key}", value)
 
     def _keys_of_machines(self) -> None:
-        """Leave out keys of machines, and entries of their lists, but for what is tested."""
+        """Remove keys of machines that are not tested, or entries of their lists."""
         for name, entry in self._best.machines.items():
             for key in [key for key in entry.keys if key not in TESTED]:
                 path = f"machines.{name}.keys"
-                kept = _without(value_at(self._best, path), key)
-                if not self._try_with(path, kept) and key in LISTS:
+                rest = _without(value_at(self._best, path), key)
+                if not self._try_with(path, rest) and key in LISTS:
                     self._remove(f"{path}.{key}")
 
     def _others(self) -> None:
-        """Leave out the other keys of the trial and of the gantry."""
+        """Remove the other keys of the trial and of the gantry."""
         plain = Scenario(self._best.floorplan)
         for key in ("work", "sources", "workload", "warm_up", "planner"):
             self._try_with(key, getattr(plain, key))
         self._try_with("gantry.at", None)
 
     def _remove(self, path: str) -> None:
-        """Leave out as many entries as can be: halves first, then quarters, then one by one."""
+        """Remove as many entries as possible: halves first, then quarters, then one by one."""
         size = max(len(value_at(self._best, path)) // 2, 1)
         while size and value_at(self._best, path):
             k = 0
-            while k < len(kept := value_at(self._best, path)):
-                if not self._try_with(path, kept[:k] + kept[k + size :]):
+            while k < len(entries := value_at(self._best, path)):
+                if not self._try_with(path, entries[:k] + entries[k + size :]):
                     k += size
             size //= 2
 
     def _round(self, digits: int) -> None:
-        """Round every number to so many decimals: all together, or else one by one."""
+        """Round all numbers to `digits` decimals, together or otherwise one by one."""
         paths: dict[str, None] = {}
         for path in (*ROUNDED, *self._paths):
             with suppress(UserError):
@@ -293,7 +293,7 @@ class Minimiser:
 
 
 def _rounded(trial: Trial, path: str, digits: int) -> Candidate:
-    """Return the trial with a number rounded; None if it is, or can't be there."""
+    """Return the trial with a rounded number, or None if that changes nothing or is invalid."""
     number = value_at(trial, path)
     if not is_number(number) or round(number, digits) == number:
         return None

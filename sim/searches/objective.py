@@ -19,14 +19,14 @@ from ..trials.trial import Trial
 
 
 class ObjectiveError(UserError):
-    """An objective that trials do not have, or that is no number."""
+    """Error of an objective that trials do not have, or that is no number."""
 
 
 @dataclass(frozen=True)
 class Situation:
-    """What happened where a run is worst: who, beside which machine, where and when.
+    """Person, machine, time and place of the worst moment of a run.
 
-    `error` is what a trial raised instead. What is not known is empty.
+    `error` is the error of a trial that failed. Unknown values are empty.
     """
 
     person: str = ""
@@ -39,9 +39,9 @@ class Situation:
 
 @dataclass(frozen=True)
 class Objective:
-    """What a search makes as small as it can: the figure `minimise`, or the `slack` of that name.
+    """Objective of a search: the figure to `minimise`, or the `slack` of that name.
 
-    A trial whose value is less than `below` breaks it, and so does a trial that raises an error.
+    A trial breaks it with a value less than `below`, or with an error.
     """
 
     minimise: str = ""
@@ -61,43 +61,43 @@ class Objective:
         return self.minimise or f"slack of {self.slack}"
 
     def check(self, trial: Scenario) -> None:
-        """Raise `ObjectiveError` if runs of `trial` do not have it."""
+        """Raise `ObjectiveError` if runs of `trial` do not have the objective."""
         if self.slack:
-            known = _expected(trial)
-            if self.slack not in known:
-                hint = suggestion(self.slack, known) if known else "it expects nothing"
+            expected = _expected(trial)
+            if self.slack not in expected:
+                hint = suggestion(self.slack, expected) if expected else "it expects nothing"
                 raise ObjectiveError(
                     f"the trial {trial.name!r} expects nothing of {self.slack!r}; {hint}"
                 )
             return
         fields = summary_fields(trial)
-        found = self._field(trial)
-        if found is None:
+        known_field = self._field(trial)
+        if known_field is None:
             alike = [name for name in fields if name.count(".") == self.minimise.count(".")]
             hint = suggestion(self.minimise, alike or fields)
             message = f"a run of {trial.name!r} has no figure {self.minimise!r}; {hint}"
             raise ObjectiveError(message)
-        if found.figure.form == "visits":
+        if known_field.figure.form == "visits":
             raise ObjectiveError(f"{self.minimise} is a list of visits, not a number")
 
     def value(self, run: Run) -> float | None:
-        """Return its value in a run; None where the run does not have the figure."""
+        """Return the value of the objective in a run, or None if the run does not have it."""
         if self.slack:
             return self._verdict(run).slack
         field = self._field(run.trial)
-        found = None if field is None else field.value(run)
-        if found is None:
+        amount = None if field is None else field.value(run)
+        if amount is None:
             return None
-        if not isinstance(found, int | float):
-            raise ObjectiveError(f"{self.minimise} is {found!r}, not a number")
-        return float(found)
+        if not isinstance(amount, int | float):
+            raise ObjectiveError(f"{self.minimise} is {amount!r}, not a number")
+        return float(amount)
 
     def is_broken_by(self, value: float | None) -> bool:
-        """Return whether a run with this value breaks it."""
+        """Return True if a run with this value breaks the objective."""
         return value is not None and value < self.below
 
     def situation(self, run: Run) -> Situation:
-        """Return the situation in which a run is worst, as far as its figures and events say."""
+        """Return the situation in which a run is worst, according to its figures and events."""
         if self.slack:
             verdict = self._verdict(run)
             field = summary_fields(run.trial).get(self.slack)
@@ -118,20 +118,20 @@ class Objective:
         return Situation(person, machine, time, round(x, 3), round(y, 3))
 
     def instants(self, run: Run) -> list[float]:
-        """Return when what breaks it happened in a run, seconds, as far as that is known.
+        """Return the times (s) of the events that break the objective, as far as they are known.
 
-        Of a figure that is made small this is the time of its value, and of an expectation, of a
-        count for example, these are the times of all that counts.
+        For a figure to minimise, this is the time of its value. For an expectation, for example of
+        a count, these are the times of all counted events.
         """
         field = summary_fields(run.trial).get(self.slack) if self.slack else self._field(run.trial)
-        found = [] if field is None else field.instants(run)
+        times = [] if field is None else field.instants(run)
         if not self.slack:
-            return found[-1:]
+            return times[-1:]
         time = self._verdict(run).time
-        return found or ([] if time is None else [time])
+        return times or ([] if time is None else [time])
 
     def expected(self, trial: Trial) -> Trial:
-        """Return `trial` that expects this objective alone, so that it fails by itself."""
+        """Return `trial` with this objective as its only expectation, so that it fails."""
         if self.minimise:
             return replace(trial, expect={self.minimise: f">= {self.below:g}"})
         key, _, number = self.slack.partition(".")
@@ -157,9 +157,9 @@ def _key(place: tuple[str | int, ...]) -> str:
 
 
 def _expected(trial: Scenario) -> list[str]:
-    """Return the names of what a trial expects: those over time by their numbers."""
-    found = [key for key in trial.expect if key != "timeline"]
-    return found + [f"timeline.{k}" for k, _ in enumerate(trial.expect.get("timeline", ()))]
+    """Return the names of the expectations of a trial. Those over time have numbers."""
+    names = [key for key in trial.expect if key != "timeline"]
+    return names + [f"timeline.{k}" for k, _ in enumerate(trial.expect.get("timeline", ()))]
 
 
 def _beside(field: SummaryField | None, run: Outcome) -> dict[str, Any]:
@@ -171,11 +171,11 @@ def _beside(field: SummaryField | None, run: Outcome) -> dict[str, Any]:
 
 
 def makes_no_trial(why: Exception) -> bool:
-    """Return whether an error says that values make no trial, rather than that it failed."""
+    """Return True if an error means that values make no trial, not that a run failed."""
     return isinstance(why, InputError | OSError | ObjectiveError)
 
 
 def failure_in_words(why: Exception) -> str:
-    """Return an error on one line, with its type if it is none of Floorwalker's."""
+    """Return an error on one line, with its type unless it is Floorwalker's."""
     words = str(why) if is_ours(why) else f"{type(why).__name__}: {why}"
     return " ".join(words.split())

@@ -1,4 +1,4 @@
-"""Results of a search: its evaluations, its cases, and what it is worth."""
+"""Results of a search: its evaluations, its cases, and their statistical value."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .space import Space
 
 @dataclass(frozen=True, kw_only=True)
 class SearchProgress:
-    """How far a search is: evaluations done, and the one with the least value so far."""
+    """Progress of a search: the number of evaluations, and the one with the least value."""
 
     done: int
     best: Evaluation | None
@@ -26,9 +26,9 @@ class SearchProgress:
 
 @dataclass(frozen=True)
 class Case:
-    """A distinct case that breaks the objective: where it was found, and its minimised trial.
+    """A distinct case that breaks the objective: its evaluation and its minimised trial.
 
-    `path` is the trial file, None where the case does not break again or the search was stopped.
+    `path` is the trial file. It is None if the case does not break again or the search was stopped.
     """
 
     evaluation: Evaluation
@@ -37,7 +37,7 @@ class Case:
 
     @property
     def situation(self) -> Situation:
-        """The situation in the minimised trial, or else where it was found."""
+        """Situation of the minimised trial, or of the evaluation if there is none."""
         if self.minimised is None or self.minimised.value is None:
             return self.evaluation.situation
         return self.minimised.situation
@@ -49,7 +49,7 @@ class Case:
 
     @property
     def film(self) -> str:
-        """The command that films it in the folder of the trial file; empty without a file."""
+        """Command that films it in the folder of the trial file, empty without a file."""
         if self.path is None:
             return ""
         trial, film = (shlex.quote(name) for name in (self.path.name, f"{stem(self.path)}.mp4"))
@@ -79,8 +79,8 @@ class SearchResults:
     @property
     def broken(self) -> list[Evaluation]:
         """The evaluations that break the objective, the worst first."""
-        found = [one for one in self.evaluations if one.is_break(self.objective)]
-        return sorted(found, key=lambda one: (one.rank, one.number))
+        breaking = [one for one in self.evaluations if one.is_break(self.objective)]
+        return sorted(breaking, key=lambda one: (one.rank, one.number))
 
     @property
     def best(self) -> Evaluation | None:
@@ -94,9 +94,9 @@ class SearchResults:
 
     @property
     def rate(self) -> tuple[int, int, float]:
-        """Random trials that broke the objective, random trials, and the bound of the rate.
+        """Number of broken random trials, of random trials, and the upper bound of the rate.
 
-        Only random trials count: a sampler looks where it expects the worst.
+        Only random trials count, because samplers prefer points that they expect to be bad.
         """
         drawn = [one for one in self.evaluations if one.is_random and one.result != "no trial"]
         broken = sum(one.is_break(self.objective) for one in drawn)
@@ -104,7 +104,7 @@ class SearchResults:
 
     @property
     def worth(self) -> str:
-        """What the search says about the rate at which trials break, in a sentence."""
+        """Sentence about the rate at which trials break."""
         broken, drawn, bound = self.rate
         chosen = len(self.evaluations) - len(self.no_trial) - drawn
         if not drawn:
@@ -121,7 +121,7 @@ class SearchResults:
 
 
 def least(tried: tuple[Evaluation, ...] | list[Evaluation]) -> Evaluation | None:
-    """Return the evaluation with the least value, None without any that has one."""
+    """Return the evaluation with the least value, or None if none has a value."""
     ranked = [one for one in tried if one.result == "error" or one.value is not None]
     return min(ranked, key=lambda one: (one.rank, one.number), default=None)
 

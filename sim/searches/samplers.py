@@ -1,4 +1,4 @@
-"""Samplers of a search: they are asked for points, and told what came of them."""
+"""Samplers of a search: they propose points and receive the values of the objective."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ if TYPE_CHECKING:
 
 
 class SamplerError(UserError):
-    """A sampler that cannot be found, fails, or returns what is no point of the space."""
+    """Error of a sampler that cannot be found, fails, or proposes an invalid point."""
 
 
 class Sampler(Protocol):
     """Chooses the points of a search.
 
-    It is made with the dimensions of the space and a seed. It must depend on nothing else, so that
-    a search can be repeated and resumed.
+    It is constructed with the dimensions of the space and a seed. It must depend on nothing else,
+    so that a search can be repeated and resumed.
     """
 
     def ask(self, count: int) -> Sequence[Point]:
-        """Return as many points: for each dimension's name a value."""
+        """Return `count` points: a value by the name of each dimension."""
         ...
 
     def tell(self, points: Sequence[Point], values: Sequence[float | None]) -> None:
-        """Take the objective at points, also such as it was not asked for.
+        """Receive the objective at points, which may include random ones.
 
-        Less is worse for the controller. A value is None where a point makes no trial, minus
-        infinity where the controller failed, and infinity where a run does not have the figure.
+        Lower values are worse for the controller. A value is None if a point makes no trial, minus
+        infinity if the controller failed, and infinity if a run does not have the figure.
         """
         ...
 
@@ -52,7 +52,7 @@ class NoSampler:
         pass
 
     def ask(self, count: int) -> Sequence[Point]:
-        """See `Sampler`. No point is asked for."""
+        """See `Sampler`. It is never called."""
         raise NotImplementedError
 
     def tell(self, points: Sequence[Point], values: Sequence[float | None]) -> None:
@@ -77,7 +77,7 @@ class TpeSampler:
         self._dimensions = dimensions
         self._distributions = {one.name: self._distribution(one) for one in dimensions}
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of options that optuna calls experimental
+            warnings.simplefilter("ignore")  # about experimental options of optuna
             sampler = optuna.samplers.TPESampler(
                 seed=seed % 2**32, n_startup_trials=0, multivariate=True, constant_liar=True
             )
@@ -92,10 +92,10 @@ class TpeSampler:
         """See `Sampler`."""
         states = self._optuna.trial.TrialState
         for point, value in zip(points, values, strict=True):
-            asked = next((trial for one, trial in self._asked if one is point), None)
+            proposed = next((trial for one, trial in self._asked if one is point), None)
             state = states.FAIL if value is None else states.COMPLETE
-            if asked is not None:
-                self._study.tell(asked, value, state=state)
+            if proposed is not None:
+                self._study.tell(proposed, value, state=state)
                 continue
             params = {one.name: _index(one, point[one.name]) for one in self._dimensions}
             self._study.add_trial(
@@ -112,8 +112,8 @@ class TpeSampler:
         return point
 
     def _coordinate(self, one: Dimension, trial: OptunaTrial) -> Coordinate:
-        found = trial.params[one.name]
-        return one.values[found] if one.values else one.rounded(found)
+        parameter = trial.params[one.name]
+        return one.values[parameter] if one.values else one.rounded(parameter)
 
     def _distribution(self, one: Dimension) -> Any:
         kinds = self._optuna.distributions
@@ -139,21 +139,21 @@ SAMPLER = Kind(
 """The kind of class that a search names."""
 
 
-def find_sampler(given: str | MakesSampler, folder: CodeFolder) -> MakesSampler:
-    """Return the sampler called `given`, or the class of that name as `package.module:Class`.
+def find_sampler(name: str | MakesSampler, folder: CodeFolder) -> MakesSampler:
+    """Return the built-in sampler of that name, or the class `package.module:Class`.
 
-    `SamplerError` if there is none in `folder`.
+    `SamplerError` if `folder` does not contain it.
     """
-    if not isinstance(given, str):
-        return given
-    if given in SAMPLERS:
-        return SAMPLERS[given]
-    found: MakesSampler = folder.find(given, SAMPLER).load()
-    return found
+    if not isinstance(name, str):
+        return name
+    if name in SAMPLERS:
+        return SAMPLERS[name]
+    custom: MakesSampler = folder.find(name, SAMPLER).load()
+    return custom
 
 
 class Checked:
-    """A sampler whose points are checked; what it raises or returns wrongly is a `SamplerError`."""
+    """Sampler whose points are checked. Its errors are raised as `SamplerError`."""
 
     def __init__(self, make: MakesSampler, space: Space, seed: int) -> None:
         self._name = getattr(make, "__qualname__", type(make).__qualname__)
@@ -164,7 +164,7 @@ class Checked:
                 raise SamplerError(f"the sampler {self._name} has no method {method}")
 
     def ask(self, count: int) -> list[Point]:
-        """Return as many points of the space."""
+        """Return `count` points of the space."""
         if not count:
             return []
         points = self._guarded(self._sampler.ask, count)
@@ -179,7 +179,7 @@ class Checked:
         return [*points]
 
     def tell(self, points: Sequence[Point], values: Sequence[float | None]) -> None:
-        """Give the sampler the objective at points."""
+        """Pass the objective at points to the sampler."""
         self._guarded(self._sampler.tell, points, values)
 
     def _guarded(self, call: Callable[..., Any], *arguments: Any) -> Any:
@@ -192,7 +192,7 @@ class Checked:
 
 
 def told(value: float | None, *, failed: bool) -> float | None:
-    """Return what a sampler is told of a run: its value, or infinity where it has none."""
+    """Return the value of a run for samplers, or infinity if it has none."""
     if failed:
         return -math.inf
     return math.inf if value is None else value

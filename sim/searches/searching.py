@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from joblib import Parallel
 
 Report = Callable[[SearchProgress], None]
-"""Is called after each batch."""
+"""Function called after each batch."""
 
 STARTUP = 2
 """Number of batches at the beginning that are random."""
@@ -61,8 +61,8 @@ CASES = "cases"
 class WorstCaseSearch:
     """A search of a study, ready to run.
 
-    `random_share` is the share of each batch that is random, after the first batches, which are
-    random. `cases` is the greatest number of distinct cases that are minimised.
+    `random_share` is the random share of each batch. The first batches are random. `cases` is the
+    maximum number of distinct cases that are minimised.
     """
 
     study: Study
@@ -76,9 +76,9 @@ class WorstCaseSearch:
 
     def __post_init__(self) -> None:
         for name, low in (("evaluations", 1), ("batch", 1), ("cases", 0)):
-            given = getattr(self, name)
-            if not isinstance(given, int) or isinstance(given, bool) or given < low:
-                raise UserError(f"{name} must be a whole number of at least {low}, not {given!r}")
+            value = getattr(self, name)
+            if not isinstance(value, int) or isinstance(value, bool) or value < low:
+                raise UserError(f"{name} must be a whole number of at least {low}, not {value!r}")
         if not 0.0 <= self.random_share <= 1.0:
             raise UserError(f"random_share must be from 0 to 1, not {self.random_share!r}")
         object.__setattr__(self, "space", Space(self.study))
@@ -92,7 +92,7 @@ class WorstCaseSearch:
         return self.sampler if isinstance(self.sampler, str) else str(name)
 
     def is_random(self, number: int) -> bool:
-        """Return whether the evaluation of that number is random."""
+        """Return True if the evaluation of that number is random."""
         at_random = round(self.random_share * self.batch)
         return (
             self.sampler == "random"
@@ -101,7 +101,7 @@ class WorstCaseSearch:
         )
 
     def folder(self, out: str | Path | None) -> Path:
-        """Return the folder of its results; `UserError` if its trials can't stand there."""
+        """Return the folder of the results. `UserError` if trials cannot be saved there."""
         path = folder_for(self.study.name, "searches") if out is None else Path(out)
         faults = [out_of_reach(trial, path / CASES) for trial in self.study.trials]
         if any(faults) and out is None:  # below the study its code is found again
@@ -120,13 +120,13 @@ class WorstCaseSearch:
     def identity(self) -> dict[str, str]:
         """Return the texts that decide the evaluations beside the study."""
         terms = [self.objective.minimise, self.objective.slack, self.sampler_name, self.batch]
-        known = {"the search": json.dumps([*terms, self.random_share, STARTUP])}
+        digests = {"the search": json.dumps([*terms, self.random_share, STARTUP])}
         if not isinstance(self.sampler, str):
-            return known | {"the sampler": digest_of_code(self.sampler)}
+            return digests | {"the sampler": digest_of_code(self.sampler)}
         if self.sampler not in SAMPLERS:
             source = self.code.find(self.sampler, SAMPLER)
-            return known | {"the sampler": digest_of_source(source)}
-        return known
+            return digests | {"the sampler": digest_of_source(source)}
+        return digests
 
 
 def search(
@@ -215,7 +215,7 @@ def run_search(
     backend: str = "loky",
     progress: Report = lambda _: None,
 ) -> SearchResults:
-    """Run a search; see `search`."""
+    """Run a search. See `search`."""
     make = find_sampler(wanted.sampler, wanted.code)
     path = wanted.folder(out)
     with StudyFolder(path, wanted.study, wanted.identity()) as folder:
@@ -254,7 +254,7 @@ def _evaluated(
     parallel: Parallel,
     progress: Report,
 ) -> Iterator[Evaluation]:
-    """Yield the evaluations batch by batch; those that the folder has are not run again."""
+    """Yield the evaluations batch by batch. Evaluations in the folder are not run again."""
     space, objective = wanted.space, wanted.objective
     sampler = Checked(make, space, derived_seed("sampler", wanted.study.seed))
     measured = folder.table.records()
@@ -262,13 +262,13 @@ def _evaluated(
     best: Evaluation | None = None
     done = 0
     while done < wanted.evaluations:
-        # Always whole batches are asked for, so that a search can be extended.
+        # Only whole batches are requested, so that a search can be extended.
         numbers = range(done, done + wanted.batch)
-        asked = iter(sampler.ask(sum(not wanted.is_random(k) for k in numbers)))
-        points = [space.random_point(k) if wanted.is_random(k) else next(asked) for k in numbers]
+        proposed = iter(sampler.ask(sum(not wanted.is_random(k) for k in numbers)))
+        points = [space.random_point(k) if wanted.is_random(k) else next(proposed) for k in numbers]
         wanted_now = min(wanted.batch, wanted.evaluations - done)
         batch = []
-        for one, found in _run(
+        for one, outcome in _run(
             space,
             [*zip(numbers, points, strict=True)],
             wanted_now,
@@ -280,7 +280,7 @@ def _evaluated(
             batch.append(one)
             if one.number >= folder.table.rows:
                 with writing_to(folder.path):
-                    folder.table.add(record(one, found))
+                    folder.table.add(record(one, outcome))
             yield one
         values = [
             None if one.result == "no trial" else told(one.value, failed=one.result == "error")
@@ -296,7 +296,7 @@ def _evaluated(
 
 def _run(
     space: Space,
-    asked: list[tuple[int, Point]],
+    batch: list[tuple[int, Point]],
     count: int,
     measured: Sequence[Record],
     keep: Keep,
@@ -310,24 +310,24 @@ def _run(
     rows: list[tuple[int, Point, Mapping[str, Any], Found | None]] = []
     tasks = []
     one = joblib.delayed(left_of)
-    for number, point in asked[:count]:
+    for number, point in batch[:count]:
         values: Mapping[str, Any] = dict(point)
-        found: Found | None = None
+        outcome: Found | None = None
         try:
             row = space.row(number, point)
             values = row.parameters
         except (UserError, OSError) as why:
-            found = {**failed(why), "result": "no trial"}
+            outcome = {**failed(why), "result": "no trial"}
         if number < len(measured):
-            found = _repeated(measured[number], number, values, wanted)
-        if found is None:
+            outcome = _repeated(measured[number], number, values, wanted)
+        if outcome is None:
             tasks.append(one(row.trial, keep, failed, f"evaluation {number}: "))
-        rows.append((number, point, values, found))
+        rows.append((number, point, values, outcome))
     try:
         with without_noise():
             results = iter(parallel(tasks)) if tasks else iter(())
-            for number, point, values, found in rows:
-                left = next(results) if found is None else found
+            for number, point, values, outcome in rows:
+                left = next(results) if outcome is None else outcome
                 random = wanted.is_random(number)
                 yield evaluation_of(number, point, values, left, is_random=random), left
     except TerminatedWorkerError:
@@ -351,7 +351,7 @@ def _repeated(
 
 
 def _require_a_number(wanted: WorstCaseSearch, batch: list[Evaluation]) -> None:
-    """Raise `UserError` after the first batch if no run has the objective, and none failed."""
+    """Raise `UserError` if no run of the first batch has the objective and none failed."""
     tried = [one for one in batch if one.result != "no trial"]
     if tried and all(one.result == "run" and one.value is None for one in tried):
         raise UserError(
@@ -361,7 +361,7 @@ def _require_a_number(wanted: WorstCaseSearch, batch: list[Evaluation]) -> None:
 
 
 def notices(wanted: WorstCaseSearch, tried: list[Evaluation]) -> Iterator[str]:
-    """Yield what is odd about a search: an objective that never changes, values without trials."""
+    """Yield notices about a constant objective and about values that make no trial."""
     runs = [one for one in tried if one.result == "run"]
     values = {one.value for one in runs}
     if len(runs) > 1 and len(values) == 1:
@@ -384,7 +384,7 @@ def _worst(wanted: WorstCaseSearch, tried: list[Evaluation]) -> list[Evaluation]
 def _minimised(
     wanted: WorstCaseSearch, tried: list[Evaluation], folder: Path, parallel: Parallel
 ) -> tuple[Case, ...]:
-    """Minimise the worst distinct cases, and save each that no other is the same as."""
+    """Minimise the worst distinct cases, and save each trial once."""
     import joblib
 
     worst = _worst(wanted, tried)
@@ -397,14 +397,14 @@ def _minimised(
         smallest = [*parallel(one(trial, wanted.objective, paths) for trial in trials)]
     cases: list[Case] = []
     seen: list[Trial] = []
-    for evaluation, found in zip(worst, smallest, strict=True):
-        if found is None:
+    for evaluation, smallest_trial in zip(worst, smallest, strict=True):
+        if smallest_trial is None:
             cases.append(Case(evaluation))
             continue
-        if found.trial in seen:
+        if smallest_trial.trial in seen:
             continue
-        seen.append(found.trial)
-        cases.append(_saved(wanted, evaluation, found, folder, len(seen)))
+        seen.append(smallest_trial.trial)
+        cases.append(_saved(wanted, evaluation, smallest_trial, folder, len(seen)))
     return tuple(cases)
 
 
@@ -413,14 +413,14 @@ def _minimise(trial: Trial, objective: Objective, paths: list[str]) -> Minimised
 
 
 def _saved(
-    wanted: WorstCaseSearch, evaluation: Evaluation, found: Minimised, folder: Path, number: int
+    wanted: WorstCaseSearch, evaluation: Evaluation, minimised: Minimised, folder: Path, number: int
 ) -> Case:
     """Write a minimised trial and its replay page."""
     name = f"{wanted.study.name}-{number}"
     place = folder / CASES
     path = place / f"{name.replace('/', '-')}.trial.yaml"
-    trial = replace(found.trial, name=name)
-    case = Case(evaluation, replace(found, trial=trial), path)
+    trial = replace(minimised.trial, name=name)
+    case = Case(evaluation, replace(minimised, trial=trial), path)
     with writing_to(place):
         place.mkdir(parents=True, exist_ok=True)
         write_whole(path, f"{_origin(wanted, case)}{trial.to_yaml(place)}")
@@ -430,7 +430,7 @@ def _saved(
 
 
 def _origin(wanted: WorstCaseSearch, case: Case) -> str:
-    """Return comments that say where a minimised trial comes from, and how to see it."""
+    """Return comments about the origin of a minimised trial, its replay and its film."""
     evaluation = case.evaluation
     assert case.minimised is not None and case.replay is not None
     value = case.minimised.value
@@ -438,13 +438,13 @@ def _origin(wanted: WorstCaseSearch, case: Case) -> str:
         what = evaluation.situation.error
     else:
         what = f"{wanted.objective} {rounded(value)}, before minimising {shown(evaluation)}"
-    found = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
+    source = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
     seen = f"Replay: {case.replay.name}. Film: {case.film}"
-    return f"# Minimised from {found}:\n# {what}\n# {seen}\n"
+    return f"# Minimised from {source}:\n# {what}\n# {seen}\n"
 
 
 def _run_of(trial: Trial) -> Run:
-    """Return the run of a trial: up to where somebody's code fails, if it does."""
+    """Return the run of a trial, which ends where custom code fails."""
     with frozen_collector():
         simulation = Simulation(trial)
         with suppress(Exception):

@@ -1,4 +1,4 @@
-"""The space of a search: what the grid and the distributions of a study let vary."""
+"""Search space of a study: its grid and distributions as dimensions."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ Point = Mapping[str, Any]
 """Coordinates by the name of their dimension."""
 
 _TINY = 1e-15
-"""The inverse of a normal distribution is not asked beyond this share."""
+"""Smallest share of which the inverse of a normal distribution is computed."""
 
 
 @dataclass(frozen=True)
 class Dimension:
     """One dimension of a search: numbers from `low` to `high`, or one of `values`.
 
-    `variable` is the name of the variable of the study that it belongs to. Random numbers are
-    drawn alike, or where `normal` is given, as that distribution.
+    `variable` is the name of its variable in the study. Random numbers are uniform, or have the
+    distribution `normal`.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Dimension:
     normal: Normal | None = None
 
     def draw(self, share: float) -> Coordinate:
-        """Return the coordinate below which there is a `share` (0 to 1) of all that are drawn."""
+        """Return the quantile of a `share` (0 to 1) of the distribution."""
         if self.values:
             return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
         if self.normal is not None:
@@ -63,11 +63,11 @@ class Dimension:
         return self.rounded(number)
 
     def rounded(self, number: float) -> float:
-        """Return a number within the dimension, with as many decimals as are drawn."""
+        """Return a number within the dimension, with the decimals of drawn numbers."""
         return min(max(round(number, DECIMALS), self.low), self.high)
 
     def fault(self, coordinate: Any) -> str:
-        """Return what is wrong with a coordinate, or an empty text."""
+        """Return the problem of a coordinate, or an empty text."""
         if self.values:
             if coordinate in self.values:
                 return ""
@@ -77,7 +77,7 @@ class Dimension:
         return f"must be a number from {self.low:g} to {self.high:g}, not {coordinate!r}"
 
     def share(self, coordinate: Any) -> float:
-        """Return where a coordinate lies in the dimension, from 0 to 1."""
+        """Return the relative position of a coordinate in the dimension, from 0 to 1."""
         if self.values:
             return self.values.index(coordinate) / max(len(self.values) - 1, 1)
         width = self.high - self.low
@@ -87,7 +87,7 @@ class Dimension:
 class Space:
     """All trials that a study can draw: its trials, its grid and its distributions.
 
-    `dimensions` are those of samplers. A distribution of a kind of your own has none: its value is
+    Samplers choose values of `dimensions`. A custom distribution has no dimension. Its value is
     drawn for each trial.
     """
 
@@ -101,7 +101,7 @@ class Space:
             )
 
     def random_point(self, number: int) -> dict[str, Coordinate]:
-        """Return the point that is drawn for the evaluation of that number."""
+        """Return the random point of the evaluation of that number."""
         return {
             one.name: one.draw(
                 random.Random(derived_seed("point", self.study.seed, one.name, number)).random()
@@ -110,7 +110,7 @@ class Space:
         }
 
     def fault(self, point: Any) -> str:
-        """Return what is wrong with a point, or an empty text."""
+        """Return the problem of a point, or an empty text."""
         names = [one.name for one in self.dimensions]
         if not isinstance(point, Mapping) or {*point} != {*names}:
             return f"a point must have values for {', '.join(names)}, not {point!r}"
@@ -120,7 +120,7 @@ class Space:
         return ""
 
     def row(self, number: int, point: Point) -> Row:
-        """Return the trial at a point, with its values; `UserError` if there is no such trial."""
+        """Return the trial at a point with its values. `UserError` if there is no such trial."""
         study = self.study
         values: dict[str, Value] = {}
         name = point.get("trial", study.trials[0].name)
@@ -128,8 +128,8 @@ class Space:
         seed = derived_seed("search", study.seed, number)
         trial = replace(trial, seed=seed)
         others = (*study.grid, *study.random)
-        for what, given in study.grid.items():
-            values[what.name] = point.get(what.name, given[0])
+        for what, choices in study.grid.items():
+            values[what.name] = point.get(what.name, choices[0])
             trial = what.put(trial, values[what.name], study.folder, others)
         for what, distribution in study.random.items():
             value = self._value(what.name, distribution, point, trial, number)
@@ -177,7 +177,7 @@ def _of_distribution(name: str, distribution: Distribution, study: Study) -> Ite
         case Choice():
             yield Dimension(name, name, values=distribution.values)
         case Shuffled():
-            # Jobs stand in the order of their keys (J. C. Bean, "Genetic algorithms and random
-            # keys for sequencing and optimization", ORSA Journal on Computing 6, 1994).
+            # Jobs are sorted by random keys (J. C. Bean, "Genetic algorithms and random keys for
+            # sequencing and optimization", ORSA Journal on Computing 6, 1994).
             for k in range(max(len(trial.gantry.jobs) for trial in study.trials)):
                 yield Dimension(f"{name}[{k}]", name, 0.0, 1.0)

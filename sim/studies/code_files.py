@@ -30,7 +30,7 @@ def digest_of_source(source: CustomCode | PolicyFile) -> str:
 
 
 def digest_of_code(code: Any) -> str:
-    """Return the same of a function, a class or an object; of an installed one, of its package."""
+    """Return the digest of a function, class or object. Of an installed one, the package counts."""
     file = file_of(code)
     if file is None:
         return "unknown"
@@ -43,7 +43,7 @@ def digest_of_code(code: Any) -> str:
 
 
 def _digest(file: Path, folder: Path, package: str) -> str:
-    """Return the digest of `file` and of what it imports from `folder`, or of a package there."""
+    """Return the digest of `file` and its imports from `folder`, or from a package there."""
     contents: dict[str, bytes] = {}
     waiting = [file]
     while waiting:
@@ -59,7 +59,7 @@ def _digest(file: Path, folder: Path, package: str) -> str:
 
 
 def _imported(path: Path, content: bytes, folder: Path, package: str) -> Iterator[Path]:
-    """Yield the files in `folder` that one of them imports anywhere in its text."""
+    """Yield the files in `folder` that a file imports anywhere in its text."""
     try:
         tree = ast.parse(content) if path.suffix == ".py" else None
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -69,14 +69,14 @@ def _imported(path: Path, content: bytes, folder: Path, package: str) -> Iterato
         for module in _modules(node, here):
             if module is None:
                 for pattern in ("*.py", "[!.]*/**/*.py"):
-                    found = folder.glob(f"{package}/{pattern}" if package else pattern)
-                    yield from (one for one in found if INSTALLED.isdisjoint(one.parts))
+                    modules = folder.glob(f"{package}/{pattern}" if package else pattern)
+                    yield from (one for one in modules if INSTALLED.isdisjoint(one.parts))
             elif not package or module[0] == package:
                 yield from _files(module, folder)
 
 
 def _modules(node: ast.AST, here: tuple[str, ...]) -> Iterator[list[str] | None]:
-    """Yield the parts of the modules that a node in the package `here` may import; None if any."""
+    """Yield the parts of the modules that a node imports in the package `here`, or None if any."""
     match node:
         case ast.Import(names=names):
             yield from (alias.name.split(".") for alias in names)
@@ -96,7 +96,7 @@ def _modules(node: ast.AST, here: tuple[str, ...]) -> Iterator[list[str] | None]
 
 
 def _files(module: list[str], folder: Path) -> Iterator[Path]:
-    """Yield the file of a module in `folder`, and those of the packages around it."""
+    """Yield the file of a module in `folder`, and the files of the packages around it."""
     for part in module:
         for suffix in all_suffixes():
             for file in (folder / part / f"__init__{suffix}", folder / f"{part}{suffix}"):

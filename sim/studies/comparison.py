@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from floorplan.files.fields import brief
 
+from ..core.wording import figure as in_words
 from ..machines.kinds import KINDS
 from ..record.figures import FIGURES
 from .design import Study
@@ -22,10 +23,10 @@ from .repeats import are_identical, column_of, repetitions_needed
 from .table import Cell, TableError
 
 CONFIDENCE = 0.95
-"""The share of studies like this one whose interval would hold the true mean."""
+"""Share of studies like this one whose interval contains the true mean."""
 
 RESAMPLES = 2000
-"""Number of times that the rows of a group are drawn anew for an interval."""
+"""Number of resamples of a group for an interval."""
 
 SLACK = "slack"
 """First part of the columns with the slack of an expectation."""
@@ -36,11 +37,11 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Measure:
-    """One figure by which rows are compared, and the columns that it is summed up from.
+    """One figure by which rows are compared, and the columns that are summed.
 
-    `NAME` in a column stands for everybody: a figure of all people is the sum of theirs. With
-    `NAME` in the title there is one `of_each` instead. A `rare` one is left out where it is 0 in
-    every row. The rows with the least (1) or the most (-1) of it are the `worst`, if any are.
+    `NAME` in a column stands for each person: a figure of all people is the sum of theirs. With
+    `NAME` in the title there is one `of_each` instead. A `rare` measure is omitted if it is 0 in
+    all rows. The rows with the least (1) or the most (-1) are the `worst`, if any are.
     """
 
     title: str
@@ -62,7 +63,7 @@ class Measure:
         return self.title if self.title[:2].isupper() else self.title[:1].lower() + self.title[1:]
 
     def of_each(self, columns: Columns) -> Iterator[Measure]:
-        """Yield the measure itself, or, where its title has a name in it, that of each name."""
+        """Yield the measure itself, or one for each name if its title contains `NAME`."""
         if "NAME" not in self.title:
             yield self
             return
@@ -77,12 +78,12 @@ class Measure:
 
     def values(self, columns: Columns) -> Floats | None:
         """Return the value of every row (NaN if it has none), or None if the measure is omitted."""
-        found = [column for key, column in columns.items() if self._pattern.fullmatch(key)]
-        if not found:
+        matching = [column for key, column in columns.items() if self._pattern.fullmatch(key)]
+        if not matching:
             return None
-        if any(isinstance(value, str) for column in found for value in column):
+        if any(isinstance(value, str) for column in matching for value in column):
             raise TableError(f"the results have a text where {self.column} should be a number")
-        figures = np.array([[math.nan if v is None else float(v) for v in c] for c in found])
+        figures = np.array([[math.nan if v is None else float(v) for v in c] for c in matching])
         there = ~np.isnan(figures)
         if self.rare and not np.any(figures[there]):
             return None
@@ -90,7 +91,7 @@ class Measure:
 
 
 def measures() -> tuple[Measure, ...]:
-    """Return what a report compares, where the rows have it: figures as they are declared."""
+    """Return the declared measures of reports."""
     return tuple(
         Measure(
             figure.label[:1].upper() + figure.label[1:],
@@ -107,9 +108,9 @@ def measures() -> tuple[Measure, ...]:
 
 
 def of_machines(columns: Columns) -> tuple[Measure, ...]:
-    """Return the figures of the machines that trials add; chief are those of kinds of one's own."""
+    """Return the figures of added machines. Figures of custom kinds are chief."""
     names = [*columns]
-    begin = names.index("error") if "error" in columns else 0  # before it stands what was varied
+    begin = names.index("error") if "error" in columns else 0  # varied values come before
     parts = {name: name.split(".") for name in names[begin:] if name.startswith("machines.")}
     kinds = {name: {*columns[c]} for c, (_, name, *last) in parts.items() if last == ["kind"]}
     return tuple(
@@ -124,7 +125,7 @@ def of_machines(columns: Columns) -> tuple[Measure, ...]:
 
 
 def of_expectations(columns: Columns) -> tuple[Measure, ...]:
-    """Return the slacks of what trials expect: negative where it is not met."""
+    """Return the slacks of expectations, which are negative if an expectation is not met."""
     return tuple(
         Measure(
             f"Slack of {column.removeprefix(f'{SLACK}.')}",
@@ -152,25 +153,25 @@ class Spread:
 
     @property
     def median(self) -> float:
-        """As many rows are above as below."""
+        """Median of the values."""
         return float(np.median(self.values))
 
     @property
     def least(self) -> float:
-        """The least of all."""
+        """Minimum of the values."""
         return float(self.values.min())
 
     @property
     def most(self) -> float:
-        """The most of all."""
+        """Maximum of the values."""
         return float(self.values.max())
 
 
 @dataclass(frozen=True)
 class RowGroup:
-    """The rows of one combination: its value of each factor, and which rows they are.
+    """The rows of one combination: its value of each factor, and the indices of the rows.
 
-    Of identical repeats it has the first alone; `repeats` is their number, 1 of other rows.
+    Of identical repeats only the first is a row, and `repeats` is their number. It is 1 otherwise.
     """
 
     values: tuple[str, ...]
@@ -179,15 +180,15 @@ class RowGroup:
 
     @property
     def label(self) -> str:
-        """The values in a row."""
+        """The values, separated by dots."""
         return " · ".join(self.values) or "all rows"
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Groups of rows, and for each measure the spread of each group (None: no figures).
+    """Groups of rows, and the spread of each measure in each group (None: no figures).
 
-    `values` has the figure of every row, NaN where there is none.
+    `values` contains the figure of every row, NaN where there is none.
     """
 
     factors: tuple[str, ...]
@@ -205,13 +206,13 @@ class Comparison:
 
     @property
     def telling(self) -> list[Measure]:
-        """The measures that differ between rows: the chief ones, or if none of them does, any."""
+        """The measures that differ between rows: the chief ones, or all if no chief one differs."""
         varying = [one for one in self.spreads if self.constant(one) is None]
         return [one for one in varying if one.chief] or varying
 
     @property
     def identical(self) -> str:
-        """What is to be known of identical repeats, in a sentence; empty if there are none."""
+        """Sentence about identical repeats, empty if there are none."""
         groups = [group for group in self.groups if group.repeats > 1]
         if not groups:
             return ""
@@ -227,15 +228,15 @@ class Comparison:
 
 
 def factors(study: Study) -> list[str]:
-    """Return what a study's rows are grouped by: all that has several values."""
+    """Return the variables with several values, by which rows are grouped."""
     several = [what.name for what, values in study.grid.items() if len(values) > 1]
     return ["trial", *several] if len(study.trials) > 1 else several
 
 
 def compare(columns: Columns, factors: Sequence[str], *, once: bool = False) -> Comparison:
-    """Return the rows in groups by their values of `factors`, in the order they first come up.
+    """Return the rows in groups by their values of `factors`, in the order of first occurrence.
 
-    Identical repeats are counted once if `once`, as where nothing is drawn.
+    With `once`, identical repeats are counted once, because nothing is drawn.
     """
     keys = list(zip(*(map(_shown, columns[factor]) for factor in factors), strict=True))
     keys = keys or [()] * len(columns["row"])
@@ -245,8 +246,8 @@ def compare(columns: Columns, factors: Sequence[str], *, once: bool = False) -> 
     )
     named = (one for measure in measures() for one in measure.of_each(columns))
     compared = (*named, *of_machines(columns), *of_expectations(columns))
-    found = {measure: measure.values(columns) for measure in compared}
-    values = {measure: figures for measure, figures in found.items() if figures is not None}
+    all_values = {measure: measure.values(columns) for measure in compared}
+    values = {measure: figures for measure, figures in all_values.items() if figures is not None}
     spreads = {
         measure: tuple(spread(figures[group.rows]) for group in groups)
         for measure, figures in values.items()
@@ -261,16 +262,15 @@ def _group(columns: Columns, key: tuple[str, ...], rows: list[int], once: bool) 
 
 
 def spread(values: Floats) -> Spread | None:
-    """Return the spread of `values`, NaNs left out; None if nothing else is there.
+    """Return the spread of `values` without NaNs, or None if there are no others.
 
-    The interval of the mean is the percentile bootstrap (B. Efron, "Bootstrap Methods: Another
-    Look at the Jackknife", Annals of Statistics 7, 1979), drawn with a fixed seed.
+    The interval of the mean is the percentile bootstrap (B. Efron, "Bootstrap Methods: Another Look
+    at the Jackknife", Annals of Statistics 7, 1979) with a fixed seed.
     """
     there = values[~np.isnan(values)]
     if not len(there):
         return None
-    # Rows of one group are drawn from themselves: nothing is assumed about how they are
-    # distributed.
+    # The bootstrap assumes nothing about the distribution of the rows.
     drawn = np.random.default_rng(0).integers(len(there), size=(RESAMPLES, len(there)))
     tail = (1 - CONFIDENCE) / 2
     low, high = np.quantile(there[drawn].mean(axis=1), [tail, 1 - tail])
@@ -283,7 +283,7 @@ def _shown(value: Cell) -> str:
 
 @dataclass(frozen=True)
 class Effect:
-    """Cliff's delta of two groups, and the ends of the interval that holds the true one."""
+    """Cliff's delta of two groups, and the ends of its interval."""
 
     delta: float
     low: float
@@ -292,9 +292,9 @@ class Effect:
 
 @dataclass(frozen=True)
 class Contrast:
-    """Two groups that differ in one factor only, and the effect of that on each telling measure.
+    """Two groups that differ in one factor only, and the effect on each telling measure.
 
-    An effect is None where no repetition has the figure in both.
+    An effect is None if no repetition has the figure in both groups.
     """
 
     one: RowGroup
@@ -303,7 +303,7 @@ class Contrast:
 
 
 def contrasts(compared: Comparison) -> Iterator[Contrast]:
-    """Yield every pair of groups that differ in one factor, the first factor's pairs first.
+    """Yield every pair of groups that differ in one factor, in the order of factors.
 
     They are compared by the `telling` measures.
     """
@@ -325,13 +325,13 @@ def contrasts(compared: Comparison) -> Iterator[Contrast]:
 
 
 def cliffs_delta(one: Floats, other: Floats) -> Effect | None:
-    """Return how often figures of `one` are above those of `other`, less how often below.
+    """Return how often figures of `one` exceed those of `other`, minus how often they are less.
 
     That is P(X > Y) - P(X < Y) over all pairs of rows, from -1 to 1: N. Cliff, "Dominance
-    statistics: Ordinal analyses to answer ordinal questions", Psychological Bulletin 114, 1993.
-    The k-th figures of both are of one repetition, which all combinations meet with the same
-    draws; repetitions in which either is missing (NaN) are left out, None if none is left. The
-    interval is the percentile bootstrap over repetitions, as that of `comparison.spread`.
+    statistics: Ordinal analyses to answer ordinal questions", Psychological Bulletin 114, 1993. The
+    k-th figures of both belong to one repetition, with the same draws in all combinations.
+    Repetitions in which either is missing (NaN) are omitted. The result is None if none is left.
+    The interval is the percentile bootstrap over repetitions, as in `spread`.
     """
     count = min(len(one), len(other))
     there = ~(np.isnan(one[:count]) | np.isnan(other[:count]))
@@ -344,9 +344,9 @@ def cliffs_delta(one: Floats, other: Floats) -> Effect | None:
     up_to = np.searchsorted(y[order], x, "right")
 
     def deltas(times: Floats) -> Floats:
-        """Return the delta of each row of `times`: how often each repetition is taken."""
+        """Return the delta of each row of `times`, the multiplicities of the repetitions."""
         passed = np.concatenate([np.zeros((len(times), 1)), times[:, order].cumsum(axis=1)], axis=1)
-        # Of the sorted others, an x is above those before `below`, and below those from `up_to` on:
+        # A value x exceeds the sorted others before `below` and is less than those from `up_to` on:
         # passed[below] - (n - passed[up_to]).
         above_less_below: Floats = passed[:, below] + passed[:, up_to] - n
         dominance: Floats = (times * above_less_below).sum(axis=1)
@@ -360,9 +360,9 @@ def cliffs_delta(one: Floats, other: Floats) -> Effect | None:
 
 @dataclass(frozen=True)
 class Trend:
-    """The means of a measure along one factor: of all rows with each of its values.
+    """Means of a measure along one factor, each over all rows with a value of it.
 
-    `swing` is how far they are from each other, at the most.
+    `swing` is their greatest difference.
     """
 
     factor: str
@@ -371,30 +371,30 @@ class Trend:
 
     @property
     def swing(self) -> float:
-        """The largest mean less the least."""
+        """Largest mean minus least mean."""
         means = [one.mean for one in self.spreads]
         return max(means) - min(means)
 
 
 def sensitivities(compared: Comparison) -> Iterator[tuple[Measure, list[Trend]]]:
-    """Yield the `telling` measures, with the trends of all factors on them."""
+    """Yield the `telling` measures with the trends of all factors."""
     for measure in compared.telling:
         trends = [_trend(compared, measure, k) for k in range(len(compared.factors))]
-        found = [one for one in trends if one is not None]
-        if found:
-            yield measure, found
+        complete = [one for one in trends if one is not None]
+        if complete:
+            yield measure, complete
 
 
 def _trend(compared: Comparison, measure: Measure, factor: int) -> Trend | None:
-    """Return the means along a factor; None where a value has no figures."""
+    """Return the means along a factor, or None if a value has no figures."""
     rows: dict[str, list[int]] = {}
     for group in compared.groups:
         rows.setdefault(group.values[factor], []).extend(group.rows.tolist())
     spreads = [spread(compared.values[measure][lines]) for lines in rows.values()]
-    known = [one for one in spreads if one is not None]
-    if len(known) < len(spreads):
+    complete = [one for one in spreads if one is not None]
+    if len(complete) < len(spreads):
         return None
-    return Trend(compared.factors[factor], tuple(rows), tuple(known))
+    return Trend(compared.factors[factor], tuple(rows), tuple(complete))
 
 
 @dataclass(frozen=True)
@@ -421,11 +421,10 @@ class StudyResults:
     def _repr_html_(self) -> str:
         """Return the means of all combinations as a table for notebooks."""
         from ..record.notebook import html_table
-        from ..views.report_page import figure
 
         compared = self.comparison
         means = (
-            [figure(one.mean) if one else "–" for one in compared.spreads[measure]]
+            [in_words(one.mean) if one else "–" for one in compared.spreads[measure]]
             for measure in compared.telling
         )
         rows = zip(
@@ -493,8 +492,8 @@ class StudyResults:
         """Return the spread of a figure in each combination that has it."""
         values = Measure("", column_of(figure, [*self.columns])).values(self.columns)
         groups = self.comparison.groups if values is not None else ()
-        found = [spread(values[group.rows]) for group in groups if values is not None]
-        return [one for one in found if one is not None]
+        all_spreads = [spread(values[group.rows]) for group in groups if values is not None]
+        return [one for one in all_spreads if one is not None]
 
     @cached_property
     def contrasts(self) -> tuple[Contrast, ...]:

@@ -33,10 +33,10 @@ SIGMAS = 3.0
 """Standard deviations from its mean at which a normal distribution ends, if not given."""
 
 DECIMALS = 6
-"""Numbers are drawn to this many decimals, so that they can be read."""
+"""Decimals of drawn numbers, so that they remain readable."""
 
 _TINY = 1e-15
-"""The inverse of a normal distribution is not asked beyond this share."""
+"""Smallest share of which the inverse of a normal distribution is computed."""
 
 
 def derived_seed(*parts: object) -> int:
@@ -50,7 +50,7 @@ class Distribution(Protocol):
 
     @property
     def extremes(self) -> Sequence[Value]:
-        """The values that have to make sense if all that can be drawn are to."""
+        """Values that must be valid if all values that can be drawn are to be valid."""
         ...
 
     def draw(self, seed: int, trial: Trial) -> Value:
@@ -60,7 +60,7 @@ class Distribution(Protocol):
 
 @dataclass(frozen=True)
 class Uniform:
-    """Any number from `low` to `high` alike; of lists of numbers, each for itself."""
+    """Numbers from `low` to `high` with equal probability. Lists are drawn element by element."""
 
     low: float | tuple[float, ...]
     high: float | tuple[float, ...]
@@ -85,7 +85,7 @@ class Uniform:
 
 @dataclass(frozen=True)
 class Normal:
-    """Numbers that gather around `mean` with standard deviation `sd`, from `low` to `high`."""
+    """Normal distribution with `mean` and standard deviation `sd`, from `low` to `high`."""
 
     mean: float
     sd: float
@@ -104,7 +104,7 @@ class Normal:
         """See `Distribution`."""
         normal = NormalDist(self.mean, self.sd)
         least, most = normal.cdf(self.low), normal.cdf(self.high)
-        # Inversion of the truncated distribution: one draw, whatever the limits cut off.
+        # Inversion of the truncated distribution needs a single draw.
         share = least + random.Random(seed).random() * (most - least)
         drawn = normal.inv_cdf(min(max(share, _TINY), 1 - _TINY))
         return min(max(round(drawn, DECIMALS), self.low), self.high)
@@ -112,7 +112,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class Choice:
-    """One of several values, all alike."""
+    """One of several values with equal probability."""
 
     values: tuple[Value, ...]
 
@@ -126,13 +126,13 @@ class Choice:
 
     def draw(self, seed: int, trial: Trial) -> Value:
         """See `Distribution`."""
-        # Not `choice`: `random` alone is promised to draw the same in every version of Python.
+        # Not `choice`, because only `random` draws the same in every version of Python.
         return self.values[int(random.Random(seed).random() * len(self.values))]
 
 
 @dataclass(frozen=True)
 class Shuffled:
-    """The trial's jobs in any order; what is handed in stays behind what it needs."""
+    """Jobs of the trial in random order. Submissions stay behind the jobs that they need."""
 
     def __str__(self) -> str:
         return "shuffled"
@@ -160,7 +160,7 @@ class StudyError(InputError):
 
 @dataclass(frozen=True)
 class Row:
-    """One run of a study: its number, what makes it differ from the others, and its trial."""
+    """One run of a study: its number, its varied values, and its trial."""
 
     number: int
     parameters: dict[str, Value]
@@ -169,7 +169,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Combination:
-    """One trial with one value of everything in the grid."""
+    """One trial with one value of every variable of the grid."""
 
     trial: Trial
     values: tuple[Value, ...]
@@ -177,14 +177,14 @@ class Combination:
 
 @dataclass(frozen=True)
 class Design:
-    """Trials × everything in the grid × `repeat`, with what is drawn at random for each.
+    """Combinations of trials and grid values, each `repeat` times, with random values.
 
-    A row's seed comes from the study's seed and the row's own parameters but controllers: neither
-    the order of rows nor what else is in the study matters. What is drawn depends on the repetition
-    only, so that all combinations meet the same draws and can be compared pair by pair (common
-    random numbers), controllers in the same runs. With `metrics`, rows have those of social
-    navigation as well. Files named in `grid` and `random` are seen from `folder`. `search` are the
-    keys of its worst-case search, if it has any.
+    The seed of a row follows from the study's seed and the row's own parameters without
+    controllers. The order of rows and other variables have no influence. Random values depend on
+    the repetition only. Therefore all combinations, and all controllers, have the same draws and
+    can be compared pair by pair (common random numbers). With `metrics`, rows contain the metrics
+    of social navigation. Paths of files in `grid` and `random` are relative to `folder`. `search`
+    contains the keys of a worst-case search.
     """
 
     name: str
@@ -251,15 +251,15 @@ class Design:
 
     @cached_property
     def _compared(self) -> dict[str, str]:
-        """The first trial that is the same as each one but for controllers, by name."""
-        found: dict[str, str] = {}
+        """For each trial by name, the first trial that differs from it only in controllers."""
+        compared: dict[str, str] = {}
         first: list[Trial] = []
         for trial in self.trials:
             plain = without_controllers(replace(trial, name=""))
             same = next((k for k, one in enumerate(first) if one == plain), len(first))
             first.append(plain)
-            found[trial.name] = self.trials[same].name
-        return found
+            compared[trial.name] = self.trials[same].name
+        return compared
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
@@ -280,7 +280,7 @@ class Design:
 
 
 MOST_ROWS = 1_000_000
-"""A study of more rows than this is refused: it is more likely a slip."""
+"""Maximum number of rows of a study."""
 
 
 class _Draw(Strictly):
@@ -442,7 +442,7 @@ def _build(form: type[Study], document: Document, folder: Path, own_code: bool) 
 
 
 class _Reader:
-    """Reads the parts of a study, and gathers what is wrong with them."""
+    """Reads the parts of a study and collects their problems."""
 
     def __init__(self, document: Document, folder: Path, own_code: bool) -> None:
         self.problems: list[Problem] = []
@@ -460,8 +460,8 @@ class _Reader:
             seen.add(source)
             try:
                 path = self._folder / source
-                found = path if path.suffix or is_there(path) else source
-                trial = Trial.load(found, own_code=self._own_code)
+                file = path if path.suffix or is_there(path) else source
+                trial = Trial.load(file, own_code=self._own_code)
             except (UserError, OSError) as why:
                 self._problem(str(why), "trials", k)
                 continue
@@ -475,8 +475,8 @@ class _Reader:
         self, schema: dict[str, list[Any]], trials: tuple[Trial, ...]
     ) -> dict[Variable, tuple[Value, ...]]:
         grid: dict[Variable, tuple[Value, ...]] = {}
-        for name, given in schema.items():
-            values = tuple(_value(one) for one in given)
+        for name, written in schema.items():
+            values = tuple(_value(one) for one in written)
             what = self._variable(name, "grid")
             if not values:
                 self._problem("has no values", "grid", name)
@@ -484,7 +484,7 @@ class _Reader:
                 continue
             for k, value in enumerate(values):
                 if value in values[:k]:
-                    self._problem(f"{given[k]!r} stands twice", "grid", name, k)
+                    self._problem(f"{written[k]!r} stands twice", "grid", name, k)
                 self._try(what, value, trials, "grid", name, k)
             grid[what] = values
         return grid
@@ -512,11 +512,11 @@ class _Reader:
         return drawn
 
     def until(self, until: UntilKeys, trials: tuple[Trial, ...]) -> None:
-        """Say it if runs of the trials do not have the figure to stop by."""
+        """Report a problem if runs of the trials lack the figure to stop by."""
         for trial in trials:
-            known = summary_fields(trial)
-            paths = {key for key, one in known.items() if ".".join(one.path).startswith(key)}
-            if until.of not in paths or known[until.of].figure.form == "flag":
+            figures = summary_fields(trial)
+            paths = {key for key, one in figures.items() if ".".join(one.path).startswith(key)}
+            if until.of not in paths or figures[until.of].figure.form == "flag":
                 hint = suggestion(until.of, sorted(paths))
                 self._problem(f"a run has no such figure; {hint}", "until", "of")
 
@@ -530,7 +530,7 @@ class _Reader:
     def _try(
         self, what: Variable, value: Value, trials: tuple[Trial, ...], *place: str | int
     ) -> None:
-        """Say it if one of the trials can't have this value."""
+        """Report a problem if one of the trials cannot have this value."""
         for trial in trials:
             try:
                 changed = what.put(trial, value, self._folder)
@@ -553,8 +553,8 @@ def _distribution(name: str, entry: _Draw) -> Distribution:
     if entry.word is not None:
         usual = "shuffled" if name == "job_order" else "uniform, normal or choice with values"
         raise UserError(f"expected {usual}, found {entry.word!r}")
-    given = [one for one in (entry.uniform, entry.normal, entry.choice) if one is not None]
-    if len(given) != 1 or (entry.within is not None and entry.normal is None):
+    kinds = [one for one in (entry.uniform, entry.normal, entry.choice) if one is not None]
+    if len(kinds) != 1 or (entry.within is not None and entry.normal is None):
         raise UserError("give one of uniform, choice, or normal (with within, if you like)")
     if entry.uniform is not None:
         return _uniform(*entry.uniform)

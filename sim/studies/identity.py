@@ -1,4 +1,4 @@
-"""Identity of a study: digests of all that decides its results."""
+"""Identity of a study: digests of all inputs that decide its results."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ from .design import Study
 
 
 def identity(study: Study) -> dict[str, str]:
-    """Return the digests of all that decides the results of `study`, by what it is."""
-    known = {"floorwalker": version("floorwalker"), "the study": digest(_definition(study))}
+    """Return the digests of all inputs that decide the results of `study`, by name."""
+    digests = {"floorwalker": version("floorwalker"), "the study": digest(_definition(study))}
     for trial in study.trials:
-        known[f"the trial {trial.name}"] = digest(trial.to_yaml(trial.folder))
-    return known | parts(one.trial for one in study.combinations)
+        digests[f"the trial {trial.name}"] = digest(trial.to_yaml(trial.folder))
+    return digests | parts(one.trial for one in study.combinations)
 
 
 def parts(trials: Iterable[Trial]) -> dict[str, str]:
-    """Return the digests of what trials name and don't contain, as floorplans and custom code.
+    """Return the digests of files and code that trials name, such as floorplans and controllers.
 
-    Things of one name, as in several folders, have one digest.
+    Parts with the same name, for example from several folders, have one digest.
     """
     named: dict[str, dict[str, None]] = {}
     for trial in trials:
-        for what, found in _parts(trial):
-            named.setdefault(what, {})[found] = None
+        for what, content in _parts(trial):
+            named.setdefault(what, {})[content] = None
     return {
         what: digest(" ".join(all_found)) if len(all_found) > 1 else next(iter(all_found))
         for what, all_found in named.items()
@@ -64,7 +64,7 @@ def _definition(study: Study) -> str:
 
 
 def _whole(value: object) -> str:
-    """Return a value with all fields of the dataclasses in it, which `repr` abbreviates."""
+    """Return the text of a value with all fields of its dataclasses, which `repr` abbreviates."""
     match value:
         case tuple():
             return f"({', '.join(map(_whole, value))}{',' * (len(value) == 1)})"
@@ -148,5 +148,5 @@ def digest(text: str) -> str:
 
 
 def _wkt(value: object) -> str:
-    assert isinstance(value, BaseGeometry)  # all else in a floorplan is plain
+    assert isinstance(value, BaseGeometry)  # the only values of a floorplan that JSON lacks
     return str(value.wkt)

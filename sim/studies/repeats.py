@@ -1,4 +1,4 @@
-"""Repeats of a study: identical ones, when there are enough, and how many are needed."""
+"""Repeats of a study: identical ones, sequential stopping, and the number needed."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from floorplan.files.fields import Positive, Strictly, whole
 from floorplan.files.problems import suggestion
 
 FEWEST = 10
-"""Repetitions before which an interval is too narrow to stop by."""
+"""Minimum number of repetitions before stopping, because intervals of fewer are too narrow."""
 
 NOT_FIGURES = ("row", "repetition", "seed")
-"""Columns in which identical repeats differ."""
+"""Columns that differ between identical repeats."""
 
 NORMAL = 1.959964
 """Half the width of the interval of 95 % of a normal distribution, in standard deviations."""
@@ -35,7 +35,7 @@ class UntilKeys(Strictly):
 
 
 def are_identical(columns: Mapping[str, Sequence[object]], rows: Sequence[int]) -> bool:
-    """Return whether several rows have the same figures, though their seeds differ."""
+    """Return True if several rows have the same figures despite different seeds."""
     if len(rows) < 2:
         return False
     return all(
@@ -75,7 +75,7 @@ def repetitions_needed(values: Sequence[float], width: float) -> int:
 
 
 def column_of(figure: str, columns: Sequence[str]) -> str:
-    """Return the column of a figure by its name, which may leave out its last part.
+    """Return the column of a figure, whose name may lack its last part.
 
     `UserError` if no row has it.
     """

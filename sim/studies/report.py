@@ -11,16 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..core.wording import digits_after, figure, signed
 from ..views.report_page import (
     COLOURS,
     INK,
-    digits_after,
     draw_box,
     draw_interval,
-    figure,
     name_rows,
     page_chart,
-    signed,
     write_report_page,
 )
 from .comparison import (
@@ -40,10 +38,10 @@ if TYPE_CHECKING:
 
 
 WIDTH, ROW_HEIGHT, MARGIN = 5.6, 0.3, 0.75
-"""Inches: a chart's width, the height of one group, and what is added for the axis."""
+"""Inches: width of a chart, height of one group, and height of the axis."""
 
 MOST_COUNTS = 40
-"""Up to so many different whole numbers are drawn as counts, others as boxes."""
+"""Maximum number of different whole numbers that are drawn as counts instead of boxes."""
 
 
 def chart(
@@ -89,28 +87,28 @@ def _counts(axes: Axes, place: int, spread: Spread, colour: str) -> None:
 
 
 def _colours(groups: Sequence[RowGroup]) -> list[str]:
-    """One colour for each value of the first factor."""
+    """Return the colour of each group, by the value of the first factor."""
     firsts = list(dict.fromkeys(group.values[:1] for group in groups))
     return [COLOURS[firsts.index(group.values[:1]) % len(COLOURS)] for group in groups]
 
 
 PANEL, HEIGHT = 2.6, 2.5
-"""Inches: the width of one factor's panel, and the height of a chart."""
+"""Inches: width of one factor's panel, and height of a chart."""
 
 MOST_LINES = 24
-"""Of so many combinations of the other factors each has a line of its own."""
+"""Maximum number of combinations of the other factors that have a line each."""
 
 LONGEST_NAME = 14
-"""Characters of a value that fit below an axis."""
+"""Maximum number of characters of a value below an axis."""
 
 
 def sensitivity_chart(
     compared: Comparison, measure: Measure, trends: Sequence[Trend]
 ) -> str | None:
-    """Return a chart with a panel for each factor as SVG; None if matplotlib is not there.
+    """Return a chart with a panel for each factor as SVG, or None without matplotlib.
 
-    Dots are means of all rows with a value, with the interval of each; faint lines are the means
-    of each combination of the other factors.
+    Dots are means of all rows with a value, with intervals. Faint lines are the means of each
+    combination of the other factors.
     """
 
     def draw(figure: Figure) -> None:
@@ -157,7 +155,7 @@ def _lines(compared: Comparison, measure: Measure, trend: Trend) -> Iterator[Map
 
 
 def _places(values: Sequence[str]) -> dict[str, float]:
-    """Return where on its axis each value stands: numbers as such, names one after the other."""
+    """Return the positions of values on an axis: numbers as such, names one after the other."""
     if _is_named(values):
         return {value: float(k) for k, value in enumerate(values)}
     return {value: float(value) for value in values}
@@ -175,18 +173,18 @@ def _short(value: str) -> str:
 
 
 STANDING_OUT = 3
-"""So many rows are named for what makes them stand out."""
+"""Maximum number of rows listed for an extreme value of one measure."""
 
 MOST_CONTRASTS = 200
-"""So many pairs of combinations are set against each other."""
+"""Maximum number of pairs of combinations that are compared."""
 
 MOST_ERRORS = 50
-"""So many failed rows are listed."""
+"""Maximum number of failed rows that are listed."""
 
 
 @dataclass(frozen=True)
 class Remarkable:
-    """A row to look at, and why."""
+    """A row with an extreme value, and the reason."""
 
     number: int
     why: str
@@ -216,7 +214,7 @@ def write_report(results: StudyResults, path: Path) -> None:
 
 
 def measures_shown(compared: Comparison) -> dict[str, Any]:
-    """Return what `measures.html` shows: what varies, with its digits, what not, and contrasts."""
+    """Return the values of `measures.html`: varying and constant measures, and contrasts."""
     constant = {measure: compared.constant(measure) for measure in compared.spreads}
     with_effects = (one for one in contrasts(compared) if any(one.effects.values()))
     return {
@@ -237,7 +235,7 @@ def measures_shown(compared: Comparison) -> dict[str, Any]:
 
 
 def digits_of(spreads: Sequence[Spread | None]) -> int:
-    """Return how many digits after the point the largest figure needs; none for whole numbers."""
+    """Return the decimals for the largest figure, or 0 if all are whole numbers."""
     shown = [end for s in spreads if s is not None for end in (s.mean, s.low, s.high)]
     if all(value == round(value) for value in shown):
         return 0

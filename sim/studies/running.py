@@ -39,19 +39,19 @@ if TYPE_CHECKING:
 
 
 AHEAD = "4 * n_jobs"
-"""Number of trials handed out before their results are asked for, as joblib reads it."""
+"""Number of trials that are submitted in advance, in joblib's notation."""
 
 QUIET = "ignore:resource_tracker:UserWarning"
-"""The warnings of loky's resource tracker, as a filter of Python's."""
+"""Filter for the warnings of loky's resource tracker."""
 
 
 @contextmanager
 def backend_of(name: str, jobs: int) -> Iterator[Parallel]:
-    """Yield what calls functions on the backend called `name`, and yields results in their order.
+    """Yield a `Parallel` of the backend `name`, which yields results in order.
 
-    "dask" runs on the cluster of the current client; where there is none, on the one that
-    DASK_SCHEDULER_ADDRESS names, or on `jobs` local processes. `ValueError` if there is no such
-    backend or what it needs is not installed. What else uses joblib meanwhile is not affected.
+    "dask" uses the cluster of the current client. Without a client it uses the cluster at
+    DASK_SCHEDULER_ADDRESS, or `jobs` local processes. `ValueError` if the backend is unknown or its
+    packages are missing. Other users of joblib are not affected.
     """
     notice_uncompiled()
     import joblib
@@ -78,10 +78,10 @@ def _leave_interrupts_to_the_main_process() -> None:
 
 
 def _start_quiet_tracker() -> None:
-    """Start the process in which loky keeps track of semaphores, without its warnings.
+    """Start loky's process that tracks semaphores, without its warnings.
 
-    It warns of those that an interrupt catches between their making and their being forgotten,
-    cleans them up, and warns of those that are gone by then: nothing that anybody can use.
+    An interrupt may leave semaphores that the process cleans up with a warning. Users can do
+    nothing about them.
     """
     from joblib.externals.loky.backend import resource_tracker
 
@@ -98,7 +98,7 @@ def _start_quiet_tracker() -> None:
 
 @contextmanager
 def _without_logs(*names: str) -> Iterator[None]:
-    """Keep these logs silent: what goes wrong comes as an error, once."""
+    """Silence these logs, because failures are raised as errors."""
     loggers = [logging.getLogger(name) for name in names]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
@@ -112,7 +112,7 @@ def _without_logs(*names: str) -> Iterator[None]:
 
 @contextmanager
 def _dask_client(jobs: int) -> Iterator[None]:
-    """See to it that there is a Dask client in this context: the current one, or one of its own."""
+    """Provide a Dask client in this context: the current one or a new one."""
     try:
         import dask
         from distributed import Client, LocalCluster, get_client
@@ -133,7 +133,7 @@ def _dask_client(jobs: int) -> Iterator[None]:
         cluster = LocalCluster(
             n_workers=jobs,
             threads_per_worker=1,
-            # Any port will do: without an address Dask takes 8787, and warns where that is taken.
+            # Without an address Dask takes port 8787, and warns if it is taken.
             dashboard_address="localhost:0",
             silence_logs=logging.CRITICAL,
         )
@@ -143,9 +143,9 @@ def _dask_client(jobs: int) -> Iterator[None]:
 
 @contextmanager
 def _leaving_interrupts_to_this_process() -> Iterator[None]:
-    """Let processes that are started in this context ignore Ctrl-C."""
+    """Start processes in this context that ignore Ctrl-C."""
     if threading.current_thread() is not threading.main_thread():
-        yield  # there is no Ctrl-C in other threads, and no way to say so
+        yield  # only the main thread handles Ctrl-C
         return
     usual = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
@@ -160,11 +160,11 @@ Failed = Callable[[Exception], Kept]
 _END: Any = object()
 
 _LABEL: ContextVar[str] = ContextVar("label", default="")
-"""Beginning of the warnings of the trial under way."""
+"""Prefix of the warnings of the current trial."""
 
 
 class WorkerError(RuntimeError):
-    """A process that ran trials came to an end."""
+    """Error of a process that ended while it ran trials."""
 
 
 @overload
@@ -263,12 +263,12 @@ def left_of(
     failed: Callable[[Exception], Any] | None,
     label: str,
 ) -> Any:
-    """Return what is to be kept of the run of a trial, or of its error."""
+    """Return the result of `keep` for the run of a trial, or of `failed` for its error."""
     token = _LABEL.set(label)
     logging.getLogger("bdi").addFilter(_labelled)
     try:
         finished = run(trial)
-    except Exception as why:  # the user's own controllers and laws may raise anything
+    except Exception as why:  # custom controllers and laws may raise anything
         if failed is None:
             raise
         return failed(why)
@@ -278,16 +278,17 @@ def left_of(
 
 
 def _labelled(warning: logging.LogRecord) -> bool:
-    """Put the label of the trial under way before a warning."""
+    """Put the label of the current trial before a warning."""
     warning.msg = f"{_LABEL.get()}{warning.msg}"
     return True
 
 
 @contextmanager
 def without_noise() -> Iterator[None]:
-    """Keep joblib's remarks on its workers, which are of no use, from the user.
+    """Hide joblib's messages about its workers, which users cannot act on.
 
-    That one was started anew; and, when rows are taken back, that loky's thread missed one.
+    These are warnings about restarted workers, and a `KeyError` in loky's thread after a
+    cancellation.
     """
     usual = threading.excepthook
 
@@ -308,7 +309,7 @@ def without_noise() -> Iterator[None]:
 Found = TypeVar("Found")
 
 Progress = Callable[[int], None]
-"""Is called with the number of rows that are done."""
+"""Function called with the number of finished rows."""
 
 
 def run_study(
@@ -391,7 +392,7 @@ def of_rows(
     jobs: int | None,
     backend: str = "loky",
 ) -> Iterator[tuple[Row, Found]]:
-    """Yield each of some rows with what `run_many` keeps of it, in their order.
+    """Yield each row with the result of `run_many`, in order.
 
     `WorkerError` if a process dies.
     """
@@ -407,35 +408,35 @@ def of_rows(
 
     many = run_many(trials(), keep=keep, failed=failed, jobs=jobs, backend=backend, label=label)
     try:
-        for found in many:
-            yield under_way.popleft(), found
+        for result in many:
+            yield under_way.popleft(), result
     except WorkerError as why:
-        kept = "what is done is kept: run the same command to go on"
-        raise WorkerError(f"{why}; {kept}") from None
+        hint = "what is done is kept: run the same command to go on"
+        raise WorkerError(f"{why}; {hint}") from None
 
 
 _LEFT_OUT = frozenset(path for path, figure in FIGURES.items() if not figure.column)
 
 
 def figures_of(finished: Run, *, with_metrics: bool = False) -> Record:
-    """Return the figures of a run: those of its summary, and its metrics if asked for.
+    """Return the figures of the summary of a run, and its metrics if requested.
 
-    Nothing here depends on where or when it ran.
+    They do not depend on time or machine.
     """
     summary = {key: value for key, value in finished.summary.items() if key not in _LEFT_OUT}
     if with_metrics:
         summary["metrics"] = metrics(finished)
     slacks = {".".join(map(str, one.place)): one.slack for one in finished.verdicts}
-    found: Record = {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
-    return found | {
+    figures: Record = {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
+    return figures | {
         f"{SLACK}.{key}": None if math.isinf(slack) else slack for key, slack in slacks.items()
     }
 
 
 def error_in(why: Exception) -> Record:
-    """Return what stands in place of figures where a trial failed: what it raised, on one line.
+    """Return the record of a failed trial: its error on one line.
 
-    An error that no input may cause is told apart, and has the place where it arose.
+    Defects of Floorwalker are marked and have their place in the code.
     """
     words = f"{type(why).__name__}: {why}"
     if not is_ours(why) and not isinstance(why, OSError):
@@ -445,14 +446,14 @@ def error_in(why: Exception) -> Record:
 
 
 def record_of(row: Row, figures: Record) -> Record:
-    """Return the line of `row`: its number, its parameters, and its figures or error."""
+    """Return the record of `row`: its number, parameters, and figures or error."""
     record: Record = {"row": row.number}
     record |= {name: plain(value) for name, value in row.parameters.items()}
     return record | figures
 
 
 def flat(figures: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Figures within figures by their names joined with dots; of a list, how long it is."""
+    """Yield nested figures with names joined by dots. Lists are given by length."""
     for key, value in figures.items():
         name = f"{above}{key}"
         if isinstance(value, Mapping):

@@ -25,6 +25,7 @@ from navigation.separation import AnyLaw
 
 from ..core.entries import UNSIGNED, SignOff
 from ..core.recorder import Scene
+from ..core.wording import clock, counted, figure, percent, significant
 from ..record.incidents import (
     RISKS,
     Incident,
@@ -44,12 +45,9 @@ from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
 from ..trials.timeline import Verdict
 from ..trials.trial import Trial
-from ..views.report_page import figure
 from ..views.safety_findings import SIGNED_BY, sign_off_rows, stops_in_tables, without_a_job
 from ..views.safety_page import (
     Picture,
-    clock,
-    counted,
     exposure,
     require_writable,
     risk_pictures,
@@ -71,15 +69,15 @@ TOO_NEAR = Measure("Nearer than required", "safety.near", "s", "all people toget
 MARGIN = Measure("Least margin", "safety.margin", "m", "to a required distance", chief=True)
 
 KEPT = 40
-"""The worst violations of a row that are kept."""
+"""Number of worst violations that are kept of a row."""
 
 
 @dataclass(frozen=True, eq=False)
 class RowFindings:
-    """Findings of one row: how many violations, the worst of them, times in seconds, maps.
+    """Findings of one row: number of violations, the worst ones, durations (s), maps.
 
-    `margin` is the least margin to a required distance (metres), NaN where nothing was required.
-    `times` are those of the machines, `zones` the exposure of people in each zone.
+    `margin` is the least margin to a required distance (m), NaN if none was required. `times` are
+    durations of machine states. `zones` is the exposure of people in each zone.
     """
 
     count: int
@@ -96,9 +94,9 @@ class RowFindings:
 class Findings:
     """Findings of all rows that did not fail.
 
-    `maps` are those of all rows of a trial together, by its number. `worst` has the worst
-    violations with the numbers of their rows. `warm_up` is the end of the warm-up (seconds), None
-    if it is that of each trial.
+    `maps` joins the rows of each trial, by the trial's number. `worst` contains the worst
+    violations with the numbers of their rows. `warm_up` is the end of the warm-up (s), or None for
+    that of each trial.
     """
 
     rows: dict[int, RowFindings] = field(default_factory=dict)
@@ -107,19 +105,19 @@ class Findings:
     warm_up: float | None = None
 
     def warm_up_of(self, trial: Trial) -> float:
-        """Return the end of the warm-up (seconds) that was left out of a trial's runs."""
+        """Return the end (s) of the omitted warm-up of a trial's runs."""
         return trial.warm_up if self.warm_up is None else self.warm_up
 
-    def add(self, row: int, trial: int, found: RowFindings) -> None:
-        """Take in what was found in the row and the trial of these numbers."""
-        self.worst += [(row, one) for one in found.worst]
+    def add(self, row: int, trial: int, findings: RowFindings) -> None:
+        """Add the findings of a row of the trial with this number."""
+        self.worst += [(row, one) for one in findings.worst]
         self.worst.sort(key=lambda one: (one[1].margin, one[0], one[1].begin))
         del self.worst[KEPT:]
         mine = self.maps.setdefault(trial, {})
-        for of, cells in found.maps.items():
+        for of, cells in findings.maps.items():
             mine[of] = risk_of_all([mine[of], cells], of) if of in mine else cells
-        # The maps of single rows are not needed any more, and are large.
-        self.rows[row] = replace(found, worst=[], maps={})
+        # Maps are large, and those of single rows are no longer needed.
+        self.rows[row] = replace(findings, worst=[], maps={})
 
 
 def findings(
@@ -131,10 +129,10 @@ def findings(
     progress: Callable[[int], None] = lambda _: None,
     warm_up: float | None = None,
 ) -> Findings:
-    """Run every row that did not fail once more, and return what is found in all of them.
+    """Run every row that did not fail again, and return the findings.
 
-    `count` is the number of rows, where not all were run. `progress` is given the number of rows
-    that are done. What happens before the `warm_up` (seconds), or that of the trial, is left out.
+    `count` is the number of rows if not all were run. `progress` is called with the number of
+    finished rows. The time before `warm_up` (s), or before the trial's own warm-up, is omitted.
     """
     together = Findings(warm_up=warm_up)
     each = len(study.combinations) // len(study.trials)
@@ -147,17 +145,17 @@ def findings(
 
 
 def row_findings(whole: Run, warm_up: float | None = None) -> RowFindings:
-    """Return what is found in the run of a row, after the warm-up."""
+    """Return the findings of the run of a row after the warm-up."""
     finished = after_warm_up(whole, whole.trial.warm_up if warm_up is None else warm_up)
-    found = worst_first(incidents(finished))
+    violations = worst_first(incidents(finished))
     both = finished.scene.people and finished.scene.machines
     maps = {of: risk(finished, of) for of in RISKS} if both else {}
-    margins = [one.margin for one in found[:1]]
+    margins = [one.margin for one in violations[:1]]
     if both:
         margins.append(float(maps["margin"].min()))
     return RowFindings(
-        count=len(found),
-        worst=found[:KEPT],
+        count=len(violations),
+        worst=violations[:KEPT],
         on_floor=time_on_floor(finished),
         near=time_too_close(finished),
         margin=min(filter(math.isfinite, margins), default=math.nan),
@@ -167,14 +165,14 @@ def row_findings(whole: Run, warm_up: float | None = None) -> RowFindings:
     )
 
 
-def with_findings(compared: Comparison, found: Findings) -> Comparison:
-    """Return a comparison that has the findings of the rows among its measures, before others."""
+def with_findings(compared: Comparison, findings: Findings) -> Comparison:
+    """Return a comparison whose first measures are the findings of the rows."""
     count = sum(len(group.rows) * group.repeats for group in compared.groups)
     nothing = RowFindings(0, [], math.nan, math.nan, math.nan, {})
-    rows = [found.rows.get(k, nothing) for k in range(count)]
-    known = np.array([float(k in found.rows) for k in range(count)])
+    rows = [findings.rows.get(k, nothing) for k in range(count)]
+    is_known = np.array([float(k in findings.rows) for k in range(count)])
     figures = {
-        VIOLATIONS: np.where(known > 0, [float(one.count) for one in rows], math.nan),
+        VIOLATIONS: np.where(is_known > 0, [float(one.count) for one in rows], math.nan),
         TOO_NEAR: np.array([one.near for one in rows]),
         MARGIN: np.array([one.margin for one in rows]),
     }
@@ -185,15 +183,17 @@ def with_findings(compared: Comparison, found: Findings) -> Comparison:
     return replace(compared, spreads=spreads | compared.spreads, values=figures | compared.values)
 
 
-def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
-    """Return what `safety_study.html` shows of `results` and of what was `found` in their runs."""
-    study, compared = results.study, with_findings(results.comparison, found)
+def study_report(results: StudyResults, findings: Findings) -> dict[str, Any]:
+    """Return the values of `safety_study.html` for `results` and their `findings` findings."""
+    study, compared = results.study, with_findings(results.comparison, findings)
     scenes = [Simulation(trial).scene for trial in study.trials]
-    rows = found.rows.values()
+    rows = findings.rows.values()
     count = sum(one.count for one in rows)
     unmet = [float(n) for n in results.columns.get("unmet", ()) if n is not None]
     trends = [*sensitivities(compared)]
-    drawn = ((measure, sensitivity_chart(compared, measure, found)) for measure, found in trends)
+    drawn = (
+        (measure, sensitivity_chart(compared, measure, findings)) for measure, findings in trends
+    )
     return {
         "study": study,
         "run_count": len(results),
@@ -204,14 +204,17 @@ def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
         "count": count,
         "contacts": sum(int(n) for n in results.columns.get("contacts", ()) if n is not None),
         "share_with_violation": _interval([float(one.count > 0) for one in rows]),
-        "worst": found.worst,
+        "worst": findings.worst,
         "expects": any(trial.expect for trial in study.trials),
         "met": sum(n == 0 for n in unmet),
         "judged": len(unmet),
         "varied": _varied(study),
         "trials": [
             about(scene, trial)
-            | {"maps": _maps(found, number, scene), "exposed": _exposure(results, found, trial)}
+            | {
+                "maps": _maps(findings, number, scene),
+                "exposed": _exposure(results, findings, trial),
+            }
             for number, (trial, scene) in enumerate(zip(study.trials, scenes, strict=True))
         ],
         "all_rules": [one.trial.rules for one in study.combinations],
@@ -222,8 +225,8 @@ def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
             for measure, effects in trends
         ],
         "charts": [(measure, chart) for measure, chart in drawn if chart is not None],
-        "shares": _shares(compared, found),
-        **_worst_run(study, found),
+        "shares": _shares(compared, findings),
+        **_worst_run(study, findings),
         "software": software(),
         "digests": [*identity(study).items()],
         "results_digest": hashlib.sha256((results.folder / RESULTS).read_bytes()).hexdigest()[:16],
@@ -241,12 +244,14 @@ def _swing(trends: Sequence[Trend], factor: str) -> str:
 
 
 def _interval(shares: Sequence[float]) -> str:
-    """Return a share of runs with its interval, in words."""
+    """Return a share of runs with its interval as text."""
     if not shares:
         return "–"
-    found = share(shares)
-    low, high = (f"{100 * end:.1f}" for end in (found.low, found.high))
-    return f"{sum(shares):.0f} of {len(shares):,}: {100 * found.value:.1f} % ({low} … {high} %)"
+    estimate = share(shares)
+    value, low, high = (
+        percent(one, digits=1) for one in (estimate.value, estimate.low, estimate.high)
+    )
+    return f"{sum(shares):.0f} of {len(shares):,}: {value} ({low.removesuffix(' %')} … {high})"
 
 
 def _varied(study: Study) -> list[tuple[str, str]]:
@@ -256,26 +261,26 @@ def _varied(study: Study) -> list[tuple[str, str]]:
 
 
 def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw, str]]:
-    """Return each law once, with what it holds for and in how many combinations."""
-    held: Counter[tuple[str, AnyLaw, str]] = Counter()
+    """Return each law once, with its machines, number of combinations, and reference points."""
+    numbers: Counter[tuple[str, AnyLaw, str]] = Counter()
     each = len(study.combinations) // len(study.trials)
     for k, combination in enumerate(study.combinations):
         rules, machines = combination.trial.rules, scenes[k // each].machines
         for key in dict.fromkeys(rules.law_and_key_of(machine)[0] for machine in machines):
             mine = [one for one in machines if rules.law_and_key_of(one)[0] == key]
-            held.update(laws_of(rules, mine))
+            numbers.update(laws_of(rules, mine))
     every = len(study.combinations)
     return [
         (whom if count == every else f"{whom}, in {count} of {every} combinations", law, between)
-        for (whom, law, between), count in held.items()
+        for (whom, law, between), count in numbers.items()
     ]
 
 
-def _shares(compared: Comparison, found: Findings) -> list[tuple[str, ...]]:
-    """Return for each combination how many of its runs had a violation."""
+def _shares(compared: Comparison, findings: Findings) -> list[tuple[str, ...]]:
+    """Return the share of runs with a violation in each combination."""
     rows = []
     for group in compared.groups:
-        mine = [found.rows[row] for row in group.rows.tolist() if row in found.rows]
+        mine = [findings.rows[row] for row in group.rows.tolist() if row in findings.rows]
         there = math.fsum(one.on_floor for one in mine) / 3600
         count = sum(one.count for one in mine)
         rows.append(
@@ -289,15 +294,15 @@ def _shares(compared: Comparison, found: Findings) -> list[tuple[str, ...]]:
     return rows
 
 
-def _maps(found: Findings, number: int, scene: Scene) -> list[Picture]:
-    maps = found.maps.get(number, {})
+def _maps(findings: Findings, number: int, scene: Scene) -> list[Picture]:
+    maps = findings.maps.get(number, {})
     return risk_pictures(scene.floorplan, scene.machines, maps, scene.trial)
 
 
-def _exposure(results: StudyResults, found: Findings, trial: Trial) -> dict[str, Any]:
-    """Return the means of a run's exposure to each zone."""
+def _exposure(results: StudyResults, findings: Findings, trial: Trial) -> dict[str, Any]:
+    """Return the mean exposure to each zone per run."""
     lines = [k for k, name in enumerate(results.columns.get("trial", [])) if name == trial.name]
-    mine = [found.rows[k] for k in lines if k in found.rows]
+    mine = [findings.rows[k] for k in lines if k in findings.rows]
     n = max(1, len(mine))
     zones = {
         zone.name: {
@@ -310,15 +315,15 @@ def _exposure(results: StudyResults, found: Findings, trial: Trial) -> dict[str,
     return exposure(trial.floorplan, zones, there, near)
 
 
-def _worst_run(study: Study, found: Findings) -> dict[str, Any]:
-    """Return the pictures of the run with the worst violation, and its parameters in words."""
-    if not found.worst:
+def _worst_run(study: Study, findings: Findings) -> dict[str, Any]:
+    """Return the pictures and the parameters of the run with the worst violation."""
+    if not findings.worst:
         return {}
-    number = found.worst[0][0]
+    number = findings.worst[0][0]
     row = study.row(number)
-    mine = [one for n, one in found.worst if n == number]
+    mine = [one for n, one in findings.worst if n == number]
     values = [f"{name} {_in_words(value)}" for name, value in row.parameters.items()]
-    since = found.warm_up_of(row.trial)
+    since = findings.warm_up_of(row.trial)
     return {
         "shown": run_pictures(run(row.trial), mine, "worst", since=since),
         "worst_values": ", ".join(values),
@@ -326,8 +331,8 @@ def _worst_run(study: Study, found: Findings) -> dict[str, Any]:
 
 
 def _in_words(value: object) -> str:
-    """Return a parameter of a row."""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    """Return the text of a parameter."""
+    return significant(value) if isinstance(value, float) else str(value)
 
 
 Progress = Callable[[int], None]
@@ -357,7 +362,7 @@ def safety_report(
     warm_up : float, optional
         Time in seconds before which nothing counts. Defaults to that of the trial.
     sign_off : SignOff, optional
-        Entries of the sign-off block. Those of the trial are used for empty ones.
+        Entries of the sign-off block. Empty entries have the values of the trial.
 
     Raises
     ------
@@ -371,7 +376,7 @@ def safety_report(
     if isinstance(source, StudyResults):
         title, count = source.study.name, counted(len(source), "run")
         subtitle = f"A study of {count}, simulated by Floorwalker"
-        found = findings(
+        evaluated = findings(
             source.study,
             {*source.failed},
             len(source),
@@ -380,7 +385,7 @@ def safety_report(
             warm_up=warm_up,
         )
         template = "safety_study.html"
-        values = study_report(source, found) | _shared(source, found, sign_off)
+        values = study_report(source, evaluated) | _shared(source, evaluated, sign_off)
     else:
         require(source, Recorded, "sim.load_run")
         title = source.scene.trial
@@ -390,12 +395,12 @@ def safety_report(
         write_safety_page(path, template, title=title, subtitle=subtitle, **values)
 
 
-def _shared(source: StudyResults, found: Findings, sign_off: SignOff) -> dict[str, Any]:
-    """Return the warm-up, the stops and the sign-off block of a report on a study."""
+def _shared(source: StudyResults, findings: Findings, sign_off: SignOff) -> dict[str, Any]:
+    """Return the warm-up, the stops and the sign-off block of a study's report."""
     trials = source.study.trials
-    times = [one.times for one in found.rows.values()]
+    times = [one.times for one in findings.rows.values()]
     idle = [without_a_job(mine, len(trials[0].people)) for mine in times]
-    ends = [found.warm_up_of(trial) for trial in trials]
+    ends = [findings.warm_up_of(trial) for trial in trials]
     return {
         "warm_ups": ", ".join(f"{end:g} s" for end in dict.fromkeys(ends) if end),
         "stops": stops_in_tables(times_of_all(times), max(1, len(times))),
@@ -420,7 +425,7 @@ def _of_run(source: Recorded, warm_up: float | None, sign_off: SignOff) -> dict[
     if not isinstance(source, Run):
         return run_report(source, None, digests=digests, warm_up=warm_up, sign_off=sign_off)
     trial = source.trial
-    with suppress(ValueError):  # put together in Python, from what came from no file
+    with suppress(ValueError):  # trials made in Python may have no file
         digests = {f"the trial {trial.name}": digest(trial.to_yaml(trial.folder))} | digests
     digests = {"floorwalker": version("floorwalker")} | parts([trial]) | digests
     verdicts = [(_with_slack(one), one.met) for one in source.verdicts]

@@ -11,10 +11,11 @@ import numpy as np
 
 from floorplan import UserError
 
+from ..core.wording import figure
 from ..machines.gantry.controllers import CONTROLLERS, controller_source
 from ..people.programs import EXTERNAL
 from ..trials.trial import Trial
-from ..views.report_page import figure, write_report_page
+from ..views.report_page import write_report_page
 from .comparison import Floats, Measure, Spread, StudyResults, spread
 from .design import Choice, Shuffled, Study, Uniform
 from .folder import save_trial
@@ -27,7 +28,7 @@ SCENES = ("one_person", "two_people", "crowd")
 """Names of its trials."""
 
 FLIPS = 10_000
-"""Number of times that the signs of differences are drawn anew for a test."""
+"""Number of random signs of the differences for a test."""
 
 MEASURES = (
     Measure("Least margin, moving", "least_margin_moving.value", "m", worst=1),
@@ -53,9 +54,9 @@ class Score:
 class PairedTest:
     """Paired test of two controllers by one measure.
 
-    `difference` is the mean of the first less the second over trials with the same draws, between
-    `low` and `high` with 95 % confidence. `p` is the probability of a difference as large if the
-    controllers were alike.
+    `difference` is the mean of the first minus the second over trials with the same draws, with the
+    95 % interval from `low` to `high`. `p` is the probability of a difference at least as large
+    between equal controllers.
     """
 
     one: str
@@ -122,7 +123,7 @@ def scoreboard(
 
 def scores(results: StudyResults) -> list[Score]:
     """Return the score of each controller."""
-    found = []
+    all_scores = []
     for name in _controllers(results):
         rows = _rows(results, name)
         spreads = {}
@@ -133,17 +134,17 @@ def scores(results: StudyResults) -> list[Score]:
         least = None if margins is None or np.isnan(margins[rows]).all() else margins[rows]
         worst = None if least is None else int(rows[int(np.nanargmin(least))])
         value = None if least is None else float(np.nanmin(least))
-        found.append(Score(name, spreads, value, worst))
-    return found
+        all_scores.append(Score(name, spreads, value, worst))
+    return all_scores
 
 
 def paired_tests(results: StudyResults) -> list[PairedTest]:
-    """Return the tests of every two controllers by every measure that they differ in.
+    """Return the tests of all pairs of controllers by each measure in which they differ.
 
     Rows of one scene and one repetition have the same draws. Their differences are compared with
-    those of random signs (R. A. Fisher, "The Design of Experiments", 1935).
+    differences of random signs (R. A. Fisher, "The Design of Experiments", 1935).
     """
-    found = []
+    tests = []
     for one, other in itertools.combinations(_controllers(results), 2):
         for measure in MEASURES:
             values = measure.values(results.columns)
@@ -154,12 +155,12 @@ def paired_tests(results: StudyResults) -> list[PairedTest]:
             interval = spread(off)
             if interval is not None and off.any():
                 ends = (interval.mean, interval.low, interval.high)
-                found.append(PairedTest(one, other, measure, len(off), *ends, sign_flips(off)))
-    return found
+                tests.append(PairedTest(one, other, measure, len(off), *ends, sign_flips(off)))
+    return tests
 
 
 def sign_flips(differences: Floats) -> float:
-    """Return the share of random signs that give a mean at least as far from 0."""
+    """Return the share of random signs whose mean is at least as far from 0."""
     signs = np.random.default_rng(0).choice((-1.0, 1.0), size=(FLIPS, len(differences)))
     means = np.abs((signs * differences).mean(axis=1))
     as_far = int((means >= abs(differences.mean()) - 1e-12).sum())
@@ -167,7 +168,7 @@ def sign_flips(differences: Floats) -> float:
 
 
 def write_scoreboard(results: StudyResults) -> Path:
-    """Write the page of the scoreboard and the worst trial of each controller; return its path."""
+    """Write the page of the scoreboard and the worst trial of each controller. Return its path."""
     ranked = scores(results)
     links = {}
     for score in ranked:
@@ -195,7 +196,7 @@ def _controllers(results: StudyResults) -> list[str]:
 
 
 def _rows(results: StudyResults, controller: str) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Return the rows of a controller in order of scene and repetition, as of all others."""
+    """Return the rows of a controller in the same order of scene and repetition for all."""
     columns = results.columns
     keys = zip(columns["repetition"], columns["trial"], columns["controller"], strict=True)
     mine = [(k, row) for row, (*k, name) in enumerate(keys) if name == controller]

@@ -48,26 +48,26 @@ OWN_NAMES = {
     re.compile(r"people\.(.+)\.start_time"): r"people.\1.start.time",
     re.compile(r"agvs\.(.+)\.delay"): r"agvs.\1.*.time",
 }
-"""Variables of one person or AGV that a path does not name, and their paths."""
+"""Variables of one person or AGV whose names are not paths, and their paths."""
 
 NOT_VARIED = {"name", "seed", "folder", "expect"}
-"""Keys of a trial that no study varies."""
+"""Keys of a trial that studies do not vary."""
 
 OF_AXES = re.compile(r"gantry\.(max_speed|max_acceleration|max_jerk)")
-"""Values of the gantry that both of its axes along the floor have."""
+"""Values of the gantry that both horizontal axes have."""
 
 OF_CONTROLLERS = ("controller", "rate")
-"""Keys of a machine that make up its controller."""
+"""Keys of a machine that belong to its controller."""
 
 Value = str | float | tuple[float, ...]
-"""One value of a variable: a name, a number, or numbers that belong together."""
+"""Value of a variable: a name, a number, or several numbers that belong together."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """A value to vary by its path in the trial: `max_speed` of everybody, or of one person.
+    """A value to vary, by its path in the trial: for example `max_speed` of one person or all.
 
-    An AGV's delay is added to the times at its path, and an order of jobs sorts them.
+    A delay of an AGV is added to the times at its path. An order of jobs sorts them.
     """
 
     name: str
@@ -75,24 +75,25 @@ class Variable:
 
     @property
     def is_controller(self) -> bool:
-        """Whether its values are controllers."""
+        """True if its values are controllers."""
         return self.path.endswith(".controller")
 
     def put(
         self, trial: Trial, value: Value, folder: Path, others: Iterable[Variable] = ()
     ) -> Trial:
-        """`trial` with this value, which may be out of range; files are seen from `folder`.
+        """Return `trial` with this value. Paths of files are relative to `folder`.
 
-        A value for all entries leaves out those for which one of the `others` has its own.
-        `ValueError` or `OSError` say why there is nothing to put it in, or what it should be.
+        The value may be out of range. A value for all entries does not replace those of entries for
+        which one of the `others` has a value. `ValueError` or `OSError` if the trial has no such
+        place, or if the value has the wrong type.
         """
-        found = self._put(trial, value, folder)
+        varied = self._put(trial, value, folder)
         for other in others:
             if other.path.count(ALL) < self.path.count(ALL):
                 with suppress(UserError):  # the trial may not have it yet
                     for place in places(trial, other.path):
-                        found = with_value(found, place, value_at(trial, place))
-        return found
+                        varied = with_value(varied, place, value_at(trial, place))
+        return varied
 
     def _put(self, trial: Trial, value: Value, folder: Path) -> Trial:
         if self.name == "job_order":
@@ -114,9 +115,9 @@ class Variable:
 
 
 def variable(name: str) -> Variable:
-    """Return the variable called `name`. Raises `ValueError` that lists the known ones.
+    """Return the variable called `name`. `ValueError` if there is none, with a list.
 
-    A path is a variable whether or not there is something at its end: that depends on the trial.
+    A path is a variable even if the trial has no value there.
     """
     if name == "seed":
         raise UserError("seeds are not varied: each of the runs of `repeat: N` has one of its own")
@@ -140,47 +141,47 @@ def without_controllers(trial: Trial) -> Trial:
 
 
 def _with(trial: Trial, path: str, value: Value, folder: Path) -> Trial:
-    """Return `trial` with a value, as a file has it, at all places of a path."""
+    """Return `trial` with the value of a file at all places of a path."""
     if isinstance(value, str) and (folder / value).suffix:
         value = _seen_from(trial.folder, folder, value) if path != "rules" else value
     code = CodeFolder(folder, trial.own_code)
-    found = changed(
+    varied = changed(
         _with_key(trial, path), path, lambda before, kind: _read(before, value, kind, code)
     )
     if path.endswith(".personality"):
         for place in places(trial, path.removesuffix("personality") + "changes"):
-            found = with_value(found, place, ())
-    law, before = found.rules.gantry_law, trial.rules
+            varied = with_value(varied, place, ())
+    law, before = varied.rules.gantry_law, trial.rules
     if path != "rules" and before.notice.law.law == before.gantry_law != law:
-        # People notice by the law itself unless the rules give another one, and still do.
+        # People notice by the gantry's law unless the rules give another law.
         notice = replace(before.notice, law=replace(before.notice.law, law=law))
-        found = replace(found, rules=replace(found.rules, notice=notice))
-    if found.floorplan is not trial.floorplan:
-        check(found.floorplan)
-        found = replace(found, floorplan_source="")
+        varied = replace(varied, rules=replace(varied.rules, notice=notice))
+    if varied.floorplan is not trial.floorplan:
+        check(varied.floorplan)
+        varied = replace(varied, floorplan_source="")
     try:
-        require_fields(found)
+        require_fields(varied)
     except TypeError as why:
         raise UserError(str(why)) from None
-    return found
+    return varied
 
 
 def _with_key(trial: Trial, path: str) -> Trial:
-    """Return `trial` in which a machine of `machines` has the key at `path`, None if left out."""
+    """Return `trial` with the key at `path` in its machine, None if it was omitted."""
     match path.split("."):
         case ["machines", name, key] if name in trial.machines:
             entry = trial.machines[name]
             if key not in ("kind", *entry.keys):
-                known = keys_of(entry, trial)
-                if known is not None and key not in known:
-                    raise UserError(f"there is no {key!r} in {path!r}; {suggestion(key, known)}")
+                all_keys = keys_of(entry, trial)
+                if all_keys is not None and key not in all_keys:
+                    raise UserError(f"there is no {key!r} in {path!r}; {suggestion(key, all_keys)}")
                 entry = replace(entry, keys={**entry.keys, key: None})
                 return replace(trial, machines={**trial.machines, name: entry})
     return trial
 
 
 def _read(before: Any, value: Any, kind: Any, code: CodeFolder) -> Any:
-    """Return a value of a study as it takes the place of another, of a field of this type."""
+    """Return the value of a study converted to the type of the field that it replaces."""
     if isinstance(before, RuleSet):
         return find_rules(_text(value), code)
     if is_number(before) and isinstance(value, str):
@@ -201,7 +202,7 @@ def _read(before: Any, value: Any, kind: Any, code: CodeFolder) -> Any:
 
 @cache
 def _form(kind: Any) -> TypeAdapter[Any] | None:
-    """Return the reader of a type, or None if files have no single value of it."""
+    """Return the reader of a type, or None if it is no single value of a file."""
     try:
         return None if kind is None else TypeAdapter(kind)
     except PydanticSchemaGenerationError:
@@ -209,7 +210,7 @@ def _form(kind: Any) -> TypeAdapter[Any] | None:
 
 
 def _ordered(trial: Trial, value: Any) -> tuple[Job, ...]:
-    """Return the gantry's jobs in an order."""
+    """Return the gantry's jobs in the given order."""
     jobs = trial.gantry.jobs
     if value == "given":
         return jobs
@@ -225,9 +226,9 @@ def _ordered(trial: Trial, value: Any) -> tuple[Job, ...]:
 
 
 def reordered(jobs: tuple[Job, ...], arrange: Callable[[list[int]], list[int]]) -> tuple[int, ...]:
-    """Return `jobs` with each stretch between submitted orders in a new order.
+    """Return the order of `jobs` after `arrange` has sorted each stretch between submissions.
 
-    An order is handed in when everything that stood before it is done, in any order of the jobs.
+    An order is submitted when all jobs before it are done, in any order.
     """
     order: list[int] = []
     stretch: list[int] = []
@@ -241,7 +242,7 @@ def reordered(jobs: tuple[Job, ...], arrange: Callable[[list[int]], list[int]]) 
 
 
 def _seen_from(trial_folder: Path, folder: Path, name: str) -> str:
-    """Return the path of the file `name` beside the study from the trial, or `name` itself."""
+    """Return the path of a file beside the study relative to the trial, or `name` without one."""
     path = folder / name
     if is_file(path) and trial_folder.resolve() != folder.resolve():
         return Path(os.path.relpath(path, trial_folder)).as_posix()

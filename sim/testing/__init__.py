@@ -1,1 +1,1 @@
-"""Parts of the pytest plugin that are imported once there is a trial to run."""
+"""Parts of the pytest plugin that are imported when there is a trial to run."""

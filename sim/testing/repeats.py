@@ -1,4 +1,4 @@
-"""Repeats of a test with several seeds: identical ones are reported, and count as one."""
+"""Repeats of a test with several seeds. Identical ones are reported, and count as one."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ..runs.run import Run
 from .variations import FIXTURE, Variation
 
 _LEFT_OUT = frozenset(path for path, figure in FIGURES.items() if not figure.column)
-"""Figures that depend on where and when a run was made."""
+"""Figures that depend on the machine and the time of a run."""
 
 
 def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
     """Return the name of a test without its seed, and a digest of the figures of its runs."""
     variation: Variation = item.callspec.params[FIXTURE]
-    test, _, given = item.nodeid.removesuffix("]").partition("[")
-    others = given.replace(variation.name, variation.without_seed, 1).strip("-")
+    test, _, parameters = item.nodeid.removesuffix("]").partition("[")
+    others = parameters.replace(variation.name, variation.without_seed, 1).strip("-")
     summaries = [run.summary.items() for run in runs]
     figures = [[item for item in items if item[0] not in _LEFT_OUT] for items in summaries]
     name = f"{test}[{others}]" if others else test
@@ -26,16 +26,16 @@ def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
 
 
 def identical_repeats(repeats: Iterable[Any]) -> Iterator[str]:
-    """Yield a sentence for each test whose runs are identical with all of several seeds.
+    """Yield a sentence for each test whose runs with runs seeds are identical.
 
-    `repeats` has what `repeat_of` returned for each seed.
+    `repeats` contains the result of `repeat_of` for each seed.
     """
     digests: dict[str, list[str]] = {}
     for test, digest in repeats:
         digests.setdefault(test, []).append(digest)
-    for test, found in digests.items():
-        if len(found) > 1 and len({*found}) == 1:
+    for test, runs in digests.items():
+        if len(runs) > 1 and len({*runs}) == 1:
             yield (
-                f"{test}: the runs with {len(found)} seeds are identical, because nothing is drawn"
+                f"{test}: the runs with {len(runs)} seeds are identical, because nothing is drawn"
                 " in them. They count as one."
             )

@@ -15,9 +15,9 @@ from floorplan.files.documents import Document, read_yaml
 
 from ..core.custom_code import CodeFolder, is_ours
 from ..core.scenario import TrialError
+from ..core.wording import distinguished
 from ..record.output import write_whole
 from ..record.summary import trial_figures_in_words
-from ..record.words import told_apart
 from ..runs.run import Run
 from ..simulation import Simulation
 from ..trials.building import build
@@ -28,21 +28,21 @@ from ..views.replay import render
 from ..views.replay_data import replay_data
 
 _LONGEST_NAME = 120
-"""Characters of a page's file name."""
+"""Maximum number of characters of a page's file name."""
 
 _MOST_VIOLATIONS = 5
-"""Most violations of a run in a report."""
+"""Maximum number of violations of a run in a report."""
 
 
 class Failures:
-    """Runs the trials of one test, and keeps what is needed if the test fails."""
+    """Runs the trials of one test, and keeps the data of failures."""
 
     def __init__(self, item: pytest.Item) -> None:
         self.runs: list[Run] = []
         self._item = item
 
     def run(self, trial: Trial) -> Run:
-        """Run `trial` to its end; what happened is kept also if a program of the user's fails."""
+        """Run `trial` to its end. The record is kept even if custom code fails."""
         __tracebackhide__ = True
         try:
             with frozen_collector():
@@ -54,19 +54,19 @@ class Failures:
         except Exception as why:
             if not is_ours(why):
                 raise
-            # Its message has the place; the frames of the event loop add nothing.
+            # Its message contains the place, which frames of the event loop do not.
             raise why.with_traceback(None) from None
         return self.runs[-1]
 
     def report(self) -> str:
-        """Return the result of each run, in words, and the path of its replay page."""
+        """Return the result of each run in words, with the path of its replay page."""
         return "\n\n".join(
             "\n".join([*_outline(run), f"replay: {self.page(k)}"])
             for k, run in enumerate(self.runs)
         )
 
     def page(self, k: int) -> str:
-        """Write the replay page of run `k`: its path, or why there is none."""
+        """Write the replay page of run `k`. Return its path, or the reason why there is none."""
         folder = replay_folder(self._item.config)
         if folder is None:
             return "none kept; give a folder with --floorwalker-replays DIR"
@@ -80,10 +80,10 @@ class Failures:
 
 
 def replay_folder(config: pytest.Config) -> Path | None:
-    """Return the folder for replay pages: the one asked for, or else one in pytest's cache."""
-    asked = config.getoption("--floorwalker-replays")
-    if asked:
-        return Path(config.invocation_params.dir, asked)
+    """Return the folder for replay pages: the requested one, or one in pytest's cache."""
+    chosen = config.getoption("--floorwalker-replays")
+    if chosen:
+        return Path(config.invocation_params.dir, chosen)
     cache = getattr(config, "cache", None)
     return None if cache is None else Path(cache.mkdir("floorwalker-replays"))
 
@@ -100,7 +100,7 @@ def _outline(run: Run) -> list[str]:
     ]
     violations = [event for event in run.events if event["kind"] == "violation"]
     for event in violations[:_MOST_VIOLATIONS]:
-        distance, required = told_apart(event["distance"], event["required"])
+        distance, required = distinguished(event["distance"], event["required"])
         lines.append(
             f"violation at t = {event['t']:.3f} s: {event['person']} and {event['with']}"
             f" {distance} m apart, {required} m required"
@@ -112,21 +112,21 @@ def _outline(run: Run) -> list[str]:
 
 
 def _file_name(nodeid: str, k: int) -> str:
-    """Return a unique name for the page of a test's run."""
+    """Return a unique name of the page of a test's run."""
     readable = re.sub(r"[^\w.-]+", "_", nodeid)[-_LONGEST_NAME:].strip("_")
     number = f"-{k + 1}" if k else ""
     return f"{readable}-{zlib.crc32(nodeid.encode()):08x}{number}.html"
 
 
 class UnmetError(Exception):
-    """A trial whose run was not as expected."""
+    """Error of a trial whose expectations were not met."""
 
 
 class TrialFile(pytest.File):
     """A trial file."""
 
     def collect(self) -> Iterator[pytest.Item]:
-        """One test, if the trial expects something; one that can't be run is an error."""
+        """Return one test, if the trial has expectations. An invalid trial is an error."""
         try:
             document = read_yaml(self.path, TrialError)
             own_code = not self.config.getoption("--no-own-code")
@@ -140,26 +140,26 @@ class TrialFile(pytest.File):
 
 
 class TrialItem(pytest.Item):
-    """The run of a trial, and what is expected of it."""
+    """The run of a trial, and its expectations."""
 
-    def __init__(self, *, trial: Trial, document: Document, **given: Any) -> None:
-        super().__init__(**given)
+    def __init__(self, *, trial: Trial, document: Document, **arguments: Any) -> None:
+        super().__init__(**arguments)
         self.trial = trial
         self._document = document
         self._failures = Failures(self)
 
     def runtest(self) -> None:
-        """Run the trial, and check what it expects."""
+        """Run the trial, and check its expectations."""
         run = self._failures.run(self.trial)
         if run.unmet:
             raise UnmetError
 
     def teardown(self) -> None:
-        """Let go of the run: its report has been made."""
+        """Release the run after its report."""
         self._failures.runs.clear()
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Return what was expected, what happened instead and when, and the replay page's path."""
+        """Return the unmet expectations with values and times, and the path of the replay page."""
         if isinstance(excinfo.value, UnmetError):
             return self._unmet()
         if is_ours(excinfo.value):

@@ -1,4 +1,4 @@
-"""Markers that vary the trial of a test: which values they give, and what these do to a trial."""
+"""Markers that vary the trial of a test: their values and changes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ..trials.rules_file import find_rules
 from ..trials.trial import Trial, builtin_trials
 
 FIXTURE = "_floorwalker_variation"
-"""The fixture that gets a `Variation`."""
+"""Name of the fixture with the `Variation`."""
 
 
 Change = Callable[[Trial], Trial]
@@ -31,10 +31,10 @@ Change = Callable[[Trial], Trial]
 
 @dataclass(frozen=True)
 class Variation:
-    """Trial of a test by its markers: which it is, and changes, made one after another.
+    """Trial of a test according to its markers, with changes in order.
 
-    `trial` is None where no marker gives one. `name` is that in the name of the test, and
-    `without_seed` the same but for the seed.
+    `trial` is None without a marker for it. `name` is part of the name of the test, and
+    `without_seed` is the same without the seed.
     """
 
     trial: Trial | None
@@ -50,7 +50,7 @@ class Variation:
 
 
 def vary(metafunc: pytest.Metafunc) -> None:
-    """Run a test once for every combination of what its markers give."""
+    """Parametrise a test with every combination of the values of its markers."""
     choices: dict[str, list[tuple[str, Trial | Change]]] = {}
     own_code = not metafunc.config.getoption("--no-own-code")
     place = CodeFolder(metafunc.definition.path.parent, own_code)
@@ -78,15 +78,15 @@ def find_trial(source: str | Path, folder: Path, *, own_code: bool) -> Trial:
 
     `own_code` is as of `Trial.load`.
     """
-    found = source if str(source) in builtin_trials() else folder / source
-    return Trial.load(found, own_code=own_code)
+    place = source if str(source) in builtin_trials() else folder / source
+    return Trial.load(place, own_code=own_code)
 
 
 @dataclass(frozen=True)
 class _Option:
-    """Values of a marker: all there are by the word "all", or by a pattern; what is made of one.
+    """Values of a marker, given by name, pattern or "all", and the reader of a value.
 
-    `read` raises what the library does if there is nothing of that name.
+    `read` raises the library's error for an unknown name.
     """
 
     every: Iterable[str]
@@ -94,7 +94,7 @@ class _Option:
 
 
 def _variation(combined: Mapping[str, tuple[str, Trial | Change]]) -> Variation:
-    """Return the variation of one combination: for each marker a name, and what is made of it."""
+    """Return the variation of a combination of names and objects by marker."""
     trial, changes = None, []
     for _, one in combined.values():
         if isinstance(one, Trial):
@@ -109,7 +109,7 @@ def _variation(combined: Mapping[str, tuple[str, Trial | Change]]) -> Variation:
 def _choices(
     marker: str, mark: pytest.Mark, option: _Option, place: CodeFolder
 ) -> list[tuple[str, Trial | Change]]:
-    """Every value that a marker gives: its name, and what is made of it."""
+    """Return the values of a marker: names and objects."""
     values: list[Any] = []
     for value in mark.args:
         if value == "all" and option.every:
@@ -122,19 +122,19 @@ def _choices(
             values.append(value)
     if not values or mark.kwargs:
         pytest.fail(f"@pytest.mark.{marker} needs one value or more", pytrace=False)
-    found, faults = [], []
+    choices, faults = [], []
     for value in values:
         try:
-            found.append((_name(value), option.read(value, place)))
+            choices.append((_name(value), option.read(value, place)))
         except (UserError, OSError) as why:
             faults.append(f"@pytest.mark.{marker}: {why}")
     if faults:
         pytest.fail("\n".join(faults), pytrace=False)
-    return found
+    return choices
 
 
 def _name(value: Any) -> str:
-    """Return the name of a value in that of a test: a file without its suffix."""
+    """Return the name of a value in the name of a test: a file without its suffix."""
     if isinstance(value, Trial | RuleSet):
         return value.name
     text = str(getattr(value, "__name__", value))
@@ -163,13 +163,13 @@ def _personality(value: Any, place: CodeFolder) -> Change:
 
 
 def _controller(value: Any, place: CodeFolder) -> Change:
-    given = value if callable(value) else _text(value)
-    controller_source(given, place)
+    controller = value if callable(value) else _text(value)
+    controller_source(controller, place)
 
     def change(trial: Trial) -> Trial:
-        # One that is named is looked up beside the test, as trials look beside themselves.
-        home = trial.folder if callable(given) or given in CONTROLLERS else place.path
-        return with_controller(replace(trial, folder=home), given)
+        # Named files are relative to the test, as those of trials are relative to the trial.
+        home = trial.folder if callable(controller) or controller in CONTROLLERS else place.path
+        return with_controller(replace(trial, folder=home), controller)
 
     return change
 

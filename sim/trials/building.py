@@ -21,10 +21,10 @@ from ..core.scenario import PersonEntry, Scenario, TrialError, spot
 from ..core.schedule import DoorTimes, Interval
 from ..core.stage import MachineEntry
 from ..machines.agv.model import MOST_MOVES, number_of
-from ..machines.controllers import ControllerError
 from ..machines.gantry.controllers import controller_source
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
+from ..machines.supervision import ControllerError
 from ..people.programs import load_program, modules_of
 from ..people.tracks.recorded_walks import bodies_of
 from .checks import faults, keep_sound

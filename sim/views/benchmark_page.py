@@ -30,6 +30,7 @@ from navigation.benchmark import (
     summary,
 )
 
+from ..core.wording import figure, interval, trimmed
 from .report_page import COLOURS, INK, draw_box, draw_grid, name_rows, page_chart, write_report_page
 
 if TYPE_CHECKING:
@@ -41,33 +42,33 @@ __all__ = ["write_page"]
 
 
 WIDTH, ROW_HEIGHT, MARGIN = 5.6, 0.26, 0.75
-"""Inches: a chart's width, the height of one planner's row, and what is added for the axis."""
+"""Inches: width of a chart, height of one planner's row, and height of the axis."""
 
 CURVES = 3.4
 """Inches. Height of the axes of curves."""
 
 DASHES = ("solid", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 1.5, 1, 1.5)))
-"""Each colour comes once with each of these before looks are used again."""
+"""Dashes of lines. Each is used once with every colour before looks repeat."""
 
 MOST_SHADES = 6
-"""Of more curves the intervals are left out: nobody could tell them apart."""
+"""Maximum number of curves with intervals, because more would be indistinguishable."""
 
 _UNMEASURED = "no time could be measured"
 
 PERFECT = 0.01
-"""Per cent. Below, the axis of excess lengths is linear, so that the shortest path has a place."""
+"""Per cent. The axis of excess lengths is linear below, so that 0 has a place."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """A planner's looks on the page, the same in all of its pictures."""
+    """Look of a planner in all pictures of the page."""
 
     colour: str
     dashes: str | tuple[float, tuple[float, ...]]
 
     @property
     def svg_dashes(self) -> str:
-        """The dashes as SVG has them; empty for a solid line."""
+        """Dashes in the notation of SVG, empty for a solid line."""
         if isinstance(self.dashes, str):
             return ""
         return " ".join(f"{2 * length:g}" for length in self.dashes[1])
@@ -84,7 +85,7 @@ def looks(names: Sequence[str]) -> dict[str, Look]:
 
 @dataclass(frozen=True)
 class BenchmarkChart:
-    """A picture with its words; `svg` is None where matplotlib is missing."""
+    """A picture with its words. `svg` is None without matplotlib."""
 
     title: str
     words: str
@@ -98,7 +99,7 @@ def charts(
     height = MARGIN + ROW_HEIGHT * len(groups)
     legend = 0.19 * math.ceil(len(groups) / 2) + 0.15
 
-    known = not any(math.isnan(one.asked.shortest) for group in groups for one in group)
+    is_complete = not any(math.isnan(one.asked.shortest) for group in groups for one in group)
 
     def boxes(of: Callable[[Attempt], float], label: str, scale: str) -> Callable[[Figure], None]:
         return lambda figure: _boxes(figure, groups, styles, of, label, scale)
@@ -108,7 +109,7 @@ def charts(
 
     def if_known(draw: Callable[[Figure], None]) -> Callable[[Figure], None]:
         unknown = "shortest lengths are not known"
-        return draw if known else lambda figure: _say_instead(figure.subplots(), unknown)
+        return draw if is_complete else lambda figure: _say_instead(figure.subplots(), unknown)
 
     drawn = (
         (
@@ -162,7 +163,7 @@ def _boxes(
     for place, group in enumerate(groups):
         values = np.array([of(attempt) for attempt in group])
         values = values[np.isfinite(values)]
-        if scale == "symlog":  # the reference may be a hair too long
+        if scale == "symlog":  # the reference may be slightly too long
             values = np.maximum(values, 0.0)
         if not len(values):
             continue
@@ -191,17 +192,17 @@ def _curves(
 ) -> None:
     """Draw a step for each change, with its interval around it, and the names below."""
     axes = figure.subplots()
-    found = [(group[0].asked.planner, of(group)) for group in groups]
-    changes = [curve.seconds for _, curve in found if len(curve.seconds)]
+    curves = [(group[0].asked.planner, of(group)) for group in groups]
+    changes = [curve.seconds for _, curve in curves if len(curve.seconds)]
     if not changes:
         return _say_instead(axes, "no path was found")
-    if not any(np.isfinite(curve.value).any() for _, curve in found):
+    if not any(np.isfinite(curve.value).any() for _, curve in curves):
         return _say_instead(axes, "fewer than half of the queries have a path")
     last = max(seconds[-1] for seconds in changes)
     if not last > 0:  # a logarithmic axis has no place for it
         return _say_instead(axes, _UNMEASURED)
     tops = []
-    for name, curve in found:
+    for name, curve in curves:
         look = styles[name]
         seconds = np.append(curve.seconds, last) * 1000
         value, low, high = (
@@ -219,12 +220,19 @@ def _curves(
             linestyle=look.dashes,
             linewidth=1.5,
         )
-        if len(found) > MOST_SHADES:
+        if len(curves) > MOST_SHADES:
             continue
-        known = np.isfinite(value) & np.isfinite(low)
+        is_finite = np.isfinite(value) & np.isfinite(low)
         top = np.where(np.isfinite(high), high, 1e9)
         axes.fill_between(
-            seconds, low, top, where=known, step="post", color=look.colour, alpha=0.13, linewidth=0
+            seconds,
+            low,
+            top,
+            where=is_finite,
+            step="post",
+            color=look.colour,
+            alpha=0.13,
+            linewidth=0,
         )
     axes.set_xscale("log")
     axes.set_xlabel("CPU time (ms)")
@@ -242,7 +250,7 @@ def _curves(
 
 
 def _say_instead(axes: Axes, words: str) -> None:
-    """Write into a chart why it shows nothing."""
+    """Write into a chart why it is empty."""
     axes.set_axis_off()
     axes.text(0.5, 0.5, words, ha="center", va="center", color=INK)
 
@@ -259,7 +267,7 @@ class PathLine:
 
 @dataclass(frozen=True)
 class PathPicture:
-    """A floor with the paths of one question; y points down, as in SVG."""
+    """A floor with the paths of one query. y points down, as in SVG."""
 
     query: int
     view: str
@@ -270,44 +278,44 @@ class PathPicture:
     goal: Point
     lines: tuple[PathLine, ...]
     unit: float
-    """Metres. A length that looks the same on every floor."""
+    """Metres. Length that looks the same on every floor."""
 
 
 def picture(plan: Floorplan, attempts: Sequence[Attempt], styles: dict[str, Look]) -> PathPicture:
-    """Return the first answers of `attempts`, all to one question, on `plan`."""
-    asked = attempts[0].asked
+    """Return the first answers of `attempts`, all to one query, on `plan`."""
+    first = attempts[0].asked
     west, south, east, north = plan.boundary.bounds
     extent = max(east - west, north - south)
     margin = 0.02 * extent
     standing = [o.footprint for o in plan.obstacles if o.overlaps(0.0, plan.human.height)]
-    lanes = [plan.lane(name).footprint(at) for name, at in asked.agvs]
+    lanes = [plan.lane(name).footprint(at) for name, at in first.agvs]
     return PathPicture(
-        query=asked.query,
+        query=first.query,
         view=_numbers(
             west - margin, -north - margin, east - west + 2 * margin, north - south + 2 * margin
         ),
         walls=_outlines([plan.boundary]),
         blocks=_outlines(standing),
         agvs=_outlines(lanes),
-        start=(asked.start[0], -asked.start[1]),
-        goal=(asked.goal[0], -asked.goal[1]),
+        start=(first.start[0], -first.start[1]),
+        goal=(first.goal[0], -first.goal[1]),
         lines=tuple(_lines(attempts, styles)),
         unit=extent / 100,
     )
 
 
 def telling(attempts: Sequence[Attempt]) -> int:
-    """Return the question whose paths differ most in length; of those alike the longest."""
-    found: dict[int, list[float]] = {}
+    """Return the query whose paths differ most in length, and of equal ones the longest."""
+    by_query: dict[int, list[float]] = {}
     for attempt in attempts:
         if attempt.solved and attempt.asked.run == 0:
-            found.setdefault(attempt.asked.query, []).append(attempt.length)
+            by_query.setdefault(attempt.asked.query, []).append(attempt.length)
 
     def spread(query: int) -> tuple[float, float]:
-        lengths = found[query]
+        lengths = by_query[query]
         return (round(max(lengths) - min(lengths), 2), max(lengths))
 
-    return max(found, key=spread, default=attempts[0].asked.query)
+    return max(by_query, key=spread, default=attempts[0].asked.query)
 
 
 def _lines(attempts: Sequence[Attempt], styles: dict[str, Look]) -> Iterator[PathLine]:
@@ -338,12 +346,12 @@ def _corners(ring: shapely.LinearRing) -> str:
 
 
 def _numbers(*values: float, between: str = " ") -> str:
-    return between.join(f"{value:.3f}".rstrip("0").rstrip(".") for value in values)
+    return between.join(trimmed(value) for value in values)
 
 
 @dataclass(frozen=True)
 class BenchmarkFloor:
-    """What the page shows of one floor."""
+    """Contents of the page about one floor."""
 
     plan: Floorplan
     rows: tuple[PlannerRow, ...]
@@ -366,7 +374,7 @@ def write_page(
 ) -> None:
     """Write the page about `attempts` on `plans` to `path`.
 
-    `terms` says how they were made, by name; they depend on the machine if `on_the_clock`.
+    `terms` describes the conditions by name. They include the machine if `on_the_clock`.
     """
     styles = looks(list(dict.fromkeys(attempt.asked.planner for attempt in attempts)))
     floors = []
@@ -386,7 +394,7 @@ def write_page(
     write_report_page(
         path,
         "benchmark.html",
-        {"figure": figure, "ms": milliseconds, "interval": interval},
+        {"figure": figure, "ms": milliseconds, "interval": interval_of},
         floors=floors,
         answers=len(attempts),
         terms={**terms, **_machine(styles)},
@@ -397,27 +405,22 @@ def write_page(
     )
 
 
-def figure(value: float, digits: int = 2) -> str:
-    """Return a number as people read it, or a dash for none."""
-    return f"{value:,.{digits}f}" if math.isfinite(value) else "–"
-
-
 def milliseconds(value: float) -> str:
     """Return a time with two or three digits that count."""
     digits = 0 if value >= 100 else 1 if value >= 10 else 2 if value >= 0.1 else 3
     return figure(value, digits if value else 0)
 
 
-def interval(estimate: Estimate, digits: int = 2) -> str:
-    """Return the interval of a figure, empty where it has none or no width."""
+def interval_of(estimate: Estimate, digits: int = 2) -> str:
+    """Return the interval of a figure, empty if it has none or no width."""
     if not (math.isfinite(estimate.low) and math.isfinite(estimate.high)):
         return ""
     low, high = figure(estimate.low, digits), figure(estimate.high, digits)
-    return f"{low} … {high}" if low != high else ""
+    return interval(estimate.low, estimate.high, digits) if low != high else ""
 
 
 def _machine(planners: Collection[str]) -> dict[str, str]:
-    """Return what the times of these planners depend on, by name."""
+    """Return the conditions on which the times of these planners depend, by name."""
     others = [name for name in planners if name in PEERS and PEERS[name].module != "ompl"]
     return {
         "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}",

@@ -1,4 +1,4 @@
-"""Pages in a browser that nobody sees: their films and prints."""
+"""Pages in an invisible browser: films and prints."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ NAMES = (
     *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
     *("microsoft-edge", "msedge"),
 )
-"""Commands of browsers that are looked for."""
+"""Commands of supported browsers."""
 
 PLACES = (
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
@@ -42,7 +42,7 @@ PLACES = (
     r"C:\Program Files\Google\Chrome\Application\chrome.exe",
     r"C:\Program Files (x86)\Microsoft\Edge\Application\msedge.exe",
 )
-"""Files that are looked for if there is no such command."""
+"""Files of browsers, if there is no such command."""
 
 ARGUMENTS = (
     "--disable-gpu",
@@ -51,13 +51,13 @@ ARGUMENTS = (
 )
 
 PATIENCE = 60_000.0
-"""Milliseconds that the browser may take for one action."""
+"""Milliseconds. Timeout of one action of the browser."""
 
 Result = TypeVar("Result")
 
 
 class BrowserError(UserError):
-    """The browser failed, or did not answer in time."""
+    """Error of a browser that failed or did not answer in time."""
 
 
 def installed_chromium() -> str | None:
@@ -66,12 +66,12 @@ def installed_chromium() -> str | None:
     The environment variable CHROMIUM takes precedence.
     """
     named = [os.environ.get("CHROMIUM", ""), *NAMES]
-    found = next(filter(None, map(shutil.which, filter(None, named))), None)
-    return found or next((place for place in PLACES if Path(place).is_file()), None)
+    command = next(filter(None, map(shutil.which, filter(None, named))), None)
+    return command or next((place for place in PLACES if Path(place).is_file()), None)
 
 
 def require_browser(what: str) -> str:
-    """Return the path of the browser; `MissingExtraError` if it or Playwright is missing.
+    """Return the path of the browser. `MissingExtraError` if it or Playwright is missing.
 
     `what` is the output that needs it, as the subject of the message.
     """
@@ -82,13 +82,13 @@ def require_browser(what: str) -> str:
             f"{what} needs the package playwright, which is missing:"
             " pip install 'floorwalker[film]'"
         ) from None
-    found = installed_chromium()
-    if found is None:
+    browser = installed_chromium()
+    if browser is None:
         raise MissingExtraError(
             f"{what} needs Chromium or Chrome, and none is found: install one, or name it in the"
             " environment variable CHROMIUM"
         )
-    return found
+    return browser
 
 
 def in_browser(what: str, work: Callable[[Browser], Result]) -> Result:
@@ -126,7 +126,7 @@ def _opened(command: str, work: Callable[[Browser], Result]) -> Result:
 def open_page(
     browser: Browser, file: Path, *, size: tuple[int, int] = (1000, 640), dark: bool = False
 ) -> Page:
-    """Return the page of an HTML file, `size` pixels wide and high, when it is loaded."""
+    """Return the loaded page of an HTML file, `size` pixels wide and high."""
     width, height = size
     page = browser.new_page(
         viewport={"width": width, "height": height}, color_scheme="dark" if dark else "light"
@@ -140,10 +140,10 @@ def open_page(
 ENDINGS = (".gif", ".mp4")
 
 View = Literal["2d", "3d", "eyes"]
-"""From above, in three dimensions, or through the eyes of a person."""
+"""From above, in three dimensions, or from the position of a person."""
 
 MOST_PICTURES = 20_000
-"""A film of more pictures is rejected because its speed is a mistake."""
+"""Maximum number of pictures of a film."""
 
 WIDE = 9 / 16
 """Height by width of a film in three dimensions."""
@@ -152,16 +152,16 @@ MARGIN = 24
 """Pixels above and below the floor."""
 
 SAMPLES = 12
-"""Pictures, spread over a film, from which the colours of a GIF are chosen."""
+"""Number of pictures from which the colours of a GIF are chosen."""
 
 SETTLED = 4
-"""Equal pictures in succession after which a page of a new size counts as shown."""
+"""Number of equal pictures after which a page of a new size counts as shown."""
 
 Picture = NDArray[np.uint8]
-"""(height, width, 3): red, green and blue of every pixel, from the upper left corner on."""
+"""Red, green and blue of every pixel from the upper left corner on, (height, width, 3)."""
 
 Progress = Callable[[float], None]
-"""Called with the finished share, from 0 to 1."""
+"""Function called with the finished share, from 0 to 1."""
 
 _DRAWN = "new Promise(done => requestAnimationFrame(() => setTimeout(done)))"
 
@@ -216,8 +216,8 @@ def render(
     path = Path(path)
     require_renderable(path)
     if follow and follow not in run.scene.starts:
-        known = ", ".join(run.scene.starts)
-        raise UserError(f"nobody is called {follow!r}, to be followed (there are: {known})")
+        bodies = ", ".join(run.scene.starts)
+        raise UserError(f"nobody is called {follow!r}, to be followed (there are: {bodies})")
     if not 200 <= width <= 4000:
         raise UserError(f"width must be from 200 to 4000 pixels, not {width}")
     times = _times(run, speed, fps, within)
@@ -269,7 +269,7 @@ def require_renderable(path: str | Path) -> None:
 
 
 def _times(run: Outcome, speed: float, fps: int, within: Span | None) -> list[float]:
-    """Return the times (s) of the pictures; `UserError` if they make no film."""
+    """Return the times (s) of the pictures. `UserError` if they make no film."""
     if not (math.isfinite(speed) and speed > 0):
         raise UserError(f"speed must be more than 0, not {speed:g}")
     if not 1 <= fps <= 50:
@@ -297,8 +297,7 @@ def _size(run: Outcome, width: int, view: View) -> tuple[int, int]:
 def _settle(page: Page) -> None:
     """Wait until the browser shows the page's new size.
 
-    Its compositor works beside the page: the first pictures after a change of size may lack the
-    canvas although it is drawn.
+    Its compositor runs concurrently, and the first pictures may lack a canvas that was drawn.
     """
     latest: list[bytes] = []
     while len(latest) < SETTLED or len(set(latest[-SETTLED:])) > 1:
@@ -316,7 +315,7 @@ def _pictures(page: Page, times: Sequence[float]) -> Iterator[Picture]:
 
 
 def _counted(pictures: Iterator[Picture], count: int, progress: Progress) -> Iterator[Picture]:
-    """Yield the pictures, and report after each what share of `count` is done."""
+    """Yield the pictures, and report the finished share of `count` after each."""
     for k, picture in enumerate(pictures, 1):
         yield picture
         progress(k / count)

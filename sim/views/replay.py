@@ -1,11 +1,11 @@
 """Replay page: a recording as one HTML file without external resources.
 
-The page draws from the motions themselves, so that a recording is small and exact at any speed.
-Its parts are in `data/replay/`, one idea a file. Here they are joined with the recording.
+The page draws from the motions themselves, so that a recording is small and exact at any speed. Its
+parts are in `data/replay/`, one idea per file. Here they are joined with the recording.
 
 A long recording is compressed. Its motions are then columns of numbers, in blocks of `BLOCK` pieces
-of one body. The blocks are in the order of time, so that a page that was cut off has everybody up
-to some time.
+of one body. The blocks are in order of time, so that a truncated page contains all bodies up to
+some time.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ FLOAT = np.dtype("<f8")
 
 
 def pack(motions: Mapping[str, Sequence[Any]]) -> tuple[dict[str, Any], bytes] | None:
-    """Return an index by body, and the bytes of all blocks; None if a piece has another form.
+    """Return an index by body, and the bytes of all blocks, or None for another form of pieces.
 
     The index has the `count` of pieces of a body, and the byte at which each of its `blocks`
     begins. A block has the begins, the ends and the coefficients of its pieces.
@@ -65,7 +65,7 @@ def pack(motions: Mapping[str, Sequence[Any]]) -> tuple[dict[str, Any], bytes] |
 
 
 def unpack(index: Mapping[str, Any], blocks: bytes) -> dict[str, list[Any]]:
-    """Return the motions that `pack` was given; `UserError` if index or blocks are damaged."""
+    """Return the motions that were packed. `UserError` if index or blocks are damaged."""
     try:
         return {name: _pieces_in(blocks, **body) for name, body in index.items()}
     except (LookupError, TypeError, AttributeError, ValueError) as why:
@@ -73,7 +73,7 @@ def unpack(index: Mapping[str, Any], blocks: bytes) -> dict[str, list[Any]]:
 
 
 def without_zeros(cubic: Sequence[float]) -> list[float]:
-    """Return coefficients without the zeros at their end, but at least one."""
+    """Return coefficients without trailing zeros, but at least one."""
     coefficients = list(cubic)
     while len(coefficients) > 1 and coefficients[-1] == 0.0:
         coefficients.pop()
@@ -81,7 +81,7 @@ def without_zeros(cubic: Sequence[float]) -> list[float]:
 
 
 def _row(piece: Sequence[Any]) -> list[float]:
-    """Return the numbers of a piece; `ValueError` if it is none."""
+    """Return the numbers of a piece. `ValueError` if it has another form."""
     begin, end, *cubics = piece
     row = [begin, end]
     for cubic in cubics:
@@ -109,16 +109,16 @@ def _pieces_in(content: bytes, count: int, blocks: Sequence[int]) -> list[Any]:
 
 
 FORMAT = "floorwalker-replay/1"
-"""The `format` of a recording, by which a page knows one that it can read."""
+"""Value of `format` of a recording that the page can read."""
 
 PARTS = Path(__file__).parents[1] / "data" / "replay"
 """Folder of the parts of the page."""
 
 PACKED_FROM = 500_000
-"""Characters of a recording from which it stands packed in its page."""
+"""Number of characters from which a recording is packed in its page."""
 
 PIECE = 100
-"""Characters of a piece of a motion, about."""
+"""Approximate number of characters of a piece of motion."""
 
 SCRIPTS = (
     "cut",
@@ -167,7 +167,7 @@ SCRIPTS = (
 """The page's scripts in reading order."""
 
 LIVE_SCRIPTS = ("placing", "control", "live")
-"""Those that only the page of a run under way has: they ask for more than the page holds."""
+"""Scripts of the page of a live run, which request further data."""
 
 
 def render(
@@ -200,7 +200,7 @@ def render(
 
 
 def recordings_in(page: str) -> list[dict[str, Any]]:
-    """Return the one or two recordings in a page made by `render`; `ValueError` if none."""
+    """Return the recordings in a page made by `render`. `ValueError` if there are none."""
     recordings = []
     for name in ("recording", "other"):
         try:
@@ -216,7 +216,7 @@ def recordings_in(page: str) -> list[dict[str, Any]]:
 
 
 def says_itself(page: str) -> bool:
-    """Return whether a page of ours is whole enough to show what there is of its recording."""
+    """Return True if a damaged page is complete enough to show the rest of its recording."""
     return "Nothing but the recording comes after this line" in page
 
 
@@ -226,10 +226,11 @@ def _part(name: str) -> str:
 
 
 def _elements(name: str, recording: Mapping[str, Any]) -> str:
-    """Return a recording as it stands in the page: as JSON, or a long one packed in three parts.
+    """Return the elements of a recording in its page: JSON, or three packed parts if it is long.
 
-    The first has what the page shows at once; then come the motions, and at last lines of JSON with
-    the events, and with each person's mind, of which the first knows the number of the line.
+    The first part contains everything that the page shows immediately. The second part contains the
+    motions. The third part has lines of JSON with the events and with the agent of each person,
+    whose line number the first part contains.
     """
     _check_format(recording)
     motions = recording.get("motions", {})
@@ -258,11 +259,11 @@ def _packed_element(name: str, content: bytes) -> str:
 
 
 def _recording_in(page: str, name: str) -> dict[str, Any] | None:
-    """Return the recording of that name in a page, None if there is none."""
-    found = _content_of(page, name)
-    if found is None:
+    """Return the recording of that name in a page, or None."""
+    content = _content_of(page, name)
+    if content is None:
         return None
-    recording: dict[str, Any] = parse_json(found.decode())
+    recording: dict[str, Any] = parse_json(content.decode())
     rest, motions = (_content_of(page, f"{name}-{part}") for part in ("rest", "motions"))
     if rest is None or motions is None or not isinstance(recording, dict):
         return recording
@@ -281,12 +282,12 @@ def _recording_in(page: str, name: str) -> dict[str, Any] | None:
 
 
 def _content_of(page: str, name: str) -> bytes | None:
-    """Return what stands in an element of a page, unpacked; None if there is no such element."""
-    found = re.search(rf'<script type="[\w/]+" id="{name}"([^>]*)>', page)
-    if found is None:
+    """Return the unpacked content of an element of a page, or None if there is no such element."""
+    element = re.search(rf'<script type="[\w/]+" id="{name}"([^>]*)>', page)
+    if element is None:
         return None
-    text = page[found.end() : page.find("</script>", found.end())]
-    if "data-packed" not in found[1]:
+    text = page[element.end() : page.find("</script>", element.end())]
+    if "data-packed" not in element[1]:
         return text.encode()
     try:
         return zlib.decompress(base64.b64decode(text, validate=True))
@@ -295,9 +296,9 @@ def _content_of(page: str, name: str) -> bytes | None:
 
 
 def _check_format(recording: Any) -> None:
-    found = recording.get("format") if isinstance(recording, Mapping) else None
-    if found != FORMAT:
-        raise UserError(f"the replay page reads recordings of format {FORMAT!r}, not {found!r}")
+    form = recording.get("format") if isinstance(recording, Mapping) else None
+    if form != FORMAT:
+        raise UserError(f"the replay page reads recordings of format {FORMAT!r}, not {form!r}")
 
 
 def _embeddable(recording: Mapping[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""A run as the JSON that stands in its replay page."""
+"""A run as the JSON of its replay page."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _gate(gate: Gate) -> dict[str, Any]:
 
 
 def _passing(run: Outcome) -> dict[str, Any]:
-    """Return the obstacles that are not always there, doors among them: events say when."""
+    """Return the obstacles that appear and disappear, doors included, as events describe."""
     doors = [door.closed for door in run.floorplan.doors]
     there = [_obstacle(one) for one in (*doors, *run.scene.passing)]
     return {"passing": there} if there else {}
@@ -142,9 +142,9 @@ def _machine(machine: MachineShape, plan: Floorplan) -> dict[str, Any]:
 
 
 def _fields(fields: MachineFields | None, machine: MachineShape) -> dict[str, Any]:
-    """Return the field sets of a machine; None is an open end of a range.
+    """Return the field sets of a machine, with None for open ends of ranges.
 
-    Sets for another load than that of a vehicle are left out, because it keeps its load.
+    Sets for another load than that of a vehicle are omitted, because the load does not change.
     """
     if fields is None:
         return {}
@@ -214,7 +214,7 @@ def _notice(rules: RuleSet, law: AnyLaw) -> dict[str, Any]:
     notice = {"notice": scaled.factor, "notice_cap": scaled.cap if scaled.cap < math.inf else None}
     if scaled.law == law:
         return notice
-    # The page can't draw the distance of another law that is not plain.
+    # The page cannot draw the distance of other custom laws.
     return {**notice, "notice_law": _law(scaled.law)} if is_of_speeds_alone(scaled.law) else {}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -16,16 +17,17 @@ from floorplan import UserError
 from ..record.output import OutputError, write_whole
 
 if TYPE_CHECKING:
+    from jinja2 import Environment
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
 class MissingExtraError(ImportError, UserError):
-    """A package that Floorwalker can do without, but not here; the message says how to get it."""
+    """Error of an optional package that is missing. The message contains the remedy."""
 
 
 def require_place(path: str | Path, what: str, endings: tuple[str, ...]) -> None:
-    """Raise if `path` has none of the `endings`, or lies in no folder; `what` it is in words."""
+    """Raise if `path` has none of the `endings` or its folder is missing. `what` names the file."""
     path = Path(path)
     if path.suffix.lower() not in endings:
         raise UserError(f"{path}: the name of a {what} ends in one of {', '.join(endings)}")
@@ -41,7 +43,7 @@ GREEN = "#009e73"
 PURPLE = "#cc79a7"
 SKY = "#56b4e9"
 
-# Beside them, for what is not told apart by its colour.
+# Further colours, which do not distinguish things.
 BLACK = "#222222"
 GREY = "#8a8a8a"
 PALE = "#d9d9d9"
@@ -50,16 +52,19 @@ BROWN = "#8a6d3b"
 
 
 INK = "#123456"
-"""Stands for the page's colour of text, and is replaced by it."""
+"""Placeholder of the page's colour of text."""
+
+_SVG_DPI = 72
+"""Dots per inch of SVG files, as Matplotlib assumes them."""
 
 COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BROWN)
-"""Colours of rows and lines, in their order."""
+"""Colours of rows and lines, in order."""
 
 
 def page_chart(name: str, size: tuple[float, float], draw: Callable[[Figure], None]) -> str | None:
-    """Return what `draw` draws, `size` inches wide and high, as an SVG element.
+    """Return the drawing of `draw`, `size` inches wide and high, as an SVG element.
 
-    `name` is that of no other chart on the page. None if matplotlib is not there.
+    `name` is unique on the page. The result is None without matplotlib.
     """
     try:
         import matplotlib as mpl
@@ -72,13 +77,30 @@ def page_chart(name: str, size: tuple[float, float], draw: Callable[[Figure], No
     with mpl.rc_context(settings):
         figure = Figure(figsize=size, layout="constrained")
         draw(figure)
-        text = io.StringIO()
-        figure.savefig(text, format="svg", transparent=True, metadata={"Date": None})
-    return _for_a_page(text.getvalue())
+        drawn = svg_of(figure, transparent=True)
+    return as_element(drawn).replace(INK, "currentColor")
+
+
+def svg_of(figure: Figure, *, transparent: bool = False) -> str:
+    """Return a figure with constrained layout as the text of an SVG file.
+
+    Matplotlib would draw the whole figure an additional time to execute its layout.
+    """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    FigureCanvasSVG(figure)  # measures text as it is written
+    figure.set_dpi(_SVG_DPI)
+    engine = figure.get_layout_engine()
+    assert engine is not None
+    engine.execute(figure)
+    figure.set_layout_engine(None)
+    text = io.StringIO()
+    figure.savefig(text, format="svg", transparent=transparent, metadata={"Date": None})
+    return text.getvalue()
 
 
 def name_rows(axes: Axes, names: Sequence[str]) -> None:
-    """Name the rows of a chart, the first on top, and leave nothing but a grid around them."""
+    """Name the rows of a chart, the first on top, and remove everything but a grid around them."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.tick_params(axis="y", length=0)
@@ -89,7 +111,7 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
 def draw_box(
     axes: Axes, place: float, values: NDArray[np.float64], colour: str, height: float = 0.55
 ) -> tuple[float, float, float]:
-    """Draw the middle half of the values of a row as a box, nine tenths of them as a line.
+    """Draw the middle half of the values of a row as a box, nine tenths as a line.
 
     Return the ends of the line and, between them, the median.
     """
@@ -108,43 +130,14 @@ def draw_interval(
 
 
 def draw_grid(axes: Axes, which: Literal["both", "x", "y"]) -> None:
-    """Draw the grid of a chart, below what it shows."""
+    """Draw the grid of a chart below its contents."""
     axes.grid(axis=which, alpha=0.2, color=INK)
     axes.set_axisbelow(True)
 
 
-def _for_a_page(drawn: str) -> str:
-    """Return the SVG element alone, in the text colour of the page."""
-    return as_element(drawn).replace(INK, "currentColor")
-
-
 def as_element(drawn: str) -> str:
-    """Return the SVG element of a drawn file alone, without what is said about it."""
+    """Return the SVG element of a drawn file without metadata."""
     return re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
-
-
-def minus(figures: str) -> str:
-    """Return figures with a minus sign where they have a hyphen."""
-    return figures.replace("-", "−")
-
-
-def signed(value: float) -> str:
-    """Return a difference with two decimals and its sign."""
-    return "0.00" if round(value, 2) == 0 else minus(f"{value:+.2f}")
-
-
-def figure(value: float | None, digits: int | None = None) -> str:
-    """Return a number with three or four significant digits, or with `digits` decimals."""
-    if value is None or value != value:
-        return "–"
-    if digits is None:
-        digits = 0 if value == round(value) else digits_after(abs(value))
-    return minus(f"{round(value, digits) + 0.0:,.{digits}f}")  # no negative zero
-
-
-def digits_after(size: float) -> int:
-    """Return the number of decimals for a value of this size."""
-    return 0 if size >= 1000 else 1 if size >= 100 else 2 if size >= 1 else 3
 
 
 def write_report_page(
@@ -154,6 +147,13 @@ def write_report_page(
 
     `filters` are functions that the template names.
     """
+    environment = _environment(frozenset(filters.items()))
+    write_whole(path, environment.get_template(template).render(**values))
+
+
+@cache
+def _environment(filters: frozenset[tuple[str, Callable[..., Any]]]) -> Environment:
+    """Return the environment of templates with these filters, which caches compiled templates."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -163,5 +163,5 @@ def write_report_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= filters
-    write_whole(path, environment.get_template(template).render(**values))
+    environment.filters |= dict(filters)
+    return environment

@@ -1,4 +1,4 @@
-"""Findings of safety reports: stops of machines by cause, counts after the warm-up, sign-off."""
+"""Findings of safety reports: stops by cause, counts after the warm-up, sign-off."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ..core.entries import SignOff
+from ..core.wording import figure, minus, percent
 from ..record.incidents import Incident
 from ..record.outcome import Outcome
 from ..record.stops import CAUSES_OF_STOPS, MachineTimes
 from ..record.warm_up import contacts_of
-from .report_page import figure, minus
 
 MOST_STOPS = 20
-"""Lines of the table of whom machines stopped for."""
+"""Maximum number of lines of the table of stops by person."""
 
 SHORTEST = 0.05
-"""Seconds. Causes of less than that for every machine are left out, because they show as 0.0."""
+"""Seconds. Causes that are shorter for every machine are omitted, because they show as 0.0."""
 
 SIGNED_BY = ("prepared", "checked", "approved")
 """Lines to sign."""
 
 
 def stops_in_tables(times: Sequence[MachineTimes], runs: int = 1) -> dict[str, Any]:
-    """Return the tables of stops: by cause, and for whom. Seconds are means of so many `runs`."""
+    """Return the tables of stops by cause and by person, as means per run of `runs`."""
     longest = {
         c: max((one.stopped.get(c, 0.0) for one in times), default=0.0) for c in CAUSES_OF_STOPS
     }
@@ -57,28 +57,30 @@ def _seconds(one: MachineTimes, cause: str, runs: int) -> str:
         return "–"
     whole = one.moving + sum(one.stopped.values())
     seconds = one.stopped[cause]
-    return f"{figure(seconds / runs, 1)} ({100 * seconds / whole:.0f} %)"
+    return f"{figure(seconds / runs, 1)} ({percent(seconds, whole)})"
 
 
 def without_a_job(times: Sequence[MachineTimes], people: int) -> list[str]:
-    """Return the robots that had jobs beside people, and got none done."""
+    """Return the robots that had jobs beside people and finished none."""
     return [one.machine for one in times if people and one.had_jobs and not one.jobs_done]
 
 
-def counts(run: Outcome, found: Sequence[Incident], times: Sequence[MachineTimes]) -> list[str]:
-    """Return how often what is judged happened, in the order of `COUNTED`."""
+def counts(
+    run: Outcome, violations: Sequence[Incident], times: Sequence[MachineTimes]
+) -> list[str]:
+    """Return the numbers of the events in `COUNTED`."""
     robots = {one.name for one in run.scene.machines if one.category == "robot"}
-    with_robots = sum(one.machine in robots for one in found)
+    with_robots = sum(one.machine in robots for one in violations)
     amounts = (
         with_robots,
-        len(found) - with_robots,
+        len(violations) - with_robots,
         contacts_of(run),
         contacts_of(run, "with"),
         sum(event["kind"] == "penalty" or event.get("penalty") is True for event in run.events),
         sum(event["kind"] == "teleport" for event in run.events),
         sum(one.jobs_done for one in times),
     )
-    least = min((one.margin for one in found), default=None)
+    least = min((one.margin for one in violations), default=None)
     return [*map(str, amounts), "–" if least is None else minus(f"{least:.3f} m")]
 
 
@@ -92,13 +94,13 @@ COUNTED = (
     "jobs done",
     "least margin of the violations",
 )
-"""What `counts` counts."""
+"""Names of the values of `counts`."""
 
 CATEGORIES = ("robot", "vehicle")
-"""The categories of machines of the first counts."""
+"""Categories of machines of the first counts."""
 
 
 def sign_off_rows(sign_off: SignOff) -> Iterator[tuple[str, str]]:
-    """Yield the entries of the sign-off block, empty where none is given."""
+    """Yield the entries of the sign-off block. Missing entries are empty."""
     for key in ("plant", "revision", "author", "date"):
         yield key, getattr(sign_off, key)

@@ -1,4 +1,4 @@
-"""Pages of safety reports: figures in words, pictures of findings, and the file as HTML or PDF."""
+"""Pages of safety reports: figures in words, pictures of findings, and HTML or PDF files."""
 
 from __future__ import annotations
 
@@ -11,13 +11,22 @@ from typing import TYPE_CHECKING, Any
 
 from floorplan import Floorplan
 
+from ..core.wording import (
+    clock,
+    counted,
+    distinguished,
+    figure,
+    minus,
+    percent,
+    signed,
+    to_millimetres,
+)
 from ..record.incidents import CELL, Incident, Risk
 from ..record.outcome import Outcome
 from ..record.output import replacing, writing
 from ..record.sampling import MOMENT, CellArray
-from ..record.words import told_apart
 from .film import in_browser, open_page, require_browser
-from .report_page import MissingExtraError, figure, minus, require_place, signed, write_report_page
+from .report_page import MissingExtraError, require_place, write_report_page
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,52 +35,25 @@ if TYPE_CHECKING:
     from ..core.body import MachineShape
 
 
-def listed(names: Sequence[str]) -> str:
-    """Return names in a row; of more than three the first and the last, and how many they are."""
-    if len(names) <= 3:
-        return ", ".join(names)
-    return f"{names[0]} … {names[-1]} ({len(names)})"
-
-
-def plain(value: float, digits: int = 6) -> str:
-    """Return a figure as it was given."""
-    return f"{value:.{digits}g}"
-
-
 def metres(length: float) -> str:
-    """Return a length or a margin to a millimetre."""
-    return minus(f"{round(length, 3) + 0.0:.3f}")  # no negative zero
+    """Return a length or a margin (m) to a millimetre, with a minus sign."""
+    return minus(to_millimetres(length))
 
 
-def place(x: float, y: float) -> str:
-    """Return a place (metres) to a centimetre."""
-    return minus(f"({x:.2f},\u00a0{y:.2f})")
-
-
-def clock(seconds: float) -> str:
-    """Return a length of time as h:mm:ss."""
-    whole = round(seconds)
-    return f"{whole // 3600}:{whole % 3600 // 60:02}:{whole % 60:02}"
-
-
-def counted(count: int, what: str) -> str:
-    """Return how many there are of something."""
-    if what == "person":
-        return "1 person" if count == 1 else f"{count:,} people"
-    plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2] not in "aeiou" else f"{what}s"
-    return f"{count:,} {what if count == 1 else plural}"
-
-
-def incident_rows(found: Sequence[Incident], numbers: Sequence[int] | None) -> list[list[str]]:
+def incident_rows(violations: Sequence[Incident], numbers: Sequence[int] | None) -> list[list[str]]:
     """Return a line for each violation, after the number of its run if there are several."""
     rows = [
         [
             *(f"{one.begin:.3f}", f"{one.seconds:.3f}", one.person, one.machine, one.cause or "–"),
-            *(place(*one.at), ", ".join(one.zones) or "–", f"{one.distance:.3f}"),
+            *(
+                minus(f"({one.at[0]:.2f},\u00a0{one.at[1]:.2f})"),
+                ", ".join(one.zones) or "–",
+                f"{one.distance:.3f}",
+            ),
             *(f"{one.required:.3f}", metres(one.margin), f"{one.worst_at:.3f}"),
             *(f"{one.severity:.2f}", "; ".join(one.led_to) or "nothing"),
         ]
-        for one in found
+        for one in violations
     ]
     if numbers is None:
         return rows
@@ -93,9 +75,9 @@ ENDINGS = (".html", ".pdf")
 
 
 def require_writable(path: Path) -> None:
-    """Raise, before any work is done for it, if a report can't be written to `path`.
+    """Raise the errors of an unwritable report before it is made.
 
-    `ValueError` if it ends in neither .html nor .pdf, `OutputError` if there is no such folder,
+    `ValueError` if the suffix is neither .html nor .pdf, `OutputError` if the folder is missing,
     `MissingExtraError` if a PDF cannot be printed.
     """
     require_place(path, "report", ENDINGS)
@@ -104,7 +86,7 @@ def require_writable(path: Path) -> None:
 
 
 def write_safety_page(path: Path, template: str, **values: Any) -> None:
-    """Write a report to `path`, as HTML or, with a browser's help, as PDF.
+    """Write a report to `path` as HTML or, with a browser, as PDF.
 
     `template` is one of `data/report`, which gets the `values`.
     """
@@ -118,24 +100,12 @@ def write_safety_page(path: Path, template: str, **values: Any) -> None:
 
 
 def _write(path: Path, template: str, values: Mapping[str, Any]) -> None:
-    filters: dict[str, Callable[..., Any]] = {
-        "anchor": _anchor,
-        "clock": clock,
-        "counted": counted,
-        "css": _in_css,
-        "figure": figure,
-        "incident_rows": incident_rows,
-        "kind": lambda law: type(law).__name__,
-        "metres": metres,
-        "minus_signs": _minus_signs,
-        "signed": signed,
-    }
     shared = {"titles": [], "infinity": math.inf, "moment": MOMENT, "cell": CELL}
-    write_report_page(path, template, filters, **shared, **values)
+    write_report_page(path, template, _FILTERS, **shared, **values)
 
 
 def _anchor(title: str) -> str:
-    """Return the name of a section in links."""
+    """Return the link target of a section."""
     return re.sub(r"\W+", "-", title.lower()).strip("-")
 
 
@@ -145,21 +115,34 @@ def _minus_signs(cell: Any) -> Any:
 
 
 def _in_css(text: str) -> str:
-    """Return a text as it stands in quotes in a style sheet."""
+    """Return a text in the form of a quoted string of a style sheet."""
     return "".join(one if one.isalnum() or one in " -_.,:" else f"\\{ord(one):x} " for one in text)
 
+
+_FILTERS: dict[str, Callable[..., Any]] = {
+    "anchor": _anchor,
+    "clock": clock,
+    "counted": counted,
+    "css": _in_css,
+    "figure": figure,
+    "incident_rows": incident_rows,
+    "kind": lambda law: type(law).__name__,
+    "metres": metres,
+    "minus_signs": _minus_signs,
+    "signed": signed,
+}
 
 Picture = dict[str, str]
 """A picture of a report: its `title`, the `words` below it, and the SVG `element`."""
 
 INSTANTS = 3
-"""So many of the worst violations are shown at the instant of their least margin."""
+"""Number of worst violations that are drawn at the time of their least margin."""
 
 MOST_PANELS = 4
-"""Distances of so many people are drawn over time."""
+"""Maximum number of people with a chart of their distance."""
 
 LONG = 4000
-"""Pieces of motion from which on the paths of a run would cover each other."""
+"""Number of pieces of motion from which a heat map replaces the paths."""
 
 _MAPS: dict[Risk, tuple[str, str]] = {
     "margin": (
@@ -179,7 +162,7 @@ _MAPS: dict[Risk, tuple[str, str]] = {
 
 
 def floor_picture(plan: Floorplan) -> list[Picture]:
-    """Return the floor with everything that has a name."""
+    """Return the picture of the floor with all names."""
 
     def draw() -> Figure:
         from .plots import floorplan
@@ -196,16 +179,16 @@ def risk_pictures(
     maps: Mapping[Risk, CellArray],
     name: str = "",
 ) -> list[Picture]:
-    """Return the maps of risk; of time and severity only if somebody was too near for a time."""
+    """Return the maps of risk. Maps of time and severity need violations with a duration."""
     parts: list[Picture] = []
-    for of, found in maps.items():
-        if of != "margin" and not found.any():
+    for of, cells in maps.items():
+        if of != "margin" and not cells.any():
             continue
 
-        def draw(of: Risk = of, found: CellArray = found) -> Figure:
+        def draw(of: Risk = of, cells: CellArray = cells) -> Figure:
             from .plots.maps import drawn_risk
 
-            return drawn_risk(plan, machines, found, of=of, width="single")
+            return drawn_risk(plan, machines, cells, of=of, width="single")
 
         parts += _drawn(*_MAPS[of], f"risk {of} {name}", draw)
     return parts
@@ -214,9 +197,9 @@ def risk_pictures(
 def run_pictures(
     run: Outcome, worst: Sequence[Incident], name: str = "", *, since: float = 0.0
 ) -> list[Picture]:
-    """Return where everybody went in a run, the distances of the worst pairs, and instants.
+    """Return the pictures of a run: paths, distances of the worst pairs, and worst times.
 
-    Paths and distances are those from `since` (seconds) on.
+    Paths and distances begin at `since` (s).
     """
     parts: list[Picture] = []
     dense = sum(len(motion.pieces) for motion in run.motions.values()) > LONG
@@ -258,13 +241,13 @@ def _distance(
 
 
 def _instants(run: Outcome, worst: Sequence[Incident], name: str) -> Iterator[Picture]:
-    """Yield the floor at the instants at which violations began."""
+    """Yield pictures of the floor at the times of the worst violations."""
     for k, one in enumerate(worst):
         title = f"{one.person} and {one.machine} at {clock(one.worst_at)}"
-        # An instant before, since a person may be put elsewhere at once.
+        # Just before, because a violation may end in a teleport.
         before = max(0.0, one.worst_at - 1e-6)
         if one.worst_at - one.begin < 1e-6:
-            distance, required = told_apart(one.distance, one.required)
+            distance, required = distinguished(one.distance, one.required)
             words = (
                 f"As the violation at t = {one.begin:.2f} s begins: {distance} m apart where"
                 f" {required} m are required."
@@ -286,7 +269,7 @@ def _instants(run: Outcome, worst: Sequence[Incident], name: str) -> Iterator[Pi
 
 
 def _drawn(title: str, words: str, name: str, draw: Callable[[], Figure]) -> Iterator[Picture]:
-    """Yield a picture, or nothing where there is no matplotlib."""
+    """Yield a picture, or nothing without matplotlib."""
     try:
         from .plots.style import figure_element
 
@@ -297,13 +280,13 @@ def _drawn(title: str, words: str, name: str, draw: Callable[[], Figure]) -> Ite
 
 
 MOST_INCIDENTS = 40
-"""Violations that are listed one by one."""
+"""Maximum number of violations in the list."""
 
 
-def together(found: Iterable[Incident]) -> list[tuple[str, str]]:
-    """Return what followed from violations, and how often."""
+def together(violations: Iterable[Incident]) -> list[tuple[str, str]]:
+    """Return the consequences of violations and their frequencies."""
     counts: dict[str, int] = {}
-    for one in found:
+    for one in violations:
         for consequence in one.led_to or ("nothing",):
             kind = consequence.partition(" for ")[0].partition(" of ")[0]
             counts[kind] = counts.get(kind, 0) + 1
@@ -313,10 +296,10 @@ def together(found: Iterable[Incident]) -> list[tuple[str, str]]:
 def exposure(
     plan: Floorplan, zones: Mapping[str, Mapping[str, float]], on_floor: float, near: float
 ) -> dict[str, Any]:
-    """Return how long people were in each zone, and how long nearer to a machine than required.
+    """Return the time of people in each zone, and the time nearer to a machine than required.
 
-    `zones` has the figures of each by its name; `on_floor` and `near` (seconds) are those of all
-    people on the whole floor.
+    `zones` has the figures of each zone by name. `on_floor` and `near` (s) are totals of all people
+    on the whole floor.
     """
     rows = [
         (
@@ -334,4 +317,4 @@ def exposure(
 
 
 def _share(part: float, whole: float) -> str:
-    return f"{100 * part / whole:.2f} %" if whole > 0 else "–"
+    return percent(part, whole, 2) if whole > 0 else "–"

@@ -1,4 +1,4 @@
-"""Safety report of a single run: its assumptions, and the figures that its template shows."""
+"""Safety report of a single run: its assumptions, and the values of its template."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from ..core.recorder import Scene
 from ..core.rules import RuleSet
 from ..core.scenario import ASSUMED, PersonEntry, Scenario
 from ..core.schedule import Drawn, Duration, WorkTask, as_given
+from ..core.wording import counted, listed, minus, significant
 from ..machines.kinds import in_words, models_of, on_floor, short_laws
 from ..record.incidents import (
     RISKS,
@@ -34,7 +35,6 @@ from ..record.outcome import Outcome
 from ..record.stops import MachineTimes, machine_times
 from ..record.summary import figures_in_words
 from ..record.warm_up import after_warm_up, contacts_of, zones_of
-from .report_page import minus
 from .safety_fields import field_tables
 from .safety_findings import (
     CATEGORIES,
@@ -47,11 +47,8 @@ from .safety_findings import (
 )
 from .safety_page import (
     MOST_INCIDENTS,
-    counted,
     exposure,
     floor_picture,
-    listed,
-    plain,
     risk_pictures,
     run_pictures,
     together,
@@ -63,9 +60,9 @@ Row = tuple[str, ...]
 
 
 def about(scene: Scene, scenario: Scenario | None) -> dict[str, Any]:
-    """Return what was assumed, as the macros of `safety_parts.html` take it.
+    """Return the assumptions in the form of the macros of `safety_parts.html`.
 
-    `scenario` is the trial, None where only a recording is left.
+    `scenario` is the trial, or None for a recording.
     """
     plan = scene.floorplan
     there = {
@@ -116,7 +113,7 @@ def _rules(zone: Zone) -> Iterator[str]:
 
 
 def _machines(scene: Scene, scenario: Scenario | None) -> Iterator[Row]:
-    """Yield sizes, top speeds and stops of machines; a line for those that differ in name alone."""
+    """Yield sizes, top speeds and stopping distances, one line for equal machines."""
     models = on_floor(Scenario(scene.floorplan)) if scenario is None else models_of(scenario)
     groups: dict[Row, list[str]] = {}
     for shape in scene.machines:
@@ -135,26 +132,26 @@ def _machines(scene: Scene, scenario: Scenario | None) -> Iterator[Row]:
 
 
 def laws_of(rules: RuleSet, machines: Iterable[MachineShape]) -> list[tuple[str, AnyLaw, str]]:
-    """Return the laws that hold for some machines, each with its keys and machines in words.
+    """Return the laws of machines, each with its keys and machines in words.
 
-    The last item is from where to where the law measures.
+    The last item describes the reference points of the distance.
     """
-    found: list[tuple[AnyLaw, str, dict[str, list[str]]]] = []
+    laws: list[tuple[AnyLaw, str, dict[str, list[str]]]] = []
     for machine in machines:
         key, law = rules.law_and_key_of(machine)
         between = _between(rules, machine)
-        known = next((keys for *other, keys in found if other == [law, between]), None)
-        if known is None:
-            found.append((law, between, known := {}))
-        known.setdefault(key, []).append(machine.name)
+        same = next((keys for *other, keys in laws if other == [law, between]), None)
+        if same is None:
+            laws.append((law, between, same := {}))
+        same.setdefault(key, []).append(machine.name)
     return [
         ("; ".join(f"{key}: {listed(names)}" for key, names in keys.items()), law, between)
-        for law, between, keys in found
+        for law, between, keys in laws
     ]
 
 
 def _between(rules: RuleSet, machine: MachineShape) -> str:
-    """Return from where to where the distance of a person and a machine is measured."""
+    """Return the reference points of the distance between a person and a machine."""
     if rules.between == "surfaces":
         return "surface of the machine to surface of the person"
     point = "centre" if rules.measured_at(machine) == (0.0, 0.0) else "point of the rules"
@@ -162,15 +159,15 @@ def _between(rules: RuleSet, machine: MachineShape) -> str:
 
 
 def _sources(scenario: Scenario) -> dict[str, str]:
-    """Return the source of each assumption that needs one, empty if it has none, and of others."""
-    given = {**scenario.sources}
+    """Return the sources of assumptions, empty for those that need one and have none."""
+    sources = {**scenario.sources}
     if scenario.floorplan.source:
-        given.setdefault("floorplan", scenario.floorplan.source)
-    return {name: given.get(name, "") for name in _assumed(scenario)} | given
+        sources.setdefault("floorplan", scenario.floorplan.source)
+    return {name: sources.get(name, "") for name in _assumed(scenario)} | sources
 
 
 def _assumed(scenario: Scenario) -> list[str]:
-    """Return the keys of what a trial assumes, and whose source a reader will ask for."""
+    """Return the keys of the assumptions of a trial that need a source."""
     people = scenario.people
     there = {
         "floorplan": True,
@@ -188,19 +185,19 @@ def _assumed(scenario: Scenario) -> list[str]:
 
 
 def _drawn(value: Drawn | None, otherwise: str = "–") -> str:
-    """Return a figure, or the distribution it is drawn from, in words."""
+    """Return a figure, or its distribution, in words."""
     if value is None:
         return otherwise
     if isinstance(value, Duration):
         return _distribution(value)
     if isinstance(value, tuple):
         return f"uniform, {value[0]:g} … {value[1]:g}"
-    return plain(value)
+    return significant(value)
 
 
 def _distribution(value: Duration) -> str:
     """Return a distribution in words."""
-    figures = [plain(one) for one in value.values]
+    figures = [significant(one) for one in value.values]
     match value.kind:
         case "fixed":
             return figures[0]
@@ -217,7 +214,7 @@ def _distribution(value: Duration) -> str:
 
 
 def span(begin: float, end: float) -> str:
-    """Return an interval of time as the trial has it."""
+    """Return an interval of time as written in the trial."""
     return f"{as_given(begin)} – {'the end' if end == math.inf else as_given(end)}"
 
 
@@ -245,15 +242,15 @@ _HEADS = {
 
 
 def _people(scenario: Scenario) -> dict[str, Sequence[Any]]:
-    """Return a line for all people who differ in name alone, without columns that are empty."""
+    """Return a table of people without empty columns, one line for equal people."""
     groups: dict[Row, list[str]] = {}
     for one in scenario.people:
         line = tuple(_about(one, scenario.floorplan).values())
         groups.setdefault(line, []).append(one.name)
     rows = [(listed(names), *line) for line, names in groups.items()]
     heads = [*_HEADS.values()]
-    kept = [k for k in range(len(heads)) if {row[k] for row in rows} - {"–"}]
-    return {"heads": [heads[k] for k in kept], "rows": [[row[k] for k in kept] for row in rows]}
+    shown = [k for k in range(len(heads)) if {row[k] for row in rows} - {"–"}]
+    return {"heads": [heads[k] for k in shown], "rows": [[row[k] for k in shown] for row in rows]}
 
 
 def _about(one: PersonEntry, plan: Floorplan) -> Mapping[str, str]:
@@ -264,7 +261,7 @@ def _about(one: PersonEntry, plan: Floorplan) -> Mapping[str, str]:
         none = ("speed", "acceleration", "sight", "occlusion", "reaction", "lag")
         return {
             "personality": f"recorded: {where}",
-            "radius": plain(one.radius or human.radius),
+            "radius": significant(one.radius or human.radius),
             **dict.fromkeys(none, "–"),
             "start": _start(one.start),
             "work": "–",
@@ -272,9 +269,9 @@ def _about(one: PersonEntry, plan: Floorplan) -> Mapping[str, str]:
     changes = "".join(f", then {Path(c.personality_name).stem}" for c in one.changes)
     return {
         "personality": Path(one.personality_name).stem + changes,
-        "radius": plain(one.radius or human.radius),
-        "speed": _drawn(one.max_speed, plain(human.max_speed)),
-        "acceleration": plain(one.max_acceleration or human.max_acceleration),
+        "radius": significant(one.radius or human.radius),
+        "speed": _drawn(one.max_speed, significant(human.max_speed)),
+        "acceleration": significant(one.max_acceleration or human.max_acceleration),
         "sight": _drawn(one.noticing.field_of_view),
         "occlusion": "yes" if one.noticing.occlusion else "–",
         "reaction": _drawn(one.noticing.reaction_time),
@@ -306,8 +303,8 @@ def _duties(one: PersonEntry) -> Iterator[str]:
 
 def _work(scenario: Scenario) -> Iterator[Row]:
     alike: dict[tuple[str, str, str, bool], list[WorkTask]] = {}
-    for name, held in scenario.work.items():
-        for task in held.tasks:
+    for name, work_list in scenario.work.items():
+        for task in work_list.tasks:
             key = (name, task.name or "–", _distribution(task.duration), task.every is not None)
             alike.setdefault(key, []).append(task)
     for (name, task_name, length, _), tasks in alike.items():
@@ -317,7 +314,7 @@ def _work(scenario: Scenario) -> Iterator[Row]:
 
 
 def _often(tasks: Sequence[WorkTask], repeat: bool) -> str:
-    """Return when some tasks are there, and when they come again."""
+    """Return the times and repetitions of tasks in words."""
     words = []
     if any(task.time for task in tasks):
         words.append(f"from {_range([task.time for task in tasks])} s on")
@@ -333,13 +330,13 @@ def _often(tasks: Sequence[WorkTask], repeat: bool) -> str:
 
 
 def _range(figures: Sequence[float]) -> str:
-    """Return the least and the most of some figures."""
+    """Return the range of some figures in words."""
     low, high = min(figures), max(figures)
-    return plain(low) if low == high else f"{plain(low)} … {plain(high)}"
+    return significant(low) if low == high else f"{significant(low)} … {significant(high)}"
 
 
 def _changes(scenario: Scenario) -> Iterator[Row]:
-    """Yield what changes on the floor in the course of a trial."""
+    """Yield the changes on the floor during a trial."""
     for name, times in scenario.doors.items():
         how = "open" if times.closed is None else "closed"
         yield from ((name, how, span(*interval)) for interval in times.intervals)
@@ -351,19 +348,19 @@ def _changes(scenario: Scenario) -> Iterator[Row]:
     for command in scenario.commands:
         wanted = [(key, getattr(command, key)) for key in COMMANDS]
         wanted.append((command.call or "", command.machine))
-        key, given = next((key, one) for key, one in wanted if one is not None)
-        yield str(getattr(given, "name", given)), f"command: {key}", f"{command.time:g} s"
+        key, target = next((key, one) for key, one in wanted if one is not None)
+        yield str(getattr(target, "name", target)), f"command: {key}", f"{command.time:g} s"
 
 
 LIBRARIES = ("numpy", "shapely", "ompl", "python-fcl", "ruckig", "simpy")
-"""Packages that figures may depend on in their last digits."""
+"""Packages that may affect the last digits of figures."""
 
 ASSUMED_FIGURES = ("personality",)
-"""Figures of people that stand among the assumptions."""
+"""Figures of people that the section on assumptions contains."""
 
 
 def software() -> list[tuple[str, str]]:
-    """Return what computed the figures."""
+    """Return the software that computed the figures."""
     kernels = "compiled" if COMPILED else "not compiled"
     return [
         ("Floorwalker", f"{_version('floorwalker')}, kernels {kernels}"),
@@ -389,10 +386,10 @@ def run_report(
     warm_up: float = 0.0,
     sign_off: SignOff = UNSIGNED,
 ) -> dict[str, Any]:
-    """Return what `safety_run.html` shows; `scenario` is the trial, None of a recording.
+    """Return the values of `safety_run.html`. `scenario` is the trial, None for a recording.
 
-    `digests` are those of what was read, `verdicts` the expectations and whether they were met.
-    What happened before the `warm_up` (seconds) is left out.
+    `digests` are digests of the inputs, and `verdicts` are expectations and whether they were met.
+    The time before `warm_up` (s) is omitted.
     """
     whole, run = run, after_warm_up(run, warm_up)
     worst, times = worst_first(incidents(run)), machine_times(run)
@@ -434,7 +431,7 @@ def run_report(
 def _compared_counts(
     whole: Outcome, run: Outcome, worst: Sequence[Incident], times: Sequence[MachineTimes]
 ) -> list[Row]:
-    """Return what is counted after the warm-up, and in the whole run; nothing without one."""
+    """Return counts after the warm-up and in the whole run, or nothing without a warm-up."""
     if run is whole:
         return []
     after = counts(run, worst, times)
@@ -446,7 +443,7 @@ def _compared_counts(
 
 
 def _summary(run: Outcome) -> dict[str, Any]:
-    """Return the figures of a run, and those of its people with a line for each."""
+    """Return the figures of a run, and a table of the figures of people."""
     of_people: dict[str, dict[str, str]] = {person.name: {} for person in run.scene.people}
     others = []
     for line, amount in figures_in_words(run.summary, in_short=False) if run.summary else ():

@@ -10,7 +10,7 @@ import navigation
 from sim.core.body import TRAFFIC
 from sim.machines.traffic.areas import CLEAR
 from sim.machines.traffic.evading import Evasion
-from sim.machines.traffic.waiting import WaitForMachines
+from sim.machines.traffic.waiting import Driving, GivingWay, WaitingForMachines
 
 FAR = (40.0, 40.0)
 
@@ -312,7 +312,8 @@ def evading(floor, carts, all_of, k, to=(50.0, 50.0, 0.0)):
     """Let one of the claimants wait for the next one, and evade all of them."""
     floor.until(10.0)
     mine = all_of[k]
-    mine.waiting = WaitForMachines([[carts[k].body.state.position]], [all_of[k - 1]], 9.0)
+    ahead = [[carts[k].body.state.position]]
+    mine.state = WaitingForMachines(ahead, [all_of[k - 1]], 9.0, Driving())
     carts[k].evasion = Evasion(aside=to)
     carts[k].to = (77.0, 7.0)
     mine.goal = carts[k].goal
@@ -491,10 +492,10 @@ def test_who_has_another_goal_since_is_let_pass_no_longer(floor):
 
 def test_on_the_way_to_a_passing_place_nobody_is_let_pass(floor):
     cart, _, of = courteous(floor)
-    of["cart"]._aside = (10.0, 5.0, math.pi / 2)
+    of["cart"].state = GivingWay((10.0, 5.0, math.pi / 2))
     floor.until(30.0)
     assert cart.body.at == pytest.approx((10.0, 5.0))
-    assert of["cart"]._aside is None
+    assert of["cart"].state == Driving()
 
 
 def test_a_machine_looks_at_once_when_one_of_those_in_its_way_leaves(floor):

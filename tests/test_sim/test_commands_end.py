@@ -202,8 +202,8 @@ def commands(machine, draw, log):
         x, y = (round(draw.uniform(a, b), 2) for a, b in zip(low, high, strict=True))
         share, target = draw.choice([1.0, 0.4]), None
         try:
-            if stopped and draw.random() < 0.5 and machine.drive.last_move:
-                target = machine.drive.last_move[0]
+            if stopped and draw.random() < 0.5 and machine._drive.last_move:
+                target = machine._drive.last_move[0]
                 command = machine.resume()
             elif kind == "move":
                 target = (x, y)
@@ -374,7 +374,7 @@ def test_a_machine_that_is_held_counts_how_long_it_stands():
     simulation.advance(9.0)
     vehicle.hold(False)
     vehicle.hold(False)
-    assert vehicle.drive.standing_time == pytest.approx(9.0 - rests_from) and rests_from > 3.5
+    assert vehicle._drive.standing_time == pytest.approx(9.0 - rests_from) and rests_from > 3.5
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.2])
@@ -412,7 +412,7 @@ def test_a_machine_stands_until_no_reason_is_left():
 
 def test_only_a_move_of_its_own_counts_as_the_last_move():
     simulation = external_vehicles((3, 4, 0))
-    drive = simulation.machines["v0"].drive
+    drive = simulation.machines["v0"]._drive
     drive.move((9.0, 4.0, 0.0), 0.5)
     assert drive.last_move == ((9.0, 4.0, 0.0), 0.5)
     drive.move((12.0, 4.0, 0.0), command=drive.begin())

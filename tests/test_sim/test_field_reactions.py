@@ -115,14 +115,14 @@ def test_a_machine_stands_before_the_reaction_ends():
     one = Watched(delay=0.01)
     one.at(1.0, "intrusion", "ann")
     one.clock.run(until=1.3)
-    one.reaction.stands_from(4.0)
+    one.reaction.rests_from(4.0)
     one.at(1.5, "")
     assert one.until(20.0) == [(1.2, "intrusion", "ann"), 4.0]
     late = Watched()
     late.at(1.0, "intrusion", "ann")
     late.at(1.5, "")
     late.clock.run(until=3.0)
-    late.reaction.stands_from(8.0)
+    late.reaction.rests_from(8.0)
     assert late.until(20.0) == [(1.2, "intrusion", "ann"), 8.0]
 
 
@@ -220,6 +220,45 @@ def test_while_the_fields_are_muted_no_set_need_apply():
     fast = next(t for t in np.arange(0, 9, 1e-3) if bare.motions["fork"].velocity(t)[0] > 0.4)
     assert first["t"] == pytest.approx(fast + 0.2, abs=2e-3)
     assert "person" not in first
+
+
+def test_the_first_velocity_without_a_set_stops_the_machine():
+    # The speed passes the gap between both sets twice: as it accelerates, and as it brakes.
+    found = run(
+        f"sets: [{{name: slow, linear: [-0.1, 0.4], {FRONT}}},"
+        f" {{name: fast, linear: [0.6, 1.1], {FRONT}}}]"
+    )
+    stop = events(found, "field_stop")[0]
+    speed = found.motions["fork"].velocity
+    enters = next(t for t in np.arange(0, 9, 1e-3) if speed(t)[0] > 0.4)
+    assert stop["cause"] == "no field set"
+    assert stop["t"] == pytest.approx(enters + 0.2, abs=2e-3)
+
+
+def test_people_in_both_fields_at_the_start_trip_them_at_once():
+    warning = "warning: [[4.5, 2], [-0.8, 2], [-0.8, -0.8], [4.5, -0.8]]"
+    found = run(
+        f"sets: [{{name: a, {FRONT}, {warning}}}]",
+        "[{name: eve, personality: external, at: [5, 3]}]",
+    )
+    (stop,), (slowdown,) = events(found, "field_stop"), events(found, "field_slowdown")
+    assert stop["t"] == slowdown["t"] == 0.0
+    assert stop["person"] == slowdown["person"] == "eve"
+    assert found.motions["fork"].position(40.0) == pytest.approx((3.0, 3.0))
+
+
+def test_a_blackout_in_the_warning_field_stops_without_a_person_and_slows_for_one():
+    warning = "warning: [[30, 5], [-0.8, 5], [-0.8, -5], [30, -5]]"
+    more = "blackouts: [{machine: fork, start: {time: 5}, seconds: 4}]\n"
+    found = run(
+        f"restart_delay: 1, sets: [{{name: a, {FRONT}, {warning}}}]",
+        "[{name: eve, personality: external, at: [15, 7]}]",
+        more=more,
+    )
+    (stop,), (ended,) = events(found, "field_stop"), events(found, "field_stop_ended")
+    assert (stop["t"], stop["cause"]) == (5.2, "blackout") and "person" not in stop
+    assert ended["t"] == pytest.approx(10.0)
+    assert {one["person"] for one in events(found, "field_slowdown")} == {"eve"}
 
 
 def test_a_machine_is_stopped_and_slow_for_no_longer_than_events_say():

@@ -65,20 +65,20 @@ def test_the_command_and_the_check_tell_of_identical_repeats(folder, monkeypatch
     assert "The 3 repeats of 2 of 2 combinations are identical" in outcome.output
 
 
-UNTIL = GRID + "random: {max_speed: {uniform: [0.8, 1.2]}}\nrepeat: 30\nuntil: "
+UNTIL = GRID + "random: {max_speed: {uniform: [0.8, 1.2]}}\nrepeat: 12\nuntil: "
 
 
 def test_a_study_ends_once_its_intervals_are_narrow(folder):
     figure = "people.operator.distance_walked"
-    keys = f"{{width: 1.0, of: {figure}, at_least: 4}}"
+    keys = f"{{width: 2.5, of: {figure}, at_least: 4}}"
     results = run(folder, UNTIL + keys)
     repetitions = len(results) // 2
-    assert 4 <= repetitions < 30
-    assert results.width(figure) <= 1.0
+    assert 4 <= repetitions < 12
+    assert results.width(figure) <= 2.5
     # One repetition less was not enough, unless it was too few.
     columns = {name: values[: len(results) - 2] for name, values in results.columns.items()}
     before = type(results)(results.study, results.folder, columns)
-    assert repetitions == 4 or before.width(figure) > 1.0
+    assert repetitions == 4 or before.width(figure) > 2.5
     again = run(folder, UNTIL + keys)
     assert again.columns == results.columns
     whole = run(folder, UNTIL.removesuffix("until: "), "whole")

@@ -98,11 +98,10 @@ def test_a_report_has_every_violation_and_what_was_assumed(run, page):
     assert "http" not in re.sub(r'xmlns(:\w+)?="[^"]*"|<!--.*?-->', "", page)
 
 
-def test_figures_of_many_people_stand_in_columns(tmp_path):
-    many = sim.Trial.parse(
-        "{floorplan: ariac2023, duration: 1, people: [{name: crew, count: 13, at: anywhere}]}"
-    )
-    run = sim.run(many)
+def test_figures_of_several_people_stand_in_columns(tmp_path):
+    several = "people: [{name: crew, count: 3, at: anywhere}]"
+    text = re.sub("people: .*", several, TRIAL).replace("duration: 30", "duration: 1")
+    run = sim.run(sim.Trial.parse(text.replace("RULES", "observe")))
     sim.safety_report(run, tmp_path / "many.html")
     page = (tmp_path / "many.html").read_text(encoding="utf-8")
     table = page.partition(">People</")[2].partition(">People</")[2].partition("</table>")[0]
@@ -207,13 +206,25 @@ def rows_of(page, title):
     return [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row, re.DOTALL) for row in rows]
 
 
+@pytest.fixture(scope="module")
+def crowd():
+    """Run of a crowded gantry with a warm-up."""
+    return sim.run(crowded(", warm_up: 3"))
+
+
+@pytest.fixture(scope="module")
+def whole(crowd, tmp_path_factory):
+    """Report of the run without its warm-up."""
+    return report_of(crowd, tmp_path_factory.mktemp("whole"), warm_up=0.0)
+
+
 def report_of(run, tmp_path, **keys):
     sim.safety_report(run, tmp_path / "report.html", **keys)
     return (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
-def test_a_report_leaves_out_the_warm_up_and_says_so(tmp_path):
-    run = sim.run(crowded(", warm_up: 3"))
+def test_a_report_leaves_out_the_warm_up_and_says_so(crowd, whole, tmp_path):
+    run = crowd
     all_of_them, later = (incidents(after_warm_up(run, t)) for t in (0.0, 3.0))
     assert any(one.begin == 0.0 and one.person == "near" for one in all_of_them)
     page = report_of(run, tmp_path)
@@ -229,16 +240,14 @@ def test_a_report_leaves_out_the_warm_up_and_says_so(tmp_path):
         ]
         assert counts[what] == [*map(str, expected)]
     assert counts["contacts with machines"][1] == str(run.summary["contacts"])
-    whole = report_of(run, tmp_path, warm_up=0.0)
     assert "warm-up" not in whole and len(rows_of(whole, "8 Violations")) - 1 == len(all_of_them)
     with pytest.raises(ValueError, match="less than the duration of the run, 12 s, not 12 s"):
         report_of(run, tmp_path, warm_up=12.0)
 
 
-def test_a_report_says_why_a_gantry_stood_and_that_it_got_no_job_done(tmp_path):
-    run = sim.run(crowded())
+def test_a_report_says_why_a_gantry_stood_and_that_it_got_no_job_done(crowd, whole, tmp_path):
+    run, page = crowd, whole
     assert run.summary["jobs_done"] == 0
-    page = report_of(run, tmp_path)
     assert "gantry: no job done beside 3 people, though there were jobs." in page
     heads, *rows = rows_of(page, "By cause")
     gantry = dict(zip(heads, rows[0], strict=True))
@@ -248,7 +257,7 @@ def test_a_report_says_why_a_gantry_stood_and_that_it_got_no_job_done(tmp_path):
     (cause, who), (count, seconds) = next(iter(times.whom.items()))
     line = ["gantry", cause, who, str(count), f"{seconds:.1f}"]
     assert line in rows_of(page, "For whom")
-    alone = sim.run(replace(crowded(), people=()))
+    alone = sim.run(replace(crowded(), people=(), duration=1.0))
     assert "no job done" not in report_of(alone, tmp_path)
 
 
@@ -256,7 +265,7 @@ FIELDS = """
 floorplan:
   boundary: [[0, 0], [24, 0], [24, 8], [0, 8]]
   zones: {dock: {x: [20, 24], y: [0, 8], max_speed: 1}}
-duration: 20
+duration: 12
 rules: {based_on: observe, between: surfaces}
 PEOPLE
 machines:
@@ -336,7 +345,8 @@ def test_a_report_without_people_has_no_empty_sections(tmp_path):
 
 
 def test_a_report_has_a_block_to_sign(tmp_path):
-    run = sim.run(replace(crowded(", sign_off: {plant: Hall 3, date: 2026-11-24}"), duration=1.0))
+    signed = crowded(", sign_off: {plant: Hall 3, date: 2026-11-24}")
+    run = sim.run(replace(signed, people=(), duration=1.0))
     page = report_of(run, tmp_path, sign_off=sim.SignOff(plant="Hall <4>", author="A. Muster"))
     head = page.partition("</header>")[0]
     assert all(words in head for words in ("Hall &lt;4&gt;", "2026-11-24", "A. Muster"))
@@ -391,9 +401,8 @@ def test_sources_are_written_and_refused_for_what_has_none():
 )
 def test_laws_of_all_kinds_are_written_out(tmp_path, law, said):
     text = TRIAL.replace("RULES", "observe").replace("{fixed: 3.0}", law)
-    run = sim.run(sim.Trial.parse(text.replace("duration: 30", "duration: 1")))
-    sim.safety_report(run, tmp_path / "report.html")
-    assert said in (tmp_path / "report.html").read_text(encoding="utf-8")
+    alone = replace(sim.Trial.parse(text), people=(), duration=1.0)
+    assert said in report_of(sim.run(alone), tmp_path)
 
 
 @pytest.mark.filterwarnings("error")

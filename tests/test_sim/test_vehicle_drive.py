@@ -13,6 +13,7 @@ import floorplan
 import navigation
 import sim
 from navigation import PlanningError, VehicleLimits
+from sim.core.body import TRAFFIC
 from sim.machines.amr.drive import floor_of
 from sim.machines.amr.shape import Chassis
 from sim.machines.amr.slow_zones import SlowZones
@@ -98,21 +99,21 @@ def test_a_vehicle_drives_through_a_zone_that_is_forbidden_to_others():
 
 def test_people_are_avoided_where_there_is_room_and_else_not():
     vehicle, _ = in_hall(1.0)
-    assert vehicle.drive.avoid({"ann": (10.0, 5.0)}, 0.5)
+    assert vehicle.avoid({"ann": (10.0, 5.0)}, 0.5)
     radius = 0.5 + vehicle._stage.floorplan.human.radius
     motion = vehicle.preview(18.0, 5.0)
     assert covered(vehicle, motion).distance(shapely.Point(10.0, 5.0)) >= radius
-    assert not vehicle.drive.avoid({"ann": (10.0, 9.5)}, 0.1)
+    assert not vehicle.avoid({"ann": (10.0, 9.5)}, 0.1)
     simulation = started({"cart": "at: [2, 0.8, 0.0], controller: parked"}, CORRIDOR)
     vehicle = simulation.machines["cart"]
-    vehicle.drive.avoid({"ann": (10.0, 0.8)}, 0.3)
+    vehicle.avoid({"ann": (10.0, 0.8)}, 0.3)
     motion = vehicle.preview(18.0, 0.8)
     assert motion.position(motion.end) == pytest.approx((18.0, 0.8))
 
 
 def test_a_person_close_by_does_not_block_the_start():
     vehicle, _ = in_hall()
-    vehicle.drive.avoid({"ann": (3.9, 5.0), "bob": (3.0, 5.0)}, 0.5)
+    vehicle.avoid({"ann": (3.9, 5.0), "bob": (3.0, 5.0)}, 0.5)
     motion = vehicle.preview(18.0, 5.0)
     area = covered(vehicle, motion)
     assert area.distance(shapely.Point(3.9, 5.0)) > 0.25
@@ -131,10 +132,24 @@ def test_a_route_avoids_those_that_stand_and_not_those_that_drive():
     parked, driving = (simulation.machines[name] for name in ("stands", "drives"))
     assert not area.intersects(parked.shape.footprint((10.0, 5.0), 1.57))
     assert driving.body.motion.end > 2.0
-    assert sorted(body.name for body in vehicle.drive.world.bodies) == ["stands"]
+    assert sorted(body.name for body in vehicle._drive.world.bodies) == ["stands"]
     simulation.advance(30.0)
     vehicle.preview(17.0, 4.0)
-    assert sorted(body.name for body in vehicle.drive.world.bodies) == ["drives", "stands"]
+    assert sorted(body.name for body in vehicle._drive.world.bodies) == ["drives", "stands"]
+
+
+def test_a_route_avoids_no_vehicle_that_waits_in_traffic():
+    machines = {
+        "cart": "at: [3, 5, 0.0], controller: parked",
+        "waits": "at: [10, 5, 1.57], controller: parked",
+    }
+    simulation = started(machines, t=1.0)
+    vehicle, other = (simulation.machines[name] for name in machines)
+    for waits in (True, False):
+        other.stand_for(TRAFFIC, waits)
+        vehicle.preview(18.0, 5.0 if waits else 5.1)
+        placed = [body.name for body in vehicle._drive.world.bodies]
+        assert placed == ([] if waits else ["waits"])
 
 
 def test_a_vehicle_that_may_leave_is_no_obstacle_for_good():
@@ -198,7 +213,7 @@ def test_a_detour_leads_around_what_is_taken_and_takes_no_longer_than_allowed():
     wall = box(9.0, 2.0, 11.0, 10.0)
     vehicle.stand_for("test", True)
     simulation.advance(6.0)
-    direct = vehicle.drive.seconds([vehicle.position, (18.0, 5.0, 0.0)])
+    direct = vehicle._drive.seconds([vehicle.position, (18.0, 5.0, 0.0)])
     assert not vehicle.detour([wall], 0.5)
     assert not vehicle.detour([box(9.0, 0.0, 11.0, 10.0)], math.inf)
     assert vehicle.detour([wall], 60.0)
@@ -272,7 +287,7 @@ def test_the_velocity_of_a_vehicle_is_that_of_its_frame():
 
 def test_a_limit_of_the_speed_slows_a_twist_on_its_arc():
     vehicle, _ = in_hall(keys="controller: parked, drive: holonomic")
-    slow = vehicle.drive.slowed
+    slow = vehicle._drive.slowed
     twist = navigation.vehicles.Twist(0.6, 0.8, 0.5)
     assert slow(twist) == twist
     vehicle.limit_speed(0.5)
@@ -316,10 +331,10 @@ def test_a_preview_moves_nothing_and_is_what_a_move_does():
 
 def test_a_vehicle_is_at_a_place_only_when_it_rests_there():
     vehicle, _simulation = in_hall(keys="controller: parked")
-    assert vehicle.drive.is_at((3.0, 5.0)) and vehicle.drive.is_at((3.0, 5.0, math.tau))
-    assert not vehicle.drive.is_at((3.0, 5.0, 0.1)) and not vehicle.drive.is_at((3.001, 5.0))
+    assert vehicle._drive.is_at((3.0, 5.0)) and vehicle._drive.is_at((3.0, 5.0, math.tau))
+    assert not vehicle._drive.is_at((3.0, 5.0, 0.1)) and not vehicle._drive.is_at((3.001, 5.0))
     vehicle.move_to(18.0, 5.0)
-    assert not vehicle.drive.is_at((3.0, 5.0))
+    assert not vehicle._drive.is_at((3.0, 5.0))
 
 
 # Slow zones.

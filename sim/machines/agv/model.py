@@ -27,31 +27,32 @@ from ...core.body import MachineShape
 from ...core.scenario import AgvMove
 from ...core.schedule import times_until
 from ...core.stage import MachineModel, Stage
-from .agv import Agv, agv_shape, last_before, part_behind, part_within
+from .agv import Agv, agv_shape
+from .lanes import last_before, part_behind, part_within
 
 MOST_MOVES = 100_000
-"""Moves of all AGVs in a trial; more of them are a slip."""
+"""Most moves of all AGVs in a trial. More are a mistake."""
 
 
 def number_of(moves: Iterable[AgvMove], end: float) -> int:
-    """Return how many there are of these moves until `end` (seconds)."""
+    """Return the number of moves until `end` (seconds)."""
     return sum(times_until(end, move.time, move.every) for move in moves)
 
 
 def repeated(moves: tuple[AgvMove, ...], end: float) -> tuple[AgvMove, ...]:
-    """Return all of these moves until `end` (seconds), in order of time if any comes again."""
+    """Return all moves until `end` (seconds), in order of time if any is repeated."""
     if all(move.every is None for move in moves):
         return moves
-    found = [
+    single = [
         replace(move, time=move.time + k * (move.every or 0.0), every=None)
         for move in moves
         for k in range(times_until(end, move.time, move.every))
     ]
-    return tuple(sorted(found, key=lambda move: move.time))
+    return tuple(sorted(single, key=lambda move: move.time))
 
 
 class AgvKeys(Strictly):
-    """One AGV of the floor; where it does not yield, a list of its moves will do."""
+    """Keys of an AGV of the floor. A list is its moves."""
 
     moves: tuple[AgvMove, ...] = ()
     yields: Flag = Field(default=False, alias="yield")
@@ -64,7 +65,7 @@ class AgvKeys(Strictly):
     def moves_until(self, end: float, lane: Lane | None) -> tuple[AgvMove, ...]:
         """Return all its moves on a lane until `end` (seconds).
 
-        If there is something wrong with one, they are as given, so that it is found at its place.
+        Invalid moves are not repeated, so that the fault has its place.
         """
         if lane is None:
             return self.moves
@@ -77,7 +78,7 @@ class AgvKeys(Strictly):
 
 
 class CartKeys(AgvKeys):
-    """An AGV on a lane that the floor does not have; lengths in metres."""
+    """Keys of an AGV with its own lane. Lengths in metres."""
 
     origin: Pair
     heading: Angle = 0.0
@@ -109,7 +110,7 @@ class CartKeys(AgvKeys):
 
 @dataclass(frozen=True)
 class AgvModel(MachineModel):
-    """An AGV on its lane, with the moves that it makes; one that `yields` stops for people."""
+    """An AGV on its lane, with its moves. It stops for people if it `yields`."""
 
     lane: Lane
     moves: tuple[AgvMove, ...] = ()
@@ -121,19 +122,19 @@ class AgvModel(MachineModel):
     @classmethod
     def read(cls, name: str, keys: Mapping[str, Any]) -> AgvModel:
         """Return the model with these keys of a trial file."""
-        given = CartKeys.model_validate(keys)
-        return cls(given.lane(name), given.moves, given.yields)
+        checked = CartKeys.model_validate(keys)
+        return cls(checked.lane(name), checked.moves, checked.yields)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
-        """Return its shape, as others see it."""
+        """Return its shape."""
         return agv_shape(self.lane)
 
     def make(self, name: str, stage: Stage) -> Agv:
-        """Return the AGV; `ValueError` if it moves too often."""
+        """Return the AGV. `ValueError` if it moves too often."""
         return Agv(stage, self.lane, repeated(self.moves, stage.end), yields=self.yields)
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
-        """Yield places that its lane does not have, and moves that are out of order."""
+        """Yield faults of places that its lane does not have, and of the order of moves."""
         if self.lane.start not in self.lane.locations:
             yield f"{self.lane.name} has no location {self.lane.start!r}", ("start",)
         are_in_order = all(move.every is None for move in self.moves)
@@ -149,14 +150,14 @@ class AgvModel(MachineModel):
                 yield message, (k, "time")
 
     def place_faults(self, name: str, plan: Floorplan) -> Iterator[Fault]:
-        """Yield moves into a forbidden zone, or through a gate against its direction."""
+        """Yield faults of moves into a forbidden zone, or through a gate in the wrong direction."""
         lane = self.lane
         at = lane.locations.get(lane.start, 0.0)
         for k, move in enumerate(self.moves):
             try:
                 to = lane.lane_position(move.to)
             except UserError:
-                return  # reported already; where the lane goes on from is not known
+                return  # reported already, and the next start is unknown
             for zone in plan.zones:
                 if zone.forbidden and zone.is_about(name):
                     part = part_within(lane, zone.area)
@@ -175,7 +176,7 @@ class AgvModel(MachineModel):
         return None if at is None else self.lane.footprint(at)
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
-        """Return the longest stop on its lane."""
+        """Return time and distance of its longest stop."""
         return longest_stop(self.lane)
 
     def field_limits(self, plan: Floorplan) -> AxisLimits:

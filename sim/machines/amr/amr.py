@@ -1,9 +1,9 @@
-"""A vehicle that drives freely, as its controller sees it: its commands, tasks and sensors."""
+"""Vehicles that drive freely: their commands, missions and twists."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,8 +19,8 @@ from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.stage import Stage
 from ..arguments import instance, number
-from ..commanded import CommandedMachine
 from ..commanding import Steps
+from ..policy_driven import PolicyDriven
 from ..tasks import Step, Task
 from ..traffic.evading import Evading, Evasion
 from .drive import VehicleDrive
@@ -28,19 +28,15 @@ from .missions import Mission, task_of
 from .shape import Chassis
 
 AHEAD = 60.0
-"""Seconds of a twist that are planned, and known to others, at a time."""
+"""Seconds of a twist that are planned at a time, and that other machines can expect."""
 
 
-class Amr(CommandedMachine, Evading):
-    """A vehicle that drives freely, to be commanded by a controller.
+class Amr(PolicyDriven, Evading):
+    """A vehicle that drives freely. Its tasks are the missions of the trial."""
 
-    Its tasks are the missions of the trial: to go to a place, to turn, to wait. While it is held,
-    it stands, and whatever was under way goes on afterwards.
-    """
+    _drive: VehicleDrive
 
-    drive: VehicleDrive
-
-    FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
+    FOR_CONTROLLERS = PolicyDriven.FOR_CONTROLLERS | {
         *("missions", "complete", "twist", "twist_now", "turn_to", "limits")
     }
 
@@ -76,86 +72,92 @@ class Amr(CommandedMachine, Evading):
         self._located = tuple(replace(one, go=one.goal(stage.floorplan)) for one in missions)
         self._rest = Alarm(stage.clock, self._comes_to_rest, Turn.MOTION_ENDS)
         self._course: tuple[TwistCourse, float, float] | None = None
-        """The course of the last twist, its begin, and the seconds that it takes."""
+        """Course of the last twist, its begin and its duration (s)."""
         self._twist: Event | None = None
-        """The last twist."""
+        """Last twist."""
         self._extension = Alarm(stage.clock, self._extend_twist, Turn.MOTION_ENDS)
         self.body.on_change.append(self._motion_changed)
         self._begin_round()
 
-    # Its sensors.
+    # Sensors.
 
     @property
     def missions(self) -> tuple[Mission, ...]:
-        """The missions that are left of this round, the current one first.
+        """Remaining missions of this round, the current one first.
 
         `go` is a position (x, y) in metres, with a rotation in radians if the trial gives one.
         """
         pairs = zip(self._located, self._round, strict=True)
         return tuple(mission for mission, task in pairs if not task.finished)
 
-    @property
-    def twist_now(self) -> Twist:
-        """Its velocity now: m/s forwards and to the left, rad/s."""
-        (_, _, rotation), (vx, vy, turning), _ = self.state
-        c, s = math.cos(rotation), math.sin(rotation)
-        return Twist(vx * c + vy * s, vy * c - vx * s, turning)
-
-    # Its commands.
+    # Commands.
 
     @commands
     def turn_to(self, rotation: float, *, speed_share: float = 1.0) -> Event:
-        """Turn on the spot to `rotation` (radians), to be waited for."""
+        """Turn on the spot to `rotation` (radians). Return an event to yield."""
         x, y, _ = self.position
         rotation = number("turn_to(rotation)", rotation)
         return self.move_to(x, y, rotation, speed_share=speed_share)
 
     @commands
     def twist(self, twist: Sequence[float], seconds: float) -> Event:
-        """Drive with a twist for `seconds`, and stop unless another command comes before.
+        """Drive with a twist for `seconds`, then stop unless there is another command.
 
         The twist is (v, ω), or (vx, vy, ω): m/s forwards and to the left, rad/s. `UserError` if it
-        is not finite or too fast. Of a longer twist, `AHEAD` seconds are planned at a time.
+        is not finite or too fast. `AHEAD` seconds of a longer twist are planned at a time.
         """
-        seconds, wanted = number("twist(seconds)", seconds, 0.0), Twist.of(twist)
+        seconds, requested = number("twist(seconds)", seconds, 0.0), Twist.of(twist)
         until = self.now + seconds
-        wanted.check(self.limits)
+        requested.check(self.limits)
 
-        def begun(left: float) -> Motion:
-            slow = self.drive.slowed(wanted)
-            self._course = TwistCourse(self.state, slow, self.limits), self.now, left
+        def begun(remaining: float) -> Motion:
+            slow = self._drive.slowed(requested)
+            self._course = TwistCourse(self.state, slow, self.limits), self.now, remaining
             return self._planned_twist()
 
-        self.drive.forget_route()
+        self._drive.forget_route()
         self._twist = self._follow(begun(seconds), lambda: begun(max(0.0, until - self.now)))
         return self._twist
 
     def _planned_twist(self) -> Motion:
-        """Return the motion of the twist under way for `AHEAD` seconds at most."""
+        """Return the motion of the current twist for `AHEAD` seconds at most."""
         assert self._course is not None
         (course, begun, seconds), now = self._course, self.now
         until = min(seconds, now - begun + AHEAD)
         motion = course.motion(self.position, now, until, now - begun)
         half = now + AHEAD / 2
-        node = motion.pieces_from(half)[0].begin  # of a spline, whose velocity is exact there
+        node = motion.pieces_from(half)[0].begin  # where the velocity of a spline is exact
         again = node if node > now + AHEAD / 4 else half
         self._extension.set(again if until < seconds else None)
         return motion
 
     def _extend_twist(self) -> None:
-        self.drive.extend(self._twist, self._planned_twist)
+        self._drive.extend(self._twist, self._planned_twist)
 
-    # Its tasks.
+    def steer(self, twist: Sequence[float], until: float) -> None:
+        """Drive with a twist until a time (s). A stationary vehicle does not start with zeros."""
+        may_move = self.only_waits or not self.disabled
+        if may_move and (self.body.motion.end > self.now or any(Twist.of(twist))):
+            self.twist(twist, until - self.now)
+
+    def avoid(self, people: Mapping[str, Point], aside: float) -> bool:
+        """Plan around people from now on. Return whether the present route is given up.
+
+        Routes keep `aside` metres from the bodies of people if there is room for that.
+        """
+        return self._drive.avoid(people, aside)
+
+    # Tasks.
 
     def locate(self, task: Task) -> Event:
-        """Begin the task: the value is the pose of its next step, once there is a route to it."""
+        """Wait for a route to the next step of a task, whose pose is the value of the event."""
         return self._command(self._find(instance("locate(task)", task, Task)))
 
     @commands
     def handle(self, task: Task) -> Process:
-        """Do the work of the task's next step, here. The value is True if it was done."""
+        """Carry out the next step of a task here. The value of the event is True if done."""
         instance("handle(task)", task, Task)
-        return self._command(self._handle(task, self.drive.begin()))
+        return self._command(self._handle(task, self._drive.begin()))
 
     def complete(self) -> None:
         """Count the current mission as done. `UserError` if there is none.
@@ -168,10 +170,45 @@ class Amr(CommandedMachine, Evading):
         self._begin(task)
         self._advance(task)
 
-    # The simulation's side of it.
+    # For policies.
+
+    @property
+    def goal_pose(self) -> Pose | None:
+        """The position of the first mission that has one, with any rotation."""
+        goals = [mission.go for mission in self.missions if isinstance(mission.go, tuple)]
+        return (goals[0][0], goals[0][1], math.nan) if goals else None
+
+    @property
+    def action_bounds(self) -> tuple[list[float], list[float]]:
+        """Lowest and highest twist, without m/s to the left for a differential drive."""
+        limits = self.limits
+        high = [limits.speed, *filter(None, [limits.side_speed]), limits.turn_speed]
+        return [-value for value in high], high
+
+    @property
+    def stop_action(self) -> list[float]:
+        """Twist of zeros."""
+        return [0.0] * len(self.action_bounds[0])
+
+    def count_goals(self, radius: float) -> None:
+        """Complete missions until one leads to a position farther than `radius` metres."""
+        self.begin_mission()
+        while self.missions:
+            goal = self.missions[0].go
+            if isinstance(goal, tuple) and math.dist(goal[:2], self.position[:2]) > radius:
+                return
+            self.complete()
+
+    def act(self, action: Sequence[float], until: float, radius: float) -> Steps:
+        """Drive with a twist until the next tick. See `PolicyDriven.act`."""
+        self.steer(action, until)
+        return
+        yield
+
+    # For the simulation.
 
     def begin_mission(self) -> None:
-        """Record that the current mission is started, unless it was."""
+        """Record the start of the current mission, once."""
         if (task := self._current) is not None:
             self._begin(task)
 
@@ -181,50 +218,50 @@ class Amr(CommandedMachine, Evading):
 
     @property
     def loaded(self) -> bool:
-        """Whether it carries the load of its model."""
+        """Whether it carries a load."""
         return self.shape.loaded
 
     def floor_changed(self) -> None:
-        """Find another way if something stands in the present one now."""
-        self.drive.floor_changed()
+        """Plan another route if the present one is blocked."""
+        self._drive.floor_changed()
         under_way = self.body.motion.end > self.now and not self.disabled
-        if under_way and not self.drive.route_is_free():
-            self.drive.forget_route()
-            # It brakes, and sets out again from there.
-            self.drive.hold(True)
-            self.drive.hold(False)
+        if under_way and not self._drive.route_is_free():
+            self._drive.forget_route()
+            # Brake, and plan from the end of the stop.
+            self._drive.hold(True)
+            self._drive.hold(False)
 
     @property
     def planned_at(self) -> float:
-        """When its planner planned its present motion, or the one from which it stops (s)."""
-        return self.drive.planned_at
+        """Time at which its present motion was planned, or the one from which it stops (s)."""
+        return self._drive.planned_at
 
     @property
     def may_leave(self) -> bool:
-        """Whether it can be expected to leave when it is in the way."""
+        """Whether it makes way when it is idle."""
         return self._makes_way
 
     @property
     def goal(self) -> Point | None:
-        """The place (x, y) to which its route leads, if there is one."""
-        return self.drive.goal
+        """End (x, y) of its route, if there is one."""
+        return self._drive.goal
 
     def detour(self, taken: Sequence[Polygon], most: float) -> bool:
-        """Choose another path to the goal around other machines; see `Evading.detour`."""
-        return self.drive.detour(taken, most)
+        """Choose another path to the goal around other machines. See `Evading.detour`."""
+        return self._drive.detour(taken, most)
 
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
-        """Choose another path to the goal, or to a passing place first; see `Evading.evade`."""
-        return self.drive.evade(taken, courses)
+        """Choose another path to the goal, or to a passing place first. See `Evading.evade`."""
+        return self._drive.evade(taken, courses)
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
-        """Move off the courses of other machines if it has no mission; see `Evading.make_way`."""
+        """Move off the courses of other machines if it has no mission. See `Evading.make_way`."""
         if not self._makes_way or self.is_held or any(not task.finished for task in self._round):
             return False
-        return self.drive.make_way(taken, courses)
+        return self._drive.make_way(taken, courses)
 
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
-        """Return its figures; it is idle while it neither moves, waits nor is made to stand."""
+        """Return its figures. It is idle while it neither moves, works nor is stopped."""
         return {"jobs_done": self.jobs_done, "idle_time": self._idle_time(motion, now)}
 
     def _motion_changed(self) -> None:
@@ -234,7 +271,7 @@ class Amr(CommandedMachine, Evading):
         self._stage.came_to_rest(self)
 
     def _goal(self, step: Step) -> tuple[float, ...]:
-        """Return x, y, and the rotation if there is one, of a step."""
+        """Return x, y, and the rotation if required, of a step."""
         if step.target is None:
             return self.position
         x, y, rotation = step.target
@@ -243,45 +280,45 @@ class Amr(CommandedMachine, Evading):
         return (x, y) if math.isnan(rotation) else (x, y, rotation)
 
     def _find(self, task: Task) -> Steps:
-        """Return the pose of the next step of a task, once there is a route to it."""
+        """Wait for a route to the next step of a task, and return its pose."""
         self._begin(task)
         step = task.next_step
         assert step is not None
         return (yield from self._routed(step, None))
 
     def _routed(self, step: Step, command: int | None) -> Steps:
-        """Return the pose in which a route to a step ends, once there is one.
+        """Wait for a route to a step, and return the pose at its end.
 
         None if `command` was replaced.
         """
         goal = self._goal(step)
-        while command is None or self.drive.is_under_way(command):
+        while command is None or self._drive.is_under_way(command):
             try:
-                return self.drive.destination(goal)
+                return self._drive.destination(goal)
             except PlanningError as why:
-                self.drive.record_blocked(goal, why)
-            again = self.drive.change_of_floor()
-            yield again if command is None else again | self.drive.replaced
+                self._drive.record_blocked(goal, why)
+            change = self._drive.change_of_floor()
+            yield change if command is None else change | self._drive.replaced
         return None
 
     def _do(self, task: Task, command: int) -> Steps:
-        while self.drive.is_under_way(command) and (step := task.next_step) is not None:
+        while self._drive.is_under_way(command) and (step := task.next_step) is not None:
             self._begin(task)
             goal = self._goal(step)
-            while self.drive.is_under_way(command) and not self.drive.is_at(goal):
+            while self._drive.is_under_way(command) and not self._drive.is_at(goal):
                 pose = yield from self._routed(step, command)
-                if self.drive.is_under_way(command):
-                    yield self.drive.move(pose, command=command)
-            if self.drive.is_under_way(command):
+                if self._drive.is_under_way(command):
+                    yield self._drive.move(pose, command=command)
+            if self._drive.is_under_way(command):
                 yield from self._handle(task, command)
         return task.finished
 
     def _handle(self, task: Task, command: int) -> Steps:
         self._begin(task)
         step = task.next_step
-        if step is None or not self.drive.is_at(self._goal(step)):
+        if step is None or not self._drive.is_at(self._goal(step)):
             return False
-        done: bool = yield from self.drive.work(step.seconds, command, stays=step.action == "wait")
+        done: bool = yield from self._drive.work(step.seconds, command, stays=step.action == "wait")
         if not done or task.next_step is not step:
             return False
         self._advance(task)

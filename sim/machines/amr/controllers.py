@@ -9,27 +9,27 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from navigation.vehicles import Twist
-
-from ...core.custom_code import CodeFolder, CustomCode, Definition, Kind, argument_fault
+from ...core.custom_code import CodeFolder, CustomCode, Kind, argument_fault
 from ...core.scenario import controller_name
 from ..caution import Caution
 from ..commanding import Steps
 from ..controllers import (
-    ControllerError,
+    Source,
     external,
     gone_to,
     is_controller,
+    loaded,
     oblivious,
     parked,
     pausing,
-    supervised,
+    source_of,
 )
-from ..policy_files import SUFFIX, PolicyFile
+from ..policy_files import SUFFIX
+from ..supervision import ControllerError, supervised
 from .amr import Amr
 
 ASIDE = 0.5
-"""Metres. `avoiding` passes people at this distance from their bodies, if it can."""
+"""Metres. Distance from the bodies of people at which `avoiding` passes them, if possible."""
 
 AGAIN = 1.0
 """Seconds after which `avoiding` plans around people again."""
@@ -41,7 +41,7 @@ def avoiding(vehicle: Amr) -> Steps:
     while (task := (yield vehicle.next_task())) is not None:
         while task.next_step is not None:
             people = yield from caution.look()
-            if vehicle.drive.avoid({person.name: person.at for person in people}, ASIDE):
+            if vehicle.avoid({person.name: person.at for person in people}, ASIDE):
                 vehicle.stop()
             pose = yield vehicle.locate(task)
             if (yield from gone_to(vehicle, caution, pose, AGAIN)):
@@ -55,7 +55,7 @@ VEHICLE_CONTROLLERS: dict[str, Callable[[Any], Steps]] = {
     "avoiding": avoiding,
     "external": external,
 }
-"""The controllers of vehicles that come with Floorwalker."""
+"""The built-in controllers of vehicles."""
 
 
 NEEDS_RATE = "give rate, at which a function or a class with a method __call__ is called (Hz)"
@@ -68,13 +68,13 @@ VEHICLE_CONTROLLER = Kind(
     error=ControllerError,
     builtin=VEHICLE_CONTROLLERS,
 )
-"""The kind of function or class that a vehicle names as its controller."""
+"""Functions and classes that a vehicle can name as its controller."""
 
 
-def _returns_twists(found: Any) -> bool:
-    if inspect.isclass(found):
-        return any("__call__" in vars(base) for base in found.__mro__)
-    return inspect.isfunction(found) and not inspect.isgeneratorfunction(found)
+def _returns_twists(code: Any) -> bool:
+    if inspect.isclass(code):
+        return any("__call__" in vars(base) for base in code.__mro__)
+    return inspect.isfunction(code) and not inspect.isgeneratorfunction(code)
 
 
 FUNCTION = Kind(
@@ -84,47 +84,45 @@ FUNCTION = Kind(
     accepts=_returns_twists,
     error=ControllerError,
 )
-"""The kind of function or class that a vehicle names as its controller with a rate."""
+"""Functions and classes that a vehicle can name as its controller with a rate."""
 
 
 def program(
-    given: str | Callable[[Any], Any], rate: float | None, folder: CodeFolder
+    controller: str | Callable[[Any], Any], rate: float | None, folder: CodeFolder
 ) -> Callable[[Amr], Steps]:
-    """Return the controller of a vehicle by its name, supervised.
+    """Return the supervised controller of a vehicle by its name.
 
-    With a `rate` (Hz), it is called each time for a twist. `ControllerError` if there is no such
-    controller.
+    With a `rate` (Hz), the controller is called at each tick for a twist. `ControllerError` if
+    there is no such controller.
     """
-    source = find_program(given, rate, folder)
-    found: Any = VEHICLE_CONTROLLERS[given] if isinstance(given, str) and not source else given
-    if source is not None:
-        found = source.load()
-    controller = found if rate is None else partial(_steered, found, rate)
-    return partial(supervised, controller_name(given), controller, code=found)
+    code = loaded(controller, VEHICLE_CONTROLLER, find_program(controller, rate, folder))
+    steps = code if rate is None else partial(_steered, code, rate)
+    return partial(supervised, controller_name(controller), steps, code=code)
 
 
 def find_program(
-    given: str | Callable[[Any], Any], rate: float | None, folder: CodeFolder
-) -> CustomCode | PolicyFile | None:
-    """Return the source of a custom controller, which is not imported; None for other ones."""
-    if not isinstance(given, str):
-        return None
-    if given.endswith(SUFFIX):
-        if rate is None:
-            return PolicyFile.find(given, folder)
-        raise ControllerError(f"the policy {given!r} has a rate of its own; omit it")
-    if given in VEHICLE_CONTROLLERS:
-        if rate is None:
-            return None
-        raise ControllerError(f"the vehicle controller {given!r} has no rate; omit it")
-    source = folder.find(given, VEHICLE_CONTROLLER if rate is None else FUNCTION)
-    if rate is None and _is_plain_function(source.definitions()[source.attribute]):
-        raise ControllerError(f"the vehicle controller {given!r} is no generator; {NEEDS_RATE}")
+    controller: str | Callable[[Any], Any], rate: float | None, folder: CodeFolder
+) -> Source | None:
+    """Return the source of a custom controller, or None for a built-in one or a callable.
+
+    `ControllerError` if there is no such controller, or if its rate does not fit.
+    """
+    if rate is not None and isinstance(controller, str):
+        if controller.endswith(SUFFIX):
+            raise ControllerError(f"the policy {controller!r} has a rate of its own; omit it")
+        if controller in VEHICLE_CONTROLLERS:
+            raise ControllerError(f"the vehicle controller {controller!r} has no rate; omit it")
+    source = source_of(controller, VEHICLE_CONTROLLER if rate is None else FUNCTION, folder)
+    if rate is None and isinstance(source, CustomCode) and _is_plain(source):
+        raise ControllerError(
+            f"the vehicle controller {controller!r} is no generator; {NEEDS_RATE}"
+        )
     return source
 
 
-def _is_plain_function(definition: Definition) -> bool:
+def _is_plain(source: CustomCode) -> bool:
     """Return whether a function certainly yields nothing, or a class is called like one."""
+    definition = source.definitions()[source.attribute]
     if definition.decorator_list or not isinstance(definition, ast.FunctionDef | ast.ClassDef):
         return False
     if isinstance(definition, ast.ClassDef):
@@ -133,17 +131,15 @@ def _is_plain_function(definition: Definition) -> bool:
     return not any(isinstance(node, ast.Yield | ast.YieldFrom) for node in ast.walk(definition))
 
 
-def _steered(given: Callable[..., Any], rate: float, me: Amr) -> Steps:
-    """Call a function, or a new object of a class, `rate` times a second for a twist to drive."""
-    function, make = given, given
-    if inspect.isclass(given):
-        function = make(me) if argument_fault(make, {}) else make()
+def _steered(code: Callable[..., Any], rate: float, vehicle: Amr) -> Steps:
+    """Call a function, or a new object of a class, at each tick for a twist."""
+    function, make = code, code
+    if inspect.isclass(code):
+        function = make(vehicle) if argument_fault(make, {}) else make()
     for k in itertools.count(1):
-        me.begin_mission()
-        twist: Sequence[float] | None = function(me)
+        vehicle.begin_mission()
+        twist: Sequence[float] | None = function(vehicle)
         until = k / rate
-        if twist is not None and (me.only_waits or not me.disabled):
-            stands = me.body.motion.end <= me.now
-            if not stands or any(Twist.of(twist)):
-                me.twist(twist, until - me.now)
-        yield me.until(until)
+        if twist is not None:
+            vehicle.steer(twist, until)
+        yield vehicle.until(until)

@@ -1,4 +1,4 @@
-"""Drive of a vehicle: routes around what is on the floor, and motions along them."""
+"""Drive of a vehicle: routes around obstacles and machines, and motions along them."""
 
 from __future__ import annotations
 
@@ -30,27 +30,28 @@ from navigation.vehicle_planner import SLACK
 from navigation.vehicles import Twist, stops_of
 
 from ...core.body import Body, is_there
+from ...core.clock import then
 from ...core.entries import Pose
 from ...core.events import MachineBlocked
 from ...core.stage import Stage
-from ..commanding import RETRY, Drive
+from ..commanding import RETRY, Drive, Move
 from ..traffic.evading import Evasion
 from .passing import passing_places
 from .shape import Chassis
 from .slow_zones import SlowZones
 
 LONGER = 15.0
-"""Seconds that another route may take more. Otherwise a vehicle looks for a passing place."""
+"""Seconds. Most additional time of another route that is preferred to a passing place."""
 
 TRIED = 6
-"""Number of passing places to which a path is planned."""
+"""Number of passing places to which paths are planned."""
 
 ON_ROUTE = 1e-4
-"""Metres and radians. A vehicle this close to a leg of its route is on it."""
+"""Metres and radians. Tolerance of poses on a route."""
 
 
 def floor_of(vehicle: Chassis, name: str, plan: Floorplan) -> CollisionWorld:
-    """Return the floor as a vehicle of that name sees it, with AGVs at their starts."""
+    """Return the collision world of a vehicle of that name, with AGVs at their starts."""
     gates = [gate for gate in plan.one_ways if gate.is_about(name)]
     world = CollisionWorld(plan, top=vehicle.top, gates=gates)
     for zone in plan.zones:
@@ -77,36 +78,36 @@ class VehicleDrive(Drive):
         self._shape = vehicle.shape(name)
         self._slow = SlowZones(stage.floorplan.zones, self._shape)
         self._people: dict[str, Disc] = {}
-        """The people whom routes avoid."""
+        """People whom routes avoid."""
         self._placed: set[str] = set()
         self._areas: list[str] = []
-        """Names of the areas that the planner avoids at present."""
+        """Names of areas that the planner avoids now."""
         self._route: list[Pose] = []
         self._target: tuple[float, ...] = ()
-        """Where the route leads: x, y, and the rotation if one was wanted."""
+        """Target of the route: x, y, and the rotation if required."""
         self._closed: frozenset[str] = frozenset()
-        """The closures around which the route leads."""
+        """Closures around which the route leads."""
         self._blocked_from: Point | None = None
-        """The goal to which no path was found last."""
+        """Goal of the last failed plan, until a plan succeeds."""
         self._waits_on: Motion | None = None
-        """The stop of a move that other vehicles keep from its target."""
+        """Stop of a move whose target other vehicles block."""
         self._floor_changed = stage.clock.event()
         self.planned_at = -math.inf
-        """When the present motion was planned, or the one from which it stops (s)."""
+        """Time at which the present motion was planned, or the one from which it stops (s)."""
         self._last_stop = body.motion
         body.on_change.append(self._motion_changed)
 
     @property
     def world(self) -> CollisionWorld:
-        """The floor as the vehicle sees it."""
+        """Collision world of the planner."""
         return self.planner.world
 
     def destination(self, target: Sequence[float]) -> Pose:
-        """Return the pose in which the route to a target ends; `PlanningError` if there is none."""
+        """Return the pose at the end of the route to a target. `PlanningError` if there is none."""
         return self._route_to(tuple(map(float, target)))[-1]
 
     def _planned(self, target: tuple[float, ...], speed_share: float) -> Motion:
-        """Return the motion along a route; `PlanningError` if there is none."""
+        """Return the motion along a route. `PlanningError` if there is none."""
         now, limits = self._clock.now, self.limits.slower(speed_share)
         route = self._route_to(target)
         try:
@@ -117,7 +118,7 @@ class VehicleDrive(Drive):
             return self._along(self._route, now, limits)
 
     def _along(self, route: list[Pose], now: float, limits: VehicleLimits) -> Motion:
-        """Return the motion along a route, after a stop where that begins elsewhere."""
+        """Return the motion along a route, after a stop if the route begins elsewhere."""
         state, (first, *left) = self.body.state, route
         if first == state.position:
             return self._path(state, left, now, limits)
@@ -133,7 +134,7 @@ class VehicleDrive(Drive):
         return vehicle_path(current, poses, start, limits=limits)
 
     def _from_rest(self, target: tuple[float, ...]) -> list[Pose]:
-        """Return the poses to a target from where a stop ends."""
+        """Return the poses from the end of a stop to a target."""
         stop = self.stopping(self.body.state, self._clock.now)
         path = self.planner.plan(stop.state(stop.end).position, target)
         return [*map(_pose, path.poses.tolist())]
@@ -141,7 +142,7 @@ class VehicleDrive(Drive):
     def stopping(self, state: State, t: float) -> Motion:
         """Return the fastest stop from `state` at `t` (seconds), on the arc it drives on."""
         if t <= self.body.motion.start and not any(state.velocity):
-            # A motion that begins now leaves nothing: the spline of an arc accelerates at once.
+            # At the begin of an arc, the acceleration of its spline does not count.
             self._last_stop = standing(state.at, heading=state.position[2], start=t)
         else:
             self._last_stop = vehicle_stop(state, t, limits=self.limits)
@@ -154,7 +155,7 @@ class VehicleDrive(Drive):
             self.planned_at = self._clock.now if planned else -math.inf
 
     def resumed(self, target: Pose, speed_share: float) -> Motion:
-        """Return the motion to `target` after a stop; only a stop where there is no route now."""
+        """Return the motion to `target` after a stop, or only a stop if there is no route now."""
         try:
             return self.preview(target, speed_share)
         except PlanningError as why:
@@ -166,21 +167,24 @@ class VehicleDrive(Drive):
                 self._waits_on = stop
             return stop
 
-    def try_again(self) -> Event | None:
-        """Return the event at which a vehicle that others block plans again."""
-        return self.change_of_floor() if self.body.motion is self._waits_on else None
+    def pauses(self, move: Move) -> bool:
+        """Return whether a move waits for other vehicles that block it."""
+        if self.body.motion is not self._waits_on:
+            return False
+        then(self.change_of_floor(), move.proceed)
+        return True
 
     def change_of_floor(self) -> Event:
-        """Return the event at which a blocked vehicle plans again: a change, or after `RETRY`."""
+        """Return the event after which a blocked vehicle plans again."""
         return self._floor_changed | self._clock.at(self._clock.now + RETRY)
 
     def floor_changed(self) -> None:
-        """Let blocked vehicles plan again."""
+        """Notify moves that wait for a change of the floor."""
         changed, self._floor_changed = self._floor_changed, self._clock.event()
         changed.succeed()
 
     def record_blocked(self, target: Sequence[float], why: PlanningError) -> None:
-        """Record that there is no path to `target`, once until a path is found."""
+        """Record that there is no path to `target`, once until a plan succeeds."""
         goal = (float(target[0]), float(target[1]))
         if goal != self._blocked_from:
             self._blocked_from = goal
@@ -188,19 +192,19 @@ class VehicleDrive(Drive):
             self._stage.record(MachineBlocked(machine=name, goal=goal, message=message))
 
     def slowed(self, twist: Twist) -> Twist:
-        """Return a twist with the speed that is allowed now, on the same arc."""
+        """Return a twist on the same arc within the speed limit."""
         speed = math.hypot(twist.forwards, twist.sideways)
         share = min(1.0, self._limit / speed) if speed > 0.0 else 1.0
         return Twist(*(share * value for value in twist))
 
     def is_at(self, target: Sequence[float]) -> bool:
-        """Return whether the vehicle stands at x, y, and in the rotation if one is given."""
+        """Return whether the vehicle rests at x, y, and at the rotation if there is one."""
         return is_there(self.body.state.position, target, ON_ROUTE) and (
             self.body.motion.end <= self._clock.now
         )
 
     def route_is_free(self) -> bool:
-        """Return whether nothing stands in what is left of the route now."""
+        """Return whether the rest of the route is free now."""
         left = self._rest_of_route()
         if left is None:
             return True
@@ -208,16 +212,16 @@ class VehicleDrive(Drive):
         return self.planner.free_along(left)
 
     def avoid(self, people: Mapping[str, Point], aside: float) -> bool:
-        """Plan around people where they are; return whether the present route is given up.
+        """Plan around people from now on. Return whether the present route is given up.
 
-        Routes keep `aside` metres from their bodies where there is room for that.
+        Routes keep `aside` metres from the bodies of people if there is room for that.
         """
         x, y, rotation = self.body.state.position
         here = self._shape.footprint((x, y), rotation)
         radius = self._stage.floorplan.human.radius + aside
         self._people = {}
         for name, at in people.items():
-            # Who is nearer now must not block the start.
+            # A smaller disc for people nearby, who must not block the start.
             clear = min(radius, here.distance(shapely.Point(at)) - 2 * SLACK)
             if clear > ON_ROUTE:
                 self._people[f"person {name}"] = Disc(at, clear)
@@ -228,52 +232,55 @@ class VehicleDrive(Drive):
 
     @property
     def goal(self) -> Point | None:
-        """The place (x, y) to which the route leads, if there is one."""
+        """End (x, y) of the route, if there is one."""
         return (self._target[0], self._target[1]) if self._route else None
 
     def detour(
         self, taken: Sequence[Polygon], most: float = math.inf, *, thorough: bool = True
     ) -> bool:
-        """Take another route to the goal, around areas; return whether there is one.
+        """Take another route to the goal around areas. Return whether there is one.
 
-        It takes at most so many seconds more. A search that is not thorough is fast.
+        It takes at most `most` additional seconds. A search that is not thorough is fast.
         """
-        left = self._rest_of_route()
-        found = None if left is None else self._path_to(left[0], left[-1], taken, thorough=thorough)
-        if found is None or left is None or self.seconds(found) > self.seconds(left) + most:
+        rest = self._rest_of_route()
+        if rest is None:
             return False
-        self._take(found, left[-1])
+        route = self._path_to(rest[0], rest[-1], taken, thorough=thorough)
+        if route is None or self.seconds(route) > self.seconds(rest) + most:
+            return False
+        self._take(route, rest[-1])
         return True
 
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
         """Take another route, directly or by a passing place off the `courses` of others."""
-        left = self._rest_of_route()
-        if left is None:
+        rest = self._rest_of_route()
+        if rest is None:
             return None
         if self.detour(taken, LONGER, thorough=False):
             return Evasion()
-        found = self._by_passing_place(left[0], left[-1], taken, courses)
-        if found is not None:
-            there, onwards = found
-            self._take([*there, *onwards[1:]], left[-1])
+        paths = self._by_passing_place(rest[0], rest[-1], taken, courses)
+        if paths is not None:
+            there, onwards = paths
+            self._take([*there, *onwards[1:]], rest[-1])
             return Evasion(aside=there[-1])
         return Evasion() if self.detour(taken) else None
 
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
-        """Go to a place off the `courses` of others; return whether there is one."""
-        found = self._by_passing_place(self.body.state.position, None, taken, courses)
-        if found is None:
+        """Go to a place off the `courses` of others. Return whether there is one."""
+        paths = self._by_passing_place(self.body.state.position, None, taken, courses)
+        if paths is None:
             return False
-        self._take(found[0], found[0][-1])
-        self.move(found[0][-1], command=self.begin())
+        there, _ = paths
+        self._take(there, there[-1])
+        self.move(there[-1], command=self.begin())
         return True
 
     def seconds(self, poses: Sequence[Pose]) -> float:
-        """Return about how long a path takes."""
+        """Return the approximate duration of a path (s)."""
         return self.planner.seconds(poses)
 
     def _take(self, route: list[Pose], target: Pose) -> None:
-        """Take a route, which ends at a target but for whole turns."""
+        """Take a route, whose end differs from the target by whole turns at most."""
         self.forget_route()
         self._route, self._target = route, target
 
@@ -284,16 +291,16 @@ class VehicleDrive(Drive):
         taken: Sequence[Polygon],
         courses: Sequence[Polygon],
     ) -> tuple[list[Pose], list[Pose]] | None:
-        """Return the fastest path to a passing place, and the one from there to the goal."""
+        """Return the fastest path to a passing place, and the path from there to the goal."""
         self._put((*taken, *courses))
         places = [*itertools.islice(passing_places(self.planner, here), TRIED)]
-        found = []
+        paths = []
         for place in places:
             there = self._path_to(here, place, taken)
             onwards = [place] if goal is None or there is None else self._path_to(there[-1], goal)
             if there is not None and onwards is not None:
-                found.append((there, onwards))
-        return min(found, key=lambda two: sum(map(self.seconds, two)), default=None)
+                paths.append((there, onwards))
+        return min(paths, key=lambda pair: sum(map(self.seconds, pair)), default=None)
 
     def _path_to(
         self,
@@ -303,7 +310,7 @@ class VehicleDrive(Drive):
         *,
         thorough: bool = False,
     ) -> list[Pose] | None:
-        """Return a path around areas, or else around vehicles that stay; None if there is none."""
+        """Return a path around areas, by default around vehicles that stay, or None."""
         if taken is None:
             self._look_around(leave=True)
         else:
@@ -317,7 +324,7 @@ class VehicleDrive(Drive):
         return [*map(_pose, path.poses.tolist())]
 
     def _put(self, areas: Sequence[Polygon]) -> None:
-        """Put areas on the floor of the planner, instead of vehicles."""
+        """Place areas in the collision world, instead of vehicles."""
         for name in self._areas:
             self.world.remove(name)
         self._areas = [f"area {k}" for k in range(len(areas))]
@@ -327,62 +334,61 @@ class VehicleDrive(Drive):
             self.world.place(name, area)
 
     def forget_route(self) -> None:
-        """Plan anew for the next motion."""
+        """Discard the route, so that the next motion is planned again."""
         self._route, self._target = [], ()
         self._previews.clear()
 
     def _route_to(self, target: tuple[float, ...]) -> list[Pose]:
-        """Return the poses from here on to a target, of the route under way if it leads there.
+        """Return the poses from here to a target, of the present route if it leads there.
 
-        A vehicle under way to another place stops first.
+        A vehicle on another route stops first.
         """
         closed = frozenset(self._stage.active_closures)
         if closed - self._closed and not self.route_is_free():
             self.forget_route()
         self._closed = closed
-        left = self._rest_of_route()
-        if left is not None and (target == self._target or is_there(left[-1], target, ON_ROUTE)):
-            return left
+        rest = self._rest_of_route()
+        if rest is not None and (target == self._target or is_there(rest[-1], target, ON_ROUTE)):
+            return rest
         self._look_around()
         state = self.body.state
-        here = state.position
         stop = self.stopping(state, self._clock.now)
-        rest = stop.state(stop.end).position
+        start = stop.state(stop.end).position
         try:
-            path = self.planner.plan(rest, target)
+            path = self.planner.plan(start, target)
         except PlanningError as why:
-            path = self._plan_with_less(rest, target, why)
+            path = self._plan_with_less(start, target, why)
         poses = [*map(_pose, path.poses.tolist())]
-        self._route = [here, *poses] if _stops_straight(state, rest) else poses
+        self._route = [state.position, *poses] if _stops_straight(state, start) else poses
         self._target, self._blocked_from = target, None
         return self._route
 
     def _plan_with_less(
-        self, rest: Pose, target: tuple[float, ...], why: PlanningError
+        self, start: Pose, target: tuple[float, ...], why: PlanningError
     ) -> VehiclePath:
-        """Return a path where people, and then vehicles that may leave, are not in the way."""
+        """Return a path without people, or without vehicles that may leave. Else raise `why`."""
         if self._people:
             self._people = {}
             self._look_around()
             try:
-                return self.planner.plan(rest, target)
+                return self.planner.plan(start, target)
             except PlanningError as again:
                 why = again
         if not self._look_around(leave=True):
             raise why
         try:
-            return self.planner.plan(rest, target)
+            return self.planner.plan(start, target)
         except PlanningError:
             raise why from None
 
     def _rest_of_route(self) -> list[Pose] | None:
-        """Return the pose now and those of the route that are left; None off the route."""
+        """Return the present pose and the next ones of the route, or None off the route."""
         here = self.body.state.position
         if len(self._route) == 1 and _is_between(here, self._route[0], self._route[0]):
             return self._route
         for k, (one, other) in enumerate(itertools.pairwise(self._route)):
             if _is_between(here, one, other) and not _moves_back(self.body.state, one, other):
-                # Who has all but turned to the heading of a drive turns to it where that begins.
+                # A turn that is almost complete ends at the begin of the next leg.
                 drives = one[:2] != other[:2]
                 turned = not drives or here[2] == one[2] or math.dist(here[:2], one[:2]) > ON_ROUTE
                 self._route = [here, *self._route[k + 1 if turned else k :]]
@@ -390,10 +396,10 @@ class VehicleDrive(Drive):
         return None
 
     def _look_around(self, *, leave: bool = False, vehicles: bool = True) -> bool:
-        """Put everything on the floor of the planner where it is now.
+        """Update the collision world of the planner.
 
-        Of the other vehicles those count that stand, but for those that wait for each other. Those
-        that may leave do not count with `leave`. Return whether there are such.
+        It contains other vehicles at rest unless they wait in traffic, and with `leave` only those
+        that stay. Return whether there are vehicles that may leave.
         """
         stage, world, now = self._stage, self.world, self._clock.now
         others = [machine for machine in stage.vehicles if machine.name != self.body.name]
@@ -405,8 +411,8 @@ class VehicleDrive(Drive):
         }
         may_leave = {m.name for m in others if m.name in stand and m.may_leave} - lanes
         there = stand - (may_leave if leave else set()) if vehicles else set()
-        left = {machine.name for machine in others} - there - lanes
-        for name in (self._placed | left) - stage.active_closures.keys() - self._people.keys():
+        absent = {machine.name for machine in others} - there - lanes
+        for name in (self._placed | absent) - stage.active_closures.keys() - self._people.keys():
             if name in {body.name for body in world.bodies}:
                 world.remove(name)
         for one in stage.active_closures.values():
@@ -421,7 +427,7 @@ class VehicleDrive(Drive):
 
 
 def _stops_straight(state: State, rest: Pose) -> bool:
-    """Return whether a vehicle that moves stops on the line on which it moves."""
+    """Return whether a moving vehicle stops on the line of its motion."""
     (x, y, rotation), (vx, vy, _), _ = state
     dx, dy = rest[0] - x, rest[1] - y
     across = abs(vx * dy - vy * dx)
@@ -434,13 +440,13 @@ def _pose(numbers: Sequence[float]) -> Pose:
 
 
 def _moves_back(state: State, one: Pose, other: Pose) -> bool:
-    """Return whether a vehicle moves against the direction from one pose to another."""
+    """Return whether a vehicle moves from the second pose to the first."""
     (vx, vy, _) = state.velocity
     return vx * (other[0] - one[0]) + vy * (other[1] - one[1]) < 0
 
 
 def _is_between(here: Pose, one: Pose, other: Pose) -> bool:
-    """Return whether a pose is on the drive, or turn, from one to another."""
+    """Return whether a pose is on the leg or turn between two poses."""
     (ax, ay), (bx, by) = one[:2], other[:2]
     length = math.dist((ax, ay), (bx, by))
     low, high = sorted((one[2], other[2]))

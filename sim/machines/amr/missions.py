@@ -17,7 +17,7 @@ from ..tasks import Step, Task
 
 @dataclass(frozen=True, kw_only=True)
 class Mission(Keyed):
-    """One mission: `go` to a station, to x, y, or to x, y and rotation; `turn`; or `wait` (s)."""
+    """One mission: `go` to a station or a pose, `turn` (radians) or `wait` (s)."""
 
     go: str | tuple[Number, ...] | None = None
     turn: Angle | None = None
@@ -25,14 +25,14 @@ class Mission(Keyed):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        if sum(given is not None for given in vars(self).values()) != 1:
+        if sum(value is not None for value in vars(self).values()) != 1:
             raise UserError("a mission is one of go, turn, wait")
         if isinstance(self.go, tuple) and len(self.go) not in (2, 3):
             raise UserError(f"go is a station, [x, y] or [x, y, rotation], not {[*self.go]}")
         return self
 
     def goal(self, plan: Floorplan) -> tuple[float, ...] | None:
-        """Return x, y, and the rotation if one is given, to which it goes; None if it stays.
+        """Return its goal: x, y, and the rotation if required. None if it has no goal.
 
         `UserError` if there is no such station.
         """

@@ -1,4 +1,4 @@
-"""Chassis of a trial: its keys and its model."""
+"""Vehicle of a trial: its keys and its model."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ from ...core.custom_code import CodeFolder
 from ...core.entries import Pose
 from ...core.scenario import Controller
 from ...core.stage import MachineModel, Stage
-from ..controllers import STAY, ControllerError
+from ..controllers import STAY
+from ..supervision import ControllerError
 from .amr import Amr
 from .controllers import find_program, program
 from .drive import floor_of
@@ -30,12 +31,12 @@ from .missions import Mission
 from .shape import Chassis
 
 MOST_RATE = 100.0
-"""Hz. Highest rate at which a function is called."""
+"""Hz. Highest rate of a controller."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AmrModel(MachineModel):
-    """A vehicle that drives freely; its fields are the keys in a trial file (m, s, radians)."""
+    """A vehicle that drives freely. Its fields are the keys in a trial file (m, s, radians)."""
 
     at: Pose
     size: tuple[Positive, Positive] = (1.2, 0.8)
@@ -62,8 +63,8 @@ class AmrModel(MachineModel):
 
     @property
     def limits(self) -> VehicleLimits:
-        """The limits of the vehicle."""
-        aside = self.max_speed if self.max_side_speed is None else self.max_side_speed
+        """Limits of the vehicle."""
+        side_speed = self.max_speed if self.max_side_speed is None else self.max_side_speed
         return VehicleLimits(
             speed=self.max_speed,
             acceleration=self.max_acceleration,
@@ -71,12 +72,12 @@ class AmrModel(MachineModel):
             turn_speed=self.max_turn_speed,
             turn_acceleration=self.max_turn_acceleration,
             turn_jerk=self.max_turn_jerk,
-            side_speed=aside if self.drive == "holonomic" else 0.0,
+            side_speed=side_speed if self.drive == "holonomic" else 0.0,
         )
 
     @property
     def vehicle(self) -> Chassis:
-        """The vehicle with its load. `UserError` if the footprint is none."""
+        """Chassis with the load. `UserError` if the footprint is invalid."""
         footprint = self._footprint()
         if fault := footprint_fault(footprint):
             raise UserError(fault)
@@ -90,11 +91,11 @@ class AmrModel(MachineModel):
         return Chassis(footprint=footprint, top=top, limits=self.limits, loaded=loaded)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
-        """Return its shape, as others see it."""
+        """Return its shape."""
         return self.vehicle.shape(name)
 
     def make(self, name: str, stage: Stage) -> Amr:
-        """Return the vehicle; `ControllerError` if its controller can't be found."""
+        """Return the vehicle. `ControllerError` if there is no such controller."""
         return Amr(
             stage,
             name,
@@ -110,7 +111,7 @@ class AmrModel(MachineModel):
         )
 
     def code_faults(self, folder: CodeFolder) -> Iterator[Fault]:
-        """Yield why its controller can't be found."""
+        """Yield the fault of its controller, if there is one."""
         try:
             find_program(self.controller, self.rate, folder)
         except ControllerError as why:
@@ -124,7 +125,7 @@ class AmrModel(MachineModel):
         return self.shape(name, plan).footprint((x, y), rotation)
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
-        """Return the longest and farthest stop that its limits leave it."""
+        """Return time and distance of its longest stop."""
         return self.limits.longest_stop
 
     def field_limits(self, plan: Floorplan) -> VehicleLimits:
@@ -133,11 +134,11 @@ class AmrModel(MachineModel):
 
     @property
     def loads(self) -> tuple[bool, ...]:
-        """Whether it is loaded, which does not change."""
+        """One value, because its load does not change."""
         return (self.load is not None,)
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
-        """Yield what does not fit: footprint, and rates."""
+        """Yield faults of its footprint and rates."""
         if fault := footprint_fault(self._footprint()):
             yield fault, ("footprint",)
             return
@@ -151,7 +152,7 @@ class AmrModel(MachineModel):
             yield "give every or repeat, not both", ("every",)
 
     def place_faults(self, name: str, plan: Floorplan) -> Iterator[Fault]:
-        """Yield the start and the places that the footprint does not fit, or can't get to."""
+        """Yield faults of places that the footprint does not fit, or cannot reach."""
         if footprint_fault(self._footprint()):
             return
         world = floor_of(self.vehicle, name, plan)
@@ -183,7 +184,7 @@ class AmrModel(MachineModel):
 
 
 def overlaps(stand: Iterable[tuple[str, Polygon]]) -> Iterator[tuple[str, str]]:
-    """Yield the names of every two vehicles that stand in one place."""
-    for (one, area), (other, there) in itertools.combinations(stand, 2):
-        if area.intersection(there).area > 0:
+    """Yield the names of each pair of vehicles whose areas overlap."""
+    for (one, area), (other, other_area) in itertools.combinations(stand, 2):
+        if area.intersection(other_area).area > 0:
             yield one, other

@@ -1,4 +1,4 @@
-"""Passing places: poses near a vehicle in which it is out of the way of others."""
+"""Passing places: free poses near a vehicle."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from navigation import VehiclePlanner
 from ...core.entries import Pose
 
 STEP = 0.5
-"""Metres between places that are tried."""
+"""Metres between candidates."""
 
 REACH = 15.0
-"""Metres. Places farther away are not tried."""
+"""Metres. Largest distance of a candidate."""
 
 APART = 1.0
-"""Metres between passing places."""
+"""Metres. Smallest distance between passing places."""
 
 HEADINGS = (0.0, math.pi / 2, math.pi / 4, -math.pi / 4)
-"""Radians by which headings differ from that of the vehicle."""
+"""Headings of candidates relative to the vehicle, radians."""
 
 
 def passing_places(planner: VehiclePlanner, here: Pose) -> Iterator[Pose]:
-    """Yield poses in which the vehicle touches nothing, the nearest first."""
+    """Yield poses at which the vehicle touches nothing, the nearest first."""
     x, y, rotation = here
-    found: list[Pose] = []
+    poses: list[Pose] = []
     for ring in range(1, math.ceil(REACH / STEP) + 1):
         radius = ring * STEP
         count = max(8, math.ceil(math.tau * radius / STEP))
         for k in range(count):
             angle = rotation + math.tau * k / count
             at = x + radius * math.cos(angle), y + radius * math.sin(angle)
-            if any(math.dist(at, other[:2]) < APART for other in found):
+            if any(math.dist(at, other[:2]) < APART for other in poses):
                 continue
             for turned in HEADINGS:
                 if planner.fits(pose := (*at, rotation + turned)):
-                    found.append(pose)
+                    poses.append(pose)
                     yield pose
                     break

@@ -15,10 +15,10 @@ from ...core.body import MachineShape
 
 @dataclass(frozen=True, kw_only=True)
 class Chassis:
-    """Body of a vehicle with its load; lengths in metres.
+    """Body of a vehicle with its load.
 
-    It covers its `footprint`, at the origin with the heading 0, up to its `top`. It turns about the
-    origin. It is `loaded` all the time or never.
+    It covers its `footprint` (m), at the origin with the heading 0, up to its `top` (m). It turns
+    about the origin. It is `loaded` all the time or never.
     """
 
     footprint: Polygon
@@ -33,7 +33,7 @@ class Chassis:
         return x, y
 
     def shape(self, name: str) -> MachineShape:
-        """Return its shape, as others see it: the smallest box around its axis."""
+        """Return its shape, with the smallest box around its axis."""
         x, y = self.half_size
         return MachineShape(
             name=name,
@@ -48,7 +48,7 @@ class Chassis:
         )
 
     def _outline(self) -> tuple[tuple[float, float], ...]:
-        """Return the corners of the footprint, if it is not the box itself."""
+        """Return the corners of the footprint unless it is the box."""
         x, y = self.half_size
         if self.footprint.equals(shapely.box(-x, -y, x, y)):
             return ()

@@ -21,11 +21,11 @@ from ...core.entries import Pose
 from ...core.speed_zones import SLIGHT, Stretch, extent, parts_between, slow_areas
 
 HALVINGS = 40
-"""Number of times that the interval of a speed is halved."""
+"""Number of bisections of the interval of a speed."""
 
 
 class SlowZones:
-    """Zones in which a vehicle is slow while its footprint covers some of them."""
+    """Zones that limit the speed of a vehicle while its footprint covers a part of them."""
 
     def __init__(self, zones: Iterable[Zone], shape: MachineShape) -> None:
         self.areas = slow_areas(zones, shape.name)
@@ -34,9 +34,9 @@ class SlowZones:
     def path(
         self, current: State | Pose, poses: Sequence[Pose], start: float, limits: VehicleLimits
     ) -> Motion:
-        """Return the motion through poses, as `vehicle_path`, at the speeds of the zones.
+        """Return the motion of `vehicle_path` within the speed limits of the zones.
 
-        `ValueError` where the vehicle does not move along the path.
+        `ValueError` if the vehicle does not move along the path.
         """
         return through(current, poses, start, limits, partial(self._drive, limits))
 

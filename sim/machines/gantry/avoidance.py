@@ -21,28 +21,28 @@ from .robot import GantryRobot
 from .tasks import REACH
 
 ROOM = 0.2
-"""Metres beyond the protective separation distance that it keeps from people where it can."""
+"""Metres. Distance that it keeps beyond the protective separation distance, if possible."""
 
 PACES = (1.0, 0.3, 0.1)
-"""m/s. A path round somebody leaves the distance that one of these speeds needs, if possible."""
+"""m/s. Speeds whose required distances a path around people keeps, in the order of preference."""
 
 FORESIGHT = 5.0
-"""Seconds for which it expects people to go on at their present velocity."""
+"""Seconds for which people are expected to keep their velocity."""
 
 GLANCE = 0.5
-"""Seconds between the instants ahead at which it compares positions."""
+"""Seconds between compared positions."""
 
 _GLANCES = [2 * GLANCE * k for k in range(1 + int(FORESIGHT / (2 * GLANCE)))]
-"""Seconds ahead at which it compares refuges."""
+"""Seconds ahead at which refuges are compared."""
 
 SECOND_THOUGHTS = 1.0
-"""Seconds after which it chooses its task and path anew."""
+"""Seconds after which task and path are chosen again."""
 
 PATIENCE = 6.0
 """Seconds for which an order may be blocked before the tasks of the next are considered."""
 
 REFUGES = 5
-"""It steps aside to one of so many times so many places, spread over its range."""
+"""Number of refuges along each axis, spread over the range."""
 
 
 def avoiding(gantry: GantryRobot) -> Steps:
@@ -64,7 +64,7 @@ def avoiding(gantry: GantryRobot) -> Steps:
 
 
 class CourseChoice:
-    """Choice of where to go without coming near people, if those keep their velocity."""
+    """Choice of tasks and paths away from people, who are expected to keep their velocity."""
 
     def __init__(self, gantry: GantryRobot, caution: Caution) -> None:
         self._gantry = gantry
@@ -76,7 +76,7 @@ class CourseChoice:
         self._free_at = gantry.now
         self._standing = gantry.body.motion
         self._from_here: dict[Pose, Motion] = {}
-        """Motions from where the gantry stands, by their ends."""
+        """Motions from the present standstill, by target."""
         self._path: tuple[Pose, tuple[Pose, ...], float] = (gantry.position, (), 0.0)
         self._planner = GantryPlanner(gantry.floorplan)
         x, y = (
@@ -84,35 +84,34 @@ class CourseChoice:
             for axis in (gantry.gantry.x, gantry.gantry.y)
         )
         self._refuges = [*itertools.chain.from_iterable(itertools.product(x, y))]
-        """x and y of each in turn."""
+        """x and y of each, one after the other."""
 
     def choose(self, people: Sequence[Sighting]) -> tuple[Task | None, Pose]:
-        """Return the task to go on with (None if none can be done now), and the pose to go to."""
+        """Return the next task and the pose to go to. The task is None if none can be done now."""
         gantry = self._gantry
         tasks = gantry.open_tasks
-        # What is begun is finished first.
         tasks = tuple(task for task in tasks if task.begun) or tasks
         paths = [(task, path) for task in tasks for path in [gantry.way(task)] if path]
         self.is_hindered = bool(paths)
         groups = list(dict.fromkeys(task.group for task, _ in paths))
         for group in groups[:1] if gantry.now < self._free_at + PATIENCE else groups:
             of_group = [(task, path) for task, path in paths if task.group == group]
-            found = self._choose(of_group, people)
-            if found is not None:
+            choice = self._choose(of_group, people)
+            if choice is not None:
                 self._free_at = gantry.now
-                return found
+                return choice
         return None, gantry.position
 
     def _choose(
         self, paths: Sequence[tuple[Task, tuple[Pose, ...]]], people: Sequence[Sighting]
     ) -> tuple[Task, Pose] | None:
-        """Return the task with the shortest path that is clear, and the pose to go to for it."""
+        """Return the task with the shortest clear path, and the pose to go to."""
         here = self._gantry.position
         rows = _rows(people)
         tried: set[Pose] = set()
         for task, (pose, *_) in sorted(paths, key=lambda entry: _length((here, *entry[1]))):
             step = task.next_step
-            # Several tasks may begin at one place, which need be looked at once.
+            # Several tasks may begin at one pose.
             if pose in tried or step is None:
                 continue
             tried.add(pose)
@@ -124,7 +123,7 @@ class CourseChoice:
         return None
 
     def refuge(self, people: Sequence[Sighting]) -> Pose:
-        """Return the pose to step aside to: of some, that on the path to which people are farthest.
+        """Return the refuge on whose path people are farthest away.
 
         It is the present pose if nobody comes into the zone there.
         """
@@ -132,16 +131,16 @@ class CourseChoice:
             return self._gantry.position
         x, y, rotation = self._gantry.position
         axis = self._gantry.gantry.x
-        # Speeding up evenly to v costs v / (2 a) seconds against having had it from the start.
+        # The time that a uniform acceleration to v costs is v / (2 a).
         lag = axis.max_speed / axis.max_acceleration / 2
         places = [x, y, *self._refuges]
         k = most_remote(places, _rows(people), _GLANCES, FORESIGHT, axis.max_speed, lag, self._zone)
         return (places[2 * k], places[2 * k + 1], rotation)
 
     def _motion_to(self, pose: Pose) -> tuple[Motion, float]:
-        """Return the motion to `pose`, and the instant of it that is now (seconds).
+        """Return the motion to `pose`, and the time of this motion that is now (s).
 
-        While the gantry stands, that from here begins later and later, but is the same one.
+        At rest, one motion from here serves for all times.
         """
         gantry = self._gantry
         standing = gantry.body.motion
@@ -159,7 +158,7 @@ class CourseChoice:
         return motion, motion.start
 
     def _is_clear(self, motion: Motion, now: float, people: list[float], seconds: float) -> bool:
-        """Return True if it can keep moving on `motion`, and stand at its end for `seconds`."""
+        """Return whether it can keep moving on `motion`, and stay at its end for `seconds`."""
         table = motion.table
         moving = nearest_on(table, people, now, now, motion.end, GLANCE, FORESIGHT)
         if moving < self._rooms[-1]:
@@ -168,11 +167,11 @@ class CourseChoice:
         return nearest_on(table, people, now, motion.end, stay, GLANCE, FORESIGHT) >= self._zone
 
     def _detour(self, pose: Pose, people: Sequence[Sighting]) -> Pose | None:
-        """Return the first waypoint of a path to `pose` round everybody; None if there is none."""
+        """Return the first waypoint of a path to `pose` around people, or None."""
         places = [_expected(person, after) for person in people for after in (0.0, FORESIGHT)]
         goal, path, radius = self._path
         if goal == pose and path:
-            # A path once chosen is kept while it is clear, so that it does not waver between two.
+            # Keep a clear path, so that the gantry does not alternate between two.
             here = self._gantry.position
             path = path[1:] if math.dist(here[:2], path[0][:2]) < REACH else path
             line = LineString([here[:2], *(point[:2] for point in (*path, pose))])
@@ -186,32 +185,32 @@ class CourseChoice:
     def _plan(
         self, pose: Pose, places: Sequence[tuple[float, float]]
     ) -> tuple[tuple[Pose, ...], float]:
-        """Return waypoints to `pose` that keep away from `places`, and the distance kept (metres).
+        """Return waypoints to `pose` away from `places`, and their distance from these (m).
 
-        Without waypoints, and 0, if there is no such path.
+        There are no waypoints if there is no such path.
         """
         nearest = min(math.dist(pose[:2], place) for place in places)
-        # The goal may be nearer than one would like to pass, but not so near as to stop there.
+        # Paths pass people no farther away than the goal is.
         radii = [min(room, nearest - ROOM) for room in self._rooms]
         radii = [radius for radius in dict.fromkeys(radii) if radius >= self._zone]
-        answers = {radius: self._round(pose, places, radius) for radius in radii[:1]}
-        if "unreachable" in answers.values():
-            # Where the smallest leaves no path either, none does.
-            answers[radii[-1]] = self._round(pose, places, radii[-1])
-            if answers[radii[-1]] == "unreachable":
+        paths = {radius: self._around(pose, places, radius) for radius in radii[:1]}
+        if "unreachable" in paths.values():
+            # Unreachable with the smallest radius means unreachable with all.
+            paths[radii[-1]] = self._around(pose, places, radii[-1])
+            if paths[radii[-1]] == "unreachable":
                 return (), 0.0
         for radius in radii:
-            answer = answers.get(radius) or self._round(pose, places, radius)
-            if not isinstance(answer, str):
-                return answer, radius
-            if answer == "start_blocked":  # somebody is within the arm's reach
+            path = paths.get(radius) or self._around(pose, places, radius)
+            if not isinstance(path, str):
+                return path, radius
+            if path == "start_blocked":  # a person is within the reach of the arm
                 break
         return (), 0.0
 
-    def _round(
+    def _around(
         self, pose: Pose, places: Sequence[tuple[float, float]], radius: float
     ) -> tuple[Pose, ...] | str:
-        """Return waypoints to `pose` at `radius` metres from `places`, or why there are none."""
+        """Return waypoints to `pose` at `radius` metres from `places`, or the reason for none."""
         keep_out = [(*place, radius) for place in places]
         try:
             path = self._planner.plan(self._gantry.position, pose, keep_out=keep_out)
@@ -221,12 +220,12 @@ class CourseChoice:
 
 
 def _rows(people: Sequence[Sighting]) -> list[float]:
-    """Return x, y and velocity of each of the people in turn."""
-    return [c for person in people for c in (*person.at, *person.velocity)]
+    """Return x, y and velocity of each person, one after the other."""
+    return [value for person in people for value in (*person.at, *person.velocity)]
 
 
 def _expected(person: Sighting, after: float) -> tuple[float, float]:
-    """Return the place where somebody will be after so many seconds, who keeps their velocity."""
+    """Return the position of a person after a time (s) at their present velocity."""
     (x, y), (vx, vy) = person.at, person.velocity
     seconds = min(after, FORESIGHT)
     return (x + vx * seconds, y + vy * seconds)

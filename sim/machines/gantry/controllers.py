@@ -1,23 +1,27 @@
-"""Gantry controllers: built-in baselines, and lookup by name.
-
-A controller is a callable of one argument, the `GantryRobot`, that returns a generator of
-things to wait for. Copy one of these files to write your own, and name it in a trial as
-`package.module:name`.
-"""
+"""Controllers of gantries by name: built-in baselines, and custom ones as `package.module:name`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from ...core.custom_code import CodeFolder, CustomCode, Kind
+from ...core.custom_code import CodeFolder, Kind
 from ..commanding import Steps
-from ..controllers import ControllerError, external, is_controller, oblivious, parked, pausing
-from ..policy_files import SUFFIX, PolicyFile
+from ..controllers import (
+    Source,
+    external,
+    is_controller,
+    loaded,
+    oblivious,
+    parked,
+    pausing,
+    source_of,
+)
+from ..supervision import ControllerError
 from .avoidance import avoiding
 from .robot import GantryRobot
 
 Controller = Callable[[GantryRobot], Steps]
-"""Program of the gantry: called once with it, gives a generator of events to wait for."""
+"""Function of the gantry that returns a generator of events."""
 
 CONTROLLERS: dict[str, Controller] = {
     "parked": parked,
@@ -26,7 +30,7 @@ CONTROLLERS: dict[str, Controller] = {
     "avoiding": avoiding,
     "external": external,
 }
-"""The controllers that come with Floorwalker."""
+"""The built-in controllers."""
 
 
 CONTROLLER = Kind(
@@ -36,35 +40,20 @@ CONTROLLER = Kind(
     error=ControllerError,
     builtin=CONTROLLERS,
 )
-"""The kind of function or class that a trial names as its controller."""
+"""Functions and classes that a trial can name as the controller of a gantry."""
 
 
 def find_controller(name: str | Controller, folder: CodeFolder) -> Controller:
-    """Return the built-in controller of that name, or the one at `package.module:name`.
+    """Return a controller by its name, imported if it is custom. A callable is returned as it is.
 
-    That one stands in `folder` and is imported. A controller itself is returned as it is.
-    `ControllerError` says what is missing.
+    `ControllerError` if there is no such controller.
     """
-    source = controller_source(name, folder)
-    if source is not None:
-        found: Controller = source.load()
-        return found
-    return CONTROLLERS[name] if isinstance(name, str) else name
+    return loaded(name, CONTROLLER, controller_source(name, folder))
 
 
-def controller_source(name: str | Controller, folder: CodeFolder) -> CustomCode | PolicyFile | None:
-    """Return the source of the controller at `package.module:name`, which is not imported.
+def controller_source(name: str | Controller, folder: CodeFolder) -> Source | None:
+    """Return the source of a custom controller, or None for a built-in one or a callable.
 
-    None for a built-in one, and for a controller itself. `ControllerError` if it is not there.
+    `ControllerError` if there is no such controller.
     """
-    if isinstance(name, str):
-        if name in CONTROLLERS:
-            return None
-        if name.endswith(SUFFIX):
-            return PolicyFile.find(name, folder)
-        return folder.find(name, CONTROLLER)
-    if callable(name):
-        return None
-    raise ControllerError(
-        f"{name!r} is not a gantry controller; give a name, or a function of one argument"
-    )
+    return source_of(name, CONTROLLER, folder)

@@ -1,4 +1,4 @@
-"""Drive of the gantry: its moves and stops, and times in which it is disabled."""
+"""Drive of a gantry: its moves and stops, and the times in which it is disabled."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from ...core.recorder import Record
 from ..commanding import Drive
 
 THERE = 1e-6
-"""Metres. Nearer than this is there."""
+"""Metres. Tolerance of passing places."""
 
 
 class GantryDrive(Drive):
-    """Drive of the gantry, which also counts how long it was disabled."""
+    """Drive of a gantry, which also counts the time for which it was disabled."""
 
     def __init__(
         self,
@@ -43,13 +43,13 @@ class GantryDrive(Drive):
         self._gantry = gantry
         self._limits = gantry_limits(gantry)
         self._slower = {1.0: self._limits}
-        """The limits at shares of the top speeds."""
+        """Limits by share of the top speeds."""
         self.stops = gantry_stops(self._limits)
         self.top_speed = math.hypot(gantry.x.max_speed, gantry.y.max_speed)
         self._record = record
         self._disabled_at: float | None = None
         self._passing: tuple[Pose, Pose] | None = None
-        """The passing place to which it moves first, and the target after it."""
+        """Passing place on the way to a target, and the target."""
         self._ready = Alarm(clock, self._enable, Turn.MOTION_ENDS)
 
     @override
@@ -64,19 +64,21 @@ class GantryDrive(Drive):
             raise UserError("; ".join(faults))
         limits = self._slower.get(speed_share)
         if limits is None:
-            x, y, rotation = (_slower(axis, speed_share) for axis in self._limits)
+            x, y, rotation = (
+                replace(axis, max_speed=axis.max_speed * speed_share) for axis in self._limits
+            )
             limits = self._slower[speed_share] = x, y, rotation
         return self._by_passing_place(pose, self._clock.now, limits)
 
     def let_pass_at(self, place: Pose, target: Pose) -> None:
-        """Stop at a passing place on the way to a target from now on."""
+        """Move to a target by a passing place from now on."""
         self._passing = place, target
         self._previews.clear()
 
     def _by_passing_place(
         self, target: Pose, now: float, limits: tuple[AxisLimits, AxisLimits, AxisLimits]
     ) -> Motion:
-        """Return the motion to a target, by the passing place if there is one on the way."""
+        """Return the motion to a target, by its passing place if there is one."""
         state = self.body.state
         if self._passing is not None and self._passing[1] == target:
             place, _ = self._passing
@@ -93,36 +95,27 @@ class GantryDrive(Drive):
     def disable(
         self, seconds: float, kind: type[GantryDisabled | RobotMalfunction] = GantryDisabled
     ) -> None:
-        """Brake, and stand for `seconds` from now on, or longer if it has to already.
-
-        It is recorded as an event of that `kind`.
-        """
+        """Stop the gantry for `seconds`, and record an event of this `kind`."""
         self._record(kind(seconds=seconds))
-        # Two malfunctions at a time: the later end counts.
+        # The later end counts if there are two reasons at a time.
         self._ready.set(max(self._clock.now + seconds, self._ready.time or 0.0))
         if self._disabled_at is None:
             self._disabled_at = self._clock.now
-        self._stand()
+        self._stop()
 
     def close(self) -> None:
-        """Count the time it was disabled until now: the trial is over."""
+        """Count the time of an unfinished stop at the end of the trial."""
         if self._disabled_at is not None:
             self.disabled_time += self._clock.now - self._disabled_at
         super().close()
 
     @property
-    def _may_go_on(self) -> bool:
-        return self._disabled_at is None and super()._may_go_on
+    def _may_move(self) -> bool:
+        return self._disabled_at is None and super()._may_move
 
     def _enable(self) -> None:
         assert self._disabled_at is not None
         self.disabled_time += self._clock.now - self._disabled_at
         self._disabled_at = None
         self._record(GantryEnabled())
-        self._go_on()
-
-
-def _slower(axis: AxisLimits, share: float) -> AxisLimits:
-    if not 0 < share <= 1:
-        raise UserError(f"speed_share must be more than 0 and at most 1, not {share}")
-    return replace(axis, max_speed=axis.max_speed * share)
+        self._release()

@@ -20,7 +20,7 @@ from ...core.body import MachineShape
 from ...core.entries import Pose
 from ...core.scenario import GantryEntry, Job
 from ...core.stage import MachineModel, Stage
-from ..controllers import supervised
+from ..supervision import supervised
 from .controllers import find_controller
 from .robot import GantryRobot, gantry_shape
 from .tasks import fixed_places
@@ -28,7 +28,7 @@ from .tasks import fixed_places
 
 @dataclass(frozen=True, kw_only=True)
 class BridgeKeys(GantryEntry):
-    """One more gantry on the rails of the floor, within ranges of its own."""
+    """Keys of another gantry on the rails of the floor, with ranges `x` and `y` (m)."""
 
     at: Pose
     x: Range | None = None
@@ -39,7 +39,7 @@ class BridgeKeys(GantryEntry):
 class GantryModel(MachineModel):
     """A gantry with its controller and jobs, on the rails of the floor.
 
-    Its ranges `x` and `y` (metres) are those of the rails, unless it has its own.
+    Its ranges `x` and `y` (metres) default to those of the rails.
     """
 
     entry: GantryEntry = field(default_factory=GantryEntry)
@@ -52,23 +52,23 @@ class GantryModel(MachineModel):
     @classmethod
     def read(cls, name: str, keys: Mapping[str, Any]) -> GantryModel:
         """Return the model with these keys of a trial file."""
-        given = TypeAdapter(BridgeKeys).validate_python(dict(keys))
-        entry = {one.name: getattr(given, one.name) for one in fields(GantryEntry)}
-        return cls(GantryEntry(**entry), given.x, given.y)
+        checked = TypeAdapter(BridgeKeys).validate_python(dict(keys))
+        entry = {field.name: getattr(checked, field.name) for field in fields(GantryEntry)}
+        return cls(GantryEntry(**entry), checked.x, checked.y)
 
     def shape(self, name: str, plan: Floorplan) -> MachineShape:
         """Return its shape, as others see it."""
         return gantry_shape(self._on(plan), name)
 
     def make(self, name: str, stage: Stage) -> GantryRobot:
-        """Return the robot; `ControllerError` if its controller can't be found."""
+        """Return the robot. `ControllerError` if there is no such controller."""
         entry = self.entry
-        found = find_controller(entry.controller, stage.code_folder)
-        controller = partial(supervised, entry.controller_name, found)
+        steps = find_controller(entry.controller, stage.code_folder)
+        controller = partial(supervised, entry.controller_name, steps)
         return GantryRobot(stage, self._on(stage.floorplan), entry, name, controller=controller)
 
     def faults(self, plan: Floorplan, vehicles: Iterable[str]) -> Iterator[Fault]:
-        """Yield places that are out of its range, or not there."""
+        """Yield faults of places that are out of its range or do not exist."""
         if plan.gantry is None:
             if self.entry != GantryEntry():
                 yield "the floorplan has no gantry", ()
@@ -91,11 +91,11 @@ class GantryModel(MachineModel):
                 yield fault, ("drops", k, *place)
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
-        """Return the longest and farthest stop of its axes."""
+        """Return time and distance of its longest stop."""
         return longest_stop(self._on(plan))
 
     def field_limits(self, plan: Floorplan) -> VehicleLimits | None:
-        """Return the limits of a holonomic drive, because it moves along both axes at once.
+        """Return its limits as those of a holonomic drive.
 
         They are the higher speed of both axes, and the lower acceleration and jerk.
         """
@@ -115,15 +115,15 @@ class GantryModel(MachineModel):
 
     @property
     def loads(self) -> tuple[bool, ...]:
-        """Whether it may be loaded, which changes."""
+        """Both, because its load changes."""
         return (False, True)
 
     def _on(self, plan: Floorplan) -> Gantry:
         rails = plan.gantry
-        assert rails is not None  # else the trial is refused
+        assert rails is not None  # checked with the trial
         x, y = (
-            axis if own is None else replace(axis, low=own[0], high=own[1])
-            for axis, own in ((rails.x, self.x), (rails.y, self.y))
+            axis if ends is None else replace(axis, low=ends[0], high=ends[1])
+            for axis, ends in ((rails.x, self.x), (rails.y, self.y))
         )
         return replace(rails, x=x, y=y)
 

@@ -1,4 +1,4 @@
-"""The gantry as its controller sees it: its commands and its sensors."""
+"""Gantries: their commands, tasks and passing places."""
 
 from __future__ import annotations
 
@@ -19,30 +19,33 @@ from navigation import Motion
 from ...core.body import MachineShape, commands
 from ...core.clock import MOMENT
 from ...core.entries import Pose
-from ...core.events import OrderSubmitted, PartDropped
+from ...core.events import OrderSubmitted, PartDropped, RobotMalfunction
 from ...core.scenario import GantryEntry
 from ...core.stage import Stage
 from ..arguments import instance
-from ..commanded import CommandedMachine
 from ..commanding import Steps
 from ..controllers import STAY
+from ..policy_driven import PolicyDriven
 from ..tasks import Passing, Step, Task
 from ..traffic.evading import Evading, Evasion
 from .drive import GantryDrive
 from .tasks import Gripper, Handling, Worksites, tasks_of
 
 GANTRY = "gantry"
-"""The name of the floor's own gantry, which events leave out."""
+"""Name of the gantry of the floor, which events omit."""
 
+
+SLOWEST = 0.05
+"""Lowest share of the speed that a policy can choose."""
 
 PASSING = 0.5
-"""Metres between places at which it might let others pass."""
+"""Metres between candidates for passing places."""
 
 FARTHEST = 20
-"""Number of places along each axis, on each side."""
+"""Number of candidates along each axis, on each side."""
 
 
-class GantryRobot(CommandedMachine, Evading):
+class GantryRobot(PolicyDriven, Evading):
     """Gantry robot as seen by its controller.
 
     A controller is a function or class that takes this robot and returns a generator. It yields
@@ -79,9 +82,9 @@ class GantryRobot(CommandedMachine, Evading):
         Function that records an `EventKind`.
     """
 
-    drive: GantryDrive
+    _drive: GantryDrive
 
-    FOR_CONTROLLERS = CommandedMachine.FOR_CONTROLLERS | {
+    FOR_CONTROLLERS = PolicyDriven.FOR_CONTROLLERS | {
         *("gantry", "floorplan", "law", "pick", "place", "where", "way")
     }
 
@@ -117,7 +120,7 @@ class GantryRobot(CommandedMachine, Evading):
         self._floor_changed = stage.clock.event()
         self._begin_round()
 
-    # Its commands.
+    # Commands.
 
     @commands
     def pick(self, place: str) -> Process:
@@ -151,7 +154,7 @@ class GantryRobot(CommandedMachine, Evading):
         """
         return self._visit("place", self.handling.place, place)
 
-    # Its tasks.
+    # Tasks.
 
     def where(self, task: Task) -> Pose | None:
         """Return the pose of the next step of a task, or None if it is out of reach.
@@ -199,70 +202,81 @@ class GantryRobot(CommandedMachine, Evading):
         instance("handle(task)", task, Task)
         if (task.given_up and task.finished) or not self._sites.stands_at(_next_step(task)):
             return self._command(_not_done())
-        return self._command(self._handle(task, self.drive.begin()))
+        return self._command(self._handle(task, self._drive.begin()))
 
-    # The simulation's side of it.
+    # For policies.
 
     @property
+    @override
+    def goal_pose(self) -> Pose | None:
+        return self.where(self.open_tasks[0]) if self.open_tasks else None
+
+    @property
+    @override
+    def action_bounds(self) -> tuple[list[float], list[float]]:
+        axes = self.gantry.x, self.gantry.y
+        return [*(axis.low for axis in axes), SLOWEST], [*(axis.high for axis in axes), 1.0]
+
+    @property
+    @override
+    def stop_action(self) -> list[float]:
+        return [*self.position[:2], 1.0]
+
+    @override
+    def act(self, action: Sequence[float], until: float, radius: float) -> Steps:
+        x, y, share = action
+        goal = self.goal_pose
+        if goal is None or math.dist(goal[:2], (x, y)) > radius:
+            self.move_to(x, y, speed_share=share)
+        elif self.body.motion.end <= self.now and self.position == goal:
+            yield self.handle(self.open_tasks[0])
+        else:
+            self.move_to(*goal, speed_share=share)
+
+    # For the simulation.
+
+    @property
+    @override
     def loaded(self) -> bool:
-        """Whether the gripper holds a part."""
         return self.gripper.holds_part
 
+    @override
     def disable(self, seconds: float) -> None:
-        """Disable the gantry as a penalty.
+        self._drive.disable(seconds)
+
+    def malfunction(self, seconds: float) -> None:
+        """Stop the gantry because of a malfunction.
 
         Parameters
         ----------
         seconds : float
             Duration in seconds.
         """
-        self.drive.disable(seconds)
+        self._drive.disable(seconds, RobotMalfunction)
 
     @property
+    @override
     def goal(self) -> Point | None:
-        """The place (x, y) to which it moves, or has moved."""
-        target = self.drive.target
+        target = self._drive.target
         return None if target is None else target[:2]
 
+    @override
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
-        """Let others pass at a place off their courses. See `Evading.evade`.
-
-        Parameters
-        ----------
-        taken, courses : sequence of Polygon
-            Areas that other machines occupy now, and on their way.
-
-        Returns
-        -------
-        Evasion or None
-            None if there is no such place.
-        """
-        target = self.drive.target
+        target = self._drive.target
         place = self._passing_place(taken, courses)
         if target is None or place is None:
             return None
-        self.drive.let_pass_at(place, target)
+        self._drive.let_pass_at(place, target)
         return Evasion(aside=place)
 
+    @override
     def make_way(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> bool:
-        """Move off the courses of other machines if it has no job. See `Evading.make_way`.
-
-        Parameters
-        ----------
-        taken, courses
-            See `evade`.
-
-        Returns
-        -------
-        bool
-            Whether the gantry moves.
-        """
         if self._entry.controller in STAY or self.disabled or self.tasks.unfinished:
             return False
         place = self._passing_place(taken, courses)
         if place is None:
             return False
-        self.drive.move(place, command=self.drive.begin())
+        self._drive.move(place, command=self._drive.begin())
         return True
 
     def _passing_place(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Pose | None:
@@ -283,25 +297,17 @@ class GantryRobot(CommandedMachine, Evading):
                     return pose
         return None
 
+    @override
     def figures(self, motion: Motion, now: float) -> dict[str, Any]:
-        """Return values for the summary. A gantry that may move but does not is idle.
-
-        Parameters
-        ----------
-        motion : Motion
-            Track of the whole trial.
-        now : float
-            Time in seconds.
-        """
         return {
-            "disabled_time": self.drive.disabled_time,
+            "disabled_time": self._drive.disabled_time,
             "idle_time": self._idle_time(motion, now),
             "jobs_done": self.jobs_done,
             **({"parts_dropped": self.parts_dropped} if self.gripper.drops else {}),
         }
 
+    @override
     def floor_changed(self) -> None:
-        """Handle that a machine has stopped on the floor."""
         changed, self._floor_changed = self._floor_changed, self._clock.event()
         changed.succeed()
         self.tasks.reconsider()
@@ -315,7 +321,7 @@ class GantryRobot(CommandedMachine, Evading):
         return self.position if pose is None else pose
 
     def _catchable(self, task: Task) -> Task:
-        """Return `task`, with another part in place of one that goes by and can't be met."""
+        """Return `task`, with another part if the present one on the conveyor cannot be met."""
         while (
             (step := task.next_step) is not None
             and step.passing
@@ -325,37 +331,37 @@ class GantryRobot(CommandedMachine, Evading):
         return task
 
     def _reached(self, step: Step, task: Task | None = None, command: int | None = None) -> Steps:
-        """Wait until a step can be reached; the value is its pose then.
+        """Wait until a step can be reached, and return its pose.
 
-        None if it is not the next of its task any more, or `command` was replaced.
+        None if it is no longer the next step of its task, or `command` was replaced.
         """
         while (pose := self._sites.pose_for(step)) is None and (
             task is None or task.next_step is step
         ):
             if command is None:
                 yield self._floor_changed
-            elif self.drive.is_under_way(command):
-                yield self._floor_changed | self.drive.replaced
+            elif self._drive.is_under_way(command):
+                yield self._floor_changed | self._drive.replaced
             else:
                 break
         return pose
 
     def _visit(self, action: str, seconds: float, place: str) -> Process:
-        """Go to a place and handle something there, as one command."""
+        """Go to a place and handle a part there, as one command."""
         instance(f"{action}(place)", place, str)
-        step, command = Step(action, seconds=seconds, place=place), self.drive.begin()
+        step, command = Step(action, seconds=seconds, place=place), self._drive.begin()
 
         def steps() -> Steps:
             yield from self._go_to(step, command)
-            return (yield from self.drive.work(seconds, command))
+            return (yield from self._drive.work(seconds, command))
 
         return self._command(steps())
 
     def _go_to(self, step: Step, command: int, task: Task | None = None) -> Steps:
-        """As a part of `command`, go to where `step` is, once it can be reached."""
+        """As a part of `command`, go to a step when it can be reached."""
         pose = yield from self._reached(step, task, command)
-        if pose is not None and self.drive.is_under_way(command):
-            yield self.drive.move(pose, command=command)
+        if pose is not None and self._drive.is_under_way(command):
+            yield self._drive.move(pose, command=command)
 
     def _handle(self, task: Task, command: int) -> Steps:
         self._begin(task)
@@ -364,12 +370,12 @@ class GantryRobot(CommandedMachine, Evading):
         comes_by = None if passing is None else self._sites.comes_by(passing)
         if comes_by is not None:
             seconds = max(seconds, comes_by - self.now)
-        done: bool = yield from self.drive.work(seconds, command)
-        if not done or task.next_step is not step:  # what it was about to put down has dropped
+        done: bool = yield from self._drive.work(seconds, command)
+        if not done or task.next_step is not step:  # the carried part has dropped
             return False
         if passing is not None:
             if comes_by is None or abs(comes_by - self.now) > MOMENT:
-                return False  # it has been held up, and what it was to pick is past
+                return False  # delayed, so that the part has passed
             passing.taken()
         if step.action == "pick":
             self.gripper.close(task)
@@ -383,20 +389,20 @@ class GantryRobot(CommandedMachine, Evading):
         return True
 
     def _do(self, task: Task, command: int) -> Steps:
-        while self.drive.is_under_way(command):
+        while self._drive.is_under_way(command):
             step = self._catchable(task).next_step
             if step is None:
                 break
             self._begin(task)
             yield from self._go_to(step, command, task)
-            # An AGV may have left in the meantime, or the part has dropped.
+            # The AGV may have left, or the part may have dropped.
             there = step is task.next_step and self._sites.stands_at(step)
-            if self.drive.is_under_way(command) and there:
+            if self._drive.is_under_way(command) and there:
                 yield from self._handle(task, command)
         return task.finished
 
     def _lose(self, task: Task) -> None:
-        """Let the part drop that is carried for `task`, and begin again with another."""
+        """Drop the part of a task, and begin the task again with another part."""
         self.parts_dropped += 1
         part, order = (task.fields.get(name) for name in ("part", "order"))
         self.record(PartDropped(part=part, order=order, at=self.body.at))
@@ -435,7 +441,7 @@ class GantryRobot(CommandedMachine, Evading):
 
 
 def gantry_shape(gantry: Gantry, name: str) -> MachineShape:
-    """Return the shape of a gantry, as others see it."""
+    """Return the shape of a gantry."""
     length, width, bottom, top = gantry.torso
     return MachineShape(
         name=name,

@@ -1,4 +1,4 @@
-"""Tasks of the gantry: its jobs in steps, the gripper that does them, and the poses for them."""
+"""Tasks of a gantry: the steps of its jobs, its gripper, and the poses of the steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..tasks import Passing, Step, Task
 
 @dataclass(frozen=True, kw_only=True)
 class Handling:
-    """Times that the gantry's hand takes, seconds (our choice; none are published)."""
+    """Durations of handling in seconds, chosen because none are published."""
 
     pick: float = 2.0
     place: float = 2.0
@@ -33,7 +33,7 @@ class Handling:
 
 
 def tasks_of(jobs: Iterable[Job], handling: Handling) -> list[Task]:
-    """Return the jobs of a trial as tasks: in their order, but neighbouring parts in any order."""
+    """Return the jobs of a trial as tasks, in their order. Successive parts may be exchanged."""
     tasks: list[Task] = []
     for job in jobs:
         stage = tasks[-1].stage if tasks else 0
@@ -63,32 +63,32 @@ def _steps(job: Job, handling: Handling) -> tuple[Step, ...]:
 
 
 class Gripper:
-    """Holds what was picked for a task, and calls `lost(task)` when it loses that.
+    """Gripper that holds the part of a task, and calls `lost(task)` when it drops the part.
 
-    It loses a part by each of its drops once. How long it has held it counts in simulated time,
-    also while the gantry stands.
+    Each drop occurs once, at a delay after the part was picked. The delay includes the time in
+    which the gantry is stopped.
     """
 
     def __init__(self, clock: Clock, lost: Callable[[Task], None]) -> None:
         self._clock = clock
         self._lost = lost
         self.drops: list[Drop] = []
-        """The parts that it loses."""
+        """Parts that it drops, and their delays."""
         self._picked: Counter[str] = Counter()
         self._holds: Task | None = None
         self._slips = Alarm(clock, self._slip, Turn.MOTION_ENDS)
 
     @property
     def holds_part(self) -> bool:
-        """Whether it holds something."""
+        """Whether it holds a part."""
         return self._holds is not None
 
     def will_lose(self, drops: Iterable[Drop]) -> None:
-        """Lose parts by these drops as well."""
+        """Add drops."""
         self.drops += drops
 
     def close(self, task: Task) -> None:
-        """Hold the part that was picked for `task`."""
+        """Grip the part of `task`."""
         part = str(task.fields.get("part"))
         before = self._picked[part]
         self._picked[part] += 1
@@ -98,7 +98,7 @@ class Gripper:
         self._slips.set(None if delay is None else self._clock.now + delay)
 
     def open(self) -> None:
-        """Hold nothing any more."""
+        """Release the part."""
         self._holds = None
         self._slips.set(None)
 
@@ -109,20 +109,20 @@ class Gripper:
 
 
 AHEAD = 0.2
-"""Seconds that the gantry is to be at a place before something comes by that it picks there.
+"""Seconds before a part passes by at which the gantry should be at the place.
 
-Controllers that look where people are take up to two observations longer than they need.
+Controllers that observe people arrive up to two observations later than necessary.
 """
 
 REACH = 1e-3
-"""Metres. Distance of the gantry's axis from a place within which it can handle something there."""
+"""Metres. Distance from a place within which the gantry can handle a part there."""
 
 GUESSES = 64
-"""Of where the gantry meets what comes along a conveyor; a few are enough."""
+"""Most iterations for the meeting with a part on a conveyor. A few are enough."""
 
 
 class Worksites:
-    """Poses (x, y, rotation) of a gantry for the steps of its tasks, as things stand now."""
+    """Present poses (x, y, rotation) of a gantry for the steps of its tasks."""
 
     def __init__(self, stage: Stage, gantry: Gantry, drive: Drive) -> None:
         self._machines = stage.machines
@@ -132,10 +132,10 @@ class Worksites:
         self._body = drive.body
         self._places = fixed_places(stage.floorplan)
         self._rendezvous: tuple[Passing | None, float] = (None, 0.0)
-        """What it is to pick as it goes by, and when (s)."""
+        """Part that it will pick on the conveyor, and the time of the meeting (s)."""
 
     def pose_for(self, step: Step, rotation: float | None = None) -> Pose | None:
-        """Return the pose of a step; None if out of reach now. `rotation` is kept if not given."""
+        """Return the pose of a step, or None if out of reach now. `rotation` defaults to now's."""
         if step.target is not None:
             return step.target
         if step.passing is not None:
@@ -148,39 +148,38 @@ class Worksites:
         return self.at(at[0] + step.offset[0], at[1] + step.offset[1], rotation)
 
     def at(self, x: float, y: float, rotation: float | None = None) -> Pose:
-        """Return a pose at x, y; `rotation` is kept if not given."""
+        """Return a pose at x, y. `rotation` defaults to the present one."""
         return (x, y, self._body.state.position[2] if rotation is None else rotation)
 
     def stands_at(self, step: Step) -> bool:
-        """Return True if the gantry stands where `step` can be handled."""
+        """Return whether the gantry stands at the pose of a step."""
         pose = self.pose_for(step)
         moving = self._clock.now < self._body.motion.end
         return not (pose is None or moving or math.dist(pose[:2], self._body.at) > REACH)
 
     def comes_by(self, passing: Passing) -> float | None:
-        """Return the instant (s) at which it comes by where the gantry is; None if never."""
+        """Return the time (s) at which a part passes the gantry, or None if it does not."""
         return passing.at(self._body.at, REACH)
 
     def _meeting(self, passing: Passing, seconds: float, rotation: float | None) -> Pose | None:
-        """Return the pose at which it can be picked first, after `seconds`; None if it can't be.
+        """Return the pose of the earliest meeting with a part after `seconds`, or None.
 
-        That is here, where it has yet to come by. Elsewhere the meeting is where the gantry and
-        what it picks come at the same time: each guess is that of the gantry's arrival at the last
-        one, which converges, as the gantry is the faster of the two.
+        That is the present pose if the part passes here later. Elsewhere, gantry and part must
+        arrive at the same time. Each guess is the arrival of the gantry at the position of the
+        last guess. This converges, because the gantry is faster than the part.
         """
         track, now = passing.track, self._clock.now
         comes_by = self.comes_by(passing) if self._body.motion.end <= now else None
         if comes_by is not None and comes_by >= now + seconds:
             return self._body.state.position
-        # The last one stands while it can be kept: a new one for each delay would not be reached.
-        meant, meeting = self._rendezvous
-        if meant is not passing or self._ready(track, meeting, seconds, rotation) > meeting:
+        # Keep a possible meeting, because a new one after each delay would never be reached.
+        part, meeting = self._rendezvous
+        if part is not passing or self._ready(track, meeting, seconds, rotation) > meeting:
             meeting = max(track.start, now) + seconds + AHEAD
             for _ in range(GUESSES):
                 if meeting > track.end:
                     return None
-                # A fixed point of meeting = arrival(where it is at `meeting`): each guess is later
-                # than the last.
+                # The fixed point of meeting = arrival(position at `meeting`). Guesses increase.
                 ready = self._ready(track, meeting, seconds, rotation) + AHEAD
                 if ready <= meeting + MOMENT:
                     break
@@ -189,14 +188,14 @@ class Worksites:
         return self.at(*track.state(meeting).at, rotation)
 
     def _ready(self, track: Motion, t: float, seconds: float, rotation: float | None) -> float:
-        """Return the instant (s) at which it could have picked what is on `track` at `t` there."""
+        """Return the time (s) of a pick at the position that `track` has at `t`."""
         pose = self.at(*track.state(t).at, rotation)
         return self._drive.preview(pose, 1.0).end + seconds
 
     def _position_of(self, place: str) -> Point | None:
         """Return the position of an obstacle, a station or a vehicle of that name.
 
-        None for a vehicle that drives, or stands beyond the gantry's range.
+        None for a vehicle that drives, or is outside the range of the gantry.
         """
         vehicle = self._machines.get(place)
         if vehicle is not None and vehicle.shape.category == "vehicle":
@@ -209,5 +208,5 @@ class Worksites:
 
 
 def fixed_places(plan: Floorplan) -> dict[str, Point]:
-    """Return the places (x, y) of stations, and the middles of obstacles, by name."""
+    """Return the positions (x, y) of stations, and the middles of obstacles, by name."""
     return plan.middles | {station.name: station.position for station in plan.stations}

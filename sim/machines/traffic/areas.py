@@ -1,9 +1,9 @@
-"""Areas that a machine sweeps: unions of convex polygons that contain all that it covers.
+"""Areas that a machine sweeps: unions of convex polygons that contain its footprint at all times.
 
-A polygon contains the footprint in every pose between two samples. On a straight line it is the
-hull of both ends. Where the machine turns, samples are at most `TURN` apart, and corners are
-farther away by the factor 1 / cos(`TURN` / 2), so that the chords between them contain their arcs.
-A turn on the spot covers the footprint at both of its ends, and the sectors of the corners between.
+A polygon contains the footprint in every pose between two samples. On a straight line, it is the
+hull of both ends. On a curve, samples are at most `TURN` apart, and corners are farther away by the
+factor 1 / cos(`TURN` / 2), so that the chords between them contain their arcs. A turn on the spot
+covers the footprint at both of its ends, and the sectors of the corners between them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ...core.body import Machine, MachineShape
 from ...core.entries import Pose
 
 CLEAR = 0.01
-"""Metres. Machines keep this distance from all that they claim."""
+"""Metres. Distance of a machine from the border of its claim."""
 
 TURN = 0.1
 """Radians. Longest step between samples of a turn."""
@@ -34,29 +34,29 @@ STEP = 0.1
 """Seconds. Longest step between samples of a curve."""
 
 _GROUP = 0.25
-"""Radians, and metres. Samples of a curve within that share a polygon."""
+"""Radians, and metres. Samples of a curve within this distance share a polygon."""
 
 _SECTOR = 3.0
-"""Radians. Turns on the spot are parted, so that the sectors of their corners are convex."""
+"""Radians. Longest part of a turn on the spot, so that the sectors of corners are convex."""
 
 _STRAIGHT = 1e-6
-"""Metres. What leaves a line by less is straight."""
+"""Metres. Tolerance of straight lines."""
 
 
 BETWEEN_STOPS = 0.2
-"""Seconds between the stops that a part contains, where stops leave the line of the motion."""
+"""Seconds between stops from a part, if these leave the line of the motion."""
 
 RESTS = 1e-6
-"""m/s and rad/s. Slower is at rest."""
+"""m/s and rad/s. Slower machines are at rest."""
 
 Bounds = tuple[float, float, float, float]
 """Minimum x and y, maximum x and y, metres."""
 
 
 class Area:
-    """Union of convex polygons, which `draw` returns when they are looked at.
+    """Union of convex polygons, which `draw` returns when they are needed.
 
-    Most areas are far from each other, so that the rectangle `around` them is all that is needed.
+    Most areas are far from each other, so that the rectangle `around` is sufficient.
     """
 
     def __init__(self, around: Bounds, draw: Callable[[], NDArray[np.object_]]) -> None:
@@ -87,17 +87,17 @@ class Area:
         return [*self.parts]
 
     def gap(self, other: Area) -> float:
-        """Return the distance between the bounds of both, metres."""
+        """Return the distance between the bounds of both areas (m)."""
         a, b = self.bounds, other.bounds
         x, y = max(a[0] - b[2], b[0] - a[2], 0.0), max(a[1] - b[3], b[1] - a[3], 0.0)
         return math.hypot(x, y)
 
     def distance(self, other: Area) -> float:
-        """Return the distance between both, metres."""
+        """Return the distance between both areas (m)."""
         return float(shapely.distance(self.parts[:, None], other.parts).min())
 
     def meets(self, other: Area) -> bool:
-        """Return whether both have a point in common."""
+        """Return whether both areas have a common point."""
         if _apart(self._around, other._around) or _apart(self.bounds, other.bounds):
             return False
         return bool(shapely.intersects(self.parts[:, None], other.parts).any())
@@ -108,22 +108,22 @@ def _apart(a: Bounds, b: Bounds) -> bool:
 
 
 class Footprint:
-    """Convex hull of a machine's footprint, `clear` metres larger, and the areas that it sweeps."""
+    """Convex hull of a footprint, enlarged by `clear` metres, and the areas that it sweeps."""
 
     def __init__(self, shape: MachineShape, clear: float) -> None:
         self._corners, self._reach = _corners(shape, clear)
         self._is_around_axis = bool(shapely.Polygon(self._corners).contains(shapely.Point(0, 0)))
 
     def at(self, pose: Pose) -> Area:
-        """Return the area that it covers in a pose."""
+        """Return the area that is covered in a pose."""
         return self.along([pose])
 
     def swept(self, motion: Motion, begin: float, end: float) -> Area:
-        """Return the area that it sweeps on a motion from `begin` to `end` (seconds)."""
+        """Return the area that is swept on a motion from `begin` to `end` (s)."""
         return self.along(poses_on(motion, begin, end))
 
     def along(self, poses: Sequence[Pose]) -> Area:
-        """Return the area that it sweeps along poses, as those of `poses_on`."""
+        """Return the area that is swept along poses, such as those of `poses_on`."""
         x, y, _ = zip(*poses, strict=True)
         reach = self._reach
         around = min(x) - reach, min(y) - reach, max(x) + reach, max(y) + reach
@@ -155,7 +155,7 @@ class Footprint:
         return [*shapely.convex_hull(shapely.multipoints(np.concatenate(hulls), indices=of))]
 
     def _shared(self, poses: Sequence[Pose], first: int) -> Callable[..., bool]:
-        """Return what the poses from `first` on have in common that share polygons."""
+        """Return the condition for poses from `first` on that share polygons."""
         if len(poses) == 1 or poses[first][2] == poses[first + 1][2]:
             return _share_a_line
         if self._is_around_axis and _share_a_place(poses, first, first + 1):
@@ -164,16 +164,22 @@ class Footprint:
 
 
 @lru_cache(maxsize=256)
+def footprint_of(shape: MachineShape, clear: float) -> Footprint:
+    """Return the footprint of machines of a shape, which they share."""
+    return Footprint(shape, clear)
+
+
 def _corners(shape: MachineShape, clear: float) -> tuple[NDArray[np.float64], float]:
-    """Return the corners of a footprint's hull, `clear` metres larger, and its reach."""
+    """Return the corners of the hull of a footprint, enlarged by `clear` metres, and its reach."""
     outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
     larger = shapely.buffer(outline, clear, join_style="mitre")
     corners = shapely.get_coordinates(larger)[:-1]
     return corners, float(np.hypot(*corners.T).max()) / math.cos(TURN / 2) + _STRAIGHT
 
 
+@lru_cache(maxsize=4096)
 def may_meet(one: MachineShape, other: MachineShape) -> bool:
-    """Return whether two machines have common heights, and no lanes apart from each other."""
+    """Return whether two machines have common heights, and their lanes meet if they have any."""
     if not one.box.is_level_with(other.box):
         return False
     mine, theirs = _lane(one), _lane(other)
@@ -181,16 +187,16 @@ def may_meet(one: MachineShape, other: MachineShape) -> bool:
 
 
 def _lane(shape: MachineShape) -> Area | None:
-    """Return all that a machine covers that never leaves a straight lane; None for others."""
+    """Return the area of the straight lane of a machine, or None if it has none."""
     if shape.direction is None or len(shape.course) != 2:
         return None
     heading = math.atan2(shape.direction[1], shape.direction[0])
-    return Footprint(shape, CLEAR).along([(x, y, heading) for x, y in shape.course])
+    return footprint_of(shape, CLEAR).along([(x, y, heading) for x, y in shape.course])
 
 
 def poses_on(motion: Motion, begin: float, end: float) -> list[Pose]:
-    """Return poses on a motion: its ends, those of its pieces, and so many of curves and turns."""
-    found = [motion.state(begin).position]
+    """Return poses along a motion: ends of pieces, and samples of curves and turns."""
+    poses = [motion.state(begin).position]
     for piece in motion.pieces_from(begin):
         a, b = max(piece.begin, begin), min(piece.end, end)
         if a >= b:
@@ -198,17 +204,17 @@ def poses_on(motion: Motion, begin: float, end: float) -> list[Pose]:
         count = 1 if _is_line(piece) else _steps(piece, b - a)
         for k in range(1, count + 1):
             u = a + (b - a) * k / count - piece.begin
-            found.append((value(piece.x, u), value(piece.y, u), value(piece.rotation, u)))
-    return found
+            poses.append((value(piece.x, u), value(piece.y, u), value(piece.rotation, u)))
+    return poses
 
 
 def is_straight(poses: Sequence[Pose]) -> bool:
-    """Return whether poses are those of a turn on the spot, or of a drive on a line."""
+    """Return whether poses are on a line, or a turn on the spot."""
     return len(poses) < 3 or _share_a_line(poses, 0, len(poses) - 1) or _same_place(poses)
 
 
 def _is_line(piece: Piece) -> bool:
-    """Return whether a piece is a part of a line that it does not go back on."""
+    """Return whether a piece is a part of a line without a reversal."""
     if any(piece.rotation[1:]):
         return False
     (_, vx, ax, jx), (_, vy, ay, jy) = piece.x, piece.y
@@ -234,7 +240,7 @@ def _are_near(poses: Sequence[Pose], first: int, last: int) -> bool:
 
 
 def _share_a_place(poses: Sequence[Pose], first: int, last: int) -> bool:
-    """Return whether poses are those of a turn on the spot by less than `_SECTOR`."""
+    """Return whether poses are a turn on the spot by less than `_SECTOR`."""
     turns = [pose[2] for pose in poses[first : last + 1]]
     return _same_place(poses[first : last + 1]) and max(turns) - min(turns) < _SECTOR
 
@@ -257,16 +263,16 @@ def _same_place(poses: Sequence[Pose]) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """The next part of a motion: its end (s), and the poses on it and on every stop from it."""
+    """Next part of a motion: its end (s), and the poses on it and on every stop from it."""
 
     end: float
     courses: list[list[Pose]]
 
     @classmethod
     def of(cls, machine: Machine, motion: Motion, now: float, seconds: float) -> Part:
-        """Return the part of a machine's motion that begins now (s) and takes so many seconds.
+        """Return the part of a motion that begins now (s) and takes approximately `seconds`.
 
-        It ends where the machine comes to rest before that, or not long after that.
+        It ends where the machine comes to rest, if that is early enough.
         """
         end = _end_of_part(motion, now, seconds)
         courses = [poses_on(motion, now, end)]
@@ -277,19 +283,19 @@ class Part:
             stops = [
                 _stop(machine, motion, now + (end - now) * k / count) for k in range(count + 1)
             ]
-            courses.append([stop[-1] for stop in stops])  # where stops in between end
+            courses.append([stop[-1] for stop in stops])  # contains the ends of all other stops
         return cls(end=end, courses=[*courses, *stops])
 
 
 def _stop(machine: Machine, motion: Motion, t: float) -> list[Pose]:
-    """Return the poses of a stop; where that is unknown, the pose at its begin."""
+    """Return the poses of a stop. If it is unknown, this is its first pose."""
     state = motion.state(t)
     stop = machine.stopping(state, t)
     return [state.position] if stop is None else poses_on(stop, t, stop.end)
 
 
 def _end_of_part(motion: Motion, now: float, seconds: float) -> float:
-    """Return the end of the part: where it rests, or after a time."""
+    """Return the end of the part: at rest, or after a time (s)."""
     for piece in motion.pieces_from(now):
         if piece.end > now + 1.5 * seconds:
             break

@@ -1,4 +1,4 @@
-"""Evading: what a machine can do to let others pass."""
+"""Evasion: other paths and passing places."""
 
 from __future__ import annotations
 
@@ -19,15 +19,14 @@ class Evasion:
     Parameters
     ----------
     aside : Pose or None
-        Passing place at which it lets them pass, if there is one: x and y in metres, rotation in
-        radians.
+        Passing place of the machine: x and y in metres, rotation in radians. None if it has none.
     """
 
     aside: Pose | None = None
 
 
 class Evading(Machine):
-    """Machine that can evade others. Machines of other classes only wait."""
+    """Base class of machines that can evade others. Other machines only wait."""
 
     @abstractmethod
     def evade(self, taken: Sequence[Polygon], courses: Sequence[Polygon]) -> Evasion | None:
@@ -38,7 +37,7 @@ class Evading(Machine):
         taken : sequence of Polygon
             Areas that other machines occupy now, in metres.
         courses : sequence of Polygon
-            Areas that other machines cover on their way.
+            Areas that other machines cover on their paths.
 
         Returns
         -------

@@ -2,8 +2,9 @@
 
 No machine commits to a motion that conflicts with the claims of others. A claim is the area that a
 machine sweeps on the next part of its motion and on every stop from there. At the end of the part,
-the machine claims the next one, or brakes within its claim if that is not free. What is behind the
-machine is released then. Claims have no time, because people and protective stops delay machines.
+the machine claims the next one and releases the area behind it. If the next one is not free, the
+machine brakes within its claim. Claims have no time, because people and protective stops delay
+machines.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class Traffic:
 
     @property
     def waiting_times(self) -> dict[str, float]:
-        """How long each machine that may meet others has waited for them (s), by name.
+        """Time for which each machine that may meet others has waited for them (s), by name.
 
         Machines whose stop is unknown have their own figures only.
         """
@@ -54,7 +55,7 @@ class Traffic:
             one.close()
 
     def changed(self, claimant: Claimant) -> None:
-        """Let the machines that wait for this one look whether they can go on."""
+        """Check whether the machines that wait for this one can continue."""
         if any(one.waiting is not None for one in self._claimants):
             if not self._changes:
                 clock = self.stage.clock
@@ -62,12 +63,12 @@ class Traffic:
             self._changes.add(claimant)
 
     def untangle(self, among: Claimant) -> bool:
-        """Resolve the circle of machines that wait for each other with one, if there is any.
+        """Resolve the cycle of machines that wait for each other with one, if there is one.
 
-        Return whether a machine evades. The machine of the highest rank tries last, and those that
-        wait for the circle before it.
+        Return whether a machine evades. The machines that wait for the cycle try after the others
+        of it, and the one of the highest rank tries last.
         """
-        self._reconsider()  # who may go on is in no circle
+        self._reconsider()  # a machine that can continue is in no cycle
         waits_for = {one: one.waiting.blockers for one in self._claimants if one.waiting}
         circle = circle_of(among, waits_for)
         if not circle or not all(one.rests for one in circle):
@@ -80,7 +81,7 @@ class Traffic:
             return True
         peers = {peer for one in circle for peer in one.peers}
         if any(not one.rests and one.is_near(circle) for one in peers):
-            return False  # it leaves, or makes room
+            return False  # that machine leaves, or makes room
         assert among.waiting is not None
         if among.waiting.looks > 1 and frozenset(circle) not in self._stuck:
             self._stuck.add(frozenset(circle))
@@ -89,12 +90,12 @@ class Traffic:
         return False
 
     def gave_way(self, claimant: Claimant) -> None:
-        """Let no machine wait until one has passed that has given up its right of way."""
+        """End all waits for a machine that has given up its right of way."""
         for one in self._claimants:
             one.lets_pass.pop(claimant, None)
 
-    def went_on(self, claimant: Claimant) -> None:
-        """Take note that a machine waits no longer."""
+    def proceeded(self, claimant: Claimant) -> None:
+        """Count a deadlock of this machine again, because its wait has ended."""
         self._stuck = {circle for circle in self._stuck if claimant not in circle}
 
     def _reconsider(self) -> None:

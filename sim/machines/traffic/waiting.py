@@ -1,4 +1,4 @@
-"""Who waits for whom, and circles of machines that wait for each other."""
+"""States of machines in traffic, and the graph of machines that wait for each other."""
 
 from __future__ import annotations
 
@@ -11,27 +11,46 @@ from ...core.entries import Pose
 T = TypeVar("T")
 
 
+@dataclass(frozen=True)
+class Driving:
+    """State of a machine on its path to its goal, or at rest there."""
+
+
+@dataclass(frozen=True)
+class GivingWay:
+    """State of a machine on its path to the passing place `aside`."""
+
+    aside: Pose
+
+
 @dataclass
-class WaitForMachines(Generic[T]):
-    """The poses for which a machine waits, who keeps it from them, and since when (s)."""
+class WaitingForMachines(Generic[T]):
+    """State of a machine that is held until the area ahead is free.
+
+    `ahead` has the poses of its next part and of the stops from there, and `before` is the state to
+    which it returns.
+    """
 
     ahead: Sequence[Sequence[Pose]]
     blockers: list[T]
+    """Machines that claim a part of the area."""
     since: float
+    """Begin of the wait, seconds."""
+    before: Driving | GivingWay
     looks: int = 0
-    """Number of times that it has looked for another path."""
+    """Number of searches for another path."""
 
 
-def circle_of(one: T, waits_for: Mapping[T, Sequence[T]]) -> tuple[T, ...]:
-    """Return a shortest circle of machines that wait for each other with `one`, or none.
+def circle_of(machine: T, waits_for: Mapping[T, Sequence[T]]) -> tuple[T, ...]:
+    """Return a shortest cycle through a machine in the wait-for graph, or an empty one.
 
-    Each of them waits for the next one, and the last for the first.
+    Each machine of the cycle waits for the next one, and the last for the first.
     """
-    paths: list[tuple[T, ...]] = [(one,)]
-    seen = {one}
+    paths: list[tuple[T, ...]] = [(machine,)]
+    seen = {machine}
     for path in paths:
         for other in waits_for.get(path[-1], ()):
-            if other is one:
+            if other is machine:
                 return path
             if other not in seen:
                 seen.add(other)
@@ -39,11 +58,11 @@ def circle_of(one: T, waits_for: Mapping[T, Sequence[T]]) -> tuple[T, ...]:
     return ()
 
 
-def leads_to(one: T, circle: Collection[T], waits_for: Mapping[T, Sequence[T]]) -> bool:
-    """Return whether one machine waits for one of a circle, directly or by others."""
-    found = [one]
-    for other in found:
+def leads_to(machine: T, circle: Collection[T], waits_for: Mapping[T, Sequence[T]]) -> bool:
+    """Return whether a machine waits for a machine of a cycle, directly or through others."""
+    reached = [machine]
+    for other in reached:
         if other in circle:
             return True
-        found += [next_one for next_one in waits_for.get(other, ()) if next_one not in found]
+        reached += [blocker for blocker in waits_for.get(other, ()) if blocker not in reached]
     return False

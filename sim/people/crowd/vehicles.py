@@ -80,8 +80,14 @@ class Vehicle:
 
     @cached_property
     def _places(self) -> list[Point]:
-        """The middles of the discs, from the vehicle's axis."""
+        """Centres of the discs relative to the vehicle's axis."""
         return cover(self._machine.shape)[0]
+
+    @cached_property
+    def _reach(self) -> float:
+        """Distance from the axis of the vehicle within which all discs are, m."""
+        places, radius = cover(self._machine.shape)
+        return max(math.hypot(*place) for place in places) + radius + TOUCH + 2 * LEEWAY
 
     @cached_property
     def discs(self) -> list[Traveller]:
@@ -115,8 +121,11 @@ class Vehicle:
 
         These are larger than the vehicle, so the person may leave one and walk into a corner.
         """
-        return self.is_there and any(
-            math.dist(disc.body.at, me.body.at) < disc.radius + me.radius for disc in self.discs
+        if not self.is_there:
+            return False
+        at = me.body.at
+        return math.dist(self._machine.body.at, at) < self._reach + me.radius and any(
+            math.dist(disc.body.at, at) < disc.radius + me.radius for disc in self.discs
         )
 
     def strikes(self, me: Traveller, motion: Motion, until: float) -> bool:
@@ -189,7 +198,7 @@ def among_vehicles(
         return None
     now = stage.clock.now
     try:
-        passage = plan_among(
+        return plan_among(
             planner,
             body.at,
             goal,
@@ -200,10 +209,10 @@ def among_vehicles(
             max_acceleration=human.max_acceleration,
             height=human.height,
             gap=gap,
+            patience=LONGEST_WAIT,
         )
     except PlanningError:
         return None
-    return None if any(wait > LONGEST_WAIT for _, wait in passage.waits) else passage
 
 
 def any_touches(stage: Stage, human: Human, motion: Motion) -> bool:

@@ -19,7 +19,7 @@ POINT = 1e-9
 
 
 class MutingWatch:
-    """Calls `changed` when the muting of fields begins and ends; `active` says whether it lasts."""
+    """Calls `changed` when the muting of fields begins and ends. `active` is the present state."""
 
     def __init__(
         self,
@@ -31,7 +31,7 @@ class MutingWatch:
         self.active = False
         self._body = body
         self._clock = body.clock
-        # A zone about the axis is what a field about a person is: a polygon at rest.
+        # The entry of the axis into a zone is solved like an intrusion into a field at rest.
         self._areas = [
             (_area(zone.area.exterior), [_area(hole) for hole in zone.area.interiors])
             for zone in zones
@@ -41,7 +41,7 @@ class MutingWatch:
         self._alarm = Alarm(body.clock, self.reconsider, Turn.VIOLATION)
 
     def reconsider(self) -> None:
-        """Compute whether it is active and when that changes; called for each new motion."""
+        """Compute whether it is active, and when that changes. It is called for each new motion."""
         now, motion = self._clock.now, self._body.motion
         active = within(self._times, now)
         changes = [t for span in self._times for t in span if t > now]
@@ -67,7 +67,7 @@ def _area(ring: LinearRing) -> ProtectiveFields:
 def _inside(
     area: ProtectiveFields, motion: Motion, begin: float, end: float
 ) -> list[tuple[float, float]]:
-    """Return when a motion is within an area, seconds."""
+    """Return the time spans (s) in which a motion is within an area."""
     return [
         (one.begin, one.end)
         for one in intrusions(area, standing((0.0, 0.0)), motion, POINT, begin, end)
@@ -77,7 +77,7 @@ def _inside(
 def _without(
     spans: list[tuple[float, float]], gaps: list[tuple[float, float]]
 ) -> list[tuple[float, float]]:
-    """Return what is left of time spans outside gaps."""
+    """Return the parts of time spans outside gaps."""
     for since, until in gaps:
         parts = [((begin, min(end, since)), (max(begin, until), end)) for begin, end in spans]
         spans = [part for pair in parts for part in pair if part[0] < part[1]]

@@ -4,16 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from enum import Enum
 
 from ...core.clock import Alarm, Clock, Turn
 from ...core.fields import MachineFields
 
 
-class Reaction:
-    """Calls `begin(cause, person)` the response time after something is wrong, and `end` later.
+class ReactionState(Enum):
+    """ReactionState of a reaction."""
 
-    It ends once nothing has been wrong for the restart delay and the machine stands where it must.
-    What was wrong for less than the response time counts as well: a sensor keeps its signal.
+    IDLE = "idle"
+    RESPONDING = "responding"
+    """The response time runs. The reaction begins after it in any case, as a sensor keeps its
+    signal."""
+    ACTIVE = "active"
+
+
+class Reaction:
+    """Reaction to a trigger, such as an intrusion: a stop, or a lower speed.
+
+    It calls `begin(cause, person)` after the response time. It calls `end` when there has been no
+    trigger for the restart delay, and the machine has come to rest if it must.
     """
 
     def __init__(
@@ -23,49 +34,62 @@ class Reaction:
         begin: Callable[[str, str], None],
         end: Callable[[], None],
     ) -> None:
-        self.lasts = False
+        self.state = ReactionState.IDLE
         self._clock = clock
         self._fields = fields
         self._begin, self._end = begin, end
-        self._wrong = False
-        self._pending: tuple[str, str] | None = None
-        """Cause and person of what was wrong first, until it begins."""
-        self._free_since = self._stands_from = -math.inf
-        self._tripping = Alarm(clock, self.trip, Turn.MOTION_ENDS)
-        self._ending = Alarm(clock, self._over, Turn.MOTION_ENDS)
+        self._triggered = False
+        self._cause = self._person = ""
+        """The first trigger."""
+        self._free_since = self._rests_from = -math.inf
+        self._began = 0.0
+        self._past: list[tuple[float, float]] = []
+        self._response = Alarm(clock, self.trip, Turn.MOTION_ENDS)
+        self._release = Alarm(clock, self._over, Turn.MOTION_ENDS)
+
+    @property
+    def active(self) -> bool:
+        """Whether it has begun and not ended."""
+        return self.state is ReactionState.ACTIVE
+
+    @property
+    def intervals(self) -> list[tuple[float, float]]:
+        """Begins and ends until now in seconds."""
+        return [*self._past, (self._began, self._clock.now)] if self.active else self._past
 
     def become(self, cause: str, person: str) -> None:
-        """Take note of what is wrong now, which is nothing without a cause."""
+        """Update the trigger. There is none without a cause."""
         now = self._clock.now
-        if cause and not self._wrong:
-            self._ending.set(None)
-            if not self.lasts and self._pending is None:
-                self._pending = cause, person
-                self._tripping.set(now + self._fields.response_time)
-        elif self._wrong and not cause:
+        if cause and not self._triggered:
+            self._release.set(None)
+            if self.state is ReactionState.IDLE:
+                self.state = ReactionState.RESPONDING
+                self._cause, self._person = cause, person
+                self._response.set(now + self._fields.response_time)
+        elif self._triggered and not cause:
             self._free_since = now
-        self._wrong = bool(cause)
-        self._await_end()
+        self._triggered = bool(cause)
+        self._await_release()
 
-    def stands_from(self, t: float) -> None:
-        """Take note that the machine stands from `t` (seconds) on."""
-        self._stands_from = t
-        self._await_end()
+    def rests_from(self, t: float) -> None:
+        """Set the time from which the machine is at rest (s)."""
+        self._rests_from = t
+        self._await_release()
 
     def trip(self) -> None:
-        """Begin, if something is or was wrong."""
-        self._tripping.set(None)
-        if self._pending is not None:
-            (cause, person), self._pending = self._pending, None
-            self.lasts = True
-            self._begin(cause, person)
-            self._await_end()
+        """Begin at once if the response time runs."""
+        self._response.set(None)
+        if self.state is ReactionState.RESPONDING:
+            self.state, self._began = ReactionState.ACTIVE, self._clock.now
+            self._begin(self._cause, self._person)
+            self._await_release()
 
-    def _await_end(self) -> None:
-        if self.lasts and not self._wrong:
+    def _await_release(self) -> None:
+        if self.active and not self._triggered:
             free = self._free_since + self._fields.restart_delay
-            self._ending.set(max(free, self._stands_from, self._clock.now))
+            self._release.set(max(free, self._rests_from, self._clock.now))
 
     def _over(self) -> None:
-        self.lasts = False
+        self._past.append((self._began, self._clock.now))
+        self.state = ReactionState.IDLE
         self._end()

@@ -1,4 +1,4 @@
-"""Watch on one person in the fields of one machine: which of them are occupied, and until when."""
+"""Watch on one person in the fields of one machine: occupied fields, and the next change."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from ...core.fields import MachineFields
 from ..monitors import Pair
 
 MOMENT = 1e-8
-"""Seconds. A field that is occupied for less is not: instants are exact to less than that."""
+"""Seconds. Shorter intrusions do not count, because times are not more exact than this."""
 
 BEYOND = 1e-3
-"""Metres beyond the reach of all fields from which on only the distance is watched."""
+"""Metres beyond the reach of all fields. Of people farther away, only the distance is watched."""
 
 
 class FieldWatch:
     """Calls `changed` when a person enters or leaves fields of a machine.
 
-    `occupied` has the set of fields by which each field became occupied. While the fields are
-    muted, none is.
+    `occupied` has the field set with which each field became occupied. Muted fields are not
+    occupied.
     """
 
-    # Most people are far from most machines. As long as they are beyond the reach of all fields,
-    # only the distance is watched: the polygons count once they come within it.
+    # Most people are far from most machines. Beyond the reach of all fields, only the distance is
+    # watched, because that is faster than the polygons.
 
     def __init__(
         self,
@@ -56,7 +56,7 @@ class FieldWatch:
         self.reconsider()
 
     def reconsider(self) -> None:
-        """Compute what is occupied and when that changes; called whenever a motion changes."""
+        """Compute occupied fields and the next change. It is called for each new motion."""
         if self._muted:
             self._become({}, None)
         elif self.pair.distance() > self._reach + BEYOND:
@@ -65,7 +65,7 @@ class FieldWatch:
             self._become(*self._in_reach())
 
     def _in_reach(self) -> tuple[dict[str, str], float | None]:
-        """Return the occupied fields with their sets, and when one changes next (seconds)."""
+        """Return the occupied fields with their sets, and the time of the next change (s)."""
         pair, now = self.pair, self.pair.clock.now
         person, machine = pair.motions
         end = max(now, pair.horizon())
@@ -78,12 +78,12 @@ class FieldWatch:
             if one.end <= now + MOMENT:
                 continue
             if one.begin <= until.get(one.field, now) + MOMENT:
-                # Where another set takes over, the person goes on occupying the field.
+                # A change of the set does not end the occupation.
                 occupied.setdefault(one.field, one.set)
                 until[one.field] = max(one.end, until.get(one.field, now))
             elif one.field not in occupied:
                 change = min(change, one.begin)
-        # One that lasts to the horizon lasts for good, unless somebody changes course.
+        # An intrusion up to the horizon lasts until a motion changes.
         change = min([change, *(t for t in until.values() if t < end)])
         return occupied, None if change == math.inf else change
 

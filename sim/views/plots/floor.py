@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,39 +13,51 @@ from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
+from matplotlib.text import Text
+from matplotlib.transforms import Affine2D
 from shapely.geometry import LineString, Point as Spot, Polygon, box
 
 from floorplan import Floorplan, Gate, Lane, Obstacle, Point
 
 from ...core.body import MachineShape
 from ..report_page import BLACK, GREEN, GREY, PALE, VERMILION
-from .style import MACHINES, Array, Width, explain, inches, new_figure, obstacle_shade, styled
+from .style import (
+    MACHINES,
+    Array,
+    Width,
+    explain,
+    inches,
+    new_figure,
+    obstacle_shade,
+    settle,
+    styled,
+)
 
 _DARK = 0.6
-"""Names on what is darker than this are white."""
+"""Lightness below which names on an obstacle are white."""
 
 _PLACE_SIZE = 6
-"""Points. The letters of a station's name."""
+"""Points. Font size of names of stations."""
 
 _INSIDE_SIZE = 5.0
-"""Points. The letters of the name of an obstacle or an AGV."""
+"""Points. Font size of names of obstacles and AGVs."""
 
 _MARK = 3.5
-"""Points. The radius of the mark of a station or of the safe zone."""
+"""Points. Radius of the mark of a station or of the safe zone."""
 
 _LANE, _PATH = 0.3, 1.5
-"""Points. The widths that count of the lines of lanes and paths: one can read across them."""
+"""Points. Widths of the lines of lanes and paths that names should not cover."""
 
 _MOST_COVERED = 0.3
-"""A name beside an obstacle or a machine is left out if more than this share covers something."""
+"""Maximum share of a name beside an obstacle or a machine that may cover something."""
 
 _UPRIGHT = 0.05
-"""An upright name is worse than one of which less than this share covers something."""
+"""Penalty of an upright name, as a share of covered area."""
 
 _LEVEL_SIDES = ((0, 4), (0, -4), (5, 0), (-5, 0), (3, 3), (3, -3), (-3, -3), (-3, 3))
 _UPRIGHT_SIDES = ((0, 5), (0, -5), (5, 0), (-5, 0))
 _SIDES = [(side, False) for side in _LEVEL_SIDES] + [(side, True) for side in _UPRIGHT_SIDES]
-"""Points from a mark to its name, and whether that stands upright; the best first."""
+"""Offsets (points) of a name from its mark and whether it is upright, the best first."""
 
 
 def draw_names(
@@ -56,13 +69,13 @@ def draw_names(
     machines: Mapping[str, Polygon] | None = None,
     all_names: bool = False,
 ) -> None:
-    """Write the names of stations and the safe zone, and of obstacles in which there is room.
+    """Write the names of stations and the safe zone, and of obstacles with enough room.
 
-    Those of places keep off obstacles, AGVs at their start, and the `paths` (N, 2) and `marked`
-    places that are drawn, metres; `machines` (by name the outlines that are drawn) have theirs in
-    or beside them. With `all_names` obstacles without room have theirs beside them, and so have the
-    locations of lanes, unless it would cover too much. All else has to be drawn by then: how much
-    room there is depends on it.
+    Names of places avoid obstacles, AGVs at their start, `paths` (N, 2) and `marked` positions (m).
+    `machines`, outlines by name, have their names inside or beside them. With `all_names`,
+    obstacles without enough room and locations of lanes have their names beside them, unless that
+    covers too much. Everything else must have been drawn before, because it determines the free
+    space.
     """
     outlines = machines or {}
     labels = _Labels(axes)
@@ -97,7 +110,7 @@ def draw_names(
 
 
 def stand_beside(name: Any, side: Point) -> None:
-    """Put an annotation so many points from what it names, on that side of it."""
+    """Place an annotation at an offset (points) from its mark."""
     x, y = side
     name.set(
         position=side,
@@ -127,11 +140,11 @@ class _Labels:
         settle(figure)
         axes.apply_aspect()
         self.axes = axes
-        # A renderer for all measurements, because Matplotlib creates one for each otherwise.
-        width, height = figure.bbox.size
-        self._renderer = RendererAgg(width, height, figure.dpi)
-        (west, _), (east, _) = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)]).tolist()
-        self.point = float(figure.dpi / (east - west) / 72)
+        self._dpi = figure.dpi
+        self._to_pixels = Affine2D(axes.transData.get_affine().get_matrix())
+        self._to_metres = self._to_pixels.inverted()
+        self._pixel = 1 / float(self._to_pixels.get_matrix()[0, 0])
+        self.point = self._pixel * self._dpi / 72
         """Metres of the floor per point of the picture."""
 
     def write_if_free(self, area: Polygon, text: str, colour: str) -> None:
@@ -154,74 +167,76 @@ class _Labels:
         """Write a name beside its mark where most of its area is free.
 
         The name has a plate if it covers anything. It is omitted if it covers more than the share
-        `most`. `half` is the half size (points) of the thing beyond that of a mark, along x and y.
+        `most`. `half` is the half size (points) of the named object beyond that of a mark, along x
+        and y.
         """
-        name: Any = self.axes.annotate(
-            text, at, (0, 0), textcoords="offset points", size=size, color=colour, zorder=4
-        )
         offsets = [(x + np.sign(x) * half[0], y + np.sign(y) * half[1]) for (x, y), _ in _SIDES]
-        sizes = {upright: self._size(name, upright) for upright in (False, True)}
-        areas = self._areas(at, offsets, [sizes[upright] for _, upright in _SIDES])
+        sizes = [_text_size(text, size, self._dpi, upright=upright) for _, upright in _SIDES]
+        areas = self._areas(at, offsets, sizes)
         near = shapely.intersection(self.free, box(*shapely.total_bounds(areas)))
         free = shapely.area(shapely.intersection(near, areas)) / shapely.area(areas)
         covered = np.round(1.0 - free, 6)
         best = int(np.argmin(covered + [upright * _UPRIGHT for _, upright in _SIDES]))
         if covered[best] > most:
-            name.remove()
             return
+        look: dict[str, Any] = {"size": size, "color": colour, "zorder": 4}
+        name = self.axes.annotate(text, at, (0, 0), textcoords="offset points", **look)
         stand_beside(name, offsets[best])
         name.set_rotation(90 if _SIDES[best][1] else 0)
         if covered[best] > 0.0:
             name.set_bbox({"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 0.3})
-        self.free = self.free.difference(self._extent(name))
+        self.free = self.free.difference(areas[best])
 
     def write_inside(self, area: Polygon, text: str, colour: str) -> bool:
         """Write a name in an area, on one or two lines or upright. Return False if none fits."""
         west, south, east, north = area.bounds
-        at = area.centroid if area.contains(area.centroid) else area.representative_point()
-        look: dict[str, Any] = {"ha": "center", "va": "center", "linespacing": 1.0, "zorder": 4}
-        name = self.axes.text(at.x, at.y, text, size=_INSIDE_SIZE, color=colour, **look)
         lines = "\n".join(text.rsplit("_", 1))
         for written, upright in ((text, False), (lines, False), (text, True)):
-            name.set(text=written, rotation=90 if upright else 0)
-            left, low, right, high = self._extent(name).bounds
-            if right - left <= east - west and high - low <= north - south:
+            size = _text_size(written, _INSIDE_SIZE, self._dpi, upright=upright, linespacing=1.0)
+            across, along = self._pixel * size
+            if across <= east - west and along <= north - south:
+                at = area.centroid
+                at = at if area.contains(at) else area.representative_point()
+                look: dict[str, Any] = {"ha": "center", "va": "center", "linespacing": 1.0}
+                look |= {"size": _INSIDE_SIZE, "color": colour, "zorder": 4}
+                self.axes.text(at.x, at.y, written, rotation=90 if upright else 0, **look)
                 return True
-        name.remove()
         return False
-
-    def _extent(self, name: Any) -> Polygon:
-        """Return the rectangle (m) that a name covers."""
-        extent = name.get_window_extent(self._renderer)
-        return box(*extent.transformed(self.axes.transData.inverted()).extents)
-
-    def _size(self, name: Any, upright: bool) -> Array:
-        """Return the width and height (pixels) of a name."""
-        name.set_rotation(90 if upright else 0)
-        return np.array(name.get_window_extent(self._renderer).size)
 
     def _areas(self, at: Point, offsets: Sequence[Point], sizes: Sequence[Array]) -> Array:
         """Return the rectangles (m) of a name at offsets (points), with `sizes` in pixels."""
         shifts = np.array(offsets)
         pixels = np.array(sizes)
         # A name begins at a positive offset, ends at a negative one, and is centred at zero.
-        low = self.axes.transData.transform(at) + shifts * (self.axes.figure.dpi / 72)
+        low = self._to_pixels.transform(at) + shifts * (self._dpi / 72)
         low = low + pixels * (np.sign(shifts) - 1) / 2
         corners = np.stack((low, low + pixels), axis=1).reshape(-1, 2)
-        bounds = self.axes.transData.inverted().transform(corners).reshape(-1, 4)
+        bounds = self._to_metres.transform(corners).reshape(-1, 4)
         return np.asarray(shapely.box(*bounds.T))
+
+
+@cache
+def _text_size(
+    text: str, size: float, dpi: float, *, upright: bool, linespacing: float | None = None
+) -> Array:
+    """Return the width and height (pixels) of a text with letters of `size` points."""
+    measured: Any = Text(
+        text=text, size=size, rotation=90 if upright else 0, linespacing=linespacing
+    )
+    measured.set_figure(Figure(dpi=dpi))
+    return np.array(measured.get_window_extent(RendererAgg(1, 1, dpi)).size)
 
 
 _DASHES = (0, (3, 2))
 
 ARROW = 1.0
-"""Metres. The length of the arrow through a one-way gate."""
+"""Metres. Length of the arrow through a one-way gate."""
 
 _HIGHEST = 9.0
-"""Inches. The most that fits on a page."""
+"""Inches. Maximum height of a picture."""
 
 _BESIDE = 0.75
-"""Inches that a picture of a floor needs for what stands beside the floor."""
+"""Inches. Room for axis labels beside a floor."""
 
 
 @styled()
@@ -256,32 +271,20 @@ def floorplan(plan: Floorplan, *, width: Width = "double") -> Figure:
 
 
 def floor_figure(plan: Floorplan, width: Width, *, beside: float = 0.0) -> tuple[Figure, Axes]:
-    """Return a figure as high as the floor needs, and its axes; `beside` inches stay free."""
+    """Return a figure with the height of the floor, and its axes. `beside` (inches) stays free."""
     figure = new_figure(width, floor_height(plan, width, beside=beside))
     return figure, floor_axes(figure.add_subplot(), plan)
 
 
-def settle(figure: Figure) -> Figure:
-    """Lay a figure out once before it is drawn, and return it.
-
-    Beside a bar of colours axes that must not be distorted end up narrower than the layout takes
-    them for; the next time it knows.
-    """
-    engine = figure.get_layout_engine()
-    assert engine is not None  # as of `new_figure`
-    engine.execute(figure)
-    return figure
-
-
 def floor_height(plan: Floorplan, width: Width, *, beside: float = 0.0) -> float:
-    """Return the height of a picture of the whole floor, `beside` inches of it free; inches."""
+    """Return the height (inches) of a picture of the whole floor. `beside` (inches) stays free."""
     west, south, east, north = plan.boundary.bounds
     across = inches(width) - _BESIDE - beside
     return min(across * float((north - south) / (east - west)) + _BESIDE, _HIGHEST)
 
 
 def floor_axes(axes: Axes, plan: Floorplan) -> Axes:
-    """Let axes show the whole floor, undistorted, in metres; return them."""
+    """Set axes to the whole floor in metres, undistorted, and return them."""
     west, south, east, north = plan.boundary.bounds
     margin = 0.01 * max(east - west, north - south)
     axes.set_aspect("equal")
@@ -293,12 +296,11 @@ def floor_axes(axes: Axes, plan: Floorplan) -> Axes:
 
 
 def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = ()) -> None:
-    """Draw walls, obstacles (the higher the darker; overhead ones dashed), lanes and stations.
+    """Draw walls, obstacles, lanes and stations.
 
-    Zones are dashed outlines, doors lines: green where they are open unless a trial says otherwise.
-    Arrows point through one-way gates, which are dotted.
-
-    The courses of `machines` are drawn as the lanes.
+    Higher obstacles are darker, and overhead ones are dashed. Zones are dashed outlines. Doors are
+    lines, green if they are open by default. Arrows point through one-way gates, which are dotted.
+    Courses of `machines` are drawn like lanes.
     """
     for ring in (plan.boundary.exterior, *plan.boundary.interiors):
         axes.plot(*ring.xy, color=BLACK, linewidth=0.8, zorder=2)
@@ -333,7 +335,7 @@ def draw_floor(axes: Axes, plan: Floorplan, machines: Iterable[MachineShape] = (
 
 
 def fill_area(axes: Axes, area: Polygon, **look: object) -> None:
-    """Fill a polygon, but not its holes."""
+    """Fill a polygon without its holes."""
     rings = [area.exterior, *area.interiors]
     outline = Path.make_compound_path(*(Path(ring.coords, closed=True) for ring in rings))
     axes.add_patch(PathPatch(outline, **look))
@@ -389,7 +391,7 @@ def _draw_range(axes: Axes, plan: Floorplan) -> None:
 
 
 def _label_lines(axes: Axes, plan: Floorplan) -> None:
-    """Explain the lines and marks on this floor in the legend."""
+    """Explain the lines and marks of this floor in the legend."""
     looks: list[tuple[bool, str, dict[str, Any]]] = [
         (bool(plan.stations), "station", {"color": BLACK, "marker": "+", "linestyle": "none"}),
         (

@@ -21,13 +21,13 @@ from ...record.outcome import Outcome, span_of
 from ...record.sampling import Span, cells_of, moments, spread
 from ...record.warm_up import started
 from ..report_page import GREY
-from .floor import draw_floor, floor_figure, settle
-from .style import Array, Width, styled
+from .floor import draw_floor, floor_figure
+from .style import Array, Width, settle, styled
 
 _TICKS = MaxNLocator(4)
 
 _LETTER = 0.065
-"""Inches. The width of a letter beside the bar of colours, on average."""
+"""Inches. Mean width of a letter beside the colour bar."""
 
 
 def on_one_floor(runs: Outcome | Sequence[Outcome], what: str) -> list[Outcome]:
@@ -56,7 +56,7 @@ def draw_cells(
     width: Width,
     beside: float = 0.6,
 ) -> Figure:
-    """Draw values of a floor: a masked array (rows, columns) of cells that are `cell` metres wide.
+    """Draw values of a floor: a masked array (rows, columns) of cells with side `cell` (m).
 
     The first cell is in the south-west corner of the bounds of the floor. The colour bar takes
     `beside` inches and has a `label`.
@@ -76,7 +76,7 @@ def draw_cells(
     )
     lines = wrap(label, int(figure.get_figheight() / _LETTER))
     bar = figure.colorbar(image, ax=axes, label="\n".join(lines), fraction=0.04, pad=0.02)
-    if isinstance(norm, TwoSlopeNorm):  # its halves, below and above 0, have scales of their own
+    if isinstance(norm, TwoSlopeNorm):  # the halves below and above 0 have different scales
         ends = ((norm.vmin or 0.0, 0.0), (0.0, norm.vmax or 0.0))
         marks = {t for low, high in ends for t in _TICKS.tick_values(low, high) if low <= t <= high}
         bar.set_ticks(sorted(marks))
@@ -85,7 +85,7 @@ def draw_cells(
 
 
 HEAT_CELL = 0.05
-"""Metres. The side of a cell."""
+"""Metres. Side of a cell."""
 
 
 @styled()
@@ -145,33 +145,33 @@ def time_covered(run: Outcome) -> Array:
 
 
 def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) -> Array:
-    """Return the time for which the body's centre was in each cell."""
+    """Return the time (s) for which the body's centre was in each cell."""
     west, south, *_ = plan.boundary.bounds
     rows, columns = cells_of(plan, HEAT_CELL)
     times, lengths = moments(motion, begin, end)
     x, y = motion.position(times).reshape(-1, 2).T
     edges = ((south, south + rows * HEAT_CELL), (west, west + columns * HEAT_CELL))
-    found = np.histogram2d(y, x, (rows, columns), edges, weights=lengths)
-    return np.asarray(found[0])
+    histogram = np.histogram2d(y, x, (rows, columns), edges, weights=lengths)
+    return np.asarray(histogram[0])
 
 
 DENSITY_CELL = 0.1
-"""Metres. The side of a cell."""
+"""Metres. Side of a cell."""
 
 KERNEL = 1.0
 """Metres. Full width at half maximum of the Gaussian over which a person is spread."""
 
 STEP = 0.1
-"""Seconds between two looks at where people are."""
+"""Seconds between two samples."""
 
 MOST_LOOKS = 20_000
-"""Number of looks; of a long run they are further apart."""
+"""Maximum number of samples."""
 
 AT_ONCE = 1000
-"""Number of looks that are worked out together."""
+"""Number of samples that are evaluated together."""
 
 FAINT = 0.01
-"""Share of the highest density below which nothing is shown."""
+"""Share of the highest density below which cells are empty."""
 
 Of = Literal["density", "speed"]
 
@@ -264,7 +264,7 @@ def _gaussian(middles: Array, places: Array) -> Array:
 
 
 _BAR = 0.7
-"""Inches. The width of the bar of colours."""
+"""Inches. Width of the colour bar."""
 
 _NEVER = "Nobody was nearer than required for any time: violations, if any, ended at once."
 
@@ -298,15 +298,15 @@ def risk_map(
     if not any(run.scene.people and run.scene.machines for run in several):
         raise UserError("a risk map needs a person and a machine; there is no such pair")
     plan = several[0].floorplan
-    found = risk_of_all([risk(run, of) for run in several], of)
-    return drawn_risk(plan, several[0].scene.machines, found, of=of, width=width)
+    joint = risk_of_all([risk(run, of) for run in several], of)
+    return drawn_risk(plan, several[0].scene.machines, joint, of=of, width=width)
 
 
 @styled()
 def drawn_risk(
     plan: Floorplan,
     machines: Iterable[MachineShape],
-    found: Array,
+    values: Array,
     *,
     of: Risk = "margin",
     width: Width = "double",
@@ -314,13 +314,13 @@ def drawn_risk(
     """Draw the risk in each cell (rows, columns) of a floor."""
     norm: Normalize
     if of == "margin":
-        shown, label = np.ma.masked_invalid(found), "least margin to the required distance (m)"
+        shown, label = np.ma.masked_invalid(values), "least margin to the required distance (m)"
         worst = min(float(shown.min()) if shown.count() else 0.0, -0.1)
         best = max(float(shown.max()) if shown.count() else 0.0, 0.1)
         norm, colours = TwoSlopeNorm(0.0, worst, best), "RdYlBu"
     else:
-        shown = np.ma.masked_less_equal(found, 0.0)
-        most = max(float(found.max()), 0.1)
+        shown = np.ma.masked_less_equal(values, 0.0)
+        most = max(float(values.max()), 0.1)
         if of == "time":
             label, norm = "time nearer than required (s)", LogNorm(most / 1000, most)
         else:

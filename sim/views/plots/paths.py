@@ -1,4 +1,4 @@
-"""Figures of a planned path and of the trails of people and machines."""
+"""Figures of a planned path, and of the paths of people and machines."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ from .style import (
 )
 
 STEP = 0.05
-"""Metres along the path between two places at which the clearance is taken."""
+"""Metres along the path between two samples of the clearance."""
 
 FAR = 1.0
-"""Metres. More clearance than this is not shown on the floor."""
+"""Metres. Maximum clearance that is drawn on the floor."""
 
 _BELOW = 1.4
-"""Inches for the profile below the floor."""
+"""Inches. Height of the profile below the floor."""
 
 _NARROWEST: dict[str, Any] = {
     "marker": "o",
@@ -90,7 +90,10 @@ def path(world: CollisionWorld, planned: Path, *, radius: float, width: Width = 
 
 
 def _places(path: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return distances along a path (N,) and the points there (N, 2), metres; corners included."""
+    """Return distances along a path (N,) and the points there (N, 2), with corners.
+
+    Units are metres.
+    """
     legs = np.hypot(*np.diff(path, axis=0).T)
     corners = np.concatenate([[0.0], np.cumsum(legs)])
     count = max(2, int(np.ceil(corners[-1] / STEP)) + 1)
@@ -117,7 +120,7 @@ def _draw_profile(
     axes.fill_between(along, clearances, color=BLUE, alpha=0.15, linewidth=0)
     axes.axhline(radius, color=GREY, linewidth=0.8, linestyle="--")
     narrow = int(clearances.argmin())
-    # Its name stands at the end that is farther from the narrowest place, which has a figure.
+    # The label is at the end that is farther from the labelled narrowest point.
     at, away, aligned = (0.0, 2, "left") if along[narrow] > along[-1] / 2 else (1.0, -2, "right")
     axes.annotate(
         f"radius {radius:g} m",
@@ -149,26 +152,26 @@ TRAIL = 8.0
 """Duration in seconds of the path that is drawn behind a body."""
 
 MOST_FIELDS = 20
-"""Stops by protective fields that are drawn, the latest."""
+"""Maximum number of stops by protective fields that are drawn, the latest ones."""
 
 INSTANT = 1e-6
-"""Seconds. A shorter time is no stretch of a path."""
+"""Seconds. Shorter times make no path."""
 
 _THIN = 1.0
-"""Points. The line of the person who is drawn last."""
+"""Points. Line width of the person who is drawn last."""
 
 _EDGES = 2.4
-"""Points by which the line of each person before is wider, so that it shows on both sides."""
+"""Points by which the line of each earlier person is wider, so that it shows on both sides."""
 
 _WIDEST = 5.8
-"""Points. Of several people the edges are smaller, so that no line is wider than this."""
+"""Points. Maximum line width of several people."""
 
 _GAP = 0.3
-"""The white on both sides of a line, as a share of the edges: tells greys apart, too."""
+"""White on both sides of a line as a share of the edges, which separates similar greys."""
 
 
 _ABBREVIATION = 3
-"""A kind of no more letters than this is one, and written in capitals."""
+"""Maximum number of letters of a kind that is written in capitals."""
 
 
 @styled()
@@ -266,10 +269,10 @@ def _outline(run: Outcome, name: str, t: float) -> Polygon:
 def _draw_path(
     axes: Axes, run: Outcome, body: str, span: Span, *, edged: bool = True, named: bool = True
 ) -> Array:
-    """Draw the path of a body; return its points (N, 2), NaN where it is broken.
+    """Draw the path of a body. Return its points (N, 2), with NaN at breaks.
 
-    If `edged`, lines of people have different widths, so that one shows below another. A person
-    stands in the legend if `named`.
+    If `edged`, lines of people have different widths, so that one shows below another. The legend
+    contains a person if `named`.
     """
     motion = run.motions[body]
     there = while_present(run, body, span)
@@ -305,6 +308,6 @@ def _draw_path(
 
 
 def _once(axes: Axes, kind: str) -> str:
-    """Return the label of a kind of machine, hidden from the legend where it stands already."""
+    """Return the label of a kind of machine, hidden if the legend contains it already."""
     name = kind.upper() if len(kind) <= _ABBREVIATION else kind.replace("_", " ")
     return f"_{name}" if name in axes.get_legend_handles_labels()[1] else name

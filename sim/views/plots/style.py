@@ -1,7 +1,7 @@
 """Style of figures, sample times of curves, marks of violations, and embedding in pages.
 
-Between changes of a motion all curves are smooth, and a few points a second are enough; at a
-change both sides of it are there, and at a jump the line is broken.
+Curves are smooth between changes of a motion, so that a few samples per second suffice. Changes are
+sampled on both sides, and lines are broken at jumps.
 """
 
 from __future__ import annotations
@@ -42,16 +42,17 @@ from ..report_page import (
     VERMILION,
     as_element,
     require_place,
+    svg_of,
 )
 
 Width = Literal["single", "double"]
 """The number of columns of a paper that a picture takes."""
 
 WIDTHS: dict[Width, float] = {"single": 3.5, "double": 7.16}
-"""Inches: the columns of the IEEE's journals, close to those of others."""
+"""Inches. Column widths of IEEE journals, similar to those of others."""
 
 PEOPLE = (BLUE, GREEN, PURPLE, SKY)
-"""Colours of people, in their order; from the first again where there are more."""
+"""Colours of people in order, repeated if there are more."""
 
 MACHINES: dict[Category, str] = {"robot": ORANGE, "vehicle": BLACK}
 
@@ -59,19 +60,19 @@ LONG = 3600.0
 """Seconds from which times are written as hours and minutes."""
 
 HANDY = (600.0, 900.0, 1800.0, 3600.0, 7200.0, 14400.0, 43200.0, 86400.0)
-"""Seconds between two marks of an axis of such times."""
+"""Seconds between two marks of such an axis."""
 
 MOST_NAMED = 12
-"""So many people have their names in a legend: the colours of more would say nothing."""
+"""Maximum number of people in a legend."""
 
 OF_MANY = 0.5
-"""Points. The line of each of more people than have their names."""
+"""Points. Line width of people who are not in the legend."""
 
 _LINE = 0.15
-"""Inches. The height of a line of a legend."""
+"""Inches. Height of a line of a legend."""
 
 TALL = 2.5
-"""Metres. Obstacles of this height and more are drawn darkest."""
+"""Metres. Height of obstacles from which they are drawn darkest."""
 
 _NOTEBOOK_DPI = 110
 
@@ -80,7 +81,7 @@ _METADATA: dict[str, dict[str, Any]] = {
     ".svg": {"Date": None},
     ".pdf": {"CreationDate": None},
 }
-"""Fields that are left out of each kind of file, so that no clock gets into it."""
+"""Fields that are omitted from each kind of file, because they contain the time."""
 
 FORMATS = tuple(_METADATA)
 
@@ -115,10 +116,10 @@ _SETTINGS: dict[str, Any] = {
 
 @contextmanager
 def styled(**more: Any) -> Iterator[None]:
-    """Let everything look so in this context, or function, whatever the user's settings.
+    """Apply the style of Floorwalker in this context or function, whatever the user's settings.
 
-    `more` are further settings of Matplotlib's. Its warnings about characters that the font lacks,
-    one for each time that a name is measured or drawn, are not shown: they are drawn as boxes.
+    `more` are further settings of Matplotlib. Its repeated warnings about characters that the font
+    lacks are hidden. These characters are drawn as boxes.
     """
     looks = matplotlib.style.context({**_SETTINGS, **more}, after_reset=True)
     with warnings.catch_warnings(), looks:
@@ -129,7 +130,7 @@ def styled(**more: Any) -> Iterator[None]:
 def new_figure(width: Width, height: float) -> Figure:
     """Return an empty figure, `height` inches high, with constrained layout."""
     figure = Figure(figsize=(inches(width), height), layout="constrained")
-    # A notebook shows figures by themselves only where pyplot has been imported.
+    # Notebooks show figures themselves only if pyplot has been imported.
     figure._repr_png_ = partial(_as_png, figure)  # type: ignore[attr-defined]
     return figure
 
@@ -141,12 +142,16 @@ def _as_png(figure: Figure) -> bytes:
     return picture.getvalue()
 
 
-def as_svg(figure: Figure, name: str) -> str:
-    """Return a figure as the text of an SVG file; its `name` is that of no other on its page."""
-    text = io.StringIO()
-    with styled(**{"svg.hashsalt": name}):
-        figure.savefig(text, format="svg", metadata=_METADATA[".svg"])
-    return text.getvalue()
+def settle(figure: Figure) -> Figure:
+    """Execute the layout of a figure once before it is drawn, and return the figure.
+
+    Beside a colour bar, axes with equal scales end up narrower than the layout assumes. The next
+    execution takes their width into account.
+    """
+    engine = figure.get_layout_engine()
+    assert engine is not None  # as of `new_figure`
+    engine.execute(figure)
+    return figure
 
 
 @styled()
@@ -194,30 +199,30 @@ def require_savable(path: str | Path) -> None:
 
 
 def inches(width: Width) -> float:
-    """Return the width of a picture; `ValueError` if it is not that of one column or two."""
+    """Return the width (inches) of a picture. `ValueError` if `width` is unknown."""
     if width not in WIDTHS:
         raise UserError(f"a picture is {' or '.join(WIDTHS)} column wide, not {width!r}")
     return WIDTHS[width]
 
 
 def explain(figure: Figure, axes: Iterable[Axes], width: Width) -> None:
-    """Put a legend of everything with a label in `axes` above the picture, if there is any.
+    """Put a legend of all labels in `axes` above the picture.
 
-    The picture grows by what has no room in one line.
+    The height of the picture grows with the number of lines.
     """
-    known: dict[str, Any] = {}
+    labelled: dict[str, Any] = {}
     for one in axes:
         handles, labels = one.get_legend_handles_labels()
-        known |= dict(zip(labels, handles, strict=True))
-    if known:
-        columns = min(len(known), 6 if width == "double" else 2)
-        figure.legend(known.values(), known.keys(), loc="outside upper center", ncols=columns)
-        lines = math.ceil(len(known) / columns)
+        labelled |= dict(zip(labels, handles, strict=True))
+    if labelled:
+        columns = min(len(labelled), 6 if width == "double" else 2)
+        figure.legend(labelled.values(), labelled.keys(), loc="outside upper center", ncols=columns)
+        lines = math.ceil(len(labelled) / columns)
         figure.set_figheight(figure.get_figheight() + (lines - 1) * _LINE)
 
 
 def label_time(axes: Axes, span: float) -> None:
-    """Label the x axis of time, `span` seconds of it: in seconds, or of many in h:mm."""
+    """Label the x axis of `span` seconds of time, in seconds or as h:mm."""
     if span < LONG:
         axes.set_xlabel("time (s)")
         return
@@ -228,44 +233,43 @@ def label_time(axes: Axes, span: float) -> None:
 
 
 def person_colour(index: int) -> str:
-    """Return the colour of the person at this place in the order of people."""
+    """Return the colour of the person with this index."""
     return PEOPLE[index % len(PEOPLE)]
 
 
 def person_label(name: str, count: int) -> str:
-    """Return the label of one of `count` people, hidden from the legend where they are many."""
+    """Return the label of one of `count` people, hidden from the legend if there are many."""
     return name if are_few(count) else f"_{name}"
 
 
 def are_few(count: int) -> bool:
-    """Return True if so many people can be told apart in a picture."""
+    """Return True if this number of people can be distinguished in a picture."""
     return count <= MOST_NAMED
 
 
 def obstacle_shade(obstacle: Obstacle) -> float:
-    """Return the lightness of an obstacle, from 0 to 1: the higher the darker."""
+    """Return the lightness of an obstacle from 0 to 1. Higher obstacles are darker."""
     return 0.86 - 0.42 * min(obstacle.top / TALL, 1.0)
 
 
 Array = NDArray[np.float64]
 
 STEP = 0.1
-"""Seconds. The longest step between two instants of a curve."""
+"""Seconds. Maximum interval between samples of a curve."""
 
 
 def while_present(run: Outcome, body: str, span: Span) -> Span | None:
-    """Return the part of `span` in which a body is on the floor, None if it never is."""
+    """Return the part of `span` in which a body is on the floor, or None if it never is."""
     begin, end = run.presence[body]
     begin, end = max(span[0], begin), min(span[1], end)
     return (begin, end) if begin < end else None
 
 
 def instants(motions: Sequence[Motion], begin: float, end: float) -> Array:
-    """Return instants (N,) to draw these motions from `begin` to just before `end` (seconds).
+    """Return times (N,) to draw motions from `begin` to just before `end` (s).
 
-    Every change is there twice: as the last instant before it, and as itself. Where a body is
-    put elsewhere, NaN stands between the two, so that no line is drawn across. Straight stretches
-    of a single motion have their ends only.
+    Every change has two samples, one just before it. NaN separates them at a teleport, so that the
+    line is broken. Straight stretches of a single motion have only their ends.
     """
     changes = {begin, end}
     for motion in motions:
@@ -296,7 +300,7 @@ def speeds(motion: Motion, t: Array) -> Array:
 
 
 def breaches(run: Outcome, span: Span) -> list[tuple[float, Point]]:
-    """Return instant (seconds) and place of the person for every violation within `span`."""
+    """Return time (s) and position of the person for every violation within `span`."""
     begin, end = span
     return sorted(
         (t, run.motions[person].state_before(t).at)
@@ -307,7 +311,7 @@ def breaches(run: Outcome, span: Span) -> list[tuple[float, Point]]:
 
 
 def mark_breaches(axes: Axes, places: Sequence[Point]) -> None:
-    """Mark the `places` of violations on `axes`."""
+    """Mark the positions of violations."""
     if places:
         axes.plot(
             *zip(*places, strict=True),
@@ -322,7 +326,7 @@ def mark_breaches(axes: Axes, places: Sequence[Point]) -> None:
 
 
 def disabled_spans(run: Outcome, machine: str) -> list[Span]:
-    """Return begin and end (seconds) of the times in which a machine was disabled."""
+    """Return begin and end (s) of the intervals in which a machine was disabled."""
     spans: list[Span] = []
     since: float | None = None
     for event in run.events:
@@ -337,6 +341,7 @@ def disabled_spans(run: Outcome, machine: str) -> list[Span]:
 
 
 def figure_element(figure: Figure, name: str, words: str) -> str:
-    """Return a figure as an SVG element; `name` is that of no other on the page."""
-    drawn = as_element(as_svg(figure, name))
+    """Return a figure as an SVG element. Its `name` is unique on the page."""
+    with styled(**{"svg.hashsalt": name}):
+        drawn = as_element(svg_of(figure))
     return drawn.replace("<svg", f'<svg role="img" aria-label="{html.escape(words)}"', 1)

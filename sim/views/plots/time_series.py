@@ -40,25 +40,25 @@ from .style import (
 )
 
 SHOWN = 3.0
-"""Distances of more than this many times the largest required one are cut off."""
+"""Multiple of the largest required distance above which distances are cut off."""
 
 ALWAYS_SHOWN = 4.0
 """Metres. Shorter distances are not cut off."""
 
 COLUMNS = 400
-"""A long run is drawn in so many columns of equal time."""
+"""Number of columns of equal duration in which a long run is drawn."""
 
 DENSEST = 12
-"""Instants in a column, from which a run is a long one: its curves would be a solid block."""
+"""Number of samples per column from which a run is drawn in columns instead of curves."""
 
 MARKS = 60
-"""Of a long run's violations, no more marks than this stand above the plot."""
+"""Maximum number of marks of violations."""
 
 MOST = 6
-"""So many pairs are drawn, a page of them, where there are more and nobody was named."""
+"""Maximum number of pairs that are drawn without a selection."""
 
 _SEPARATION_PANEL = 1.9
-"""Inches. The height of one pair's panel."""
+"""Inches. Height of one pair's panel."""
 
 _DASHES = (
     "-",
@@ -68,10 +68,10 @@ _DASHES = (
     (0, (8, 3)),
     (0, (3, 1, 1, 1, 1, 1)),
 )
-"""Styles of the lines of vehicles, of which there are several."""
+"""Line styles of several vehicles."""
 
 _ALIKE = 3
-"""Decimals. Margins (metres) that are the same to so many count as equal."""
+"""Decimals of margins (m) that are compared."""
 
 Pair = tuple[str, str]
 
@@ -143,11 +143,11 @@ def _pairs(run: Outcome, named: Sequence[str] | None, machine: str | None) -> li
     machines = [machine.name for machine in run.scene.machines]
     if not (people and machines):
         raise UserError("a separation needs a person and a machine; this run has no such pair")
-    asked = [(name, people, "person") for name in named or ()]
-    asked += [(name, machines, "machine") for name in (machine,) if name is not None]
-    for name, known, what in asked:
-        if name not in known:
-            raise UserError(f"no {what} is called {name!r} (there are: {', '.join(known)})")
+    wanted = [(name, people, "person") for name in named or ()]
+    wanted += [(name, machines, "machine") for name in (machine,) if name is not None]
+    for name, names, what in wanted:
+        if name not in names:
+            raise UserError(f"no {what} is called {name!r} (there are: {', '.join(names)})")
     chosen = [name for name in people if named is None or name in named]
     pairs = [[(name, body) for body in machines] for name in chosen]
     if machine is not None:
@@ -156,7 +156,7 @@ def _pairs(run: Outcome, named: Sequence[str] | None, machine: str | None) -> li
 
 
 def _order(run: Outcome, pair: Pair) -> tuple[bool, float, float]:
-    """Robots before vehicles; those by the time too close, then as they set out."""
+    """Return the sort key of a pair: robots before vehicles, then time too close, then start."""
     motion = run.motions[pair[1]]
     sets_out = min((piece.begin for piece in motion.pieces if piece.moves), default=np.inf)
     is_robot = run.scene.machine(pair[1]).category == "robot"
@@ -169,12 +169,12 @@ def _nearest(run: Outcome, pairs: list[Pair], span: Span) -> tuple[list[Pair], s
 
     Equal margins are ordered by the number of violations, then by distance.
     """
-    # A person who is put elsewhere as they appear was never seen where the violation was.
+    # A person who is teleported immediately has no sample at the position of the violation.
     violations: dict[Pair, list[float]] = {pair: [] for pair in pairs}
     for event in run.events:
         if event["kind"] == "violation" and span[0] <= event["t"] <= span[1]:
-            found = violations.get((event["person"], event["with"]), [])
-            found.append(event["distance"] - event["required"])
+            margins = violations.get((event["person"], event["with"]), [])
+            margins.append(event["distance"] - event["required"])
 
     def order(pair: Pair) -> tuple[float, int, float]:
         _, distance, required = _curves(run, pair, span)
@@ -191,7 +191,7 @@ def _nearest(run: Outcome, pairs: list[Pair], span: Span) -> tuple[list[Pair], s
 
 
 def _curves(run: Outcome, pair: Pair, span: Span) -> tuple[Array, Array, Array]:
-    """Return instants (s), distances and required distances (m): (N,), NaN where none is."""
+    """Return times (s), distances and required distances (m), (N,) each, NaN if there is none."""
     t = instants([run.motions[name] for name in pair], *span)
     return t, run.distance(*pair, t), _required(run, pair, t)
 
@@ -228,16 +228,16 @@ def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
 
 
 def _draw_columns(axes: Axes, t: Array, distance: Array, required: Array, span: Span) -> None:
-    """Draw what is too dense for curves: in each column of time the ends of what was there."""
+    """Draw the range of dense curves in each column of time."""
     edges = np.linspace(*span, COLUMNS + 1)
-    known = np.isfinite(distance)
-    column = np.clip(np.searchsorted(edges, t[known], "right") - 1, 0, COLUMNS - 1)
+    is_finite = np.isfinite(distance)
+    column = np.clip(np.searchsorted(edges, t[is_finite], "right") - 1, 0, COLUMNS - 1)
     nearest = np.full(COLUMNS, np.inf)
     farthest = np.full(COLUMNS, -np.inf)
     largest = np.full(COLUMNS, -np.inf)
-    np.minimum.at(nearest, column, distance[known])
-    np.maximum.at(farthest, column, distance[known])
-    np.fmax.at(largest, column, required[known])
+    np.minimum.at(nearest, column, distance[is_finite])
+    np.maximum.at(farthest, column, distance[is_finite])
+    np.fmax.at(largest, column, required[is_finite])
     for ends in (nearest, farthest, largest):
         ends[~np.isfinite(ends)] = np.nan
     middles = (edges[1:] + edges[:-1]) / 2
@@ -254,26 +254,28 @@ def _draw_columns(axes: Axes, t: Array, distance: Array, required: Array, span: 
 
 
 def _required(run: Outcome, pair: Pair, t: Array) -> Array:
-    """Return the required distance at these instants (N,), metres; NaN where there is none."""
+    """Return the required distances (m) at these times (N,), NaN if there is none."""
     required = np.full(len(t), np.nan)
-    known = ~np.isnan(t)
-    required[known] = run.required(*pair, t[known])
+    is_sampled = ~np.isnan(t)
+    required[is_sampled] = run.required(*pair, t[is_sampled])
     if run.scene.machine(pair[1]).category == "vehicle":
         motion, shapes = run.motions[pair[1]], run.scene.shapes(*pair)
         pace = speeds(motion, t)
         if shapes is not None:
-            pace[known] = np.maximum(pace[known], shapes.reach * _turning(motion, t[known]))
-        required[known & ~(pace > STANDING_SPEED)] = np.nan
+            pace[is_sampled] = np.maximum(
+                pace[is_sampled], shapes.reach * _turning(motion, t[is_sampled])
+            )
+        required[is_sampled & ~(pace > STANDING_SPEED)] = np.nan
     return required
 
 
 def _turning(motion: Motion, t: Array) -> Array:
-    """Return how fast a body turns at `t` (N,), rad/s."""
+    """Return the turn rate (rad/s) of a body at `t` (N,)."""
     return np.asarray(np.abs(motion.cubics(t)[:, 2, 1]))
 
 
 def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
-    """Mark the begin of each violation, and shade the time that it lasted."""
+    """Mark the begin of each violation, and shade its duration."""
     begin, end = span
     intervals = run.violations.get(pair, ())
     seen = [(max(a, begin), min(b, end)) for a, b in intervals if b >= begin and a <= end]
@@ -301,7 +303,7 @@ def _mark_violations(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
 
 
 def _mark_disabled(axes: Axes, run: Outcome, machine: str) -> None:
-    """Draw a bar at the bottom for the time in which the machine was disabled."""
+    """Draw a bar at the bottom while the machine was disabled."""
     bars = [(begin, end - begin) for begin, end in disabled_spans(run, machine)]
     if bars and len(bars) <= COLUMNS / 4:
         axes.broken_barh(
@@ -315,7 +317,7 @@ def _mark_disabled(axes: Axes, run: Outcome, machine: str) -> None:
 
 
 _SPACE_TIME_PANEL = 2.3
-"""Inches. The height of one axis's panel."""
+"""Inches. Height of one axis's panel."""
 
 
 @styled()
@@ -356,7 +358,7 @@ def space_time(run: Outcome, *, within: Span | None = None, width: Width = "doub
 
 
 def _shown(run: Outcome) -> list[str]:
-    """Machines that move at all, robots in any case, and then people."""
+    """Return robots, machines that move, and then people."""
     return [*_shown_machines(run), *(person.name for person in run.scene.people)]
 
 
@@ -386,7 +388,7 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
         machine = run.scene.machine(body)
         half = _half_extent(machine, motion, t, axis)
         colour = MACHINES[machine.category]
-        # Vehicles that no dashes tell apart have their names at their bands.
+        # Vehicles without their own dashes are named beside their bands.
         label = body if machine.category == "robot" or dashes else f"_{body}"
     line, shade = (0.9, 0.3) if body not in people or are_few(len(people)) else (OF_MANY, 0.15)
     axes.fill_between(t, at - half, at + half, facecolor=colour, alpha=shade, linewidth=0)
@@ -396,7 +398,7 @@ def _draw_body(axes: Axes, run: Outcome, body: str, axis: int, span: Span) -> No
 
 
 def _dashes(run: Outcome, vehicle: str) -> Any:
-    """Return the style of a vehicle's line if there are several, but few; otherwise None."""
+    """Return the style of a vehicle's line, or None if there is one vehicle or too many."""
     vehicles = [
         name for name in _shown_machines(run) if run.scene.machine(name).category != "robot"
     ]
@@ -406,7 +408,7 @@ def _dashes(run: Outcome, vehicle: str) -> Any:
 
 
 def _half_extent(machine: MachineShape, motion: Motion, t: Array, axis: int) -> Array:
-    """Return half the extent of a machine along x (0) or y (1) at these instants: (N,) metres."""
+    """Return half the extent (m) of a machine along x (0) or y (1) at these times, (N,)."""
     turn = motion.rotation(t) - axis * math.pi / 2
     return np.abs(machine.length / 2 * np.cos(turn)) + np.abs(machine.width / 2 * np.sin(turn))
 
