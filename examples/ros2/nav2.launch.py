@@ -26,9 +26,7 @@ def generate_launch_description():
                 DeclareLaunchArgument(name, default_value=str(value))
                 for name, value in zip(names, usual, strict=True)
             ),
-            ExecuteProcess(
-                cmd=["floorwalker", "ros2", trial, "--speed", speed], output="screen"
-            ),
+            ExecuteProcess(cmd=["floorwalker", "ros2", trial, "--speed", speed], output="screen"),
             IncludeLaunchDescription(
                 PythonLaunchDescriptionSource(str(nav2 / "launch" / "navigation_launch.py")),
                 launch_arguments={"use_sim_time": "true", "params_file": parameters}.items(),

@@ -117,7 +117,8 @@ class _Server:
         bodies = [f"people/{person.name}" for person in simulation.people]
         bodies += [f"machines/{name}" for name, _ in _vehicles(simulation)]
         navigators = [Navigator(ros, cell, body, plain(body.partition("/")[2])) for body in bodies]
-        self._actions = [a for one in (*navigators, *self._gantries) for a in one.actions]
+        self._actions = [action for navigator in navigators for action in navigator.actions]
+        self._actions += [action for gantry in self._gantries for action in gantry.actions]
         Control(ros, cell, self._pace, partial(self._advance_by, 1 / RATE))
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()

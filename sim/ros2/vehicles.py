@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 from ..cell import Cell, Pose, Velocity
+from ..cell.signals import SCANS
 from ..exports.scene import ROOT_FRAME
 from .messages import pose_of, set_header, set_pose, set_twist, within
 from .node import CellNode
@@ -101,7 +102,7 @@ class Vehicle:
         set_header(message.header, self._cell.now, self._laser)
         message.angle_min, message.angle_increment = scan.first, scan.step
         message.angle_max = scan.first + math.tau - scan.step
-        message.scan_time = 1 / self._scan.rate
+        message.scan_time = 1 / SCANS
         message.range_max = scan.reach
         ranges = scan.distances.astype("f")
         ranges[scan.distances >= scan.reach] = math.inf

@@ -1,5 +1,8 @@
 """Trials that tests serve."""
 
+HANG = 300.0
+"""Seconds. What takes longer hangs, however busy the machine is."""
+
 HALL = """
 floorplan:
   name: hall

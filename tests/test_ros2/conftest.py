@@ -8,13 +8,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from cells import HANG
 
 HERE = Path(__file__).parent
 FOLDER = Path(os.environ.get("FLOORWALKER_ROS", Path.home() / ".cache" / "floorwalker-ros"))
 PYTHON = FOLDER / "venv" / "bin" / "python"
 READY = FOLDER / f"wheels-{sys.implementation.cache_tag}"
-HANG = 300.0
-"""Seconds. What takes longer hangs, however busy the machine is."""
 
 
 class Ros:

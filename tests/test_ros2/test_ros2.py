@@ -4,8 +4,7 @@ import math
 
 import pytest
 import shapely
-from conftest import HANG
-from cells import GANTRY, antagonist, hall
+from cells import GANTRY, HANG, antagonist, hall
 
 import sim
 
