@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from ..cell import Cell
 from ..exports.scene import ROOT_FRAME, frame
 from .messages import set_header, set_time, set_turn
-from .node import LATCHED, CellNode, Topic
-from .vehicles import Frame, Vehicle
+from .node import LATCHED, CellNode, RosTopic
+from .vehicles import Frame, VehicleTopics
 
 
 class Frames:
@@ -17,7 +17,7 @@ class Frames:
     Besides the frames of vehicles, each body has the frame in which its markers are drawn.
     """
 
-    def __init__(self, ros: CellNode, cell: Cell, vehicles: Iterable[Vehicle]) -> None:
+    def __init__(self, ros: CellNode, cell: Cell, vehicles: Iterable[VehicleTopics]) -> None:
         self._cell = cell
         self._vehicles = tuple(vehicles)
         self._clock = ros.publish_on("/clock", "rosgraph_msgs/msg/Clock")
@@ -46,7 +46,7 @@ class Frames:
             there = [(ROOT_FRAME, frame(name), pose) for name, pose in poses if pose is not None]
             self._publish(self._moving, there)
 
-    def _publish(self, topic: Topic, frames: Iterable[Frame]) -> None:
+    def _publish(self, topic: RosTopic, frames: Iterable[Frame]) -> None:
         transforms = []
         for parent, child, pose in frames:
             one = self._transform(child_frame_id=child)

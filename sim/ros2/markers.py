@@ -11,7 +11,7 @@ from ..cell import Cell
 from ..exports import scene
 from ..exports.scene import ALARM, SAFE, Color, Shape, Thing
 from .messages import set_header, set_turn
-from .node import LATCHED, CellNode, Topic
+from .node import LATCHED, CellNode, RosTopic
 
 WIDTH = 0.04
 """Width of drawn lines, m."""
@@ -57,7 +57,7 @@ class Markers:
                     corners = [*span.set.protective, span.set.protective[0]]
                     yield Thing(f"field/{name}", scene.frame(name), (_line(corners, ALARM),))
 
-    def _publish(self, topic: Topic, things: list[Thing]) -> None:
+    def _publish(self, topic: RosTopic, things: list[Thing]) -> None:
         drawn = [
             self._drawn(thing, number, shape)
             for thing in things

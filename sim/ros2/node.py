@@ -23,8 +23,8 @@ MOST_NOTICES = 20
 """Number of different lines about rejected messages."""
 
 
-class Topic:
-    """Topic on which the cell publishes. It is never needed if its type is not installed."""
+class RosTopic:
+    """RosTopic on which the cell publishes. It is never needed if its type is not installed."""
 
     def __init__(self, publisher: Any, new: Callable[..., Any]) -> None:
         self.new = new
@@ -67,12 +67,12 @@ class CellNode:
         for package, uses in self._omitted.items():
             self._notice(f"without the ROS package {package}: no {', '.join(sorted(uses))}")
 
-    def publish_on(self, topic: str, interface: str, qos: Any = DEPTH) -> Topic:
+    def publish_on(self, topic: str, interface: str, qos: Any = DEPTH) -> RosTopic:
         """Return a topic to publish on."""
         message = self.find(interface, topic)
         if message is None:
-            return Topic(None, dict)
-        return Topic(self.node.create_publisher(message, topic, qos), message)
+            return RosTopic(None, dict)
+        return RosTopic(self.node.create_publisher(message, topic, qos), message)
 
     def subscribe(self, topic: str, interface: str, take: Callable[[Any], None]) -> Any:
         """Pass the messages of a topic on, and return the subscription, or None.

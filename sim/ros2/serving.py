@@ -27,7 +27,7 @@ from .monitoring import Monitoring
 from .navigation import Navigator
 from .node import CellNode
 from .people import People
-from .vehicles import Vehicle
+from .vehicles import VehicleTopics
 
 RATE = 50
 """Hz, in simulated time: the rate of clock, odometry and transforms."""
@@ -85,12 +85,12 @@ def serve(
     except (RuntimeError, ValueError) as why:
         raise RosError(f"ROS cannot start a node in domain {domain}, {namespace!r}: {why}") from why
     try:
-        _Server(node, simulation, speed, step, notice).run()
+        _RosServer(node, simulation, speed, step, notice).run()
     finally:
         rclpy.shutdown(context=context)
 
 
-class _Server:
+class _RosServer:
     """Node and pace of a simulation."""
 
     def __init__(
@@ -104,7 +104,7 @@ class _Server:
         self._pace = Pace(simulation, speed=speed, step=step)
         cell = Cell(simulation, self._pace)
         ros = self._ros = CellNode(node, notice)
-        self._vehicles = [Vehicle(ros, cell, *names) for names in _vehicles(simulation)]
+        self._vehicles = [VehicleTopics(ros, cell, *names) for names in _vehicles(simulation)]
         self._frames = Frames(ros, cell, self._vehicles)
         self._gantries = [
             GantryJoints(ros, cell, machine)

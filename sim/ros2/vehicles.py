@@ -19,7 +19,7 @@ Frame = tuple[str, str, Pose]
 """Parent, child, and pose of the child in the parent."""
 
 
-class Vehicle:
+class VehicleTopics:
     """Topics of a vehicle. Topics and frames begin with `prefix`.
 
     Odometry is exact, and begins at 0 where the vehicle starts. So an initial pose only confirms
