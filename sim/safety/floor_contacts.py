@@ -255,7 +255,7 @@ class FloorMonitor:
 
 @lru_cache(maxsize=4096)
 def _parts(area: BaseGeometry, outside: bool) -> tuple[Bounds, ...]:
-    """Return the bounds of an area, or of the sides of its rings if all else is covered."""
+    """Return the bounds of an area, or of the sides of its rings if the rest is covered."""
     if not outside:
         return (area.bounds,)
     rings = [shapely.get_coordinates(ring).tolist() for ring in shapely.get_rings(area)]

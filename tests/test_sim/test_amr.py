@@ -254,7 +254,7 @@ def test_a_rate_that_is_too_high(beside):
         ("at: [4, 3, 0], max_speed: .nan", "max_speed", ""),
     ],
 )
-def test_what_can_not_be_is_said_before_the_run(entry, field, message):
+def test_invalid_entrances_and_exits_are_errors_before_the_run(entry, field, message):
     found = problems(f"floorplan: warehouse\nmachines:\n  one: {{kind: amr, {entry}}}\n")
     assert len(found) == 1
     assert found[0][0] == f"machines.one.{field}" and message in found[0][1]

@@ -52,7 +52,7 @@ def test_the_times_between_them_are_those_of_the_rate():
     assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.2)
 
 
-def test_who_comes_when_depends_on_their_number_alone():
+def test_the_time_of_an_arrival_depends_only_on_its_number():
     """However many come, and in whatever order they are asked; each waits for those before."""
 
     def arrival(number):
