@@ -9,15 +9,15 @@ from rclpy.action import CancelResponse, GoalResponse
 from rclpy.task import Future
 
 from ..cell import Running
-from ..cell.tasks import CANCELLED, SUCCEEDED
+from ..cell.tasks import SUCCEEDED
 from .node import CellNode
 
 
 class Action:
     """Action that starts a task for each goal.
 
-    `start(goal)` returns the task, or raises `Rejected`. `fill(feedback, task)` and
-    `finish(result, failure)` fill in messages. The failure is empty after a success.
+    `start(goal)` returns the task, or raises `Rejected`. `fill(feedback, task)` fills in feedback.
+    The result of a failure has the error code `failed`.
     """
 
     def __init__(
@@ -28,13 +28,13 @@ class Action:
         *,
         start: Callable[[Any], Running],
         fill: Callable[[Any, Running], None],
-        finish: Callable[[Any, str], None],
+        failed: int,
     ) -> None:
         self._ros = ros
         self._name = name
         self._start = start
         self._fill = fill
-        self._finish = finish
+        self._failed = failed
         self._accepted: Running | None = None
         self._running: dict[bytes, tuple[Any, Running]] = {}
         self._type = ros.provide_action(
@@ -76,14 +76,15 @@ class Action:
         running.on_end(lambda _: end.set_result(None))
         await end
         del self._running[bytes(handle.goal_id.uuid)]
-        outcome = str(running.result)
+        result, outcome = self._type.Result(), str(running.result)
         if handle.is_cancel_requested:
             handle.canceled()
         elif outcome == SUCCEEDED:
             handle.succeed()
         else:
-            self._ros.warn(self._name, outcome)
             handle.abort()
-        result = self._type.Result()
-        self._finish(result, "" if outcome in (SUCCEEDED, CANCELLED) else outcome)
+            self._ros.warn(self._name, outcome)
+            result.error_code = self._failed
+            for text in {"error_msg", "error_string"} & result.get_fields_and_field_types().keys():
+                setattr(result, text, outcome)
         return result

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 from floorplan import Lane
@@ -53,64 +54,43 @@ KINDS: Mapping[str, _Kind] = {
 """Action of each task."""
 
 
-class Navigator:
-    """What Nav2's BasicNavigator expects, for a body ("people/NAME" or "machines/NAME").
+def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Iterator[Action]:
+    """Provide what Nav2's BasicNavigator expects of "people/NAME" or "machines/NAME".
 
-    The names begin with the name of the body, so that Nav2's own navigation has its names.
+    The names begin with the name of the body, so that the names of Nav2 remain free.
     """
+    read_velocity = cell.signals[f"{body}/velocity"].read
+    machine = cell.simulation.machines.get(body.removeprefix("machines/"))
+    lane = machine.lane if isinstance(machine, Agv) else None
 
-    def __init__(self, ros: CellNode, cell: Cell, body: str, namespace: str) -> None:
-        self._cell = cell
-        machine = cell.simulation.machines.get(body.removeprefix("machines/"))
-        self._lane = machine.lane if isinstance(machine, Agv) else None
-        self._read_velocity = cell.signals[f"{body}/velocity"].read
-        self.actions = [
-            Action(
-                ros,
-                f"{namespace}/{kind.name}",
-                f"nav2_msgs/action/{kind.interface}",
-                start=self._starting(f"{body}/{task}", kind),
-                fill=self._fill,
-                finish=self._finishing(kind),
-            )
-            for task, kind in KINDS.items()
-            if f"{body}/{task}" in cell.tasks
-        ]
-        if self.actions:
-            name = f"{namespace}/bt_navigator/get_state"
-            ros.provide(name, "lifecycle_msgs/srv/GetState", _answer_active)
+    def start(task: str, goal: Any) -> Running:
+        target = KINDS[task].goal(goal)
+        return cell.tasks[f"{body}/{task}"].start(
+            target if lane is None else _on_lane(lane, target)
+        )
 
-    def _starting(self, task: str, kind: _Kind) -> Callable[[Any], Running]:
-        def start(goal: Any) -> Running:
-            target = kind.goal(goal)
-            return self._cell.tasks[task].start(
-                target if self._lane is None else _on_lane(self._lane, target)
-            )
-
-        return start
-
-    def _fill(self, feedback: Any, running: Running) -> None:
+    def fill(feedback: Any, running: Running) -> None:
         progress = running.feedback()
         if hasattr(feedback, "distance_to_goal"):  # of FollowPath
-            velocity = self._read_velocity()
+            velocity = read_velocity()
             feedback.distance_to_goal = float(progress.remaining)
             feedback.speed = math.hypot(velocity.x, velocity.y)
             return
-        set_header(feedback.current_pose.header, self._cell.now)
+        set_header(feedback.current_pose.header, cell.now)
         set_pose(feedback.current_pose.pose, progress.pose)
         set_time(feedback.navigation_time, progress.elapsed)
         feedback.distance_remaining = float(progress.remaining)
         if hasattr(feedback, "number_of_poses_remaining"):  # of NavigateThroughPoses
             feedback.number_of_poses_remaining = progress.waypoints
 
-    def _finishing(self, kind: _Kind) -> Callable[[Any, str], None]:
-        def finish(result: Any, failure: str) -> None:
-            if failure:
-                result.error_code = kind.unknown
-                if hasattr(result, "error_msg"):  # since Kilted
-                    result.error_msg = failure
-
-        return finish
+    ros.provide(
+        f"{namespace}/bt_navigator/get_state", "lifecycle_msgs/srv/GetState", _answer_active
+    )
+    for task, kind in KINDS.items():
+        if f"{body}/{task}" in cell.tasks:
+            name, interface = f"{namespace}/{kind.name}", f"nav2_msgs/action/{kind.interface}"
+            starting = partial(start, task)
+            yield Action(ros, name, interface, start=starting, fill=fill, failed=kind.unknown)
 
 
 def _answer_active(_: Any, response: Any) -> Any:

@@ -24,7 +24,7 @@ MOST_NOTICES = 20
 
 
 class RosTopic:
-    """Topic on which the cell publishes. It is never needed if its type is not installed."""
+    """RosTopic on which the cell publishes. It is never needed if its type is not installed."""
 
     def __init__(self, publisher: Any, new: Callable[..., Any]) -> None:
         self.new = new

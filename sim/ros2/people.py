@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..cell import Cell, Pose, Velocity
+from ..core.recorder import Figure
 from .messages import seconds, set_header, set_pose, set_twist
 from .node import CellNode
 
-
-class Here(NamedTuple):
-    """Person on the floor: number, name, radius (m), pose and velocity."""
-
-    number: int
-    name: str
-    radius: float
-    pose: Pose
-    velocity: Velocity
+Here = tuple[Figure, int, Pose, Velocity]
+"""Figure, number, pose and velocity of a person on the floor."""
 
 
 class People:
@@ -59,34 +53,34 @@ class People:
                 topic.publish(message)
 
     def _here(self) -> Iterator[Here]:
-        signals = self._cell.signals
         for number, person in enumerate(self._cell.simulation.scene.people):
-            pose = signals[f"people/{person.name}/pose"].read()
+            pose, velocity = (
+                self._cell.signals[f"people/{person.name}/{name}"].read()
+                for name in ("pose", "velocity")
+            )
             if pose is not None:
-                velocity = signals[f"people/{person.name}/velocity"].read()
-                yield Here(number, person.name, person.radius, pose, velocity)
+                yield person, number, pose, velocity
 
     def _fill_people(self, message: Any) -> None:
-        for here in self._here():
-            person = self._person(name=here.name, reliability=1.0)
-            person.position.x, person.position.y = here.pose.x, here.pose.y
-            person.velocity.x, person.velocity.y = here.velocity.x, here.velocity.y
+        for figure, _, pose, velocity in self._here():
+            person = self._person(name=figure.name, reliability=1.0)
+            person.position.x, person.position.y = pose.x, pose.y
+            person.velocity.x, person.velocity.y = velocity.x, velocity.y
             message.people.append(person)
 
     def _fill_poses(self, message: Any) -> None:
-        for here in self._here():
-            pose = self._pose()
-            set_pose(pose, here.pose)
-            message.poses.append(pose)
+        for _, _, pose, _ in self._here():
+            message.poses.append(self._pose())
+            set_pose(message.poses[-1], pose)
 
     def _fill_agents(self, message: Any) -> None:
-        for here in self._here():
-            agent = self._agent(id=here.number, name=here.name, radius=here.radius)
+        for figure, number, pose, velocity in self._here():
+            agent = self._agent(id=number, name=figure.name, radius=figure.radius)
             agent.type = agent.PERSON
-            set_pose(agent.position, here.pose)
-            set_twist(agent.velocity, here.velocity)
-            agent.yaw, agent.angular_vel = here.pose.heading, here.velocity.turn
-            agent.linear_vel = math.hypot(here.velocity.x, here.velocity.y)
+            set_pose(agent.position, pose)
+            set_twist(agent.velocity, velocity)
+            agent.yaw, agent.angular_vel = pose.heading, velocity.turn
+            agent.linear_vel = math.hypot(velocity.x, velocity.y)
             message.agents.append(agent)
 
     def _compute(self, request: Any, response: Any) -> Any:

@@ -19,15 +19,12 @@ from ..machines.amr.amr import Amr
 from ..machines.gantry.robot import GantryRobot
 from ..simulation import Simulation
 from .control import Control
-from .floor import publish_map
-from .frames import Frames
-from .gantry import GantryJoints
-from .markers import Markers
-from .monitoring import Monitoring
-from .navigation import Navigator
+from .frames import Frames, publish_map
+from .machines import GantryJoints, VehicleTopics
+from .monitoring import Markers, Monitoring
+from .navigation import navigation_of
 from .node import CellNode
 from .people import People
-from .vehicles import VehicleTopics
 
 RATE = 50
 """Hz, in simulated time: the rate of clock, odometry and transforms."""
@@ -62,7 +59,7 @@ def serve(
     simulation : Simulation
         Simulation, which is started. The caller finishes it.
     domain : int, optional
-        Domain of ROS. By default `ROS_DOMAIN_ID` decides.
+        Domain of ROS, by default `ROS_DOMAIN_ID`.
     namespace : str, optional
         Namespace of topics, services and actions, except `/clock`, `/tf`, `/tf_static` and
         `/diagnostics`.
@@ -116,9 +113,10 @@ class _RosServer:
         self._monitoring = Monitoring(ros, cell)
         bodies = [f"people/{person.name}" for person in simulation.people]
         bodies += [f"machines/{name}" for name, _ in _vehicles(simulation)]
-        navigators = [Navigator(ros, cell, body, plain(body.partition("/")[2])) for body in bodies]
-        self._actions = [action for navigator in navigators for action in navigator.actions]
-        self._actions += [action for gantry in self._gantries for action in gantry.actions]
+        self._actions = [
+            *(action for gantry in self._gantries for action in gantry.actions),
+            *(a for b in bodies for a in navigation_of(ros, cell, b, plain(b.partition("/")[2]))),
+        ]
         Control(ros, cell, self._pace, partial(self._advance_by, 1 / RATE))
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()
