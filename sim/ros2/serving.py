@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
 import rclpy
@@ -102,33 +102,42 @@ class _RosServer:
         cell = Cell(simulation, self._pace)
         ros = self._ros = CellNode(node, notice)
         self._vehicles = [VehicleTopics(ros, cell, *names) for names in _vehicles(simulation)]
-        self._frames = Frames(ros, cell, self._vehicles)
-        self._gantries = [
+        frames, monitoring = Frames(ros, cell, self._vehicles), Monitoring(ros, cell)
+        self._state = [
+            frames.publish_clock,
+            frames.publish_vehicles,
+            *(vehicle.publish_odometry for vehicle in self._vehicles),
+            monitoring.publish_events,
+        ]
+        gantries = [
             GantryJoints(ros, cell, machine)
             for machine in simulation.machines.values()
             if isinstance(machine, GantryRobot)
         ]
-        self._people = People(ros, cell, self._advance_by)
-        self._markers = Markers(ros, cell)
-        self._monitoring = Monitoring(ros, cell)
+        actions = [action for gantry in gantries for action in gantry.actions]
         bodies = [f"people/{person.name}" for person in simulation.people]
         bodies += [f"machines/{name}" for name, _ in _vehicles(simulation)]
-        self._actions = [
-            *(action for gantry in self._gantries for action in gantry.actions),
-            *(a for b in bodies for a in navigation_of(ros, cell, b, plain(b.partition("/")[2]))),
+        for body in bodies:
+            actions += navigation_of(ros, cell, body, plain(body.partition("/")[2]))
+        slowly = [
+            frames.publish_bodies,
+            People(ros, cell, self._advance_by).publish,
+            Markers(ros, cell).publish,
+            *(vehicle.publish_scan for vehicle in self._vehicles),
+            *(each.publish for each in gantries),
+            *(each.publish for each in actions),
         ]
         Control(ros, cell, self._pace, partial(self._advance_by, 1 / RATE))
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(node)
-        self._publish_state()
-        self._pace.every(1 / RATE, self._publish_state)
-        self._pace.every(1 / SLOWLY, self._publish_slowly)
-        self._pace.every(1 / DIAGNOSTICS, self._monitoring.publish_diagnostics)
-        notice(
-            f"serving {node.get_fully_qualified_name()} in domain {node.context.get_domain_id()}"
-        )
+        _publish(self._state)
+        self._pace.every(1 / RATE, partial(_publish, self._state))
+        self._pace.every(1 / SLOWLY, partial(_publish, slowly))
+        self._pace.every(1 / DIAGNOSTICS, monitoring.publish_diagnostics)
+        domain = node.context.get_domain_id()
+        notice(f"serving {node.get_fully_qualified_name()} in domain {domain}")
 
     def run(self) -> None:
         """Serve until the trial is over or stopped."""
@@ -144,7 +153,7 @@ class _RosServer:
             if self._runs and pace.give_up():
                 self._ros.warn("speed", f"this machine is too slow for --speed {pace.speed:g}")
         pace.check()
-        self._publish_state()
+        _publish(self._state)
 
     @property
     def _runs(self) -> bool:
@@ -158,21 +167,10 @@ class _RosServer:
         self._pace.step(seconds)
         return True
 
-    def _publish_state(self) -> None:
-        """Publish what changes with each tick."""
-        self._frames.publish_clock()
-        self._frames.publish_vehicles()
-        for vehicle in self._vehicles:
-            vehicle.publish_odometry()
-        self._monitoring.publish_events()
 
-    def _publish_slowly(self) -> None:
-        """Publish what takes more time."""
-        self._frames.publish_bodies()
-        for publisher in (self._people, self._markers, *self._gantries, *self._actions):
-            publisher.publish()
-        for vehicle in self._vehicles:
-            vehicle.publish_scan()
+def _publish(publishers: Iterable[Callable[[], None]]) -> None:
+    for publish in publishers:
+        publish()
 
 
 def _vehicles(simulation: Simulation) -> Iterator[tuple[str, str]]:
