@@ -365,7 +365,7 @@ class PathPlanner:
         return partial(blocked_place, self.world.as_if(), place, end, self.radius)
 
     def _cached_footing(self, place: Point, end: str, tolerance: float) -> Point:
-        """Return `_footing` from the cache, because most goals are stations."""
+        """Return `_footing` with a cache, because most goals are stations."""
         if not self._keep:
             return self._footing(place, end, tolerance)
         footing = self._footings.get((place, tolerance))

@@ -399,8 +399,10 @@ class RemoteAgent:
     def _tick(self, message: dict[str, Any]) -> None:
         stamp = message["clock"]
         time = stamp["sec"] + stamp["nanosec"] / 1e9 + self._clock_ahead
-        # Where the simulation has begun anew, the agent's time goes on from where it was.
-        self._clock_ahead += max(self._now - time, 0.0)
+        if time < self._now:
+            # A simulation that has started again. The agent's time continues.
+            self._notice(f"/clock goes back from {self._now:g} s to {time:g} s")
+            self._clock_ahead += self._now - time
         self._now = max(self._now, time)
         self._think()
 
