@@ -6,8 +6,6 @@ from typing import Annotated
 
 import typer
 
-from floorplan import UserError
-
 from .arguments import Duration, NoOwnCode, Personality, RecordingFolder, Rules, Seed, TrialName
 from .run import changed, print_result, recording_of
 from .terminal import say, taken_by
@@ -31,6 +29,7 @@ def ros2(
     no_own_code: NoOwnCode = False,
 ) -> None:
     """Serve a trial to ROS 2, in place of Nav2's loopback simulator."""
+    from floorplan import UserError
     from sim import Simulation, Trial
 
     try:

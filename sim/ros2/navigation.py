@@ -7,19 +7,13 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
-from floorplan import Lane
-
-from ..cell import Cell, Pose, Rejected, Running
-from ..machines.agv.agv import Agv
+from ..cell import Cell, Pose, Running
 from .actions import Action
 from .messages import pose_of, set_header, set_pose, set_time
 from .node import CellNode
 
 ACTIVE = 3
 """Id of the state "active" of a lifecycle node."""
-
-ASIDE = 0.5
-"""Distance of a goal from the lane of an AGV, m."""
 
 
 class _Kind(NamedTuple):
@@ -60,14 +54,9 @@ def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Itera
     The names begin with the name of the body, so that the names of Nav2 remain free.
     """
     read_velocity = cell.signals[f"{body}/velocity"].read
-    machine = cell.simulation.machines.get(body.removeprefix("machines/"))
-    lane = machine.lane if isinstance(machine, Agv) else None
 
     def start(task: str, goal: Any) -> Running:
-        target = KINDS[task].goal(goal)
-        return cell.tasks[f"{body}/{task}"].start(
-            target if lane is None else _on_lane(lane, target)
-        )
+        return cell.tasks[f"{body}/{task}"].start(KINDS[task].goal(goal))
 
     def fill(feedback: Any, running: Running) -> None:
         progress = running.feedback()
@@ -96,12 +85,3 @@ def navigation_of(ros: CellNode, cell: Cell, body: str, namespace: str) -> Itera
 def _answer_active(_: Any, response: Any) -> Any:
     response.current_state.id, response.current_state.label = ACTIVE, "active"
     return response
-
-
-def _on_lane(lane: Lane, pose: Pose) -> float:
-    """Return the position on a lane (m) of a pose, which may be `ASIDE` of it."""
-    (ax, ay), (bx, by) = lane.position(0.0), lane.position(1.0)
-    along = (pose.x - ax) * (bx - ax) + (pose.y - ay) * (by - ay)
-    if math.dist(lane.position(along), (pose.x, pose.y)) > ASIDE:
-        raise Rejected("goal", pose, f"must be on the lane of {lane.name}")
-    return along

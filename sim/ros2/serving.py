@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
 import rclpy
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -25,6 +24,12 @@ from .monitoring import Markers, Monitoring
 from .navigation import navigation_of
 from .node import CellNode
 from .people import People
+
+try:
+    # Since Kilted. It does not look through all entities of the node before each callback.
+    from rclpy.experimental import EventsExecutor as Executor
+except ImportError:
+    from rclpy.executors import SingleThreadedExecutor as Executor
 
 RATE = 50
 """Hz, in simulated time: the rate of clock, odometry and transforms."""
@@ -130,7 +135,7 @@ class _RosServer:
         Control(ros, cell, self._pace, partial(self._advance_by, 1 / RATE))
         publish_map(ros, simulation.trial.floorplan)
         ros.report_omitted()
-        self._executor = SingleThreadedExecutor(context=node.context)
+        self._executor = Executor(context=node.context)
         self._executor.add_node(node)
         _publish(self._state)
         self._pace.every(1 / RATE, partial(_publish, self._state))
