@@ -9,12 +9,13 @@ from .language.terms import Literal, Term, Var
 from .lint import doubts
 from .reasoning.circumstance import PENDING, Refused
 from .reasoning.execution import Call
-from .reasoning.state import Entry
+from .reasoning.state import AgentSettings, Entry
 from .society import Message, Society
 
 __all__ = [
     "PENDING",
     "Agent",
+    "AgentSettings",
     "Belief",
     "Call",
     "EndlessProgramError",

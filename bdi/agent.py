@@ -5,7 +5,7 @@ The caller controls time: `advance(t)` runs reasoning cycles until there is noth
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import NoReturn
 
 from .actions import InternalAction
@@ -14,14 +14,12 @@ from .internal_actions import STANDARD
 from .language.loading import parse_literal
 from .language.program import Belief, Program
 from .language.terms import Literal
-from .reasoning.beliefs import LiveBeliefs
 from .reasoning.circumstance import Perform
 from .reasoning.execution import call_in_query
 from .reasoning.intentions import Intention
 from .reasoning.state import (
-    KINDS,
+    AgentSettings,
     AgentState,
-    Entry,
     add_program as load_program,
     start as start_program,
 )
@@ -44,38 +42,15 @@ class Agent:
         `finish`. By default every action succeeds.
     name : str, optional
         Answer of `.my_name` and sender of messages.
-    seed : int, optional
-        Random seed. If agents of a society have the same seed, the random numbers of all but the
-        first also depend on their names.
-    start : float, optional
-        Start time in seconds. Defaults to the time of the society.
     print : callable, optional
         Function called with each line of `.print`. By default lines go to standard output.
-    on_event : callable, optional
-        Function called with an `Entry` for each internal event, such as the `append` of
-        `collections.deque(maxlen=10_000)`.
-    kinds : collection of str, optional
-        Kinds of entries passed to `on_event`. Defaults to all kinds.
-    live : mapping, optional
-        Functions that answer queries instead of stored beliefs, by (functor, arity). Each returns
-        the argument tuples that hold at the time of the query. These beliefs have the source
-        `percept`, raise no events, and are not part of `beliefs`.
     actions : mapping, optional
         Further internal actions by name. See `InternalActions`.
-    strict : bool, optional
-        Reject programs that call unknown internal actions. By default such a call causes a warning,
-        and the plan that contains it fails.
     society : Society, optional
         Agents that can exchange messages with this one. By default an agent can only send messages
         to itself.
-    max_cycles : int, optional
-        Maximum number of reasoning cycles at one time.
-    max_goals : int, optional
-        Maximum number of goals tried in one cycle.
-    max_depth : int, optional
-        Maximum number of plans in an intention.
-    max_intentions : int, optional
-        Maximum number of simultaneous intentions.
+    settings : AgentSettings, optional
+        Seed, start time, live beliefs, reports and limits.
 
     Attributes
     ----------
@@ -88,7 +63,8 @@ class Agent:
     ------
     ProgramError
         If the program uses an internal action where it is not allowed, uses a label twice or, if
-        `strict`, calls an unknown internal action. Also if the text of a belief is invalid.
+        `settings.strict`, calls an unknown internal action. Also if the text of a belief is
+        invalid.
     TypeError
         If `program` is not a `Program`.
     ValueError
@@ -110,23 +86,15 @@ class Agent:
         beliefs: Iterable[str | Literal] = (),
         act: Perform | None = None,
         name: str = "human",
-        seed: int = 0,
-        start: float | None = None,
         print: Callable[[str], None] | None = None,
-        on_event: Callable[[Entry], None] | None = None,
-        kinds: Collection[str] = KINDS,
-        live: LiveBeliefs | None = None,
         actions: Mapping[str, InternalAction] | None = None,
-        strict: bool = False,
         society: Society | None = None,
-        max_cycles: int = 3_000_000,
-        max_goals: int = 1_000_000,
-        max_depth: int = 200_000,
-        max_intentions: int = 20_000,
+        settings: AgentSettings | None = None,
     ) -> None:
         if not isinstance(program, Program):
             raise TypeError(f"program must be a bdi.Program (see bdi.load), not {program!r}")
         society = Society() if society is None else society
+        settings = AgentSettings() if settings is None else settings
         self.name = name
         self.program = program
         self.actions: Mapping[str, InternalAction] = (
@@ -137,23 +105,15 @@ class Agent:
             name,
             call_in_query,
             actions=self.actions,
-            strict=strict,
-            live=live or {},
-            seed=society.own_seed(name, seed),
-            start=society.now if start is None else start,
+            functions=getattr(actions, "functions", {}),
             act=act,
             print=print,
-            on_event=on_event,
-            kinds=kinds,
             society=society,
-            functions=getattr(actions, "functions", None),
-            max_goals=max_goals,
-            max_depth=max_depth,
-            max_intentions=max_intentions,
+            settings=settings,
         )
         self.beliefs = self._state.beliefs
         self.plans = self._state.plans
-        self._cycle = ReasoningCycle(self._state, max_cycles)
+        self._cycle = ReasoningCycle(self._state, settings.max_cycles)
         extra = [Belief(_as_literal(belief)) for belief in beliefs]
         try:
             start_program(self._state, extra)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from itertools import pairwise
 
 import shapely
@@ -17,6 +18,7 @@ Bounds = tuple[float, float, float, float]
 """Minimum x and y, maximum x and y, metres."""
 
 
+@lru_cache(maxsize=1024)
 def edges_of(area: BaseGeometry) -> Table:
     """Return a row of the edges of all rings of polygons: both ends of each, metres."""
     rings = shapely.get_rings(shapely.get_parts(area))
@@ -27,6 +29,7 @@ def edges_of(area: BaseGeometry) -> Table:
     return numbers(found)
 
 
+@lru_cache(maxsize=1024)
 def shrunk(area: BaseGeometry, depth: float) -> BaseGeometry:
     """Return polygons whose sides are `depth` metres farther inside."""
     return shapely.buffer(area, -depth, join_style="mitre", mitre_limit=100.0)

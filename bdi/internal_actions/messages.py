@@ -208,19 +208,13 @@ _ASKS = ("askOne", "askAll", "askHow")
 _NUMBER = re.compile(r"mid(\d+)")
 
 
-def _society(call: Call) -> Society:
-    society = call.agent.society
-    assert society is not None  # every agent is at least in a society of its own
-    return society
-
-
 @STANDARD.add(".send", least=3, most=5)
 def send(call: Call, receiver: Term, force: Term, content: Term, *more: Term) -> object:
     """`.send(Receiver, tell, Content)`; an ask with a fourth argument waits for the answer.
 
     A fourth argument of any other message is the number of the message that it answers.
     """
-    agent, society = call.agent, _society(call)
+    agent, society = call.agent, call.agent.society
     how = plain_text(force)
     is_list = isinstance(receiver, Nil | Cons)
     names = [
@@ -275,7 +269,7 @@ def _number(term: Term) -> int:
 @STANDARD.add(".broadcast", least=2, most=2)
 def broadcast(call: Call, force: Term, content: Term) -> bool:
     """`.broadcast(Force, Content)`: send a message to all others."""
-    agent, society = call.agent, _society(call)
+    agent, society = call.agent, call.agent.society
     for name in society.names():
         if name != agent.name:
             number = society.next_question()
@@ -289,7 +283,7 @@ def broadcast(call: Call, force: Term, content: Term) -> bool:
 @STANDARD.add(".all_names", least=1, most=1)
 def all_names(call: Call, names: Term) -> object:
     """`.all_names(Ns)`: the names of all agents, in the order in which they joined."""
-    return call.unify(names, [Literal(name) for name in _society(call).names()])
+    return call.unify(names, [Literal(name) for name in call.agent.society.names()])
 
 
 @STANDARD.add("kqml.answer", least=2, most=2)
@@ -308,7 +302,7 @@ def _service(service: Term, kind: tuple[Term, ...]) -> tuple[str, str]:
 @STANDARD.add(".df_register", least=1, most=2)
 def register(call: Call, service: Term, *kind: Term) -> bool:
     """Offer a service, and tell those who have subscribed to it."""
-    society, name = _society(call), call.agent.name
+    society, name = call.agent.society, call.agent.name
     for subscriber in society.directory.register(name, *_service(service, kind)):
         _tell_provider(society, subscriber, name, service)
     return True
@@ -323,7 +317,7 @@ def _tell_provider(society: Society, subscriber: str, provider: str, service: Te
 @STANDARD.add(".df_deregister", least=1, most=2)
 def deregister(call: Call, service: Term, *kind: Term) -> bool:
     """`.df_deregister(S, Type?)`: offer a service no longer."""
-    _society(call).directory.deregister(call.agent.name, *_service(service, kind))
+    call.agent.society.directory.deregister(call.agent.name, *_service(service, kind))
     return True
 
 
@@ -331,14 +325,14 @@ def deregister(call: Call, service: Term, *kind: Term) -> bool:
 def search(call: Call, service: Term, *more: Term) -> object:
     """`.df_search(Service, Agents)` or `.df_search(Service, Type, Agents)`."""
     *kind, result = more
-    found = _society(call).directory.search(*_service(service, tuple(kind)))
+    found = call.agent.society.directory.search(*_service(service, tuple(kind)))
     return call.unify(result, make_list([Literal(name) for name in found]))
 
 
 @STANDARD.add(".df_subscribe", least=1, most=2)
 def subscribe(call: Call, service: Term, *kind: Term) -> bool:
     """`.df_subscribe(S, Type?)`: be told of those who offer a service, now and later."""
-    society, name = _society(call), call.agent.name
+    society, name = call.agent.society, call.agent.name
     for provider in society.directory.subscribe(name, *_service(service, kind)):
         _tell_provider(society, name, provider, service)
     return True

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -16,10 +16,18 @@ from .operations import Qualified, Quoted, Relation, TriggerTerm, parts, rebuilt
 from .terms import Literal, Term, Var, text
 
 
-def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
-    """Return a part of a program with everything replaced for which `change` returns not None.
+@cache
+def _compared_fields(kind: type) -> tuple[str, ...] | None:
+    """Return the names of the fields that count in comparisons, or None if it is no dataclass."""
+    if not is_dataclass(kind):
+        return None
+    return tuple(field.name for field in fields(kind) if field.compare)
 
-    Its place in the file stays, as all that does not count when parts are compared.
+
+def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
+    """Return a part of a program with all parts replaced for which `change` returns not None.
+
+    The locations in the source are kept.
     """
     changed = change(part)
     if changed is not None:
@@ -30,24 +38,23 @@ def transformed(part: Any, change: Callable[[Any], Any]) -> Any:
 
     if isinstance(part, tuple):
         return tuple(map(inside, part))
-    if is_dataclass(part) and not isinstance(part, type):
-        counted = [field.name for field in fields(part) if field.compare]
-        return replace(part, **{name: inside(getattr(part, name)) for name in counted})
+    names = _compared_fields(part.__class__)
+    if names is not None:
+        return replace(part, **{name: inside(getattr(part, name)) for name in names})
     return rebuilt(part, inside)
 
 
 def all_parts(part: Any) -> Iterator[Any]:
-    """Yield a part of a program and everything inside it."""
+    """Yield a part of a program and everything inside it, without locations in the source."""
     pending = [part]
     while pending:
-        one = pending.pop()
-        yield one
-        if isinstance(one, tuple):
-            pending += one
-        elif is_dataclass(one) and not isinstance(one, type):
-            pending += [getattr(one, field.name) for field in fields(one)]
-        else:
-            pending += parts(one)
+        inner = pending.pop()
+        yield inner
+        if inner.__class__ is tuple:
+            pending += inner
+            continue
+        names = _compared_fields(inner.__class__)
+        pending += parts(inner) if names is None else [getattr(inner, name) for name in names]
 
 
 def has_variables(part: Any) -> bool:

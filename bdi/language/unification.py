@@ -25,7 +25,6 @@ from .terms import (
     RestVar,
     Term,
     Var,
-    is_placed,
     make_list,
     namespace_of,
     placed,
@@ -388,7 +387,7 @@ def matcher(pattern: Literal | Var | Qualified) -> Match:
 
         def match_one(literal: Literal) -> Unifier | None:
             (arg,) = literal.args
-            return None if is_placed(arg) else {name: arg}
+            return None if arg.__class__ is Literal and "::" in arg.functor else {name: arg}
 
         return match_one
 

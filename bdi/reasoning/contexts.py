@@ -1,7 +1,7 @@
-"""Contexts compiled to functions, which find the first solution of a formula or all of them.
+"""Formulas compiled to functions that find their first solution, or all solutions.
 
-They do without the stack of `Logic.solutions`, and leave to it what needs one: recursive rules,
-queries with annotations, and formulas that are variables.
+`Logic.solutions` evaluates what the functions cannot: recursive rules, which need its stack,
+queries with annotations, and variables that stand for formulas.
 """
 
 from __future__ import annotations
@@ -18,21 +18,17 @@ from .beliefs import CachedAnswers, ClauseIndex, Question, Values
 from .logic import COMPARISONS, Logic, relate
 
 Condition: TypeAlias = Callable[[Logic, Unifier], Unifier | None]
-
+"""First solution of a formula, or None. The given unifier stays unchanged."""
 
 Answers: TypeAlias = Callable[[Logic, Unifier], Iterable[Unifier]]
-"""All solutions, in order: a tuple if it is known that there is at most one."""
+"""All solutions of a formula in order, as a tuple if there is at most one."""
 
-
-MOST_KEPT = 64
-"""Largest number of questions of which the answers by rules are kept."""
+MAX_QUESTIONS = 64
+"""Maximum number of questions whose answers by rules are cached per functor."""
 
 
 def condition(formula: Term) -> Condition:
-    """Return a function that finds the first solution of a formula in a unifier, or None.
-
-    It leaves the unifier unchanged.
-    """
+    """Return a function that finds the first solution of a formula."""
     if formula == TRUE:
         return lambda logic, u: u
     if isinstance(formula, Relation):
@@ -42,20 +38,26 @@ def condition(formula: Term) -> Condition:
         left, right = formula.operands
         if isinstance(left, Relation | Negation):
             return _both(condition(left), condition(right))
-        if _is_plain_query(left):
-            return _query(left, right)
+        return _first_of_both(answers(left), condition(right), formula)
     if isinstance(formula, Disjunction):
         return _either(*map(condition, formula.operands))
     if isinstance(formula, Negation):
         inner = condition(formula.operands[0])
         return lambda logic, u: u if inner(logic, u) is None else None
-    if _is_plain_query(formula):
+    return _first(answers(formula))
+
+
+def answers(formula: Term) -> Answers:
+    """Return a function that finds all solutions of a formula, as `Logic.solutions`."""
+    if isinstance(formula, Conjunction):
+        return _join(*map(answers, formula.operands))
+    if isinstance(formula, Relation | Negation) or formula == TRUE:
+        return _at_most_one(condition(formula))
+    if isinstance(formula, Literal) and formula.is_internal_action:
+        return _call(formula)
+    if isinstance(formula, Literal) and not formula.annots:
         return _query(formula)
-    return lambda logic, u: next(logic.solutions(formula, u), None)
-
-
-def _is_plain_query(formula: Term) -> bool:
-    return isinstance(formula, Literal) and not formula.annots and not formula.is_internal_action
+    return lambda logic, u: logic.solutions(formula, u)
 
 
 def _relation(relation: Relation) -> Condition:
@@ -75,7 +77,7 @@ def _relation(relation: Relation) -> Condition:
 
 
 def _assign(relation: Relation) -> Condition:
-    """Compile `X = …`, which mostly gives a value to a variable that has none."""
+    """Compile `X = …`, which usually binds an unbound variable."""
     variable, value = relation.operands
     name = variable.name  # type: ignore[union-attr]
     value_of = builder(value)
@@ -105,39 +107,22 @@ def _either(one: Condition, other: Condition) -> Condition:
     return check
 
 
-def _query(query: Term, following: Term | None = None) -> Condition:
-    """Compile a query, and a formula that is to hold as well for the belief that answers it."""
-    assert isinstance(query, Literal)  # a plain query is one
-    key = query.key
-    formula: Term = query if following is None else Conjunction(query, following)
-    rest = None if following is None else condition(following)
-    match = belief_matcher(query)
-    by_rules = _asked(query)
-
+def _first(solutions: Answers) -> Condition:
     def check(logic: Logic, u: Unifier) -> Unifier | None:
-        index = logic.clauses.get(key)
-        if index is None:
-            return None
-        solution: Unifier | None
-        # Rules may come and go while the agent runs, so each query looks what there is.
-        if index.rules:
-            for solution in by_rules(logic, u):
-                if rest is None:
-                    return solution
-                solution = rest(logic, solution)
-                if solution is not None:
-                    return solution
-            return None
-        for belief in index.candidates(query, u):
-            solution = match(belief, u)  # type: ignore[arg-type]
-            if solution is None:
-                continue
-            if rest is None:
-                return solution
+        for solution in solutions(logic, u):
+            return solution
+        return None
+
+    return check
+
+
+def _first_of_both(left: Answers, right: Condition, formula: Term) -> Condition:
+    def check(logic: Logic, u: Unifier) -> Unifier | None:
+        for first in left(logic, u):
             logic.goals_left -= 1
             if logic.goals_left < 0:
                 logic.give_up(formula)
-            solution = rest(logic, solution)
+            solution = right(logic, first)
             if solution is not None:
                 return solution
         return None
@@ -145,46 +130,33 @@ def _query(query: Term, following: Term | None = None) -> Condition:
     return check
 
 
-def answers(formula: Term) -> Answers:
-    """Return a function equal to `lambda logic, u: logic.solutions(formula, u)`, but faster."""
-    if isinstance(formula, Conjunction):
-        return _join(*map(answers, formula.operands))
-    if isinstance(formula, Relation | Negation) or formula == TRUE:
-        return _once(condition(formula))
-    if _is_plain_query(formula):
-        return _asked(formula)
-    if isinstance(formula, Literal) and formula.is_internal_action:
-        return _called(formula)
-    return lambda logic, u: logic.solutions(formula, u)
-
-
-def _once(holds: Condition) -> Answers:
-    def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+def _at_most_one(holds: Condition) -> Answers:
+    def solve(logic: Logic, u: Unifier) -> Iterable[Unifier]:
         solution = holds(logic, u)
         return () if solution is None else (solution,)
 
-    return found
+    return solve
 
 
 def _join(one: Answers, other: Answers) -> Answers:
-    def both(logic: Logic, u: Unifier) -> Iterable[Unifier]:
-        found = one(logic, u)
-        if found.__class__ is not tuple:
-            return (solution for first in found for solution in other(logic, first))
-        return other(logic, found[0]) if found else found
+    def solve(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+        solutions = one(logic, u)
+        if solutions.__class__ is not tuple:
+            return (solution for first in solutions for solution in other(logic, first))
+        return other(logic, solutions[0]) if solutions else solutions
 
-    return both
+    return solve
 
 
-def _called(action: Literal) -> Answers:
+def _call(action: Literal) -> Answers:
     """Compile the call of an internal action."""
 
-    def counted(logic: Logic, found: Iterator[Unifier]) -> Iterator[Unifier]:
-        for solution in found:
-            logic.spend(1, action)  # there may be answers without end
+    def counted(logic: Logic, solutions: Iterator[Unifier]) -> Iterator[Unifier]:
+        for solution in solutions:
+            logic.spend(1, action)  # because the action may have endless solutions
             yield solution
 
-    def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+    def solve(logic: Logic, u: Unifier) -> Iterable[Unifier]:
         answer = logic.call(action, u)
         if answer is None or answer is False:
             return ()
@@ -192,12 +164,11 @@ def _called(action: Literal) -> Answers:
             return (u,)
         return (answer,) if isinstance(answer, dict) else counted(logic, answer)
 
-    return found
+    return solve
 
 
-def _asked(query: Term) -> Answers:
-    """Compile a query that beliefs and rules may answer."""
-    assert isinstance(query, Literal)  # a plain query is one
+def _query(query: Literal) -> Answers:
+    """Compile a query without annotations."""
     key = query.key
     match = belief_matcher(query)
     build_args = [builder(arg) for arg in query.args]
@@ -208,14 +179,14 @@ def _asked(query: Term) -> Answers:
             if solution is not None:
                 yield solution
 
-    def found(logic: Logic, u: Unifier) -> Iterable[Unifier]:
+    def solve(logic: Logic, u: Unifier) -> Iterable[Unifier]:
         index = logic.clauses.get(key)
         if index is None:
             return ()
         if not index.rules:
             clauses = index.candidates(query, u)
             if len(clauses) != 1:
-                return believed(clauses, u)
+                return believed(clauses, u) if clauses else ()
             solution = match(clauses[0], u)  # type: ignore[arg-type]
             return () if solution is None else (solution,)
         question: list[Term | None] = []
@@ -229,68 +200,71 @@ def _asked(query: Term) -> Answers:
                 question.append(arg)
             else:
                 return logic.solutions(query, u)
+        # Rules may be added and removed at run time, so each query checks what rules there are.
         if len(set(names)) < len(names) or not logic.beliefs.has_plain_rules(key):
             return logic.solutions(query, u)
-        values = _kept(logic, query, tuple(question), u, index)
-        return ({**u, **dict(zip(names, one))} for one in values)  # noqa: B905 - equal lengths
+        rows = _cached(logic, query, tuple(question), u, index)
+        return ({**u, **dict(zip(names, values))} for values in rows)  # noqa: B905 - equal lengths
 
-    return found
+    return solve
 
 
-def _kept(
+def _cached(
     logic: Logic, query: Literal, question: Question, u: Unifier, index: ClauseIndex
 ) -> Iterable[Values]:
-    """Return the answers to a question, as far as possible those known."""
-    kept = index.answers
-    if kept is None:
+    """Return the answers to a question, cached if the rules allow it."""
+    cache = index.answers
+    if cache is None:
         return _proved(logic, query, question, u)
-    known = kept.get(question)
-    if known is None or not known.is_cacheable:
-        if len(kept) >= MOST_KEPT:
-            kept.clear()
+    cached = cache.get(question)
+    if cached is None or not cached.is_cacheable:
+        if len(cache) >= MAX_QUESTIONS:
+            cache.clear()
         source = _proved(logic, query, question, u)
-        known = kept[question] = CachedAnswers(source, lambda: logic.failures)
-    return known
+        cached = cache[question] = CachedAnswers(source, lambda: logic.failures)
+    return cached
 
 
 def _proved(logic: Logic, query: Literal, question: Question, u: Unifier) -> Iterator[Values]:
     """Yield the values of the variables among a query's arguments for each of its answers.
 
-    A rule is proved in a unifier of its own, in which the variables of its head have the values of
-    the query's arguments. Those that the query asks for get theirs as the body is proved.
+    The unifier of a rule starts with the query's values for the variables of the head. The proof
+    of the body binds the variables of the head that the query leaves open.
     """
     for clause in logic.clauses[query.key].candidates(query, u):
         logic.spend(1, query)
         if isinstance(clause, Literal):
             solution = matched(query, clause, u)
             if solution is not None:
-                asked = [arg for arg, one in zip(query.args, question, strict=True) if one is None]
-                yield _values(logic, asked, solution)
+                open_args = [
+                    arg for arg, value in zip(query.args, question, strict=True) if value is None
+                ]
+                yield _values(logic, open_args, solution)
             continue
         scope: Unifier = {}
-        asked = []
-        for inside, value in zip(clause.head.args, question, strict=True):
+        open_args = []
+        for parameter, value in zip(clause.head.args, question, strict=True):
             if value is None:
-                if is_placed(inside):
+                if is_placed(parameter):
                     break
-                asked.append(inside)
-            elif inside.__class__ is Var and not is_placed(value):
-                scope[inside.name] = value
-            elif not unify(inside, value, scope):
+                open_args.append(parameter)
+            elif parameter.__class__ is Var and not is_placed(value):
+                scope[parameter.name] = value
+            elif not unify(parameter, value, scope):
                 break
         else:
-            for found in _answers_of(clause)(logic, scope):
-                yield _values(logic, asked, found)
+            for solution in _answers_of(clause)(logic, scope):
+                yield _values(logic, open_args, solution)
 
 
-def _values(logic: Logic, variables: list[Term], u: Unifier) -> Values:
-    """Return what variables have become, with fresh ones in place of any that are left."""
-    others: dict[str, Var] = {}
-    found = [value_of(variable, u) for variable in variables]
-    return tuple([v if is_ground(v) else rename(v, logic.names, others) for v in found])
+def _values(logic: Logic, terms: list[Term], u: Unifier) -> Values:
+    """Return the values of terms, with fresh variables in place of unbound ones."""
+    renamed: dict[str, Var] = {}
+    values = [value_of(term, u) for term in terms]
+    return tuple([v if is_ground(v) else rename(v, logic.names, renamed) for v in values])
 
 
 @made_once
 def _answers_of(rule: Rule) -> Answers:
-    """Return the body of a rule compiled."""
+    """Return the compiled body of a rule."""
     return answers(rule.body)

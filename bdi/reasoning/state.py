@@ -10,7 +10,7 @@ import logging
 import math
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import count
 from random import Random
@@ -63,6 +63,51 @@ class Entry:
         place = f"  ({self.file}:{self.line})" if self.line else ""
         number = f"#{self.intention}" if self.intention else ""
         return f"{self.time:10.3f}  {number:>4}  {self.kind:<8} {self.text}{place}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class AgentSettings:
+    """Settings of an agent: seed, start time, live beliefs, reports and limits.
+
+    Parameters
+    ----------
+    seed : int, optional
+        Random seed. If agents of a society have the same seed, the random numbers of all but the
+        first also depend on their names.
+    start : float, optional
+        Start time in seconds. Defaults to the time of the society.
+    live : mapping, optional
+        Functions that answer queries instead of stored beliefs, by (functor, arity). Each returns
+        the argument tuples that hold at the time of the query. These beliefs have the source
+        `percept`, raise no events, and are not part of `beliefs`.
+    strict : bool, optional
+        Reject programs that call unknown internal actions. By default such a call causes a warning,
+        and the plan that contains it fails.
+    on_event : callable, optional
+        Function called with an `Entry` for each internal event, such as the `append` of
+        `collections.deque(maxlen=10_000)`.
+    kinds : collection of str, optional
+        Kinds of entries passed to `on_event`. Defaults to all kinds.
+    max_cycles : int, optional
+        Maximum number of reasoning cycles at one time.
+    max_goals : int, optional
+        Maximum number of goals tried in one cycle.
+    max_depth : int, optional
+        Maximum number of plans in an intention.
+    max_intentions : int, optional
+        Maximum number of simultaneous intentions.
+    """
+
+    seed: int = 0
+    start: float | None = None
+    live: LiveBeliefs = field(default_factory=dict)
+    strict: bool = False
+    on_event: Callable[[Entry], None] | None = None
+    kinds: Collection[str] = KINDS
+    max_cycles: int = 3_000_000
+    max_goals: int = 1_000_000
+    max_depth: int = 200_000
+    max_intentions: int = 20_000
 
 
 Change: TypeAlias = tuple[bool, Literal]
@@ -239,30 +284,25 @@ class AgentState:
         query: Query,
         *,
         actions: Mapping[str, InternalAction],
-        strict: bool,
-        live: LiveBeliefs,
-        seed: int | str,
-        start: float,
+        functions: Mapping[str, Callable[..., float]],
         act: Perform | None,
         print: Callable[[str], None] | None,
-        on_event: Callable[[Entry], None] | None,
-        kinds: Collection[str],
-        society: Society | None,
-        functions: Mapping[str, Callable[..., float]] | None,
-        max_goals: int,
-        max_depth: int,
-        max_intentions: int,
+        society: Society,
+        settings: AgentSettings,
     ) -> None:
+        start = society.now if settings.start is None else settings.start
         self.name = name
         self.program = program
         self.actions = actions
-        self.strict = strict
+        self.strict = settings.strict
         self.act = act
         self.names = Names()
-        self.beliefs = BeliefBase(live)
+        self.beliefs = BeliefBase(settings.live)
         self.plans = PlanLibrary()
         self.circumstance = Circumstance()
-        self.logic = Logic(self.beliefs, self.names, lambda a, u: query(self, a, u), max_goals)
+        self.logic = Logic(
+            self.beliefs, self.names, lambda a, u: query(self, a, u), settings.max_goals
+        )
         self.percepts = PerceptBuffer()
         self.mailbox: deque[Message] = deque()
         self.questions: dict[int, AnswerReceiver] = {}
@@ -270,22 +310,22 @@ class AgentState:
         self.sleeps = False
         self.alarms = TimerQueue()
         self.tasks: deque[Callable[[], None]] = deque()
-        self._seed = seed
+        self._seed = society.own_seed(name, settings.seed)
         self.clock = nanoseconds(start)
         self.now = float(start)
-        self.max_depth = max_depth
+        self.max_depth = settings.max_depth
         self.is_stopped = False
-        self._noted = frozenset() if on_event is None else frozenset(kinds)
+        self._noted = frozenset() if settings.on_event is None else frozenset(settings.kinds)
         self.is_observed = not self._noted.isdisjoint(("percept", "plan", "action"))
-        self._max_intentions = max_intentions
+        self._max_intentions = settings.max_intentions
         self._print = print
-        self._on_event = on_event
+        self._on_event = settings.on_event
         self.known_programs: set[str] = set()
         self.functions: dict[str, Callable[..., float]] = {
             "math.random": lambda limit=1.0: self.random.random() * limit,
             "system.time": lambda: float(self.clock // MILLISECOND),
             ".count": lambda formula, u: float(sum(1 for _ in self.logic.solutions(formula, u))),
-            **(functions or {}),
+            **functions,
         }
         self._intention_numbers = count(1)
         self._action_numbers = count(1)

@@ -318,7 +318,7 @@ class RemoteAgent:
             trial,
             act=self._act,
             print=lambda text: said(self._now, text),
-            on_event=self._pass_on_warning,
+            settings=bdi.AgentSettings(on_event=self._pass_on_warning, kinds=("warning",)),
         )
         self._person = RemotePerson(
             trial,

@@ -65,8 +65,7 @@ def agent(
         print=lambda line: show(print=line),
         name="human",
         society=bdi.Society(),
-        seed=seed,
-        on_event=follow if trace else None,
+        settings=bdi.AgentSettings(seed=seed, on_event=follow if trace else None),
     )
     for time, changes in _instants(script):
         if until is not None and time > until:

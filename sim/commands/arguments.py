@@ -119,7 +119,7 @@ def _files(incomplete: str, endings: tuple[str, ...], *, deeper: bool = True) ->
         entries = sorted(os.scandir(above or "."), key=lambda entry: entry.name)
     except OSError:
         return []
-    found = [
+    names = [
         f"{above}{entry.name}/" if entry.is_dir() else f"{above}{entry.name}"
         for entry in entries
         if entry.name.startswith(beginning)
@@ -127,9 +127,9 @@ def _files(incomplete: str, endings: tuple[str, ...], *, deeper: bool = True) ->
         and (entry.is_dir() or entry.name.endswith(endings))
         and not any(map(str.isspace, entry.name))
     ]
-    if deeper and len(found) == 1 and found[0].endswith("/"):
-        return _files(found[0], endings, deeper=False) or found
-    return found
+    if deeper and len(names) == 1 and names[0].endswith("/"):
+        return _files(names[0], endings, deeper=False) or names
+    return names
 
 
 TrialName = Annotated[

@@ -73,14 +73,14 @@ def bridge(
     """Serve a trial to ROS over rosbridge, or act as the agent of one."""
     from sim import Trial
 
-    given = Trial.load(trial, own_code=not no_own_code)
-    chosen = changed(given, personality, duration, seed, rules)
+    loaded = Trial.load(trial, own_code=not no_own_code)
+    chosen = changed(loaded, personality, duration, seed, rules)
     if connect is not None:
         from sim.bridge import driven_person
 
         if watch:
             raise typer.BadParameter("cannot be combined with --connect", param_hint="watch")
-        _be_the_agent(chosen, driven_person(given), connect, waypoints)
+        _be_the_agent(chosen, driven_person(loaded), connect, waypoints)
     else:
         _serve(chosen, host, port, speed, hold, grace, origin or [], out, watch, opened)
 

@@ -197,8 +197,8 @@ def benchmark(
         if figure is not None and not (least < figure < math.inf):
             wrong = f"must be above {least:g} and finite, found {figure:g}"
             raise typer.BadParameter(wrong, param_hint=name)
-    asked = {known(one): one for one in map(_planner, planner or [i.name for i in planners()])}
-    names = list(asked)
+    contenders = {known(one): one for one in map(_planner, planner or [i.name for i in planners()])}
+    names = list(contenders)
     plans = _floors(floorplan, questions, cell)
     if questions is None:
         queries = queries or QUERIES
@@ -216,7 +216,7 @@ def benchmark(
 
         attempts = measure(
             plans,
-            list(asked.values()),
+            list(contenders.values()),
             queries=queries,
             runs=runs,
             seed=seed,
@@ -281,8 +281,8 @@ def _planner(text: str) -> str | PlannerChoice:
         choice = PlannerChoice.of(text)
         return find_planner(choice, CodeFolder())
     except UserError as why:
-        known = [info.name for info in planners()]
-        unknown = choice is not None and not choice.is_own and choice.name not in known
+        names = [info.name for info in planners()]
+        unknown = choice is not None and not choice.is_own and choice.name not in names
         others = f" (peers: {', '.join(PEERS)})" if unknown else ""
         raise UserError(f"--planner {text}: {why}{others}") from None
 

@@ -104,8 +104,10 @@ def run(
         raise typer.BadParameter("needs --watch", param_hint="--speed")
     if speed is not None and not (math.isfinite(speed) and speed > 0):
         raise typer.BadParameter(f"must be more than 0, not {speed:g}", param_hint="--speed")
-    given = Trial.load(trial, own_code=not no_own_code)
-    chosen = changed(given, personality, duration, seed, rules, controller or (), planner, commands)
+    loaded = Trial.load(trial, own_code=not no_own_code)
+    chosen = changed(
+        loaded, personality, duration, seed, rules, controller or (), planner, commands
+    )
     count_floor_notices(chosen.floorplan, str(trial))
     print_notices(chosen)
     _warn_of_external(chosen)

@@ -71,7 +71,7 @@ def search(
     from ..studies import Study
 
     study = Study.load(file, own_code=not no_own_code)
-    given = {
+    options = {
         "minimise": minimise,
         "slack": slack,
         "below": below,
@@ -80,7 +80,7 @@ def search(
         "batch": batch,
         "cases": cases,
     }
-    wanted = _wanted(study, {key: value for key, value in given.items() if value is not None})
+    wanted = _wanted(study, {key: value for key, value in options.items() if value is not None})
     results = _carried_out(wanted, out, jobs, backend)
     _report(results)
     if results.interrupted:
@@ -93,17 +93,17 @@ def search(
         raise typer.Exit(1)
 
 
-def _wanted(study: Study, given: dict[str, Any]) -> WorstCaseSearch:
+def _wanted(study: Study, options: dict[str, Any]) -> WorstCaseSearch:
     """Return the search of the study file, with the options instead of its keys."""
     from ..searches import Objective, WorstCaseSearch
 
     keys: dict[str, Any] = {}
     if study.search is not None:
         keys = study.search.model_dump(exclude_none=True)
-    if "minimise" in given or "slack" in given:
+    if "minimise" in options or "slack" in options:
         for key in ("minimise", "slack", "below"):
             keys.pop(key, None)
-    keys |= given
+    keys |= options
     objective = Objective(
         keys.pop("minimise", ""), slack=keys.pop("slack", ""), below=keys.pop("below", 0.0)
     )

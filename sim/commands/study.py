@@ -114,7 +114,7 @@ def _print_scoreboard(results: StudyResults) -> None:
     """Print the score of each controller, and the significant paired tests."""
     from rich.table import Table
 
-    from ..studies import figure
+    from ..core.wording import figure, interval
     from ..studies.scoreboard import MEASURES, paired_tests, scores, write_scoreboard
 
     console = plain_console(WIDTH)
@@ -124,7 +124,7 @@ def _print_scoreboard(results: StudyResults) -> None:
     for score in scores(results):
         means = (score.spreads[measure] for measure in MEASURES)
         cells = (
-            "–" if one is None else f"{figure(one.mean)} ({figure(one.low)} … {figure(one.high)})"
+            "–" if one is None else f"{figure(one.mean)} ({interval(one.low, one.high)})"
             for one in means
         )
         table.add_row(score.controller, figure(score.least_margin), *cells)
@@ -133,7 +133,7 @@ def _print_scoreboard(results: StudyResults) -> None:
         if test.p < SIGNIFICANT:
             console.print(
                 f"{test.one} − {test.other}: {test.measure.words} {figure(test.difference)}"
-                f" ({figure(test.low)} … {figure(test.high)}), p = {test.p:.4f},"
+                f" ({interval(test.low, test.high)}), p = {test.p:.4f},"
                 f" {test.count} pairs",
                 highlight=False,
                 soft_wrap=True,
@@ -186,7 +186,7 @@ def _report(results: StudyResults) -> None:
     """
     from rich.table import Table
 
-    from ..studies import figure
+    from ..core.wording import figure
 
     compared = results.comparison
     table = Table(title=results.study.name, title_justify="left")
@@ -278,8 +278,8 @@ def report(
     require_writable(out)
     sign_off = SignOff(plant=plant, revision=revision, author=author, date=date)
     if not is_study(source):
-        for option, given in (("--results", results), ("--jobs", jobs)):
-            if given is not None:
+        for option, value in (("--results", results), ("--jobs", jobs)):
+            if value is not None:
                 raise typer.BadParameter("is for studies only", param_hint=option)
         if (Path(source) / "results.csv").is_file():
             raise UserError(

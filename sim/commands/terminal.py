@@ -35,7 +35,7 @@ def visible(text: str) -> str:
     Names, messages and recordings come from files, and terminals would obey their control
     characters.
     """
-    return _CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+    return _CONTROL.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def say(text: str, *, err: bool = False) -> None:

@@ -181,15 +181,15 @@ def write(run: Outcome, path: Path, rate: float) -> None:
 
 def topic_names(names: Iterable[str]) -> dict[str, str]:
     """Return a unique topic name that ROS allows for each name: letters, digits and _."""
-    found: dict[str, str] = {}
+    topics: dict[str, str] = {}
     for name in names:
         plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
         plain = plain if plain[:1].isalpha() else f"body_{plain}"
-        taken, free, number = set(found.values()), plain, 2
+        taken, free, number = set(topics.values()), plain, 2
         while free in taken:
             free, number = f"{plain}_{number}", number + 1
-        found[name] = free
-    return found
+        topics[name] = free
+    return topics
 
 
 class _Topics:

@@ -26,6 +26,7 @@ from navigation import Motion
 
 from ..core.body import Category, MachineShape
 from ..core.recorder import Event, Figure
+from ..core.wording import trimmed
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import rails_under
 from ..record.outcome import NANOSECOND, Outcome
@@ -128,7 +129,7 @@ def moments(run: Outcome, rate: float) -> Iterator[Moment]:
 
 def walked_paths(run: Outcome) -> list[WalkedPath]:
     """Return the paths of people from goal to goal, as walked, in order of time."""
-    found: list[WalkedPath] = []
+    paths: list[WalkedPath] = []
     for person in run.scene.people:
         changes = [
             event
@@ -140,8 +141,8 @@ def walked_paths(run: Outcome) -> list[WalkedPath]:
             begin = event["t"] + ROUNDING
             if event["kind"] in _SETS_OUT and end - ROUNDING > begin:
                 motion = run.motions[person.name].cut(begin, end - ROUNDING)
-                found.append(WalkedPath(event["t"], person.name, _corners(motion)))
-    return sorted(found, key=attrgetter("t"))
+                paths.append(WalkedPath(event["t"], person.name, _corners(motion)))
+    return sorted(paths, key=attrgetter("t"))
 
 
 def just_before(run: Outcome, body: str, event: Event) -> tuple[float, float]:
@@ -164,13 +165,13 @@ def _regular(run: Outcome, rate: float) -> Iterator[Moment]:
 
 
 def _jumps(run: Outcome) -> list[Moment]:
-    found = [
+    jumps = [
         Moment(t, (BodyPose(name, *sample(motion, np.array([t]))[0].tolist()),))
         for name, motion in run.motions.items()
         for jump in motion.jumps
         for t in (jump - NANOSECOND, jump)
     ]
-    return sorted(found, key=attrgetter("t"))
+    return sorted(jumps, key=attrgetter("t"))
 
 
 def _corners(motion: Motion) -> tuple[tuple[float, float, float], ...]:
@@ -232,7 +233,7 @@ def _subject(event: Event) -> str:
 
 def _shown(value: object) -> str:
     if isinstance(value, float):
-        return f"{value:.3f}".rstrip("0").rstrip(".")
+        return trimmed(value)
     if isinstance(value, list | tuple):
         return "(" + ", ".join(_shown(inner) for inner in value) + ")"
     return "none" if value is None else str(value)

@@ -69,11 +69,13 @@ def _supply_problems(
     if trays:
         slots = [(("kitting_trays", "slots", k), slot) for k, slot in enumerate(trays.slots)]
         yield from _twice(slots, "there is a tray in slot", document)
-    known = [o.name for o in plan.obstacles if o.name.startswith("bin")]
+    all_bins = [o.name for o in plan.obstacles if o.name.startswith("bin")]
     for name, lots in ((file.parts and file.parts.bins) or {}).items():
         place: Place = ("parts", "bins", name)
-        if name not in known:
-            yield document.problem(f"no bin is called {name!r}; {suggestion(name, known)}", *place)
+        if name not in all_bins:
+            yield document.problem(
+                f"no bin is called {name!r}; {suggestion(name, all_bins)}", *place
+            )
         taken = [
             ((*place, k, "slots", j), slot)
             for k, lot in enumerate(lots or [])
@@ -126,8 +128,8 @@ def _order_problems(
         yield from _agv_problems(kit.agv_number, number, plan, document)
         lane = next((one for one in plan.lanes if one.name == agv_name(kit.agv_number)), None)
         if lane and kit.destination not in {*lane.locations, *lane.serves}:
-            known = ", ".join([*lane.locations, *lane.serves])
-            message = f"{lane.name} can't go to {kit.destination!r} (it goes to: {known})"
+            locations = ", ".join([*lane.locations, *lane.serves])
+            message = f"{lane.name} can't go to {kit.destination!r} (it goes to: {locations})"
             yield document.problem(message, *place, "destination")
         filled = [
             ((*place, "products", j, "quadrant"), product.quadrant)
@@ -206,8 +208,8 @@ def _agv_problems(
 ) -> Iterator[Problem]:
     names = [lane.name for lane in plan.lanes]
     if agv_name(number) not in names:
-        known = ", ".join(name.removeprefix("agv") for name in names)
-        yield document.problem(f"there is no AGV {number} (there are: {known})", *place)
+        numbers = ", ".join(name.removeprefix("agv") for name in names)
+        yield document.problem(f"there is no AGV {number} (there are: {numbers})", *place)
 
 
 def _twice(
@@ -221,8 +223,8 @@ def _twice(
         seen.add(value)
 
 
-def _no_order(order: str, known: Sequence[str], place: Place, document: Document) -> Problem:
-    return document.problem(f"no order is called {order!r}; {suggestion(order, known)}", *place)
+def _no_order(order: str, orders: Sequence[str], place: Place, document: Document) -> Problem:
+    return document.problem(f"no order is called {order!r}; {suggestion(order, orders)}", *place)
 
 
 def notices(file: AriacTrialFile, workload: Workload, document: Document) -> Iterator[Problem]:

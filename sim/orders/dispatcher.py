@@ -126,17 +126,17 @@ class Dispatcher:
 
     def _begin_orders(self) -> None:
         """Begin every order whose resources are free, without using those of earlier ones."""
-        held = {thing for work in self._begun for thing in work.holds}
+        in_use = {thing for work in self._begun for thing in work.holds}
         for order in list(self._waiting):
-            work = self._work_on(order, held)
+            work = self._work_on(order, in_use)
             if work is not None:
                 self._waiting.remove(order)
                 self._begin(work)
-                held.update(work.holds)
+                in_use.update(work.holds)
             else:
                 # The resources of a waiting order are reserved, because later orders might overtake
                 # it repeatedly.
-                held.update(_wanted(order))
+                in_use.update(_wanted(order))
 
     def _begin(self, work: Work) -> None:
         order = work.order
@@ -147,21 +147,21 @@ class Dispatcher:
         when_all_are_done(tasks, partial(self._finish, work))
         self._gantry.tasks.add(tasks, first=order.priority)
 
-    def _work_on(self, order: Order, held: set[str]) -> Work | None:
+    def _work_on(self, order: Order, reserved: set[str]) -> Work | None:
         """Return the work on an order, or None while its resources are held."""
         task = order.task
         if isinstance(task, CombinedTask):
-            return self._combined_work(order, task, held)
-        if held.intersection(_wanted(order)):
+            return self._combined_work(order, task, reserved)
+        if reserved.intersection(_wanted(order)):
             return None
         if isinstance(task, AssemblyTask):
             return AssemblyWork(order, task, self._shop)
         return KittingWork(order, task, self._shop)
 
-    def _combined_work(self, order: Order, task: CombinedTask, held: set[str]) -> Work | None:
+    def _combined_work(self, order: Order, task: CombinedTask, reserved: set[str]) -> Work | None:
         """Return the work on a combined order, on the free AGV with the smallest load."""
-        free = [agv for agv in self._fleet.serving(task.station) if agv not in held]
-        if task.station in held or not free:
+        free = [agv for agv in self._fleet.serving(task.station) if agv not in reserved]
+        if task.station in reserved or not free:
             return None
         agv = min(free, key=lambda name: len(self._shop.inventory.load(name).items))
         return CombinedWork(order, task, self._shop, agv, self._needed_trays)

@@ -249,7 +249,7 @@ class Inventory:
         Parts that need not be turned over are preferred, then the nearest bin. If no bin has one,
         the conveyor and the part's number are returned instead, or None if there is no such part.
         """
-        found = min(
+        nearest = min(
             (
                 (item.flipped, math.dist(self._places[name], near), name, slot)
                 for name, slots in self._bins.items()
@@ -258,10 +258,10 @@ class Inventory:
             ),
             default=None,
         )
-        if found is None:
+        if nearest is None:
             coming = self.belt.take(part)
             return None if coming is None else (BELT, *coming)
-        _, _, name, slot = found
+        _, _, name, slot = nearest
         return name, slot, self._bins[name].pop(slot)
 
     def take_tray(self, tray: int) -> int | None:

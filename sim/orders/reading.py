@@ -70,7 +70,7 @@ def build(form: type[_Made], document: Document, folder: Path) -> _Made:
     `TrialError` contains all problems.
     """
     plan = floorplan.load(FLOOR)
-    workload, found = read_workload(document, plan)
+    workload, doubts = read_workload(document, plan)
     path = Path(document.file)
     return form(
         floorplan=plan,
@@ -83,7 +83,7 @@ def build(form: type[_Made], document: Document, folder: Path) -> _Made:
         gantry=GantryEntry(CONTROLLER),
         folder=folder,
         workload=workload,
-        notices=found,
+        notices=doubts,
     )
 
 
@@ -93,9 +93,9 @@ def read_workload(document: Document, plan: Floorplan) -> tuple[Workload, tuple[
     `TrialError` contains all problems.
     """
     file, misfits = _readable(document)
-    found = [*misfits, *problems(file, plan, document)]
-    if found:
-        raise TrialError(document.file, found)
+    faults = [*misfits, *problems(file, plan, document)]
+    if faults:
+        raise TrialError(document.file, faults)
     workload = _workload(file, Path(document.file).name)
     by_line = sorted(notices(file, workload, document), key=lambda notice: notice.line or 0)
     return workload, tuple(by_line)
@@ -225,13 +225,13 @@ def _malfunctions(challenges: list[Challenge]) -> Iterator[Malfunction]:
 
 def _faulty(challenges: list[Challenge]) -> dict[str, frozenset[int]]:
     """Return the quadrants in which the first part is faulty, by order."""
-    found: dict[str, frozenset[int]] = {}
+    by_order: dict[str, frozenset[int]] = {}
     for faulty in (challenge.faulty_part for challenge in challenges):
         if faulty is not None:
             marked = (faulty.quadrant1, faulty.quadrant2, faulty.quadrant3, faulty.quadrant4)
             quadrants = frozenset(k for k, is_faulty in enumerate(marked, start=1) if is_faulty)
-            found[faulty.order_id] = found.get(faulty.order_id, frozenset()) | quadrants
-    return found
+            by_order[faulty.order_id] = by_order.get(faulty.order_id, frozenset()) | quadrants
+    return by_order
 
 
 def _order(entry: OrderEntry) -> Order:

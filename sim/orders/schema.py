@@ -60,9 +60,9 @@ def angle(value: float | str) -> float | None:
     """Return an angle in radians, or None for an invalid text."""
     if not isinstance(value, str):
         return value
-    found = re.fullmatch(_ANGLE, value.strip())
-    if found is not None:
-        sign, factor, divisor = found.groups()
+    match = re.fullmatch(_ANGLE, value.strip())
+    if match is not None:
+        sign, factor, divisor = match.groups()
         size = math.pi * float(factor or 1.0) / (float(divisor or 1.0) or math.nan)
         return -size if sign else size
     try:
@@ -170,8 +170,8 @@ class StartCondition(Strictly):
 
     @model_validator(mode="after")
     def _one_of_them(self) -> "StartCondition":
-        given = [self.time_condition, self.part_place_condition, self.submission_condition]
-        if sum(condition is not None for condition in given) != 1:
+        conditions = [self.time_condition, self.part_place_condition, self.submission_condition]
+        if sum(condition is not None for condition in conditions) != 1:
             raise UserError(
                 "give one of time_condition, part_place_condition, submission_condition"
             )

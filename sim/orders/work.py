@@ -67,12 +67,12 @@ class Carried:
 
     def lost(self) -> tuple[Step, ...]:
         """Return the steps that bring another part, none if there is none."""
-        found = self._another()
-        if found is None:
+        another = self._another()
+        if another is None:
             self.item = None
             self._missing.append(self._part)
             return ()
-        self.item, pick = found
+        self.item, pick = another
         return (pick, self._last)
 
 
@@ -169,8 +169,8 @@ class Work(ABC):
         """Return a part on its way. Replacements are taken from bins near `near`."""
 
         def another() -> Found | None:
-            found = self._shop.inventory.take(item.part, near)
-            return None if found is None else (found[2], self._from_bin(*found))
+            source = self._shop.inventory.take(item.part, near)
+            return None if source is None else (source[2], self._from_bin(*source))
 
         return Carried(item, last, put, another=another, missing=self.missing)
 
@@ -295,11 +295,11 @@ class KittingWork(Work):
             return []
         if there is not None and there.part == part:
             return [self._placing(quadrant, there, agv, self._from_agv(agv, quadrant, there))]
-        found = shop.inventory.take(part, shop.home(agv))
-        if found is None:
+        source = shop.inventory.take(part, shop.home(agv))
+        if source is None:
             self.missing.append(part)
             return []
-        bin, slot, item = found
+        bin, slot, item = source
         cleared = [self._clear(quadrant)] if there is not None else []
         return [*cleared, self._placing(quadrant, item, bin, self._from_bin(bin, slot, item))]
 
@@ -460,8 +460,8 @@ class AssemblyWork(_AtStation):
             if place is not None:
                 shop.fleet.send(place[0], task.station)
                 tasks.append(self._insert_from_agv(*place, on_agvs.pop(place), stage=0))
-            elif (found := shop.inventory.take(part, near)) is not None:
-                tasks.append(self._insert_from_bin(*found, stage=0))
+            elif (source := shop.inventory.take(part, near)) is not None:
+                tasks.append(self._insert_from_bin(*source, stage=0))
             else:
                 self.missing.append(part)
         return tasks
@@ -494,16 +494,16 @@ class CombinedWork(_AtStation):
             if at is not None:
                 assembly.append(self._insert_from_agv(agv, at, present.pop(at), stage=2))
                 continue
-            found = shop.inventory.take(part, shop.home(agv))
-            if found is None:
+            source = shop.inventory.take(part, shop.home(agv))
+            if source is None:
                 self.missing.append(part)
             elif free:
                 quadrant = free.pop(0)
                 inserting = self._insert_from_agv(agv, quadrant, Item(part), stage=2)
-                kit.append(self._kit(quadrant, *found, inserting))
+                kit.append(self._kit(quadrant, *source, inserting))
                 assembly.append(inserting)
             else:
-                assembly.append(self._insert_from_bin(*found, stage=2))
+                assembly.append(self._insert_from_bin(*source, stage=2))
         if kit and load.tray is None:
             spare = shop.inventory.take_spare_tray(self._needed_trays)
             if spare is not None:

@@ -7,7 +7,8 @@ instant of a run, only the changes that a thought has made are recorded.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Protocol
 
@@ -113,36 +114,32 @@ def make_agent(
     *,
     act: Callable[[bdi.Literal], bool | bdi.Refused],
     print: Callable[[str], None],
-    on_event: Callable[[bdi.Entry], None],
-    kinds: Collection[str] = ("warning",),
+    settings: bdi.AgentSettings,
     society: bdi.Society | None = None,
-    start: float = 0.0,
     kept: Sequence[bdi.Literal] = (),
-    live: LiveBeliefs | None = None,
 ) -> bdi.Agent:
-    """Return the agent that runs the program of a trial's person, with their first beliefs.
+    """Return the agent of a person, with the beliefs of the trial and those `kept` before.
 
-    It begins at `start` (seconds), believes what is `kept` from a mind before it, and always what
-    is `live` (see `live_beliefs`). `on_event` takes entries of these `kinds`. Where there are more
-    minds, `programs` are those of all people of the trial.
+    `programs` are those of all people of the trial. Seed, strictness and the maximum number of
+    cycles replace those of `settings`.
     """
+    start = settings.start
     program, actions = (programs or Programs(trial)).of(entry)
     leader = trial.leader(entry)
     return bdi.Agent(
         program,
         actions=actions,
-        strict=True,
         beliefs=[*first_beliefs(entry, trial.floorplan, trial.rules, leader), *kept],
         act=act,
         name=entry.name,
-        seed=seed_of(trial.seed, f"{entry.name} {start}" if start else entry.name),
-        start=start,
         print=print,
-        on_event=on_event,
-        kinds=kinds,
-        live=live,
         society=society,
-        max_cycles=MOST_CYCLES,
+        settings=replace(
+            settings,
+            seed=seed_of(trial.seed, f"{entry.name} {start}" if start else entry.name),
+            strict=True,
+            max_cycles=MOST_CYCLES,
+        ),
     )
 
 

@@ -184,12 +184,14 @@ class Population:
             self._programs,
             act=person.act,
             print=lambda text: record(Said(person=entry.name, text=text)),
-            on_event=lambda happening: self._note(entry.name, happening),
-            kinds=STEPS if entry.name in self._inspectors else ("warning",),
             society=self._society,
-            start=self._stage.clock.now,
             kept=kept_beliefs(before),
-            live={**live_beliefs(person.body, self._stage), **person.beliefs},
+            settings=bdi.AgentSettings(
+                start=self._stage.clock.now,
+                live={**live_beliefs(person.body, self._stage), **person.beliefs},
+                on_event=lambda entry: self._note(person.name, entry),
+                kinds=STEPS if entry.name in self._inspectors else ("warning",),
+            ),
         )
 
     def _keep(self, thought: Thought) -> None:

@@ -232,7 +232,7 @@ def _try_out(program: bdi.Program, own: frozenset[str]) -> None:
     """
     actions = bdi.InternalActions({name: InternalAction(lambda call, *a: True) for name in own})
     actions.functions.update(dict.fromkeys(own, lambda *numbers: 0.0))
-    bdi.Agent(program, actions=actions, strict=True)
+    bdi.Agent(program, actions=actions, settings=bdi.AgentSettings(strict=True))
 
 
 _Made = TypeVar("_Made", bound=Scenario)

@@ -85,21 +85,21 @@ class Finished:
 
         With its `time` (s), and the `required` distance then (m).
         """
-        found: dict[str, dict[str, float]] = {}
+        by_person: dict[str, dict[str, float]] = {}
         for watch, one, other, spans in self._together("robot"):
             person, shapes = watch.pair.person.name, watch.pair.shapes
             for begin, end in spans:
                 time, distance = minimum_separation(one, other, begin, end, shapes=shapes)
-                if person not in found or distance < found[person]["distance"]:
+                if person not in by_person or distance < by_person[person]["distance"]:
                     # A violation may end in a teleport, so the motion before it counts.
                     required = watch.required_before(time, one, other)
-                    found[person] = {"distance": distance, "time": time, "required": required}
-        return found
+                    by_person[person] = {"distance": distance, "time": time, "required": required}
+        return by_person
 
     @property
     def nearest_of_all(self) -> dict[str, float] | None:
         """Least of the distances in `nearest`, or None if there is none."""
-        return min(self.nearest.values(), key=lambda found: found["distance"], default=None)
+        return min(self.nearest.values(), key=lambda least: least["distance"], default=None)
 
     @cached_property
     def nearest_vehicles(self) -> dict[str, dict[str, Any]]:
@@ -107,25 +107,25 @@ class Finished:
 
         With its `time` (s), the `required` distance then (m), and the `agv`.
         """
-        found: dict[str, dict[str, Any]] = {}
+        nearest: dict[str, dict[str, Any]] = {}
         for watch, one, other, spans in self._together("vehicle"):
             person, machine = watch.pair.person.name, watch.pair.machine
             measured = other.translated(*self.trial.rules.measured_at(machine.shape))
             shapes = watch.pair.shapes
             for begin, end in spans:
                 time, distance = minimum_separation(one, measured, begin, end, shapes=shapes)
-                if person not in found or distance < found[person]["distance"]:
+                if person not in nearest or distance < nearest[person]["distance"]:
                     required = watch.required_before(time, one, other)
                     figures = {"distance": distance, "time": time, "required": required}
-                    found[person] = {**figures, "agv": machine.name}
-        return found
+                    nearest[person] = {**figures, "agv": machine.name}
+        return nearest
 
     @property
     def nearest_agv(self) -> dict[str, Any] | None:
         """Least of the distances in `nearest_vehicles` with its person, None if there is none."""
         nearest = self.nearest_vehicles.items()
-        name, found = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
-        return None if found is None else {**found, "person": name}
+        name, least = min(nearest, key=lambda one: one[1]["distance"], default=("", None))
+        return None if least is None else {**least, "person": name}
 
     @cached_property
     def margins(self) -> tuple[Margin | None, Margin | None]:
@@ -135,8 +135,10 @@ class Finished:
     @cached_property
     def approaches(self) -> list[Approach]:
         """Approaches of machines during violations, in order of time."""
-        found = (one for beside, during in self._encountered for one in approaches(beside, during))
-        return sorted(found, key=lambda one: (one.begin, one.person, one.machine))
+        all_approaches = (
+            one for beside, during in self._encountered for one in approaches(beside, during)
+        )
+        return sorted(all_approaches, key=lambda one: (one.begin, one.person, one.machine))
 
     @cached_property
     def _encountered(self) -> list[tuple[Encountered, list[Span]]]:
@@ -211,11 +213,11 @@ class Finished:
 
         None if no two were on the floor at the same time.
         """
-        found = self.among_people
-        if found is None:
+        encounter = self.among_people
+        if encounter is None:
             return None
-        between = [self.people[k].name for k in found.pair]
-        return {"distance": found.distance, "time": found.time, "between": between}
+        between = [self.people[k].name for k in encounter.pair]
+        return {"distance": encounter.distance, "time": encounter.time, "between": between}
 
     @property
     def overlaps(self) -> int:
@@ -244,19 +246,19 @@ class Finished:
     @cached_property
     def of_machines(self) -> dict[str, dict[str, Any]]:
         """Figures of each machine by name. `UserError` if they cannot be written as JSON."""
-        found = {}
+        all_figures = {}
         for name, machine in self.machines.items():
-            found[name] = machine.figures(self.motions[name], self.duration)
+            all_figures[name] = machine.figures(self.motions[name], self.duration)
             try:
-                json.dumps(found[name], allow_nan=False)
+                json.dumps(all_figures[name], allow_nan=False)
             except (TypeError, ValueError) as why:
                 raise UserError(f"the figures of the machine {name!r}: {why}") from why
-            if not isinstance(found[name], dict):
-                message = f"expected a dict, found {found[name]!r}"
+            if not isinstance(all_figures[name], dict):
+                message = f"expected a dict, found {all_figures[name]!r}"
                 raise UserError(f"the figures of the machine {name!r}: {message}")
             if name in self.waiting_times:
-                found[name] = {**found[name], "waiting_time": self.waiting_times[name]}
-        return found
+                all_figures[name] = {**all_figures[name], "waiting_time": self.waiting_times[name]}
+        return all_figures
 
     @cached_property
     def of_fields(self) -> dict[str, dict[str, float]]:

@@ -144,8 +144,8 @@ def _begins(run: Outcome, person: str) -> Iterator[tuple[Point, float]]:
     }
     for event in run.events:
         if event["kind"] == "violation" and event["person"] == person:
-            known = (event["with"], event["t"])
-            t = begins[known] if known in begins else event["t"]
+            key = (event["with"], event["t"])
+            t = begins[key] if key in begins else event["t"]
             at = run.motions[person].state_before(t).at
             yield at, event["distance"] - event["required"]
 
@@ -212,17 +212,17 @@ class Incident:
 def incidents(run: Outcome) -> list[Incident]:
     """Return the incidents of a run in the order of time."""
     log = _Log(run.events)
-    found = [
+    unsorted = [
         _incident(run, log, person, machine, span)
         for (person, machine), intervals in run.violations.items()
         for span in intervals
     ]
-    return sorted(found, key=lambda one: (one.begin, one.person, one.machine))
+    return sorted(unsorted, key=lambda one: (one.begin, one.person, one.machine))
 
 
-def worst_first(found: list[Incident]) -> list[Incident]:
+def worst_first(unsorted: list[Incident]) -> list[Incident]:
     """Return incidents in order of margin, the least first."""
-    return sorted(found, key=lambda one: (one.margin, one.begin, one.person))
+    return sorted(unsorted, key=lambda one: (one.margin, one.begin, one.person))
 
 
 def time_too_close(run: Outcome) -> float:

@@ -81,8 +81,8 @@ class Outcome:
             times = np.ravel(np.asarray(t, dtype=np.float64))
             motion = self.motions[other]
             poses = np.column_stack([motion.position(times), motion.rotation(times)])
-            found = shapes.distances(self.motions[person].position(times), poses)
-            return np.asarray(found.reshape(np.shape(t)))
+            distances = shapes.distances(self.motions[person].position(times), poses)
+            return np.asarray(distances.reshape(np.shape(t)))
         apart = self.motions[other].position(t) - self.motions[person].position(t)
         if is_machine:
             apart = apart + self.scene.rules.measured_at(self.scene.machine(other))

@@ -201,7 +201,7 @@ def moments(motion: Motion, begin: float, end: float) -> tuple[TimeArray, TimeAr
 
 def within(times: TimeArray, intervals: Sequence[Span]) -> NDArray[np.bool_]:
     """Return which of `times` (s) lie in one of the intervals."""
-    found = np.zeros(len(times), dtype=bool)
+    inside = np.zeros(len(times), dtype=bool)
     for begin, end in intervals:
-        found |= (times >= begin) & (times < end)
-    return found
+        inside |= (times >= begin) & (times < end)
+    return inside

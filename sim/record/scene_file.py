@@ -133,14 +133,14 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
     except UserError as why:
         raise SceneError(str(why)) from None
     data = _with_polygons(data)
-    found = data.get("format") if isinstance(data, dict) else None
-    if found != FORMAT:
-        if later is None or not re.fullmatch(_LATER, str(found)):
-            raise SceneError(f"expected the format {FORMAT!r}, found {found!r}")
-        later(f"made in the later format {found}; what this version knows of it is shown")
+    form = data.get("format") if isinstance(data, dict) else None
+    if form != FORMAT:
+        if later is None or not re.fullmatch(_LATER, str(form)):
+            raise SceneError(f"expected the format {FORMAT!r}, found {form!r}")
+        later(f"made in the later format {form}; what this version knows of it is shown")
     try:
         # The fields by their names in Python. Keys of files may have others.
-        extra: Literal["ignore"] | None = None if found == FORMAT else "ignore"
+        extra: Literal["ignore"] | None = None if form == FORMAT else "ignore"
         scene = _SceneFile.model_validate(data, by_alias=False, by_name=True, extra=extra)
     except ValidationError as misfits:
         first = misfits.errors()[0]
@@ -153,7 +153,7 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
         trial=scene.trial,
         seed=scene.seed,
         floorplan=scene.floorplan,
-        rules=_rules(_known(scene.rules) if found != FORMAT else scene.rules),
+        rules=_rules(_known(scene.rules) if form != FORMAT else scene.rules),
         people=scene.people,
         starts=scene.starts,
         machines=machines_on(scene.floorplan) if scene.machines is None else scene.machines,
@@ -226,8 +226,8 @@ def _rules(data: dict[str, Any]) -> RuleSet:
         rules = RuleSet(**(_terms(data) | {"notice": notice, "laws": laws}))
     except (AttributeError, KeyError, TypeError, ValueError) as why:
         raise SceneError(f"rules: {why}") from None
-    known = (rules.gantry_law, rules.agv_law, notice.law, *laws.values())
-    if not (isinstance(notice.law, Scaled) and all(map(_is_law, known))):
+    all_laws = (rules.gantry_law, rules.agv_law, notice.law, *laws.values())
+    if not (isinstance(notice.law, Scaled) and all(map(_is_law, all_laws))):
         raise SceneError("rules: invalid law")
     return rules
 

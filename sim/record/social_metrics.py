@@ -54,15 +54,15 @@ def groups(
     for event in events:
         if event["kind"] == "walks_with":
             members.setdefault(event["other"], {}).setdefault(event["person"], event["t"])
-    found = {}
+    by_leader = {}
     for leader, others in members.items():
         names = (leader, *others)
         begin = max(*others.values(), *(presence[name][0] for name in names))
         end = min(presence[name][1] for name in names)
         if begin < end:
             middle = mean_motion([motions[name] for name in names], begin, end)
-            found[leader] = WalkingGroup(names, (begin, end), middle)
-    return found
+            by_leader[leader] = WalkingGroup(names, (begin, end), middle)
+    return by_leader
 
 
 def mean_motion(motions: Sequence[Motion], begin: float, end: float) -> Motion:
@@ -149,7 +149,7 @@ def social_work(
         shape = (len(bodies), 2, u.size)
         at = (c0 + u * (c1 + u * (c2 + u * c3))).reshape(shape)
         velocity = (c1 + u * (2 * c2 + u * 3 * c3)).reshape(shape)
-        felt, given = np.zeros(shape), np.zeros((len(bodies), u.size))
+        felt, exerted = np.zeros(shape), np.zeros((len(bodies), u.size))
         there = np.searchsorted(begins, spans) * u.shape[1]
         for one, other in pairs:
             both = slice(max(there[one, 0], there[other, 0]), min(there[one, 1], there[other, 1]))
@@ -160,10 +160,10 @@ def social_work(
             felt[one, :, both] += force
             felt[other, :, both] -= force
             size = _length(force)
-            given[one, both] += size
-            given[other, both] += size
+            exerted[one, both] += size
+            exerted[other, both] += size
         weights = (halves[:, None] * _WEIGHTS).ravel()
-        work += ((_length(felt.swapaxes(0, 1)) + given) * weights).sum(1)
+        work += ((_length(felt.swapaxes(0, 1)) + exerted) * weights).sum(1)
     return work
 
 
@@ -360,13 +360,13 @@ def _companies(
     """Return the distances of each person to other bodies, and of each machine to people."""
     index = {name: k for k, name in enumerate(names)}
     pairs = [(a, b) for a in people for b in names if index[a] < index[b]]
-    asked = {(a, b): (index[a], [index[b]]) for a, b in pairs}
+    queries = {(a, b): (index[a], [index[b]]) for a, b in pairs}
     machines = [name for name in names if name not in people]
     if len(people) > 1:
         everybody = [index[name] for name in people]
-        asked |= {(name, "people"): (index[name], everybody) for name in machines}
-    found = courses.company(list(asked.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
-    beside = dict(zip(asked, map(_distances, found), strict=True))
+        queries |= {(name, "people"): (index[name], everybody) for name in machines}
+    companies = courses.company(list(queries.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
+    beside = dict(zip(queries, map(_distances, companies), strict=True))
     beside |= {(b, a): beside[a, b] for a, b in pairs}
     if len(people) == 1:
         beside |= {(name, "people"): beside[name, people[0]] for name in machines}
@@ -377,20 +377,20 @@ def _companies(
 def _beside_groups(
     courses: Courses,
     names: list[str],
-    found: Mapping[str, WalkingGroup],
+    groups: Mapping[str, WalkingGroup],
     sizes: Mapping[str, float],
 ) -> dict[str, dict[str, Any]]:
     """Return the distances of each body to the middle of each group of other people."""
-    asked = {
+    queries = {
         (name, leader): (k, [len(names) + j])
-        for j, (leader, group) in enumerate(found.items())
+        for j, (leader, group) in enumerate(groups.items())
         for k, name in enumerate(names)
         if name not in group.members
     }
-    radii = [*(sizes.get(name, 0.0) for name in names), *(0.0 for _ in found)]
-    measured = courses.company(list(asked.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
+    radii = [*(sizes.get(name, 0.0) for name in names), *(0.0 for _ in groups)]
+    measured = courses.company(list(queries.values()), (INTIMATE, PERSONAL, SOCIAL), radii)
     beside: dict[str, dict[str, Any]] = {}
-    for (name, leader), company in zip(asked, measured, strict=True):
+    for (name, leader), company in zip(queries, measured, strict=True):
         to = beside.setdefault(name, {"distance_to_groups": {}})["distance_to_groups"]
         to[leader] = _distances(company)
     return beside

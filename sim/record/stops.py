@@ -75,10 +75,10 @@ class MachineTimes:
 
 def times_of_all(runs: Iterable[Sequence[MachineTimes]]) -> list[MachineTimes]:
     """Return the total times of each machine in several runs."""
-    found: dict[str, list[MachineTimes]] = {}
+    by_machine: dict[str, list[MachineTimes]] = {}
     for times in runs:
         for one in times:
-            found.setdefault(one.machine, []).append(one)
+            by_machine.setdefault(one.machine, []).append(one)
     return [
         MachineTimes(
             machine=machine,
@@ -88,25 +88,25 @@ def times_of_all(runs: Iterable[Sequence[MachineTimes]]) -> list[MachineTimes]:
             jobs_done=sum(one.jobs_done for one in several),
             had_jobs=any(one.had_jobs for one in several),
         )
-        for machine, several in found.items()
+        for machine, several in by_machine.items()
     ]
 
 
 def _seconds(parts: Iterable[tuple[str, float]]) -> dict[str, float]:
-    found = dict.fromkeys(CAUSES_OF_STOPS, 0.0)
+    totals = dict.fromkeys(CAUSES_OF_STOPS, 0.0)
     for cause, seconds in parts:
-        found[cause] += seconds
-    return {cause: seconds for cause, seconds in found.items() if seconds > 0.0}
+        totals[cause] += seconds
+    return {cause: seconds for cause, seconds in totals.items() if seconds > 0.0}
 
 
 def _counted(
     parts: Iterable[tuple[tuple[str, str], int, float]],
 ) -> dict[tuple[str, str], tuple[int, float]]:
-    found: dict[tuple[str, str], tuple[int, float]] = {}
+    totals: dict[tuple[str, str], tuple[int, float]] = {}
     for key, n, seconds in parts:
-        count, before = found.get(key, (0, 0.0))
-        found[key] = count + n, before + seconds
-    return dict(sorted(found.items(), key=lambda one: -one[1][1]))
+        count, before = totals.get(key, (0, 0.0))
+        totals[key] = count + n, before + seconds
+    return dict(sorted(totals.items(), key=lambda one: -one[1][1]))
 
 
 JobKey = tuple[object, ...]

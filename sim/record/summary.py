@@ -17,9 +17,9 @@ _LACKING = (ArithmeticError, AttributeError, LookupError, TypeError, ValueError)
 
 def summarise(run: Finished) -> dict[str, Any]:
     """Return the summary of a run without its costs."""
-    told = {path: one.of for path, one in FIGURES.items() if one.of and one.only(run.trial)}
-    own = {path: of for path, of in told.items() if path.startswith(PEOPLE)}
-    summary = {path: of(run) for path, of in told.items() if path not in own}
+    functions = {path: one.of for path, one in FIGURES.items() if one.of and one.only(run.trial)}
+    own = {path: of for path, of in functions.items() if path.startswith(PEOPLE)}
+    summary = {path: of(run) for path, of in functions.items() if path not in own}
     summary["people"] = {
         person.name: {path.removeprefix(PEOPLE): of(run, person) for path, of in own.items()}
         for person in run.people
@@ -50,41 +50,41 @@ def figures_in_words(summary: Mapping[str, Any], *, in_short: bool = True) -> li
     With `in_short`, many people have one line each. Otherwise each figure has a line. Figures are
     omitted if the summary lacks them, because it was recorded by another version or changed.
     """
-    found = []
+    lines = []
     shown = [figure for figure in FIGURES.values() if figure.words]
     for above, figures in itertools.groupby(shown, lambda f: f.path.rpartition("NAME")[0]):
         together, owners = list(figures), [*_owners(summary, above)]
         many = above == PEOPLE.rpartition("NAME")[0] and len(owners) > MOST_AT_LENGTH
         if in_short and many:
-            found += [(name, _in_short(together, beside)) for name, beside in owners[:MOST_PEOPLE]]
+            lines += [(name, _in_short(together, beside)) for name, beside in owners[:MOST_PEOPLE]]
             more = len(owners) - MOST_PEOPLE
-            found += [("others", f"{more} people, in the summary")] if more > 0 else []
+            lines += [("others", f"{more} people, in the summary")] if more > 0 else []
             continue
         for name, beside in owners:
-            found += [(_line(figure, name), _amount(figure, beside)) for figure in together]
-    return [(line, amount) for line, amount in found if amount]
+            lines += [(_line(figure, name), _amount(figure, beside)) for figure in together]
+    return [(line, amount) for line, amount in lines if amount]
 
 
 def trial_figures_in_words(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Return the figures of the whole trial that are not nothing."""
     shown = [one for one in FIGURES.values() if one.words and "NAME" not in one.path]
-    found = [(one.label, _amount(one, summary)) for one in shown]
-    return [(label, amount) for label, amount in found if amount and amount not in NOTHING]
+    amounts = [(one.label, _amount(one, summary)) for one in shown]
+    return [(label, amount) for label, amount in amounts if amount and amount not in NOTHING]
 
 
 def _in_short(figures: Iterable[SummaryFigure], beside: Any) -> str:
     """Return the figures of one of many people in one line, without those that are nothing."""
     personality, *amounts = ((one.label, _amount(one, beside)) for one in figures)
-    told = [f"{label} {amount}" for label, amount in amounts if amount and amount not in NOTHING]
-    return "; ".join([personality[1], *told])
+    phrases = [f"{label} {amount}" for label, amount in amounts if amount and amount not in NOTHING]
+    return "; ".join([personality[1], *phrases])
 
 
 def _owners(summary: Mapping[str, Any], above: str) -> Iterable[tuple[str, Any]]:
     """Return the parents of figures by name: the summary itself, or each entry of `above`."""
     if not above:
         return [("", summary)]
-    found = summary.get(above.strip("."))
-    return found.items() if isinstance(found, Mapping) else ()
+    entries = summary.get(above.strip("."))
+    return entries.items() if isinstance(entries, Mapping) else ()
 
 
 def _amount(figure: SummaryFigure, beside: Any) -> str:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ..core.wording import distinguished, to_millimetres
+
 Words = Callable[[Any, Mapping[str, Any]], str]
 """Formats a figure from its value and the figures beside it, or returns "" if it is not shown."""
 
@@ -29,11 +31,6 @@ def seconds(value: Any, beside: Mapping[str, Any]) -> str:
 def metres(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a length."""
     return f"{value:.1f} m"
-
-
-def millimetres(margin: float) -> str:
-    """Return a margin; one that is shorter than a millimetre has no sign."""
-    return f"{round(margin, 3) + 0.0:.3f} m"
 
 
 def by_cause(value: Any, beside: Mapping[str, Any]) -> str:
@@ -108,24 +105,11 @@ def nearest_people(value: Any, beside: Mapping[str, Any]) -> str:
     return f"{value['distance']:.2f} m ({one} and {other}) at {value['time']:.1f} s"
 
 
-def told_apart(distance: float, required: float) -> tuple[str, str]:
-    """Return a distance and what was required, in metres, with digits enough to tell them apart.
-
-    Up to millimetres: a violation begins where the two are equal, and a hair later is as exact as
-    a recording gets; that is just under what was required.
-    """
-    for digits in (2, 3):
-        shown = f"{distance:.{digits}f}", f"{required:.{digits}f}"
-        if shown[0] != shown[1]:
-            return shown
-    return ("just under " if distance < required else "") + f"{distance:.2f}", f"{required:.2f}"
-
-
 def nearest(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a distance, its time, and the required distance."""
     if value is None:
         return ""
-    distance, required = told_apart(value["distance"], value["required"])
+    distance, required = distinguished(value["distance"], value["required"])
     between = beside.get("distances_between", "centres")
     return f"{distance} m between {between} at {value['time']:.1f} s ({required} m required)"
 
@@ -135,7 +119,7 @@ def margin(value: Any, beside: Mapping[str, Any]) -> str:
     if value is None:
         return ""
     between = f"{value['person']} and {value['machine']}"
-    return f"{millimetres(value['value'])} ({between}) at {value['time']:.1f} s"
+    return f"{to_millimetres(value['value'])} m ({between}) at {value['time']:.1f} s"
 
 
 def approaches(value: Any, beside: Mapping[str, Any]) -> str:
@@ -143,7 +127,7 @@ def approaches(value: Any, beside: Mapping[str, Any]) -> str:
     if not value["count"]:
         return ""
     between = f"{value['person']} and {value['machine']}"
-    worst = f"least margin {millimetres(value['margin'])} ({between}) at {value['time']:.1f} s"
+    worst = f"least margin {to_millimetres(value['margin'])} m ({between}) at {value['time']:.1f} s"
     return f"{value['count']}, {value['duration']:.1f} s, {worst}"
 
 
@@ -161,7 +145,7 @@ def nearest_agv(value: Any, beside: Mapping[str, Any]) -> str:
     """Return a distance to an AGV, the person and the AGV, its time, and the required distance."""
     if value is None:
         return ""
-    distance, required = told_apart(value["distance"], value["required"])
+    distance, required = distinguished(value["distance"], value["required"])
     between = f"{value['person']} and {value['agv']}"
     if beside.get("distances_between") == "surfaces":
         between = f"between surfaces, {between}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from itertools import combinations
 
 import shapely
@@ -54,9 +54,7 @@ class PersonContacts:
         if machine.shape.bottom - self._stage.floorplan.human.height > TOUCH:
             return
         if machine not in self._fields:
-            # The footprint is a field in which a person is as soon as their body touches it.
-            sets = FieldSet(name="footprint", protective=machine.shape.corners)
-            self._fields[machine] = ProtectiveFields(sets=(sets,))
+            self._fields[machine] = _footprint_field(machine.shape)
         change = partial(self._change, person, machine)
         notify = partial(self._changed, person, machine)
         bodies = person.body, machine.body
@@ -112,6 +110,12 @@ class PersonContacts:
         speed = impact_speed(state, at, body.state.velocity[:2])
         self._stage.record(Contact(machine=machine.name, person=person.name, at=at, speed=speed))
         machine.touched()
+
+
+@lru_cache(maxsize=256)
+def _footprint_field(shape: MachineShape) -> ProtectiveFields:
+    """Return the footprint as a field, in which a person is as soon as their body touches it."""
+    return ProtectiveFields(sets=(FieldSet(name="footprint", protective=shape.corners),))
 
 
 class Collisions:

@@ -9,21 +9,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cache, lru_cache, partial
 from itertools import pairwise
 
 import shapely
-from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from floorplan import Obstacle
+from floorplan import Floorplan, Obstacle
 from navigation import Motion, standing
 from navigation.contacts import Bounds, Outlines, bounds_from, shrunk
 from navigation.kernels.edges import come_into
 from navigation.kernels.numbers import numbers
 
 from ..core.body import Machine
-from ..core.clock import Alarm, Turn
+from ..core.clock import Alarm, Clock, Turn
 from ..core.events import Contact
 from ..core.stage import Stage
 from .contacts import impact_speed
@@ -59,7 +58,16 @@ class FloorContacts:
         self.count = 0
         """Number of contacts until now."""
         self._stage = stage
-        self._monitors = [FloorMonitor(stage, machine, self._touched) for machine in machines]
+        parts_at = cache(partial(FloorParts.at, stage.floorplan))
+        self._monitors = [
+            FloorMonitor(
+                stage.clock,
+                machine,
+                parts_at(machine.shape.category, machine.shape.bottom, machine.shape.top),
+                self._touched,
+            )
+            for machine in machines
+        ]
         stage.triggers.each("door_closed", lambda event: self._came(event["door"]))
         stage.triggers.each("obstacle_came", lambda event: self._came(event["obstacle"]))
         stage.triggers.each("door_opened", lambda event: self._went(event["door"]))
@@ -83,33 +91,52 @@ class FloorContacts:
             monitor.went(name)
 
 
+class FloorParts:
+    """Parts of a floor that a machine may touch, found by their bounds."""
+
+    def __init__(self, parts: Iterable[FloorPart]) -> None:
+        self.parts = tuple(parts)
+        bounds = [(one, each) for one in self.parts for each in _parts(one.area, one.outside)]
+        self._owners = [one for one, _ in bounds]
+        self._bounds = numbers([bound for _, each in bounds for bound in each])
+
+    @classmethod
+    def at(cls, plan: Floorplan, category: str, bottom: float, top: float) -> FloorParts:
+        """Return the parts between two heights (m). Only vehicles may touch the boundary."""
+        obstacles = [one for one in plan.obstacles if one.overlaps(bottom, top)]
+        parts = [FloorPart(one.name, one.footprint) for one in obstacles]
+        if category == "vehicle":
+            parts.insert(0, FloorPart("boundary", plan.boundary, outside=True))
+        return cls(parts)
+
+    def near(self, motion: Motion, begin: float, reach: float) -> list[FloorPart]:
+        """Return the parts within `reach` (m) of the bounds of a motion from `begin` (s) on."""
+        x, y, most_x, most_y = bounds_from(motion, begin)
+        near = come_into(self._bounds, [(x, y), (most_x, most_y)], reach)
+        return [*dict.fromkeys(self._owners[k] for _, k in near)]
+
+
 class FloorMonitor:
     """Finds the contacts of a machine with the floor, at which it stops or goes on."""
 
-    def __init__(self, stage: Stage, machine: Machine, touched: Callable[[Contact], None]) -> None:
-        shape, plan = machine.shape, stage.floorplan
+    def __init__(
+        self,
+        clock: Clock,
+        machine: Machine,
+        parts: FloorParts,
+        touched: Callable[[Contact], None],
+    ) -> None:
         self._machine = machine
         self._body = machine.body
-        self._clock = stage.clock
+        self._clock = clock
         self._notify = touched
-        self._reach = shape.farthest
-        self._things: list[FloorPart] = []
-        if shape.category == "vehicle":
-            self._things.append(FloorPart("boundary", plan.boundary, outside=True))
-        for one in plan.obstacles:
-            if one.overlaps(shape.bottom, shape.top):
-                self._things.append(FloorPart(one.name, one.footprint))
+        self._reach = machine.shape.farthest
+        self._parts = parts
         self._touches: dict[FloorPart, float] = {}
         """What it touches, and how deep it may be in it (metres)."""
         self._outlines: dict[tuple[FloorPart, float], Outlines] = {}
         self._next: Callable[[], None] = self.reconsider
-        self._alarm = Alarm(stage.clock, lambda: self._next(), Turn.MOTION_ENDS)
-        self._list_bounds()
-
-    @cached_property
-    def _area(self) -> Polygon:
-        """The footprint in the frame of the machine."""
-        return self._machine.shape.footprint((0.0, 0.0), 0.0)
+        self._alarm = Alarm(clock, lambda: self._next(), Turn.MOTION_ENDS)
 
     def begin(self) -> None:
         """Begin to watch."""
@@ -123,16 +150,14 @@ class FloorMonitor:
         shape = self._machine.shape
         if one.overlaps(shape.bottom, shape.top):
             thing = FloorPart(one.name, one.footprint, self._clock.now)
-            self._things.append(thing)
-            self._list_bounds()
+            self._parts = FloorParts((*self._parts.parts, thing))
             self._may_be_in(thing)
             self.reconsider()
 
     def went(self, name: str) -> None:
         """Forget something that is there no longer."""
-        self._things = [one for one in self._things if one.name != name]
+        self._parts = FloorParts(one for one in self._parts.parts if one.name != name)
         self._touches = {one: depth for one, depth in self._touches.items() if one.name != name}
-        self._list_bounds()
         if not self._touches:
             self._machine.contact_gone()
         self.reconsider()
@@ -161,21 +186,13 @@ class FloorMonitor:
         self._alarm.set(None if first == math.inf else first)
 
     def _near(self, motion: Motion) -> list[FloorPart]:
-        """Return what a motion may touch from now on."""
-        x, y, most_x, most_y = bounds_from(motion, self._clock.now)
-        near = come_into(self._bounds, [(x, y), (most_x, most_y)], self._reach)
-        return [*dict.fromkeys(self._owners[k] for _, k in near)]
-
-    def _list_bounds(self) -> None:
-        """List the bounds of everything; of the boundary, those of each side."""
-        parts = [(one, bounds) for one in self._things for bounds in _parts(one.area, one.outside)]
-        self._owners = [thing for thing, _ in parts]
-        self._bounds = numbers([bound for _, bounds in parts for bound in bounds])
+        """Return the parts that a motion may touch from now on."""
+        return self._parts.near(motion, self._clock.now, self._reach)
 
     def _between(self, thing: FloorPart, depth: float) -> Outlines:
         """Return the outlines of the machine, smaller by a depth, and of a thing."""
         if (thing, depth) not in self._outlines:
-            area = shrunk(self._area, depth)
+            area = shrunk(self._machine.shape.footprint((0.0, 0.0), 0.0), depth)
             self._outlines[thing, depth] = Outlines(area, thing.area, outside=thing.outside)
         return self._outlines[thing, depth]
 
@@ -197,7 +214,7 @@ class FloorMonitor:
             self._touch(thing)
 
     def _is_in(self, thing: FloorPart, depth: float) -> bool:
-        outlines = Outlines(shrunk(self._area, depth), thing.area, outside=thing.outside)
+        outlines = self._between(thing, depth)
         return outlines.overlap(self._body.motion, REST, self._clock.now)
 
     def _touch(self, thing: FloorPart) -> None:

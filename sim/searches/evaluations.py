@@ -65,13 +65,13 @@ class Keep:
 
     def __call__(self, run: Run) -> Found:
         """Return the outcome of a run."""
-        found = self._objective.situation(run)
+        situation = self._objective.situation(run)
         value = self._objective.value(run)
         left: Found = {
             "result": "run",
             "error": None,
             "value": value,
-            **{key: getattr(found, key.removeprefix("worst.")) for key in SITUATION},
+            **{key: getattr(situation, key.removeprefix("worst.")) for key in SITUATION},
             "figures": {k: v for k, v in figures_of(run).items() if k != "error"},
         }
         return left
@@ -85,26 +85,28 @@ def failed(why: Exception) -> Found:
 
 
 def evaluation_of(
-    number: int, point: Point, values: Mapping[str, Any], found: Found, *, is_random: bool
+    number: int, point: Point, values: Mapping[str, Any], outcome: Found, *, is_random: bool
 ) -> Evaluation:
     """Return the evaluation of an outcome, which may come from a table."""
     situation = Situation(
-        person=found["worst.person"] or "",
-        machine=found["worst.machine"] or "",
-        time=found["worst.time"],
-        x=found["worst.x"],
-        y=found["worst.y"],
-        error=found["error"] or "",
+        person=outcome["worst.person"] or "",
+        machine=outcome["worst.machine"] or "",
+        time=outcome["worst.time"],
+        x=outcome["worst.x"],
+        y=outcome["worst.y"],
+        error=outcome["error"] or "",
     )
-    return Evaluation(number, point, is_random, values, found["result"], found["value"], situation)
+    return Evaluation(
+        number, point, is_random, values, outcome["result"], outcome["value"], situation
+    )
 
 
-def record(one: Evaluation, found: Found) -> Record:
+def record(one: Evaluation, outcome: Found) -> Record:
     """Return the row of an evaluation."""
     line: Record = {"row": one.number, "sampled": "random" if one.is_random else "sampler"}
     line |= {name: plain(value) for name, value in one.values.items()}
-    line |= {key: found[key] for key in ("result", "error", "value", *SITUATION)}
-    line |= found["figures"]
+    line |= {key: outcome[key] for key in ("result", "error", "value", *SITUATION)}
+    line |= outcome["figures"]
     return line
 
 

@@ -159,12 +159,12 @@ class Minimiser:
         """
         if self._error:
             return False
-        kept, best = (self._value, self._situation, self._run), self._best
+        before, best = (self._value, self._situation, self._run), self._best
         gantry = replace(best.gantry, jobs=())
         nothing = lasting(replace(best, gantry=gantry, agvs={}), min(1.0, best.duration))
-        found = self._breaks(nothing)
-        self._value, self._situation, self._run = kept
-        return found
+        breaks = self._breaks(nothing)
+        self._value, self._situation, self._run = before
+        return breaks
 
     def _end_early(self) -> None:
         """End the trial soon after it breaks, at one of the times of its run if there are any."""
@@ -247,8 +247,8 @@ class Minimiser:
         """Remove keys of people: all but the important ones at once, then one by one."""
         for k, person in enumerate(self._best.people):
             plain = PersonEntry(name=person.name)
-            kept = {key: getattr(person, key) for key in OF_A_PERSON}
-            self._try_with(f"people.{k}", replace(plain, **kept))
+            important = {key: getattr(person, key) for key in OF_A_PERSON}
+            self._try_with(f"people.{k}", replace(plain, **important))
             for key, value in vars(plain).items():
                 self._try_with(f"people.{k}.{key}", value)
 
@@ -257,8 +257,8 @@ class Minimiser:
         for name, entry in self._best.machines.items():
             for key in [key for key in entry.keys if key not in TESTED]:
                 path = f"machines.{name}.keys"
-                kept = _without(value_at(self._best, path), key)
-                if not self._try_with(path, kept) and key in LISTS:
+                rest = _without(value_at(self._best, path), key)
+                if not self._try_with(path, rest) and key in LISTS:
                     self._remove(f"{path}.{key}")
 
     def _others(self) -> None:
@@ -273,8 +273,8 @@ class Minimiser:
         size = max(len(value_at(self._best, path)) // 2, 1)
         while size and value_at(self._best, path):
             k = 0
-            while k < len(kept := value_at(self._best, path)):
-                if not self._try_with(path, kept[:k] + kept[k + size :]):
+            while k < len(entries := value_at(self._best, path)):
+                if not self._try_with(path, entries[:k] + entries[k + size :]):
                     k += size
             size //= 2
 

@@ -63,21 +63,21 @@ class Objective:
     def check(self, trial: Scenario) -> None:
         """Raise `ObjectiveError` if runs of `trial` do not have the objective."""
         if self.slack:
-            known = _expected(trial)
-            if self.slack not in known:
-                hint = suggestion(self.slack, known) if known else "it expects nothing"
+            expected = _expected(trial)
+            if self.slack not in expected:
+                hint = suggestion(self.slack, expected) if expected else "it expects nothing"
                 raise ObjectiveError(
                     f"the trial {trial.name!r} expects nothing of {self.slack!r}; {hint}"
                 )
             return
         fields = summary_fields(trial)
-        found = self._field(trial)
-        if found is None:
+        known_field = self._field(trial)
+        if known_field is None:
             alike = [name for name in fields if name.count(".") == self.minimise.count(".")]
             hint = suggestion(self.minimise, alike or fields)
             message = f"a run of {trial.name!r} has no figure {self.minimise!r}; {hint}"
             raise ObjectiveError(message)
-        if found.figure.form == "visits":
+        if known_field.figure.form == "visits":
             raise ObjectiveError(f"{self.minimise} is a list of visits, not a number")
 
     def value(self, run: Run) -> float | None:
@@ -85,12 +85,12 @@ class Objective:
         if self.slack:
             return self._verdict(run).slack
         field = self._field(run.trial)
-        found = None if field is None else field.value(run)
-        if found is None:
+        amount = None if field is None else field.value(run)
+        if amount is None:
             return None
-        if not isinstance(found, int | float):
-            raise ObjectiveError(f"{self.minimise} is {found!r}, not a number")
-        return float(found)
+        if not isinstance(amount, int | float):
+            raise ObjectiveError(f"{self.minimise} is {amount!r}, not a number")
+        return float(amount)
 
     def is_broken_by(self, value: float | None) -> bool:
         """Return True if a run with this value breaks the objective."""
@@ -124,11 +124,11 @@ class Objective:
         a count, these are the times of all counted events.
         """
         field = summary_fields(run.trial).get(self.slack) if self.slack else self._field(run.trial)
-        found = [] if field is None else field.instants(run)
+        times = [] if field is None else field.instants(run)
         if not self.slack:
-            return found[-1:]
+            return times[-1:]
         time = self._verdict(run).time
-        return found or ([] if time is None else [time])
+        return times or ([] if time is None else [time])
 
     def expected(self, trial: Trial) -> Trial:
         """Return `trial` with this objective as its only expectation, so that it fails."""
@@ -158,8 +158,8 @@ def _key(place: tuple[str | int, ...]) -> str:
 
 def _expected(trial: Scenario) -> list[str]:
     """Return the names of the expectations of a trial. Those over time have numbers."""
-    found = [key for key in trial.expect if key != "timeline"]
-    return found + [f"timeline.{k}" for k, _ in enumerate(trial.expect.get("timeline", ()))]
+    names = [key for key in trial.expect if key != "timeline"]
+    return names + [f"timeline.{k}" for k, _ in enumerate(trial.expect.get("timeline", ()))]
 
 
 def _beside(field: SummaryField | None, run: Outcome) -> dict[str, Any]:

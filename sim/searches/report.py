@@ -11,14 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..core.wording import counted, figure, minus, percent
 from ..views.report_page import (
     BLUE,
     GREY,
     INK,
     VERMILION,
     draw_grid,
-    figure,
-    minus,
     page_chart,
     write_report_page,
 )
@@ -80,10 +79,10 @@ def coverage(results: SearchResults) -> list[CoveredPair]:
 def _pair(one: Dimension, other: Dimension, tried: list[Evaluation]) -> CoveredPair:
     shape = (_size(one), _size(other))
     counts, least = np.zeros(shape, dtype=int), np.full(shape, math.inf)
-    for found in tried:
-        cell = (_cell(one, found), _cell(other, found))
+    for evaluation in tried:
+        cell = (_cell(one, evaluation), _cell(other, evaluation))
         counts[cell] += 1
-        least[cell] = min(least[cell], found.rank)
+        least[cell] = min(least[cell], evaluation.rank)
     return CoveredPair(one, other, counts, least)
 
 
@@ -91,8 +90,8 @@ def _size(one: Dimension) -> int:
     return len(one.values) or BINS
 
 
-def _cell(one: Dimension, found: Evaluation) -> int:
-    coordinate = found.point[one.name]
+def _cell(one: Dimension, evaluation: Evaluation) -> int:
+    coordinate = evaluation.point[one.name]
     if one.values:
         return one.values.index(coordinate)
     return min(int(one.share(coordinate) * BINS), BINS - 1)
@@ -191,7 +190,7 @@ def write_report(results: SearchResults, path: Path) -> None:
         film=next((case.film for case in results.cases if case.film), ""),
         chart=objective_chart(results),
         grid=coverage_chart(results, pairs),
-        shares=[(pair.one.name, pair.other.name, f"{100 * pair.share:.0f} %") for pair in pairs],
+        shares=[(pair.one.name, pair.other.name, percent(pair.share)) for pair in pairs],
         names=names,
         listed=[
             (one, shown(one), [short(one.values.get(name)) for name in names])
@@ -203,7 +202,7 @@ def write_report(results: SearchResults, path: Path) -> None:
 
 
 def _case(case: Case, results: SearchResults) -> Mapping[str, Any]:
-    found = case.minimised
+    minimised = case.minimised
     trial = case.path.relative_to(results.folder).as_posix() if case.path else ""
     replay = case.replay
     return {
@@ -214,9 +213,9 @@ def _case(case: Case, results: SearchResults) -> Mapping[str, Any]:
         "replay": replay.relative_to(results.folder).as_posix()
         if replay is not None and replay.exists()
         else "",
-        "value": "" if found is None else _minimised_value(found.value),
-        "size": "" if found is None else ", ".join(size(case)),
-        "runs": 0 if found is None else found.runs,
+        "value": "" if minimised is None else _minimised_value(minimised.value),
+        "size": "" if minimised is None else ", ".join(size(case)),
+        "runs": 0 if minimised is None else minimised.runs,
     }
 
 
@@ -230,10 +229,10 @@ def size(case: Case) -> Iterator[str]:
     trial = case.minimised.trial
     people, jobs = len(trial.people), len(trial.gantry.jobs)
     moves = sum(len(moves) for moves in trial.agvs.values())
-    yield f"{people} {'person' if people == 1 else 'people'}"
-    yield f"{jobs} job{'s' * (jobs != 1)}"
+    yield counted(people, "person")
+    yield counted(jobs, "job")
     if moves:
-        yield f"{moves} AGV move{'s' * (moves != 1)}"
+        yield counted(moves, "AGV move")
     yield f"{trial.duration:g} s"
 
 
@@ -258,7 +257,7 @@ def varying(results: SearchResults) -> list[str]:
         if one.result != "no trial":
             for name, value in one.values.items():
                 values.setdefault(name, set()).add(str(value))
-    return [name for name, found in values.items() if len(found) > 1 and name != "seed"]
+    return [name for name, different in values.items() if len(different) > 1 and name != "seed"]
 
 
 def short(value: Any) -> str:

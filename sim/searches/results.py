@@ -79,8 +79,8 @@ class SearchResults:
     @property
     def broken(self) -> list[Evaluation]:
         """The evaluations that break the objective, the worst first."""
-        found = [one for one in self.evaluations if one.is_break(self.objective)]
-        return sorted(found, key=lambda one: (one.rank, one.number))
+        breaking = [one for one in self.evaluations if one.is_break(self.objective)]
+        return sorted(breaking, key=lambda one: (one.rank, one.number))
 
     @property
     def best(self) -> Evaluation | None:

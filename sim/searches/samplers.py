@@ -92,10 +92,10 @@ class TpeSampler:
         """See `Sampler`."""
         states = self._optuna.trial.TrialState
         for point, value in zip(points, values, strict=True):
-            asked = next((trial for one, trial in self._asked if one is point), None)
+            proposed = next((trial for one, trial in self._asked if one is point), None)
             state = states.FAIL if value is None else states.COMPLETE
-            if asked is not None:
-                self._study.tell(asked, value, state=state)
+            if proposed is not None:
+                self._study.tell(proposed, value, state=state)
                 continue
             params = {one.name: _index(one, point[one.name]) for one in self._dimensions}
             self._study.add_trial(
@@ -112,8 +112,8 @@ class TpeSampler:
         return point
 
     def _coordinate(self, one: Dimension, trial: OptunaTrial) -> Coordinate:
-        found = trial.params[one.name]
-        return one.values[found] if one.values else one.rounded(found)
+        parameter = trial.params[one.name]
+        return one.values[parameter] if one.values else one.rounded(parameter)
 
     def _distribution(self, one: Dimension) -> Any:
         kinds = self._optuna.distributions
@@ -139,17 +139,17 @@ SAMPLER = Kind(
 """The kind of class that a search names."""
 
 
-def find_sampler(given: str | MakesSampler, folder: CodeFolder) -> MakesSampler:
+def find_sampler(name: str | MakesSampler, folder: CodeFolder) -> MakesSampler:
     """Return the built-in sampler of that name, or the class `package.module:Class`.
 
     `SamplerError` if `folder` does not contain it.
     """
-    if not isinstance(given, str):
-        return given
-    if given in SAMPLERS:
-        return SAMPLERS[given]
-    found: MakesSampler = folder.find(given, SAMPLER).load()
-    return found
+    if not isinstance(name, str):
+        return name
+    if name in SAMPLERS:
+        return SAMPLERS[name]
+    custom: MakesSampler = folder.find(name, SAMPLER).load()
+    return custom
 
 
 class Checked:

@@ -76,9 +76,9 @@ class WorstCaseSearch:
 
     def __post_init__(self) -> None:
         for name, low in (("evaluations", 1), ("batch", 1), ("cases", 0)):
-            given = getattr(self, name)
-            if not isinstance(given, int) or isinstance(given, bool) or given < low:
-                raise UserError(f"{name} must be a whole number of at least {low}, not {given!r}")
+            value = getattr(self, name)
+            if not isinstance(value, int) or isinstance(value, bool) or value < low:
+                raise UserError(f"{name} must be a whole number of at least {low}, not {value!r}")
         if not 0.0 <= self.random_share <= 1.0:
             raise UserError(f"random_share must be from 0 to 1, not {self.random_share!r}")
         object.__setattr__(self, "space", Space(self.study))
@@ -120,13 +120,13 @@ class WorstCaseSearch:
     def identity(self) -> dict[str, str]:
         """Return the texts that decide the evaluations beside the study."""
         terms = [self.objective.minimise, self.objective.slack, self.sampler_name, self.batch]
-        known = {"the search": json.dumps([*terms, self.random_share, STARTUP])}
+        digests = {"the search": json.dumps([*terms, self.random_share, STARTUP])}
         if not isinstance(self.sampler, str):
-            return known | {"the sampler": digest_of_code(self.sampler)}
+            return digests | {"the sampler": digest_of_code(self.sampler)}
         if self.sampler not in SAMPLERS:
             source = self.code.find(self.sampler, SAMPLER)
-            return known | {"the sampler": digest_of_source(source)}
-        return known
+            return digests | {"the sampler": digest_of_source(source)}
+        return digests
 
 
 def search(
@@ -264,11 +264,11 @@ def _evaluated(
     while done < wanted.evaluations:
         # Only whole batches are requested, so that a search can be extended.
         numbers = range(done, done + wanted.batch)
-        asked = iter(sampler.ask(sum(not wanted.is_random(k) for k in numbers)))
-        points = [space.random_point(k) if wanted.is_random(k) else next(asked) for k in numbers]
+        proposed = iter(sampler.ask(sum(not wanted.is_random(k) for k in numbers)))
+        points = [space.random_point(k) if wanted.is_random(k) else next(proposed) for k in numbers]
         wanted_now = min(wanted.batch, wanted.evaluations - done)
         batch = []
-        for one, found in _run(
+        for one, outcome in _run(
             space,
             [*zip(numbers, points, strict=True)],
             wanted_now,
@@ -280,7 +280,7 @@ def _evaluated(
             batch.append(one)
             if one.number >= folder.table.rows:
                 with writing_to(folder.path):
-                    folder.table.add(record(one, found))
+                    folder.table.add(record(one, outcome))
             yield one
         values = [
             None if one.result == "no trial" else told(one.value, failed=one.result == "error")
@@ -296,7 +296,7 @@ def _evaluated(
 
 def _run(
     space: Space,
-    asked: list[tuple[int, Point]],
+    batch: list[tuple[int, Point]],
     count: int,
     measured: Sequence[Record],
     keep: Keep,
@@ -310,24 +310,24 @@ def _run(
     rows: list[tuple[int, Point, Mapping[str, Any], Found | None]] = []
     tasks = []
     one = joblib.delayed(left_of)
-    for number, point in asked[:count]:
+    for number, point in batch[:count]:
         values: Mapping[str, Any] = dict(point)
-        found: Found | None = None
+        outcome: Found | None = None
         try:
             row = space.row(number, point)
             values = row.parameters
         except (UserError, OSError) as why:
-            found = {**failed(why), "result": "no trial"}
+            outcome = {**failed(why), "result": "no trial"}
         if number < len(measured):
-            found = _repeated(measured[number], number, values, wanted)
-        if found is None:
+            outcome = _repeated(measured[number], number, values, wanted)
+        if outcome is None:
             tasks.append(one(row.trial, keep, failed, f"evaluation {number}: "))
-        rows.append((number, point, values, found))
+        rows.append((number, point, values, outcome))
     try:
         with without_noise():
             results = iter(parallel(tasks)) if tasks else iter(())
-            for number, point, values, found in rows:
-                left = next(results) if found is None else found
+            for number, point, values, outcome in rows:
+                left = next(results) if outcome is None else outcome
                 random = wanted.is_random(number)
                 yield evaluation_of(number, point, values, left, is_random=random), left
     except TerminatedWorkerError:
@@ -397,14 +397,14 @@ def _minimised(
         smallest = [*parallel(one(trial, wanted.objective, paths) for trial in trials)]
     cases: list[Case] = []
     seen: list[Trial] = []
-    for evaluation, found in zip(worst, smallest, strict=True):
-        if found is None:
+    for evaluation, smallest_trial in zip(worst, smallest, strict=True):
+        if smallest_trial is None:
             cases.append(Case(evaluation))
             continue
-        if found.trial in seen:
+        if smallest_trial.trial in seen:
             continue
-        seen.append(found.trial)
-        cases.append(_saved(wanted, evaluation, found, folder, len(seen)))
+        seen.append(smallest_trial.trial)
+        cases.append(_saved(wanted, evaluation, smallest_trial, folder, len(seen)))
     return tuple(cases)
 
 
@@ -413,14 +413,14 @@ def _minimise(trial: Trial, objective: Objective, paths: list[str]) -> Minimised
 
 
 def _saved(
-    wanted: WorstCaseSearch, evaluation: Evaluation, found: Minimised, folder: Path, number: int
+    wanted: WorstCaseSearch, evaluation: Evaluation, minimised: Minimised, folder: Path, number: int
 ) -> Case:
     """Write a minimised trial and its replay page."""
     name = f"{wanted.study.name}-{number}"
     place = folder / CASES
     path = place / f"{name.replace('/', '-')}.trial.yaml"
-    trial = replace(found.trial, name=name)
-    case = Case(evaluation, replace(found, trial=trial), path)
+    trial = replace(minimised.trial, name=name)
+    case = Case(evaluation, replace(minimised, trial=trial), path)
     with writing_to(place):
         place.mkdir(parents=True, exist_ok=True)
         write_whole(path, f"{_origin(wanted, case)}{trial.to_yaml(place)}")
@@ -438,9 +438,9 @@ def _origin(wanted: WorstCaseSearch, case: Case) -> str:
         what = evaluation.situation.error
     else:
         what = f"{wanted.objective} {rounded(value)}, before minimising {shown(evaluation)}"
-    found = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
+    source = f"evaluation {evaluation.number} of the search {wanted.study.name!r}"
     seen = f"Replay: {case.replay.name}. Film: {case.film}"
-    return f"# Minimised from {found}:\n# {what}\n# {seen}\n"
+    return f"# Minimised from {source}:\n# {what}\n# {seen}\n"
 
 
 def _run_of(trial: Trial) -> Run:

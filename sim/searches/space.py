@@ -128,8 +128,8 @@ class Space:
         seed = derived_seed("search", study.seed, number)
         trial = replace(trial, seed=seed)
         others = (*study.grid, *study.random)
-        for what, given in study.grid.items():
-            values[what.name] = point.get(what.name, given[0])
+        for what, choices in study.grid.items():
+            values[what.name] = point.get(what.name, choices[0])
             trial = what.put(trial, values[what.name], study.folder, others)
         for what, distribution in study.random.items():
             value = self._value(what.name, distribution, point, trial, number)

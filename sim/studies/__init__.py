@@ -1,6 +1,6 @@
 """Studies: variations of trials, run on all cores or a cluster, and their statistics."""
 
-from ..views.report_page import figure
+from ..core.wording import figure
 from .comparison import Comparison, Contrast, Effect, Measure, RowGroup, Spread, StudyResults
 from .design import Choice, Distribution, Normal, Row, Shuffled, Study, StudyError, Uniform
 from .folder import save_trial

@@ -69,8 +69,8 @@ def _imported(path: Path, content: bytes, folder: Path, package: str) -> Iterato
         for module in _modules(node, here):
             if module is None:
                 for pattern in ("*.py", "[!.]*/**/*.py"):
-                    found = folder.glob(f"{package}/{pattern}" if package else pattern)
-                    yield from (one for one in found if INSTALLED.isdisjoint(one.parts))
+                    modules = folder.glob(f"{package}/{pattern}" if package else pattern)
+                    yield from (one for one in modules if INSTALLED.isdisjoint(one.parts))
             elif not package or module[0] == package:
                 yield from _files(module, folder)
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from floorplan.files.fields import brief
 
+from ..core.wording import figure as in_words
 from ..machines.kinds import KINDS
 from ..record.figures import FIGURES
 from .design import Study
@@ -77,12 +78,12 @@ class Measure:
 
     def values(self, columns: Columns) -> Floats | None:
         """Return the value of every row (NaN if it has none), or None if the measure is omitted."""
-        found = [column for key, column in columns.items() if self._pattern.fullmatch(key)]
-        if not found:
+        matching = [column for key, column in columns.items() if self._pattern.fullmatch(key)]
+        if not matching:
             return None
-        if any(isinstance(value, str) for column in found for value in column):
+        if any(isinstance(value, str) for column in matching for value in column):
             raise TableError(f"the results have a text where {self.column} should be a number")
-        figures = np.array([[math.nan if v is None else float(v) for v in c] for c in found])
+        figures = np.array([[math.nan if v is None else float(v) for v in c] for c in matching])
         there = ~np.isnan(figures)
         if self.rare and not np.any(figures[there]):
             return None
@@ -245,8 +246,8 @@ def compare(columns: Columns, factors: Sequence[str], *, once: bool = False) -> 
     )
     named = (one for measure in measures() for one in measure.of_each(columns))
     compared = (*named, *of_machines(columns), *of_expectations(columns))
-    found = {measure: measure.values(columns) for measure in compared}
-    values = {measure: figures for measure, figures in found.items() if figures is not None}
+    all_values = {measure: measure.values(columns) for measure in compared}
+    values = {measure: figures for measure, figures in all_values.items() if figures is not None}
     spreads = {
         measure: tuple(spread(figures[group.rows]) for group in groups)
         for measure, figures in values.items()
@@ -379,9 +380,9 @@ def sensitivities(compared: Comparison) -> Iterator[tuple[Measure, list[Trend]]]
     """Yield the `telling` measures with the trends of all factors."""
     for measure in compared.telling:
         trends = [_trend(compared, measure, k) for k in range(len(compared.factors))]
-        found = [one for one in trends if one is not None]
-        if found:
-            yield measure, found
+        complete = [one for one in trends if one is not None]
+        if complete:
+            yield measure, complete
 
 
 def _trend(compared: Comparison, measure: Measure, factor: int) -> Trend | None:
@@ -390,10 +391,10 @@ def _trend(compared: Comparison, measure: Measure, factor: int) -> Trend | None:
     for group in compared.groups:
         rows.setdefault(group.values[factor], []).extend(group.rows.tolist())
     spreads = [spread(compared.values[measure][lines]) for lines in rows.values()]
-    known = [one for one in spreads if one is not None]
-    if len(known) < len(spreads):
+    complete = [one for one in spreads if one is not None]
+    if len(complete) < len(spreads):
         return None
-    return Trend(compared.factors[factor], tuple(rows), tuple(known))
+    return Trend(compared.factors[factor], tuple(rows), tuple(complete))
 
 
 @dataclass(frozen=True)
@@ -420,11 +421,10 @@ class StudyResults:
     def _repr_html_(self) -> str:
         """Return the means of all combinations as a table for notebooks."""
         from ..record.notebook import html_table
-        from ..views.report_page import figure
 
         compared = self.comparison
         means = (
-            [figure(one.mean) if one else "–" for one in compared.spreads[measure]]
+            [in_words(one.mean) if one else "–" for one in compared.spreads[measure]]
             for measure in compared.telling
         )
         rows = zip(
@@ -492,8 +492,8 @@ class StudyResults:
         """Return the spread of a figure in each combination that has it."""
         values = Measure("", column_of(figure, [*self.columns])).values(self.columns)
         groups = self.comparison.groups if values is not None else ()
-        found = [spread(values[group.rows]) for group in groups if values is not None]
-        return [one for one in found if one is not None]
+        all_spreads = [spread(values[group.rows]) for group in groups if values is not None]
+        return [one for one in all_spreads if one is not None]
 
     @cached_property
     def contrasts(self) -> tuple[Contrast, ...]:

@@ -252,14 +252,14 @@ class Design:
     @cached_property
     def _compared(self) -> dict[str, str]:
         """For each trial by name, the first trial that differs from it only in controllers."""
-        found: dict[str, str] = {}
+        compared: dict[str, str] = {}
         first: list[Trial] = []
         for trial in self.trials:
             plain = without_controllers(replace(trial, name=""))
             same = next((k for k, one in enumerate(first) if one == plain), len(first))
             first.append(plain)
-            found[trial.name] = self.trials[same].name
-        return found
+            compared[trial.name] = self.trials[same].name
+        return compared
 
     @cached_property
     def combinations(self) -> tuple[Combination, ...]:
@@ -460,8 +460,8 @@ class _Reader:
             seen.add(source)
             try:
                 path = self._folder / source
-                found = path if path.suffix or is_there(path) else source
-                trial = Trial.load(found, own_code=self._own_code)
+                file = path if path.suffix or is_there(path) else source
+                trial = Trial.load(file, own_code=self._own_code)
             except (UserError, OSError) as why:
                 self._problem(str(why), "trials", k)
                 continue
@@ -475,8 +475,8 @@ class _Reader:
         self, schema: dict[str, list[Any]], trials: tuple[Trial, ...]
     ) -> dict[Variable, tuple[Value, ...]]:
         grid: dict[Variable, tuple[Value, ...]] = {}
-        for name, given in schema.items():
-            values = tuple(_value(one) for one in given)
+        for name, written in schema.items():
+            values = tuple(_value(one) for one in written)
             what = self._variable(name, "grid")
             if not values:
                 self._problem("has no values", "grid", name)
@@ -484,7 +484,7 @@ class _Reader:
                 continue
             for k, value in enumerate(values):
                 if value in values[:k]:
-                    self._problem(f"{given[k]!r} stands twice", "grid", name, k)
+                    self._problem(f"{written[k]!r} stands twice", "grid", name, k)
                 self._try(what, value, trials, "grid", name, k)
             grid[what] = values
         return grid
@@ -514,9 +514,9 @@ class _Reader:
     def until(self, until: UntilKeys, trials: tuple[Trial, ...]) -> None:
         """Report a problem if runs of the trials lack the figure to stop by."""
         for trial in trials:
-            known = summary_fields(trial)
-            paths = {key for key, one in known.items() if ".".join(one.path).startswith(key)}
-            if until.of not in paths or known[until.of].figure.form == "flag":
+            figures = summary_fields(trial)
+            paths = {key for key, one in figures.items() if ".".join(one.path).startswith(key)}
+            if until.of not in paths or figures[until.of].figure.form == "flag":
                 hint = suggestion(until.of, sorted(paths))
                 self._problem(f"a run has no such figure; {hint}", "until", "of")
 
@@ -553,8 +553,8 @@ def _distribution(name: str, entry: _Draw) -> Distribution:
     if entry.word is not None:
         usual = "shuffled" if name == "job_order" else "uniform, normal or choice with values"
         raise UserError(f"expected {usual}, found {entry.word!r}")
-    given = [one for one in (entry.uniform, entry.normal, entry.choice) if one is not None]
-    if len(given) != 1 or (entry.within is not None and entry.normal is None):
+    kinds = [one for one in (entry.uniform, entry.normal, entry.choice) if one is not None]
+    if len(kinds) != 1 or (entry.within is not None and entry.normal is None):
         raise UserError("give one of uniform, choice, or normal (with within, if you like)")
     if entry.uniform is not None:
         return _uniform(*entry.uniform)

@@ -29,10 +29,10 @@ from .design import Study
 
 def identity(study: Study) -> dict[str, str]:
     """Return the digests of all inputs that decide the results of `study`, by name."""
-    known = {"floorwalker": version("floorwalker"), "the study": digest(_definition(study))}
+    digests = {"floorwalker": version("floorwalker"), "the study": digest(_definition(study))}
     for trial in study.trials:
-        known[f"the trial {trial.name}"] = digest(trial.to_yaml(trial.folder))
-    return known | parts(one.trial for one in study.combinations)
+        digests[f"the trial {trial.name}"] = digest(trial.to_yaml(trial.folder))
+    return digests | parts(one.trial for one in study.combinations)
 
 
 def parts(trials: Iterable[Trial]) -> dict[str, str]:
@@ -42,8 +42,8 @@ def parts(trials: Iterable[Trial]) -> dict[str, str]:
     """
     named: dict[str, dict[str, None]] = {}
     for trial in trials:
-        for what, found in _parts(trial):
-            named.setdefault(what, {})[found] = None
+        for what, content in _parts(trial):
+            named.setdefault(what, {})[content] = None
     return {
         what: digest(" ".join(all_found)) if len(all_found) > 1 else next(iter(all_found))
         for what, all_found in named.items()

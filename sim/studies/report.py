@@ -11,16 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..core.wording import digits_after, figure, signed
 from ..views.report_page import (
     COLOURS,
     INK,
-    digits_after,
     draw_box,
     draw_interval,
-    figure,
     name_rows,
     page_chart,
-    signed,
     write_report_page,
 )
 from .comparison import (

@@ -408,11 +408,11 @@ def of_rows(
 
     many = run_many(trials(), keep=keep, failed=failed, jobs=jobs, backend=backend, label=label)
     try:
-        for found in many:
-            yield under_way.popleft(), found
+        for result in many:
+            yield under_way.popleft(), result
     except WorkerError as why:
-        kept = "what is done is kept: run the same command to go on"
-        raise WorkerError(f"{why}; {kept}") from None
+        hint = "what is done is kept: run the same command to go on"
+        raise WorkerError(f"{why}; {hint}") from None
 
 
 _LEFT_OUT = frozenset(path for path, figure in FIGURES.items() if not figure.column)
@@ -427,8 +427,8 @@ def figures_of(finished: Run, *, with_metrics: bool = False) -> Record:
     if with_metrics:
         summary["metrics"] = metrics(finished)
     slacks = {".".join(map(str, one.place)): one.slack for one in finished.verdicts}
-    found: Record = {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
-    return found | {
+    figures: Record = {"error": None, "unmet": len(finished.unmet)} | dict(flat(summary))
+    return figures | {
         f"{SLACK}.{key}": None if math.isinf(slack) else slack for key, slack in slacks.items()
     }
 

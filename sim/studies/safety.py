@@ -25,6 +25,7 @@ from navigation.separation import AnyLaw
 
 from ..core.entries import UNSIGNED, SignOff
 from ..core.recorder import Scene
+from ..core.wording import clock, counted, figure, percent, significant
 from ..record.incidents import (
     RISKS,
     Incident,
@@ -44,12 +45,9 @@ from ..runs.run import Recorded, Run
 from ..simulation import Simulation, run
 from ..trials.timeline import Verdict
 from ..trials.trial import Trial
-from ..views.report_page import figure
 from ..views.safety_findings import SIGNED_BY, sign_off_rows, stops_in_tables, without_a_job
 from ..views.safety_page import (
     Picture,
-    clock,
-    counted,
     exposure,
     require_writable,
     risk_pictures,
@@ -110,16 +108,16 @@ class Findings:
         """Return the end (s) of the omitted warm-up of a trial's runs."""
         return trial.warm_up if self.warm_up is None else self.warm_up
 
-    def add(self, row: int, trial: int, found: RowFindings) -> None:
+    def add(self, row: int, trial: int, findings: RowFindings) -> None:
         """Add the findings of a row of the trial with this number."""
-        self.worst += [(row, one) for one in found.worst]
+        self.worst += [(row, one) for one in findings.worst]
         self.worst.sort(key=lambda one: (one[1].margin, one[0], one[1].begin))
         del self.worst[KEPT:]
         mine = self.maps.setdefault(trial, {})
-        for of, cells in found.maps.items():
+        for of, cells in findings.maps.items():
             mine[of] = risk_of_all([mine[of], cells], of) if of in mine else cells
         # Maps are large, and those of single rows are no longer needed.
-        self.rows[row] = replace(found, worst=[], maps={})
+        self.rows[row] = replace(findings, worst=[], maps={})
 
 
 def findings(
@@ -149,15 +147,15 @@ def findings(
 def row_findings(whole: Run, warm_up: float | None = None) -> RowFindings:
     """Return the findings of the run of a row after the warm-up."""
     finished = after_warm_up(whole, whole.trial.warm_up if warm_up is None else warm_up)
-    found = worst_first(incidents(finished))
+    violations = worst_first(incidents(finished))
     both = finished.scene.people and finished.scene.machines
     maps = {of: risk(finished, of) for of in RISKS} if both else {}
-    margins = [one.margin for one in found[:1]]
+    margins = [one.margin for one in violations[:1]]
     if both:
         margins.append(float(maps["margin"].min()))
     return RowFindings(
-        count=len(found),
-        worst=found[:KEPT],
+        count=len(violations),
+        worst=violations[:KEPT],
         on_floor=time_on_floor(finished),
         near=time_too_close(finished),
         margin=min(filter(math.isfinite, margins), default=math.nan),
@@ -167,14 +165,14 @@ def row_findings(whole: Run, warm_up: float | None = None) -> RowFindings:
     )
 
 
-def with_findings(compared: Comparison, found: Findings) -> Comparison:
+def with_findings(compared: Comparison, findings: Findings) -> Comparison:
     """Return a comparison whose first measures are the findings of the rows."""
     count = sum(len(group.rows) * group.repeats for group in compared.groups)
     nothing = RowFindings(0, [], math.nan, math.nan, math.nan, {})
-    rows = [found.rows.get(k, nothing) for k in range(count)]
-    known = np.array([float(k in found.rows) for k in range(count)])
+    rows = [findings.rows.get(k, nothing) for k in range(count)]
+    is_known = np.array([float(k in findings.rows) for k in range(count)])
     figures = {
-        VIOLATIONS: np.where(known > 0, [float(one.count) for one in rows], math.nan),
+        VIOLATIONS: np.where(is_known > 0, [float(one.count) for one in rows], math.nan),
         TOO_NEAR: np.array([one.near for one in rows]),
         MARGIN: np.array([one.margin for one in rows]),
     }
@@ -185,15 +183,17 @@ def with_findings(compared: Comparison, found: Findings) -> Comparison:
     return replace(compared, spreads=spreads | compared.spreads, values=figures | compared.values)
 
 
-def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
-    """Return the values of `safety_study.html` for `results` and their `found` findings."""
-    study, compared = results.study, with_findings(results.comparison, found)
+def study_report(results: StudyResults, findings: Findings) -> dict[str, Any]:
+    """Return the values of `safety_study.html` for `results` and their `findings` findings."""
+    study, compared = results.study, with_findings(results.comparison, findings)
     scenes = [Simulation(trial).scene for trial in study.trials]
-    rows = found.rows.values()
+    rows = findings.rows.values()
     count = sum(one.count for one in rows)
     unmet = [float(n) for n in results.columns.get("unmet", ()) if n is not None]
     trends = [*sensitivities(compared)]
-    drawn = ((measure, sensitivity_chart(compared, measure, found)) for measure, found in trends)
+    drawn = (
+        (measure, sensitivity_chart(compared, measure, findings)) for measure, findings in trends
+    )
     return {
         "study": study,
         "run_count": len(results),
@@ -204,14 +204,17 @@ def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
         "count": count,
         "contacts": sum(int(n) for n in results.columns.get("contacts", ()) if n is not None),
         "share_with_violation": _interval([float(one.count > 0) for one in rows]),
-        "worst": found.worst,
+        "worst": findings.worst,
         "expects": any(trial.expect for trial in study.trials),
         "met": sum(n == 0 for n in unmet),
         "judged": len(unmet),
         "varied": _varied(study),
         "trials": [
             about(scene, trial)
-            | {"maps": _maps(found, number, scene), "exposed": _exposure(results, found, trial)}
+            | {
+                "maps": _maps(findings, number, scene),
+                "exposed": _exposure(results, findings, trial),
+            }
             for number, (trial, scene) in enumerate(zip(study.trials, scenes, strict=True))
         ],
         "all_rules": [one.trial.rules for one in study.combinations],
@@ -222,8 +225,8 @@ def study_report(results: StudyResults, found: Findings) -> dict[str, Any]:
             for measure, effects in trends
         ],
         "charts": [(measure, chart) for measure, chart in drawn if chart is not None],
-        "shares": _shares(compared, found),
-        **_worst_run(study, found),
+        "shares": _shares(compared, findings),
+        **_worst_run(study, findings),
         "software": software(),
         "digests": [*identity(study).items()],
         "results_digest": hashlib.sha256((results.folder / RESULTS).read_bytes()).hexdigest()[:16],
@@ -244,9 +247,11 @@ def _interval(shares: Sequence[float]) -> str:
     """Return a share of runs with its interval as text."""
     if not shares:
         return "–"
-    found = share(shares)
-    low, high = (f"{100 * end:.1f}" for end in (found.low, found.high))
-    return f"{sum(shares):.0f} of {len(shares):,}: {100 * found.value:.1f} % ({low} … {high} %)"
+    estimate = share(shares)
+    value, low, high = (
+        percent(one, digits=1) for one in (estimate.value, estimate.low, estimate.high)
+    )
+    return f"{sum(shares):.0f} of {len(shares):,}: {value} ({low.removesuffix(' %')} … {high})"
 
 
 def _varied(study: Study) -> list[tuple[str, str]]:
@@ -257,25 +262,25 @@ def _varied(study: Study) -> list[tuple[str, str]]:
 
 def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw, str]]:
     """Return each law once, with its machines, number of combinations, and reference points."""
-    held: Counter[tuple[str, AnyLaw, str]] = Counter()
+    numbers: Counter[tuple[str, AnyLaw, str]] = Counter()
     each = len(study.combinations) // len(study.trials)
     for k, combination in enumerate(study.combinations):
         rules, machines = combination.trial.rules, scenes[k // each].machines
         for key in dict.fromkeys(rules.law_and_key_of(machine)[0] for machine in machines):
             mine = [one for one in machines if rules.law_and_key_of(one)[0] == key]
-            held.update(laws_of(rules, mine))
+            numbers.update(laws_of(rules, mine))
     every = len(study.combinations)
     return [
         (whom if count == every else f"{whom}, in {count} of {every} combinations", law, between)
-        for (whom, law, between), count in held.items()
+        for (whom, law, between), count in numbers.items()
     ]
 
 
-def _shares(compared: Comparison, found: Findings) -> list[tuple[str, ...]]:
+def _shares(compared: Comparison, findings: Findings) -> list[tuple[str, ...]]:
     """Return the share of runs with a violation in each combination."""
     rows = []
     for group in compared.groups:
-        mine = [found.rows[row] for row in group.rows.tolist() if row in found.rows]
+        mine = [findings.rows[row] for row in group.rows.tolist() if row in findings.rows]
         there = math.fsum(one.on_floor for one in mine) / 3600
         count = sum(one.count for one in mine)
         rows.append(
@@ -289,15 +294,15 @@ def _shares(compared: Comparison, found: Findings) -> list[tuple[str, ...]]:
     return rows
 
 
-def _maps(found: Findings, number: int, scene: Scene) -> list[Picture]:
-    maps = found.maps.get(number, {})
+def _maps(findings: Findings, number: int, scene: Scene) -> list[Picture]:
+    maps = findings.maps.get(number, {})
     return risk_pictures(scene.floorplan, scene.machines, maps, scene.trial)
 
 
-def _exposure(results: StudyResults, found: Findings, trial: Trial) -> dict[str, Any]:
+def _exposure(results: StudyResults, findings: Findings, trial: Trial) -> dict[str, Any]:
     """Return the mean exposure to each zone per run."""
     lines = [k for k, name in enumerate(results.columns.get("trial", [])) if name == trial.name]
-    mine = [found.rows[k] for k in lines if k in found.rows]
+    mine = [findings.rows[k] for k in lines if k in findings.rows]
     n = max(1, len(mine))
     zones = {
         zone.name: {
@@ -310,15 +315,15 @@ def _exposure(results: StudyResults, found: Findings, trial: Trial) -> dict[str,
     return exposure(trial.floorplan, zones, there, near)
 
 
-def _worst_run(study: Study, found: Findings) -> dict[str, Any]:
+def _worst_run(study: Study, findings: Findings) -> dict[str, Any]:
     """Return the pictures and the parameters of the run with the worst violation."""
-    if not found.worst:
+    if not findings.worst:
         return {}
-    number = found.worst[0][0]
+    number = findings.worst[0][0]
     row = study.row(number)
-    mine = [one for n, one in found.worst if n == number]
+    mine = [one for n, one in findings.worst if n == number]
     values = [f"{name} {_in_words(value)}" for name, value in row.parameters.items()]
-    since = found.warm_up_of(row.trial)
+    since = findings.warm_up_of(row.trial)
     return {
         "shown": run_pictures(run(row.trial), mine, "worst", since=since),
         "worst_values": ", ".join(values),
@@ -327,7 +332,7 @@ def _worst_run(study: Study, found: Findings) -> dict[str, Any]:
 
 def _in_words(value: object) -> str:
     """Return the text of a parameter."""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return significant(value) if isinstance(value, float) else str(value)
 
 
 Progress = Callable[[int], None]
@@ -371,7 +376,7 @@ def safety_report(
     if isinstance(source, StudyResults):
         title, count = source.study.name, counted(len(source), "run")
         subtitle = f"A study of {count}, simulated by Floorwalker"
-        found = findings(
+        evaluated = findings(
             source.study,
             {*source.failed},
             len(source),
@@ -380,7 +385,7 @@ def safety_report(
             warm_up=warm_up,
         )
         template = "safety_study.html"
-        values = study_report(source, found) | _shared(source, found, sign_off)
+        values = study_report(source, evaluated) | _shared(source, evaluated, sign_off)
     else:
         require(source, Recorded, "sim.load_run")
         title = source.scene.trial
@@ -390,12 +395,12 @@ def safety_report(
         write_safety_page(path, template, title=title, subtitle=subtitle, **values)
 
 
-def _shared(source: StudyResults, found: Findings, sign_off: SignOff) -> dict[str, Any]:
+def _shared(source: StudyResults, findings: Findings, sign_off: SignOff) -> dict[str, Any]:
     """Return the warm-up, the stops and the sign-off block of a study's report."""
     trials = source.study.trials
-    times = [one.times for one in found.rows.values()]
+    times = [one.times for one in findings.rows.values()]
     idle = [without_a_job(mine, len(trials[0].people)) for mine in times]
-    ends = [found.warm_up_of(trial) for trial in trials]
+    ends = [findings.warm_up_of(trial) for trial in trials]
     return {
         "warm_ups": ", ".join(f"{end:g} s" for end in dict.fromkeys(ends) if end),
         "stops": stops_in_tables(times_of_all(times), max(1, len(times))),

@@ -11,10 +11,11 @@ import numpy as np
 
 from floorplan import UserError
 
+from ..core.wording import figure
 from ..machines.gantry.controllers import CONTROLLERS, controller_source
 from ..people.programs import EXTERNAL
 from ..trials.trial import Trial
-from ..views.report_page import figure, write_report_page
+from ..views.report_page import write_report_page
 from .comparison import Floats, Measure, Spread, StudyResults, spread
 from .design import Choice, Shuffled, Study, Uniform
 from .folder import save_trial
@@ -122,7 +123,7 @@ def scoreboard(
 
 def scores(results: StudyResults) -> list[Score]:
     """Return the score of each controller."""
-    found = []
+    all_scores = []
     for name in _controllers(results):
         rows = _rows(results, name)
         spreads = {}
@@ -133,8 +134,8 @@ def scores(results: StudyResults) -> list[Score]:
         least = None if margins is None or np.isnan(margins[rows]).all() else margins[rows]
         worst = None if least is None else int(rows[int(np.nanargmin(least))])
         value = None if least is None else float(np.nanmin(least))
-        found.append(Score(name, spreads, value, worst))
-    return found
+        all_scores.append(Score(name, spreads, value, worst))
+    return all_scores
 
 
 def paired_tests(results: StudyResults) -> list[PairedTest]:
@@ -143,7 +144,7 @@ def paired_tests(results: StudyResults) -> list[PairedTest]:
     Rows of one scene and one repetition have the same draws. Their differences are compared with
     differences of random signs (R. A. Fisher, "The Design of Experiments", 1935).
     """
-    found = []
+    tests = []
     for one, other in itertools.combinations(_controllers(results), 2):
         for measure in MEASURES:
             values = measure.values(results.columns)
@@ -154,8 +155,8 @@ def paired_tests(results: StudyResults) -> list[PairedTest]:
             interval = spread(off)
             if interval is not None and off.any():
                 ends = (interval.mean, interval.low, interval.high)
-                found.append(PairedTest(one, other, measure, len(off), *ends, sign_flips(off)))
-    return found
+                tests.append(PairedTest(one, other, measure, len(off), *ends, sign_flips(off)))
+    return tests
 
 
 def sign_flips(differences: Floats) -> float:

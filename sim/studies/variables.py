@@ -87,13 +87,13 @@ class Variable:
         which one of the `others` has a value. `ValueError` or `OSError` if the trial has no such
         place, or if the value has the wrong type.
         """
-        found = self._put(trial, value, folder)
+        varied = self._put(trial, value, folder)
         for other in others:
             if other.path.count(ALL) < self.path.count(ALL):
                 with suppress(UserError):  # the trial may not have it yet
                     for place in places(trial, other.path):
-                        found = with_value(found, place, value_at(trial, place))
-        return found
+                        varied = with_value(varied, place, value_at(trial, place))
+        return varied
 
     def _put(self, trial: Trial, value: Value, folder: Path) -> Trial:
         if self.name == "job_order":
@@ -145,25 +145,25 @@ def _with(trial: Trial, path: str, value: Value, folder: Path) -> Trial:
     if isinstance(value, str) and (folder / value).suffix:
         value = _seen_from(trial.folder, folder, value) if path != "rules" else value
     code = CodeFolder(folder, trial.own_code)
-    found = changed(
+    varied = changed(
         _with_key(trial, path), path, lambda before, kind: _read(before, value, kind, code)
     )
     if path.endswith(".personality"):
         for place in places(trial, path.removesuffix("personality") + "changes"):
-            found = with_value(found, place, ())
-    law, before = found.rules.gantry_law, trial.rules
+            varied = with_value(varied, place, ())
+    law, before = varied.rules.gantry_law, trial.rules
     if path != "rules" and before.notice.law.law == before.gantry_law != law:
         # People notice by the gantry's law unless the rules give another law.
         notice = replace(before.notice, law=replace(before.notice.law, law=law))
-        found = replace(found, rules=replace(found.rules, notice=notice))
-    if found.floorplan is not trial.floorplan:
-        check(found.floorplan)
-        found = replace(found, floorplan_source="")
+        varied = replace(varied, rules=replace(varied.rules, notice=notice))
+    if varied.floorplan is not trial.floorplan:
+        check(varied.floorplan)
+        varied = replace(varied, floorplan_source="")
     try:
-        require_fields(found)
+        require_fields(varied)
     except TypeError as why:
         raise UserError(str(why)) from None
-    return found
+    return varied
 
 
 def _with_key(trial: Trial, path: str) -> Trial:
@@ -172,9 +172,9 @@ def _with_key(trial: Trial, path: str) -> Trial:
         case ["machines", name, key] if name in trial.machines:
             entry = trial.machines[name]
             if key not in ("kind", *entry.keys):
-                known = keys_of(entry, trial)
-                if known is not None and key not in known:
-                    raise UserError(f"there is no {key!r} in {path!r}; {suggestion(key, known)}")
+                all_keys = keys_of(entry, trial)
+                if all_keys is not None and key not in all_keys:
+                    raise UserError(f"there is no {key!r} in {path!r}; {suggestion(key, all_keys)}")
                 entry = replace(entry, keys={**entry.keys, key: None})
                 return replace(trial, machines={**trial.machines, name: entry})
     return trial

@@ -17,8 +17,8 @@ _LEFT_OUT = frozenset(path for path, figure in FIGURES.items() if not figure.col
 def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
     """Return the name of a test without its seed, and a digest of the figures of its runs."""
     variation: Variation = item.callspec.params[FIXTURE]
-    test, _, given = item.nodeid.removesuffix("]").partition("[")
-    others = given.replace(variation.name, variation.without_seed, 1).strip("-")
+    test, _, parameters = item.nodeid.removesuffix("]").partition("[")
+    others = parameters.replace(variation.name, variation.without_seed, 1).strip("-")
     summaries = [run.summary.items() for run in runs]
     figures = [[item for item in items if item[0] not in _LEFT_OUT] for items in summaries]
     name = f"{test}[{others}]" if others else test
@@ -26,16 +26,16 @@ def repeat_of(item: Any, runs: Sequence[Run]) -> tuple[str, str]:
 
 
 def identical_repeats(repeats: Iterable[Any]) -> Iterator[str]:
-    """Yield a sentence for each test whose runs with several seeds are identical.
+    """Yield a sentence for each test whose runs with runs seeds are identical.
 
     `repeats` contains the result of `repeat_of` for each seed.
     """
     digests: dict[str, list[str]] = {}
     for test, digest in repeats:
         digests.setdefault(test, []).append(digest)
-    for test, found in digests.items():
-        if len(found) > 1 and len({*found}) == 1:
+    for test, runs in digests.items():
+        if len(runs) > 1 and len({*runs}) == 1:
             yield (
-                f"{test}: the runs with {len(found)} seeds are identical, because nothing is drawn"
+                f"{test}: the runs with {len(runs)} seeds are identical, because nothing is drawn"
                 " in them. They count as one."
             )

@@ -15,9 +15,9 @@ from floorplan.files.documents import Document, read_yaml
 
 from ..core.custom_code import CodeFolder, is_ours
 from ..core.scenario import TrialError
+from ..core.wording import distinguished
 from ..record.output import write_whole
 from ..record.summary import trial_figures_in_words
-from ..record.words import told_apart
 from ..runs.run import Run
 from ..simulation import Simulation
 from ..trials.building import build
@@ -81,9 +81,9 @@ class Failures:
 
 def replay_folder(config: pytest.Config) -> Path | None:
     """Return the folder for replay pages: the requested one, or one in pytest's cache."""
-    asked = config.getoption("--floorwalker-replays")
-    if asked:
-        return Path(config.invocation_params.dir, asked)
+    chosen = config.getoption("--floorwalker-replays")
+    if chosen:
+        return Path(config.invocation_params.dir, chosen)
     cache = getattr(config, "cache", None)
     return None if cache is None else Path(cache.mkdir("floorwalker-replays"))
 
@@ -100,7 +100,7 @@ def _outline(run: Run) -> list[str]:
     ]
     violations = [event for event in run.events if event["kind"] == "violation"]
     for event in violations[:_MOST_VIOLATIONS]:
-        distance, required = told_apart(event["distance"], event["required"])
+        distance, required = distinguished(event["distance"], event["required"])
         lines.append(
             f"violation at t = {event['t']:.3f} s: {event['person']} and {event['with']}"
             f" {distance} m apart, {required} m required"
@@ -142,8 +142,8 @@ class TrialFile(pytest.File):
 class TrialItem(pytest.Item):
     """The run of a trial, and its expectations."""
 
-    def __init__(self, *, trial: Trial, document: Document, **given: Any) -> None:
-        super().__init__(**given)
+    def __init__(self, *, trial: Trial, document: Document, **arguments: Any) -> None:
+        super().__init__(**arguments)
         self.trial = trial
         self._document = document
         self._failures = Failures(self)

@@ -78,8 +78,8 @@ def find_trial(source: str | Path, folder: Path, *, own_code: bool) -> Trial:
 
     `own_code` is as of `Trial.load`.
     """
-    found = source if str(source) in builtin_trials() else folder / source
-    return Trial.load(found, own_code=own_code)
+    place = source if str(source) in builtin_trials() else folder / source
+    return Trial.load(place, own_code=own_code)
 
 
 @dataclass(frozen=True)
@@ -122,15 +122,15 @@ def _choices(
             values.append(value)
     if not values or mark.kwargs:
         pytest.fail(f"@pytest.mark.{marker} needs one value or more", pytrace=False)
-    found, faults = [], []
+    choices, faults = [], []
     for value in values:
         try:
-            found.append((_name(value), option.read(value, place)))
+            choices.append((_name(value), option.read(value, place)))
         except (UserError, OSError) as why:
             faults.append(f"@pytest.mark.{marker}: {why}")
     if faults:
         pytest.fail("\n".join(faults), pytrace=False)
-    return found
+    return choices
 
 
 def _name(value: Any) -> str:
@@ -163,13 +163,13 @@ def _personality(value: Any, place: CodeFolder) -> Change:
 
 
 def _controller(value: Any, place: CodeFolder) -> Change:
-    given = value if callable(value) else _text(value)
-    controller_source(given, place)
+    controller = value if callable(value) else _text(value)
+    controller_source(controller, place)
 
     def change(trial: Trial) -> Trial:
         # Named files are relative to the test, as those of trials are relative to the trial.
-        home = trial.folder if callable(given) or given in CONTROLLERS else place.path
-        return with_controller(replace(trial, folder=home), given)
+        home = trial.folder if callable(controller) or controller in CONTROLLERS else place.path
+        return with_controller(replace(trial, folder=home), controller)
 
     return change
 

@@ -17,6 +17,7 @@ from floorplan.files.problems import Place, suggestion
 from ..core.entries import is_number
 from ..core.recorder import Event
 from ..core.scenario import Scenario
+from ..core.wording import times
 from ..record.figures import FIGURES, PEOPLE, SummaryFigure
 from ..record.outcome import Outcome
 from . import names, slack
@@ -228,7 +229,7 @@ class _FigureCheck:
             return Verdict(f"{self.key} {self.wanted}", found=nothing, met=False, slack=NOTHING)
         amount = self.slack(found)
         instants = self.field.instants(run)
-        when = f" (t = {_listed(instants)})" if instants else ""
+        when = f" (t = {times(instants, 5)})" if instants else ""
         return Verdict(
             f"{self.key} {self.wanted}",
             found=f"it is {in_words(found)}{when}",
@@ -305,8 +306,3 @@ class _VisitsCheck:
             found = found[: len(self.stations)]
         pairs = itertools.zip_longest(self.stations, found)
         return next((k for k, (wanted, visit) in enumerate(pairs) if wanted != visit), None)
-
-
-def _listed(instants: list[float]) -> str:
-    shown = ", ".join(f"{t:.3f} s" for t in instants[:5])
-    return shown + (f" and {len(instants) - 5} more" if len(instants) > 5 else "")

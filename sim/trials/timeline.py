@@ -31,6 +31,7 @@ from navigation import (
 from ..core.events import EVENT_KINDS, Form
 from ..core.recorder import Event
 from ..core.scenario import Scenario
+from ..core.wording import times
 from ..record.outcome import Outcome
 from . import slack
 from .names import checked_name, event_kinds, known_names, machines, people
@@ -513,9 +514,8 @@ def _moment(at: float | EventPattern) -> str:
     return f"{at:g} s" if isinstance(at, float) else str(at)
 
 
-def _listed(times: list[float]) -> str:
-    """Instants in words, the first few of them."""
-    if not times:
+def _listed(instants: list[float]) -> str:
+    """Return times of events in words."""
+    if not instants:
         return "it never happened"
-    shown = ", ".join(f"{t:.3f} s" for t in times[:3])
-    return f"it happened at t = {shown}" + (f" and {len(times) - 3} more" * (len(times) > 3))
+    return f"it happened at t = {times(instants, 3)}"

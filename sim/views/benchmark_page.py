@@ -30,6 +30,7 @@ from navigation.benchmark import (
     summary,
 )
 
+from ..core.wording import figure, interval, trimmed
 from .report_page import COLOURS, INK, draw_box, draw_grid, name_rows, page_chart, write_report_page
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def charts(
     height = MARGIN + ROW_HEIGHT * len(groups)
     legend = 0.19 * math.ceil(len(groups) / 2) + 0.15
 
-    known = not any(math.isnan(one.asked.shortest) for group in groups for one in group)
+    is_complete = not any(math.isnan(one.asked.shortest) for group in groups for one in group)
 
     def boxes(of: Callable[[Attempt], float], label: str, scale: str) -> Callable[[Figure], None]:
         return lambda figure: _boxes(figure, groups, styles, of, label, scale)
@@ -108,7 +109,7 @@ def charts(
 
     def if_known(draw: Callable[[Figure], None]) -> Callable[[Figure], None]:
         unknown = "shortest lengths are not known"
-        return draw if known else lambda figure: _say_instead(figure.subplots(), unknown)
+        return draw if is_complete else lambda figure: _say_instead(figure.subplots(), unknown)
 
     drawn = (
         (
@@ -191,17 +192,17 @@ def _curves(
 ) -> None:
     """Draw a step for each change, with its interval around it, and the names below."""
     axes = figure.subplots()
-    found = [(group[0].asked.planner, of(group)) for group in groups]
-    changes = [curve.seconds for _, curve in found if len(curve.seconds)]
+    curves = [(group[0].asked.planner, of(group)) for group in groups]
+    changes = [curve.seconds for _, curve in curves if len(curve.seconds)]
     if not changes:
         return _say_instead(axes, "no path was found")
-    if not any(np.isfinite(curve.value).any() for _, curve in found):
+    if not any(np.isfinite(curve.value).any() for _, curve in curves):
         return _say_instead(axes, "fewer than half of the queries have a path")
     last = max(seconds[-1] for seconds in changes)
     if not last > 0:  # a logarithmic axis has no place for it
         return _say_instead(axes, _UNMEASURED)
     tops = []
-    for name, curve in found:
+    for name, curve in curves:
         look = styles[name]
         seconds = np.append(curve.seconds, last) * 1000
         value, low, high = (
@@ -219,12 +220,19 @@ def _curves(
             linestyle=look.dashes,
             linewidth=1.5,
         )
-        if len(found) > MOST_SHADES:
+        if len(curves) > MOST_SHADES:
             continue
-        known = np.isfinite(value) & np.isfinite(low)
+        is_finite = np.isfinite(value) & np.isfinite(low)
         top = np.where(np.isfinite(high), high, 1e9)
         axes.fill_between(
-            seconds, low, top, where=known, step="post", color=look.colour, alpha=0.13, linewidth=0
+            seconds,
+            low,
+            top,
+            where=is_finite,
+            step="post",
+            color=look.colour,
+            alpha=0.13,
+            linewidth=0,
         )
     axes.set_xscale("log")
     axes.set_xlabel("CPU time (ms)")
@@ -275,22 +283,22 @@ class PathPicture:
 
 def picture(plan: Floorplan, attempts: Sequence[Attempt], styles: dict[str, Look]) -> PathPicture:
     """Return the first answers of `attempts`, all to one query, on `plan`."""
-    asked = attempts[0].asked
+    first = attempts[0].asked
     west, south, east, north = plan.boundary.bounds
     extent = max(east - west, north - south)
     margin = 0.02 * extent
     standing = [o.footprint for o in plan.obstacles if o.overlaps(0.0, plan.human.height)]
-    lanes = [plan.lane(name).footprint(at) for name, at in asked.agvs]
+    lanes = [plan.lane(name).footprint(at) for name, at in first.agvs]
     return PathPicture(
-        query=asked.query,
+        query=first.query,
         view=_numbers(
             west - margin, -north - margin, east - west + 2 * margin, north - south + 2 * margin
         ),
         walls=_outlines([plan.boundary]),
         blocks=_outlines(standing),
         agvs=_outlines(lanes),
-        start=(asked.start[0], -asked.start[1]),
-        goal=(asked.goal[0], -asked.goal[1]),
+        start=(first.start[0], -first.start[1]),
+        goal=(first.goal[0], -first.goal[1]),
         lines=tuple(_lines(attempts, styles)),
         unit=extent / 100,
     )
@@ -298,16 +306,16 @@ def picture(plan: Floorplan, attempts: Sequence[Attempt], styles: dict[str, Look
 
 def telling(attempts: Sequence[Attempt]) -> int:
     """Return the query whose paths differ most in length, and of equal ones the longest."""
-    found: dict[int, list[float]] = {}
+    by_query: dict[int, list[float]] = {}
     for attempt in attempts:
         if attempt.solved and attempt.asked.run == 0:
-            found.setdefault(attempt.asked.query, []).append(attempt.length)
+            by_query.setdefault(attempt.asked.query, []).append(attempt.length)
 
     def spread(query: int) -> tuple[float, float]:
-        lengths = found[query]
+        lengths = by_query[query]
         return (round(max(lengths) - min(lengths), 2), max(lengths))
 
-    return max(found, key=spread, default=attempts[0].asked.query)
+    return max(by_query, key=spread, default=attempts[0].asked.query)
 
 
 def _lines(attempts: Sequence[Attempt], styles: dict[str, Look]) -> Iterator[PathLine]:
@@ -338,7 +346,7 @@ def _corners(ring: shapely.LinearRing) -> str:
 
 
 def _numbers(*values: float, between: str = " ") -> str:
-    return between.join(f"{value:.3f}".rstrip("0").rstrip(".") for value in values)
+    return between.join(trimmed(value) for value in values)
 
 
 @dataclass(frozen=True)
@@ -386,7 +394,7 @@ def write_page(
     write_report_page(
         path,
         "benchmark.html",
-        {"figure": figure, "ms": milliseconds, "interval": interval},
+        {"figure": figure, "ms": milliseconds, "interval": interval_of},
         floors=floors,
         answers=len(attempts),
         terms={**terms, **_machine(styles)},
@@ -397,23 +405,18 @@ def write_page(
     )
 
 
-def figure(value: float, digits: int = 2) -> str:
-    """Return a number as people read it, or a dash for none."""
-    return f"{value:,.{digits}f}" if math.isfinite(value) else "–"
-
-
 def milliseconds(value: float) -> str:
     """Return a time with two or three digits that count."""
     digits = 0 if value >= 100 else 1 if value >= 10 else 2 if value >= 0.1 else 3
     return figure(value, digits if value else 0)
 
 
-def interval(estimate: Estimate, digits: int = 2) -> str:
+def interval_of(estimate: Estimate, digits: int = 2) -> str:
     """Return the interval of a figure, empty if it has none or no width."""
     if not (math.isfinite(estimate.low) and math.isfinite(estimate.high)):
         return ""
     low, high = figure(estimate.low, digits), figure(estimate.high, digits)
-    return f"{low} … {high}" if low != high else ""
+    return interval(estimate.low, estimate.high, digits) if low != high else ""
 
 
 def _machine(planners: Collection[str]) -> dict[str, str]:

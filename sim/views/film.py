@@ -66,8 +66,8 @@ def installed_chromium() -> str | None:
     The environment variable CHROMIUM takes precedence.
     """
     named = [os.environ.get("CHROMIUM", ""), *NAMES]
-    found = next(filter(None, map(shutil.which, filter(None, named))), None)
-    return found or next((place for place in PLACES if Path(place).is_file()), None)
+    command = next(filter(None, map(shutil.which, filter(None, named))), None)
+    return command or next((place for place in PLACES if Path(place).is_file()), None)
 
 
 def require_browser(what: str) -> str:
@@ -82,13 +82,13 @@ def require_browser(what: str) -> str:
             f"{what} needs the package playwright, which is missing:"
             " pip install 'floorwalker[film]'"
         ) from None
-    found = installed_chromium()
-    if found is None:
+    browser = installed_chromium()
+    if browser is None:
         raise MissingExtraError(
             f"{what} needs Chromium or Chrome, and none is found: install one, or name it in the"
             " environment variable CHROMIUM"
         )
-    return found
+    return browser
 
 
 def in_browser(what: str, work: Callable[[Browser], Result]) -> Result:
@@ -216,8 +216,8 @@ def render(
     path = Path(path)
     require_renderable(path)
     if follow and follow not in run.scene.starts:
-        known = ", ".join(run.scene.starts)
-        raise UserError(f"nobody is called {follow!r}, to be followed (there are: {known})")
+        bodies = ", ".join(run.scene.starts)
+        raise UserError(f"nobody is called {follow!r}, to be followed (there are: {bodies})")
     if not 200 <= width <= 4000:
         raise UserError(f"width must be from 200 to 4000 pixels, not {width}")
     times = _times(run, speed, fps, within)

@@ -260,10 +260,10 @@ def _packed_element(name: str, content: bytes) -> str:
 
 def _recording_in(page: str, name: str) -> dict[str, Any] | None:
     """Return the recording of that name in a page, or None."""
-    found = _content_of(page, name)
-    if found is None:
+    content = _content_of(page, name)
+    if content is None:
         return None
-    recording: dict[str, Any] = parse_json(found.decode())
+    recording: dict[str, Any] = parse_json(content.decode())
     rest, motions = (_content_of(page, f"{name}-{part}") for part in ("rest", "motions"))
     if rest is None or motions is None or not isinstance(recording, dict):
         return recording
@@ -283,11 +283,11 @@ def _recording_in(page: str, name: str) -> dict[str, Any] | None:
 
 def _content_of(page: str, name: str) -> bytes | None:
     """Return the unpacked content of an element of a page, or None if there is no such element."""
-    found = re.search(rf'<script type="[\w/]+" id="{name}"([^>]*)>', page)
-    if found is None:
+    element = re.search(rf'<script type="[\w/]+" id="{name}"([^>]*)>', page)
+    if element is None:
         return None
-    text = page[found.end() : page.find("</script>", found.end())]
-    if "data-packed" not in found[1]:
+    text = page[element.end() : page.find("</script>", element.end())]
+    if "data-packed" not in element[1]:
         return text.encode()
     try:
         return zlib.decompress(base64.b64decode(text, validate=True))
@@ -296,9 +296,9 @@ def _content_of(page: str, name: str) -> bytes | None:
 
 
 def _check_format(recording: Any) -> None:
-    found = recording.get("format") if isinstance(recording, Mapping) else None
-    if found != FORMAT:
-        raise UserError(f"the replay page reads recordings of format {FORMAT!r}, not {found!r}")
+    form = recording.get("format") if isinstance(recording, Mapping) else None
+    if form != FORMAT:
+        raise UserError(f"the replay page reads recordings of format {FORMAT!r}, not {form!r}")
 
 
 def _embeddable(recording: Mapping[str, Any]) -> str:

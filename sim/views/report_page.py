@@ -140,30 +140,6 @@ def as_element(drawn: str) -> str:
     return re.sub(r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>", "", drawn)
 
 
-def minus(figures: str) -> str:
-    """Return figures with minus signs instead of hyphens."""
-    return figures.replace("-", "−")
-
-
-def signed(value: float) -> str:
-    """Return a difference with two decimals and its sign."""
-    return "0.00" if round(value, 2) == 0 else minus(f"{value:+.2f}")
-
-
-def figure(value: float | None, digits: int | None = None) -> str:
-    """Return a number with three or four significant digits, or with `digits` decimals."""
-    if value is None or value != value:
-        return "–"
-    if digits is None:
-        digits = 0 if value == round(value) else digits_after(abs(value))
-    return minus(f"{round(value, digits) + 0.0:,.{digits}f}")  # no negative zero
-
-
-def digits_after(size: float) -> int:
-    """Return the number of decimals for a value of this size."""
-    return 0 if size >= 1000 else 1 if size >= 100 else 2 if size >= 1 else 3
-
-
 def write_report_page(
     path: Path, template: str, filters: Mapping[str, Callable[..., Any]], **values: Any
 ) -> None:

@@ -17,8 +17,7 @@ from ..core.fields import MachineFields, Muting
 from ..core.recorder import Scene
 from ..core.schedule import as_given
 from ..core.stage import MachineModel
-from .report_page import minus
-from .safety_page import listed
+from ..core.wording import listed, minus
 
 Row = tuple[str, ...]
 
@@ -55,8 +54,8 @@ def field_tables(scene: Scene, models: Mapping[str, MachineModel] | None) -> lis
 
     `models` are the machines of the trial, or None for a recording, whose fields cannot be checked.
     """
-    found: dict[tuple[tuple[tuple[str, str], ...], tuple[Row, ...]], list[str]] = {}
-    known: dict[Any, tuple[ShortField, ...] | None] = {}
+    tables: dict[tuple[tuple[tuple[str, str], ...], tuple[Row, ...]], list[str]] = {}
+    checked: dict[Any, tuple[ShortField, ...] | None] = {}
     for machine in scene.machines:
         if machine.name in scene.fields:
             fields = scene.fields[machine.name]
@@ -64,20 +63,20 @@ def field_tables(scene: Scene, models: Mapping[str, MachineModel] | None) -> lis
             limits = None if model is None else model.field_limits(scene.floorplan)
             footprint = machine.footprint((0.0, 0.0), 0.0)
             alike = fields.protective, footprint.wkb, limits
-            if alike not in known:
-                known[alike] = _short(fields, footprint, limits)
-            short = known[alike]
+            if alike not in checked:
+                checked[alike] = _short(fields, footprint, limits)
+            short = checked[alike]
             key = (tuple(_facts(fields)), tuple(_rows(fields, machine, short)))
-            found.setdefault(key, []).append(machine.name)
-    return [_table(listed(names), *key) for key, names in found.items()]
+            tables.setdefault(key, []).append(machine.name)
+    return [_table(listed(names), *key) for key, names in tables.items()]
 
 
 def _table(machines: str, facts: tuple[tuple[str, str], ...], rows: tuple[Row, ...]) -> FieldTable:
     """Return a table without its empty columns."""
-    kept = [k for k in range(len(HEADS)) if {row[k] for row in rows} != {"–"}]
-    heads = tuple(HEADS[k] for k in kept)
-    figures = tuple(i for i, k in enumerate(kept) if HEADS[k].endswith(", m"))
-    shown = tuple(tuple(row[k] for k in kept) for row in rows)
+    used = [k for k in range(len(HEADS)) if {row[k] for row in rows} != {"–"}]
+    heads = tuple(HEADS[k] for k in used)
+    figures = tuple(i for i, k in enumerate(used) if HEADS[k].endswith(", m"))
+    shown = tuple(tuple(row[k] for k in used) for row in rows)
     return FieldTable(machines, facts, heads, shown, figures)
 
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ..core.entries import SignOff
+from ..core.wording import figure, minus, percent
 from ..record.incidents import Incident
 from ..record.outcome import Outcome
 from ..record.stops import CAUSES_OF_STOPS, MachineTimes
 from ..record.warm_up import contacts_of
-from .report_page import figure, minus
 
 MOST_STOPS = 20
 """Maximum number of lines of the table of stops by person."""
@@ -57,7 +57,7 @@ def _seconds(one: MachineTimes, cause: str, runs: int) -> str:
         return "–"
     whole = one.moving + sum(one.stopped.values())
     seconds = one.stopped[cause]
-    return f"{figure(seconds / runs, 1)} ({100 * seconds / whole:.0f} %)"
+    return f"{figure(seconds / runs, 1)} ({percent(seconds, whole)})"
 
 
 def without_a_job(times: Sequence[MachineTimes], people: int) -> list[str]:
@@ -65,20 +65,22 @@ def without_a_job(times: Sequence[MachineTimes], people: int) -> list[str]:
     return [one.machine for one in times if people and one.had_jobs and not one.jobs_done]
 
 
-def counts(run: Outcome, found: Sequence[Incident], times: Sequence[MachineTimes]) -> list[str]:
+def counts(
+    run: Outcome, violations: Sequence[Incident], times: Sequence[MachineTimes]
+) -> list[str]:
     """Return the numbers of the events in `COUNTED`."""
     robots = {one.name for one in run.scene.machines if one.category == "robot"}
-    with_robots = sum(one.machine in robots for one in found)
+    with_robots = sum(one.machine in robots for one in violations)
     amounts = (
         with_robots,
-        len(found) - with_robots,
+        len(violations) - with_robots,
         contacts_of(run),
         contacts_of(run, "with"),
         sum(event["kind"] == "penalty" or event.get("penalty") is True for event in run.events),
         sum(event["kind"] == "teleport" for event in run.events),
         sum(one.jobs_done for one in times),
     )
-    least = min((one.margin for one in found), default=None)
+    least = min((one.margin for one in violations), default=None)
     return [*map(str, amounts), "–" if least is None else minus(f"{least:.3f} m")]
 
 

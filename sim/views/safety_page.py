@@ -11,13 +11,22 @@ from typing import TYPE_CHECKING, Any
 
 from floorplan import Floorplan
 
+from ..core.wording import (
+    clock,
+    counted,
+    distinguished,
+    figure,
+    minus,
+    percent,
+    signed,
+    to_millimetres,
+)
 from ..record.incidents import CELL, Incident, Risk
 from ..record.outcome import Outcome
 from ..record.output import replacing, writing
 from ..record.sampling import MOMENT, CellArray
-from ..record.words import told_apart
 from .film import in_browser, open_page, require_browser
-from .report_page import MissingExtraError, figure, minus, require_place, signed, write_report_page
+from .report_page import MissingExtraError, require_place, write_report_page
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,52 +35,25 @@ if TYPE_CHECKING:
     from ..core.body import MachineShape
 
 
-def listed(names: Sequence[str]) -> str:
-    """Return names in a row. More than three are abbreviated, with their number."""
-    if len(names) <= 3:
-        return ", ".join(names)
-    return f"{names[0]} … {names[-1]} ({len(names)})"
-
-
-def plain(value: float, digits: int = 6) -> str:
-    """Return a figure with its significant digits."""
-    return f"{value:.{digits}g}"
-
-
 def metres(length: float) -> str:
-    """Return a length or a margin (m) to a millimetre."""
-    return minus(f"{round(length, 3) + 0.0:.3f}")  # no negative zero
+    """Return a length or a margin (m) to a millimetre, with a minus sign."""
+    return minus(to_millimetres(length))
 
 
-def place(x: float, y: float) -> str:
-    """Return a position (m) to a centimetre."""
-    return minus(f"({x:.2f},\u00a0{y:.2f})")
-
-
-def clock(seconds: float) -> str:
-    """Return a duration as h:mm:ss."""
-    whole = round(seconds)
-    return f"{whole // 3600}:{whole % 3600 // 60:02}:{whole % 60:02}"
-
-
-def counted(count: int, what: str) -> str:
-    """Return a number with its noun."""
-    if what == "person":
-        return "1 person" if count == 1 else f"{count:,} people"
-    plural = f"{what[:-1]}ies" if what.endswith("y") and what[-2] not in "aeiou" else f"{what}s"
-    return f"{count:,} {what if count == 1 else plural}"
-
-
-def incident_rows(found: Sequence[Incident], numbers: Sequence[int] | None) -> list[list[str]]:
+def incident_rows(violations: Sequence[Incident], numbers: Sequence[int] | None) -> list[list[str]]:
     """Return a line for each violation, after the number of its run if there are several."""
     rows = [
         [
             *(f"{one.begin:.3f}", f"{one.seconds:.3f}", one.person, one.machine, one.cause or "–"),
-            *(place(*one.at), ", ".join(one.zones) or "–", f"{one.distance:.3f}"),
+            *(
+                minus(f"({one.at[0]:.2f},\u00a0{one.at[1]:.2f})"),
+                ", ".join(one.zones) or "–",
+                f"{one.distance:.3f}",
+            ),
             *(f"{one.required:.3f}", metres(one.margin), f"{one.worst_at:.3f}"),
             *(f"{one.severity:.2f}", "; ".join(one.led_to) or "nothing"),
         ]
-        for one in found
+        for one in violations
     ]
     if numbers is None:
         return rows
@@ -199,14 +181,14 @@ def risk_pictures(
 ) -> list[Picture]:
     """Return the maps of risk. Maps of time and severity need violations with a duration."""
     parts: list[Picture] = []
-    for of, found in maps.items():
-        if of != "margin" and not found.any():
+    for of, cells in maps.items():
+        if of != "margin" and not cells.any():
             continue
 
-        def draw(of: Risk = of, found: CellArray = found) -> Figure:
+        def draw(of: Risk = of, cells: CellArray = cells) -> Figure:
             from .plots.maps import drawn_risk
 
-            return drawn_risk(plan, machines, found, of=of, width="single")
+            return drawn_risk(plan, machines, cells, of=of, width="single")
 
         parts += _drawn(*_MAPS[of], f"risk {of} {name}", draw)
     return parts
@@ -265,7 +247,7 @@ def _instants(run: Outcome, worst: Sequence[Incident], name: str) -> Iterator[Pi
         # Just before, because a violation may end in a teleport.
         before = max(0.0, one.worst_at - 1e-6)
         if one.worst_at - one.begin < 1e-6:
-            distance, required = told_apart(one.distance, one.required)
+            distance, required = distinguished(one.distance, one.required)
             words = (
                 f"As the violation at t = {one.begin:.2f} s begins: {distance} m apart where"
                 f" {required} m are required."
@@ -301,10 +283,10 @@ MOST_INCIDENTS = 40
 """Maximum number of violations in the list."""
 
 
-def together(found: Iterable[Incident]) -> list[tuple[str, str]]:
+def together(violations: Iterable[Incident]) -> list[tuple[str, str]]:
     """Return the consequences of violations and their frequencies."""
     counts: dict[str, int] = {}
-    for one in found:
+    for one in violations:
         for consequence in one.led_to or ("nothing",):
             kind = consequence.partition(" for ")[0].partition(" of ")[0]
             counts[kind] = counts.get(kind, 0) + 1
@@ -335,4 +317,4 @@ def exposure(
 
 
 def _share(part: float, whole: float) -> str:
-    return f"{100 * part / whole:.2f} %" if whole > 0 else "–"
+    return percent(part, whole, 2) if whole > 0 else "–"

@@ -20,6 +20,7 @@ from ..core.recorder import Scene
 from ..core.rules import RuleSet
 from ..core.scenario import ASSUMED, PersonEntry, Scenario
 from ..core.schedule import Drawn, Duration, WorkTask, as_given
+from ..core.wording import counted, listed, minus, significant
 from ..machines.kinds import in_words, models_of, on_floor, short_laws
 from ..record.incidents import (
     RISKS,
@@ -34,7 +35,6 @@ from ..record.outcome import Outcome
 from ..record.stops import MachineTimes, machine_times
 from ..record.summary import figures_in_words
 from ..record.warm_up import after_warm_up, contacts_of, zones_of
-from .report_page import minus
 from .safety_fields import field_tables
 from .safety_findings import (
     CATEGORIES,
@@ -47,11 +47,8 @@ from .safety_findings import (
 )
 from .safety_page import (
     MOST_INCIDENTS,
-    counted,
     exposure,
     floor_picture,
-    listed,
-    plain,
     risk_pictures,
     run_pictures,
     together,
@@ -139,17 +136,17 @@ def laws_of(rules: RuleSet, machines: Iterable[MachineShape]) -> list[tuple[str,
 
     The last item describes the reference points of the distance.
     """
-    found: list[tuple[AnyLaw, str, dict[str, list[str]]]] = []
+    laws: list[tuple[AnyLaw, str, dict[str, list[str]]]] = []
     for machine in machines:
         key, law = rules.law_and_key_of(machine)
         between = _between(rules, machine)
-        known = next((keys for *other, keys in found if other == [law, between]), None)
-        if known is None:
-            found.append((law, between, known := {}))
-        known.setdefault(key, []).append(machine.name)
+        same = next((keys for *other, keys in laws if other == [law, between]), None)
+        if same is None:
+            laws.append((law, between, same := {}))
+        same.setdefault(key, []).append(machine.name)
     return [
         ("; ".join(f"{key}: {listed(names)}" for key, names in keys.items()), law, between)
-        for law, between, keys in found
+        for law, between, keys in laws
     ]
 
 
@@ -163,10 +160,10 @@ def _between(rules: RuleSet, machine: MachineShape) -> str:
 
 def _sources(scenario: Scenario) -> dict[str, str]:
     """Return the sources of assumptions, empty for those that need one and have none."""
-    given = {**scenario.sources}
+    sources = {**scenario.sources}
     if scenario.floorplan.source:
-        given.setdefault("floorplan", scenario.floorplan.source)
-    return {name: given.get(name, "") for name in _assumed(scenario)} | given
+        sources.setdefault("floorplan", scenario.floorplan.source)
+    return {name: sources.get(name, "") for name in _assumed(scenario)} | sources
 
 
 def _assumed(scenario: Scenario) -> list[str]:
@@ -195,12 +192,12 @@ def _drawn(value: Drawn | None, otherwise: str = "–") -> str:
         return _distribution(value)
     if isinstance(value, tuple):
         return f"uniform, {value[0]:g} … {value[1]:g}"
-    return plain(value)
+    return significant(value)
 
 
 def _distribution(value: Duration) -> str:
     """Return a distribution in words."""
-    figures = [plain(one) for one in value.values]
+    figures = [significant(one) for one in value.values]
     match value.kind:
         case "fixed":
             return figures[0]
@@ -252,8 +249,8 @@ def _people(scenario: Scenario) -> dict[str, Sequence[Any]]:
         groups.setdefault(line, []).append(one.name)
     rows = [(listed(names), *line) for line, names in groups.items()]
     heads = [*_HEADS.values()]
-    kept = [k for k in range(len(heads)) if {row[k] for row in rows} - {"–"}]
-    return {"heads": [heads[k] for k in kept], "rows": [[row[k] for k in kept] for row in rows]}
+    shown = [k for k in range(len(heads)) if {row[k] for row in rows} - {"–"}]
+    return {"heads": [heads[k] for k in shown], "rows": [[row[k] for k in shown] for row in rows]}
 
 
 def _about(one: PersonEntry, plan: Floorplan) -> Mapping[str, str]:
@@ -264,7 +261,7 @@ def _about(one: PersonEntry, plan: Floorplan) -> Mapping[str, str]:
         none = ("speed", "acceleration", "sight", "occlusion", "reaction", "lag")
         return {
             "personality": f"recorded: {where}",
-            "radius": plain(one.radius or human.radius),
+            "radius": significant(one.radius or human.radius),
             **dict.fromkeys(none, "–"),
             "start": _start(one.start),
             "work": "–",
@@ -272,9 +269,9 @@ def _about(one: PersonEntry, plan: Floorplan) -> Mapping[str, str]:
     changes = "".join(f", then {Path(c.personality_name).stem}" for c in one.changes)
     return {
         "personality": Path(one.personality_name).stem + changes,
-        "radius": plain(one.radius or human.radius),
-        "speed": _drawn(one.max_speed, plain(human.max_speed)),
-        "acceleration": plain(one.max_acceleration or human.max_acceleration),
+        "radius": significant(one.radius or human.radius),
+        "speed": _drawn(one.max_speed, significant(human.max_speed)),
+        "acceleration": significant(one.max_acceleration or human.max_acceleration),
         "sight": _drawn(one.noticing.field_of_view),
         "occlusion": "yes" if one.noticing.occlusion else "–",
         "reaction": _drawn(one.noticing.reaction_time),
@@ -306,8 +303,8 @@ def _duties(one: PersonEntry) -> Iterator[str]:
 
 def _work(scenario: Scenario) -> Iterator[Row]:
     alike: dict[tuple[str, str, str, bool], list[WorkTask]] = {}
-    for name, held in scenario.work.items():
-        for task in held.tasks:
+    for name, work_list in scenario.work.items():
+        for task in work_list.tasks:
             key = (name, task.name or "–", _distribution(task.duration), task.every is not None)
             alike.setdefault(key, []).append(task)
     for (name, task_name, length, _), tasks in alike.items():
@@ -335,7 +332,7 @@ def _often(tasks: Sequence[WorkTask], repeat: bool) -> str:
 def _range(figures: Sequence[float]) -> str:
     """Return the range of some figures in words."""
     low, high = min(figures), max(figures)
-    return plain(low) if low == high else f"{plain(low)} … {plain(high)}"
+    return significant(low) if low == high else f"{significant(low)} … {significant(high)}"
 
 
 def _changes(scenario: Scenario) -> Iterator[Row]:
@@ -351,8 +348,8 @@ def _changes(scenario: Scenario) -> Iterator[Row]:
     for command in scenario.commands:
         wanted = [(key, getattr(command, key)) for key in COMMANDS]
         wanted.append((command.call or "", command.machine))
-        key, given = next((key, one) for key, one in wanted if one is not None)
-        yield str(getattr(given, "name", given)), f"command: {key}", f"{command.time:g} s"
+        key, target = next((key, one) for key, one in wanted if one is not None)
+        yield str(getattr(target, "name", target)), f"command: {key}", f"{command.time:g} s"
 
 
 LIBRARIES = ("numpy", "shapely", "ompl", "python-fcl", "ruckig", "simpy")

@@ -83,7 +83,7 @@ def test_a_time_is_a_number_of_seconds(time):
     with pytest.raises(ValueError, match=f"a finite number of seconds, not {time}"):
         bdi.Agent(program).advance(time)
     with pytest.raises(ValueError, match=f"a finite number of seconds, not {time}"):
-        bdi.Agent(program, start=time)
+        bdi.Agent(program, settings=bdi.AgentSettings(start=time))
 
 
 def test_percepts_count_at_the_time_of_the_next_advance():
@@ -191,7 +191,10 @@ def test_reprs_are_short():
 
 def test_entries_tell_what_happened():
     entries = []
-    agent, _ = make("!go(20). +!go(0) <- end. +!go(N) <- !go(N-1).", on_event=entries.append)
+    agent, _ = make(
+        "!go(20). +!go(0) <- end. +!go(N) <- !go(N-1).",
+        settings=bdi.AgentSettings(on_event=entries.append),
+    )
     agent.advance(0.0)
     assert [e.kind for e in entries][-2:] == ["action", "ended"]
     assert entries[-2].line == 1
@@ -207,7 +210,7 @@ def test_the_same_seed_draws_the_same_numbers():
     source = "!go. +!go <- .random(X); Y = math.random(10); .shuffle([1,2,3,4,5],L); .print(X,Y,L)."
     logs = []
     for seed in (1, 1, 2):
-        agent, log = make(source, seed=seed)
+        agent, log = make(source, settings=bdi.AgentSettings(seed=seed))
         agent.advance(0.0)
         logs.append(log)
     assert logs[0] == logs[1] != logs[2]
@@ -239,7 +242,11 @@ def test_own_internal_actions():
     agent.advance(0.0)
     assert log == [(0.0, "25")]
     with pytest.raises(bdi.ProgramError, match=r"floor\.distance"):
-        bdi.Agent(bdi.parse("!go. +!go <- floor.distanc(1,2,D)."), actions=actions, strict=True)
+        bdi.Agent(
+            bdi.parse("!go. +!go <- floor.distanc(1,2,D)."),
+            actions=actions,
+            settings=bdi.AgentSettings(strict=True),
+        )
     with pytest.raises(ValueError, match="dot"):
         actions.add("nodot")
     with pytest.raises(ValueError, match="already"):
@@ -249,7 +256,7 @@ def test_own_internal_actions():
 def test_unknown_internal_actions_are_found_when_loaded():
     source = "r :- .membr(1,[]). +!a : .atm(x) <- .drop_desir(x); if (.listt([])) { .prnt }."
     with pytest.raises(bdi.ProgramError) as wrong:
-        bdi.Agent(bdi.parse(source, "x.asl"), strict=True)
+        bdi.Agent(bdi.parse(source, "x.asl"), settings=bdi.AgentSettings(strict=True))
     text = str(wrong.value)
     for hint in (".member?", ".atom?", ".drop_desire?", ".list?", ".print?"):
         assert hint in text
@@ -260,7 +267,11 @@ def test_unknown_internal_actions_are_warnings_unless_an_agent_is_strict():
     source = "!go. +!go <- .add_plan({ +!x <- .nosuch(1) }); !x. -!go[error(E)] <- .print(E)."
     warnings, lines = [], []
     program = bdi.parse("+!y <- .prnt.\n" + source, "x.asl")
-    bdi.Agent(program, on_event=warnings.append, kinds=["warning"], print=lines.append).advance(0.0)
+    bdi.Agent(
+        program,
+        print=lines.append,
+        settings=bdi.AgentSettings(on_event=warnings.append, kinds=["warning"]),
+    ).advance(0.0)
     assert lines == ["action_failed"]
     # That of the added plan is a warning where it is written, and again when it is added.
     assert [entry.text.partition(" (")[0] for entry in warnings] == [
@@ -269,7 +280,7 @@ def test_unknown_internal_actions_are_warnings_unless_an_agent_is_strict():
         "x.asl:2:33: there is no internal action .nosuch",
     ]
     with pytest.raises(bdi.ProgramError, match=r"x\.asl:1:8: there is no internal action \.prnt"):
-        bdi.Agent(program, strict=True)
+        bdi.Agent(program, settings=bdi.AgentSettings(strict=True))
 
 
 def test_waiting_cannot_be_in_a_context():
@@ -292,7 +303,7 @@ def test_two_plans_with_one_label():
     ],
 )
 def test_what_never_ends_is_stopped(source, place):
-    agent = bdi.Agent(bdi.parse(source, "x.asl"), max_cycles=2000)
+    agent = bdi.Agent(bdi.parse(source, "x.asl"), settings=bdi.AgentSettings(max_cycles=2000))
     with pytest.raises(bdi.EndlessProgramError, match="2000 cycles") as wrong:
         agent.advance(0.0)
     assert place in str(wrong.value)
@@ -308,7 +319,7 @@ def test_what_never_ends_is_stopped(source, place):
     ],
 )
 def test_intentions_that_become_more_without_end_are_stopped(source):
-    agent = bdi.Agent(bdi.parse(source, "x.asl"), max_intentions=500)
+    agent = bdi.Agent(bdi.parse(source, "x.asl"), settings=bdi.AgentSettings(max_intentions=500))
     with pytest.raises(bdi.EndlessProgramError, match=r"x\.asl:2.*500 intentions"):
         agent.advance(60.0)
     assert len(agent.intentions) <= 501
@@ -316,7 +327,7 @@ def test_intentions_that_become_more_without_end_are_stopped(source):
 
 def test_waiting_for_much_that_happens_is_work_that_ends():
     source = "!g.\n+!g <- !!g; .wait({+never})."
-    agent = bdi.Agent(bdi.parse(source, "x.asl"), max_goals=1000)
+    agent = bdi.Agent(bdi.parse(source, "x.asl"), settings=bdi.AgentSettings(max_goals=1000))
     with pytest.raises(bdi.EndlessProgramError, match=r"x\.asl:2.*goals"):
         agent.advance(0.0)
 
@@ -328,7 +339,7 @@ def test_goals_may_be_deep_but_not_endless():
     agent, log = make(source)
     agent.advance(0.0)
     assert log == [(0.0, "200010000")]
-    agent, _ = make("!go. +!go <- !go; .print(x).", max_depth=1000)
+    agent, _ = make("!go. +!go <- !go; .print(x).", settings=bdi.AgentSettings(max_depth=1000))
     with pytest.raises(bdi.EndlessProgramError, match="too deeply"):
         agent.advance(0.0)
 

@@ -20,7 +20,10 @@ class World:
 def make(source, world, **options):
     said = []
     agent = bdi.Agent(
-        bdi.parse(source), live={("here", 2): world.here}, print=said.append, **options
+        bdi.parse(source),
+        print=said.append,
+        settings=bdi.AgentSettings(live={("here", 2): world.here}),
+        **options,
     )
     return agent, said
 
@@ -94,7 +97,8 @@ def test_many_of_ones_own_are_found_by_their_first_argument_still():
 
 def test_a_source_with_other_arguments_is_refused():
     agent = bdi.Agent(
-        bdi.parse("!go. +!go <- ?here(X, Y)."), live={("here", 2): lambda: [(1.0, 2.0, 3.0)]}
+        bdi.parse("!go. +!go <- ?here(X, Y)."),
+        settings=bdi.AgentSettings(live={("here", 2): lambda: [(1.0, 2.0, 3.0)]}),
     )
     with pytest.raises(ValueError, match="here takes 2 arguments"):
         agent.advance(0.0)

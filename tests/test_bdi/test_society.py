@@ -131,7 +131,13 @@ def test_agents_draw_numbers_of_their_own():
         society, log = bdi.Society(), []
         for name in names:
             program = bdi.parse("!go. +!go <- .random(X); Y = math.random; .print(X, Y).")
-            bdi.Agent(program, name=name, society=society, seed=seed, print=log.append)
+            bdi.Agent(
+                program,
+                name=name,
+                society=society,
+                print=log.append,
+                settings=bdi.AgentSettings(seed=seed),
+            )
         society.advance(0.0)
         return log
 

@@ -13,7 +13,7 @@ from bisect import bisect_right
 
 import floorplan
 from sim.core.recorder import rounded as rounded
-from sim.record.words import told_apart as told_apart
+from sim.core.wording import distinguished as distinguished
 from sim.views import replay as replay
 from sim.views.replay import recordings_in as recordings_in, render as render
 from sim.views.replay_data import replay_data as replay_data

@@ -109,7 +109,9 @@ def watched(source, **options):
     """An agent whose inspector writes into the list that comes with it."""
     thoughts = []
     inspector = MindInspector("me", thoughts.append)
-    agent = bdi.Agent(bdi.parse(source), on_event=inspector.note, **options)
+    agent = bdi.Agent(
+        bdi.parse(source), settings=bdi.AgentSettings(on_event=inspector.note), **options
+    )
     return agent, inspector, thoughts
 
 
@@ -146,7 +148,7 @@ def test_a_plan_is_reported_with_the_name_of_its_file_alone(folder):
     thoughts = []
     inspector = MindInspector("me", thoughts.append)
     program = bdi.parse(PROGRAM, f"{folder}mine.asl")
-    agent = bdi.Agent(program, on_event=inspector.note)
+    agent = bdi.Agent(program, settings=bdi.AgentSettings(on_event=inspector.note))
     agent.add_percept("seen(1)")
     agent.advance(1.0)
     inspector.look(1.0, agent)

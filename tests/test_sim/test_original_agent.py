@@ -8,6 +8,7 @@ import pytest
 from bridge_parts import Pacer, make_agent, served, trial
 from websockets.exceptions import ConnectionClosedOK
 
+import bdi
 import sim
 from sim.people.perception import Percepts
 
@@ -54,7 +55,7 @@ class Original:
             a_trial,
             act=self._act,
             print=lambda text: None,
-            on_event=lambda entry: None,
+            settings=bdi.AgentSettings(),
         )
         self._percepts = Percepts(self._agent)
         self._came = self._session.time

@@ -8,7 +8,7 @@ import re
 
 import pytest
 import replay_sample
-from replay_sample import replay, replay_data, rounded, told_apart
+from replay_sample import distinguished, replay, replay_data, rounded
 
 import sim
 
@@ -653,7 +653,7 @@ def test_the_current_event_is_kept_in_view(viewer):
 def test_a_violation_is_said_in_words(viewer, recording):
     violation = next(e for e in recording["events"] if e["kind"] == "violation")
     viewer.seek(violation["t"])
-    figures = " of ".join(told_apart(violation["distance"], violation["required"])) + " m"
+    figures = " of ".join(distinguished(violation["distance"], violation["required"])) + " m"
     state = viewer.text("[data-shows=state]")
     assert state == f"violation at {violation['t']:.2f} s, too close: {figures}"
     viewer.seek(69.1)
@@ -674,7 +674,7 @@ def test_a_violation_is_said_in_words(viewer, recording):
 )
 def test_what_is_too_short_looks_shorter(viewer, distance, required, shown):
     found = viewer.page.evaluate("([d, r]) => toldApart(d, r)", [distance, required])
-    assert (found["distance"], found["required"]) == told_apart(distance, required) == shown
+    assert (found["distance"], found["required"]) == distinguished(distance, required) == shown
 
 
 def test_the_floor_is_drawn_from_the_time_shown(viewer):

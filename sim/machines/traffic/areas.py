@@ -164,6 +164,11 @@ class Footprint:
 
 
 @lru_cache(maxsize=256)
+def footprint_of(shape: MachineShape, clear: float) -> Footprint:
+    """Return the footprint of machines of a shape, which they share."""
+    return Footprint(shape, clear)
+
+
 def _corners(shape: MachineShape, clear: float) -> tuple[NDArray[np.float64], float]:
     """Return the corners of the hull of a footprint, enlarged by `clear` metres, and its reach."""
     outline = shapely.convex_hull(shape.footprint((0.0, 0.0), 0.0))
@@ -172,6 +177,7 @@ def _corners(shape: MachineShape, clear: float) -> tuple[NDArray[np.float64], fl
     return corners, float(np.hypot(*corners.T).max()) / math.cos(TURN / 2) + _STRAIGHT
 
 
+@lru_cache(maxsize=4096)
 def may_meet(one: MachineShape, other: MachineShape) -> bool:
     """Return whether two machines have common heights, and their lanes meet if they have any."""
     if not one.box.is_level_with(other.box):
@@ -185,7 +191,7 @@ def _lane(shape: MachineShape) -> Area | None:
     if shape.direction is None or len(shape.course) != 2:
         return None
     heading = math.atan2(shape.direction[1], shape.direction[0])
-    return Footprint(shape, CLEAR).along([(x, y, heading) for x, y in shape.course])
+    return footprint_of(shape, CLEAR).along([(x, y, heading) for x, y in shape.course])
 
 
 def poses_on(motion: Motion, begin: float, end: float) -> list[Pose]:

@@ -16,7 +16,7 @@ from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.events import MachineEvades, MachineProceeds, MachineWaiting
 from ...core.stage import Stage
-from .areas import CLEAR, Area, Footprint, Part
+from .areas import CLEAR, Area, Part, footprint_of
 from .evading import Evading
 from .waiting import Driving, GivingWay, WaitingForMachines
 
@@ -99,7 +99,7 @@ class Claimant:
         self._traffic = coordinator
         self._clock = coordinator.stage.clock
         self._evading = machine if isinstance(machine, Evading) else None
-        self._footprints = {margin: Footprint(machine.shape, margin) for margin in MARGINS}
+        self._footprints = {margin: footprint_of(machine.shape, margin) for margin in MARGINS}
         self._usual_margins = MARGINS if self._evading is not None else MARGINS[-1:]
         self._margins = self._usual_margins
         """Margins that it keeps on its present path, in the order of preference."""

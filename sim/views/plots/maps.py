@@ -151,8 +151,8 @@ def _time_in_cells(motion: Motion, begin: float, end: float, plan: Floorplan) ->
     times, lengths = moments(motion, begin, end)
     x, y = motion.position(times).reshape(-1, 2).T
     edges = ((south, south + rows * HEAT_CELL), (west, west + columns * HEAT_CELL))
-    found = np.histogram2d(y, x, (rows, columns), edges, weights=lengths)
-    return np.asarray(found[0])
+    histogram = np.histogram2d(y, x, (rows, columns), edges, weights=lengths)
+    return np.asarray(histogram[0])
 
 
 DENSITY_CELL = 0.1
@@ -298,15 +298,15 @@ def risk_map(
     if not any(run.scene.people and run.scene.machines for run in several):
         raise UserError("a risk map needs a person and a machine; there is no such pair")
     plan = several[0].floorplan
-    found = risk_of_all([risk(run, of) for run in several], of)
-    return drawn_risk(plan, several[0].scene.machines, found, of=of, width=width)
+    joint = risk_of_all([risk(run, of) for run in several], of)
+    return drawn_risk(plan, several[0].scene.machines, joint, of=of, width=width)
 
 
 @styled()
 def drawn_risk(
     plan: Floorplan,
     machines: Iterable[MachineShape],
-    found: Array,
+    values: Array,
     *,
     of: Risk = "margin",
     width: Width = "double",
@@ -314,13 +314,13 @@ def drawn_risk(
     """Draw the risk in each cell (rows, columns) of a floor."""
     norm: Normalize
     if of == "margin":
-        shown, label = np.ma.masked_invalid(found), "least margin to the required distance (m)"
+        shown, label = np.ma.masked_invalid(values), "least margin to the required distance (m)"
         worst = min(float(shown.min()) if shown.count() else 0.0, -0.1)
         best = max(float(shown.max()) if shown.count() else 0.0, 0.1)
         norm, colours = TwoSlopeNorm(0.0, worst, best), "RdYlBu"
     else:
-        shown = np.ma.masked_less_equal(found, 0.0)
-        most = max(float(found.max()), 0.1)
+        shown = np.ma.masked_less_equal(values, 0.0)
+        most = max(float(values.max()), 0.1)
         if of == "time":
             label, norm = "time nearer than required (s)", LogNorm(most / 1000, most)
         else:

@@ -210,14 +210,14 @@ def explain(figure: Figure, axes: Iterable[Axes], width: Width) -> None:
 
     The height of the picture grows with the number of lines.
     """
-    known: dict[str, Any] = {}
+    labelled: dict[str, Any] = {}
     for one in axes:
         handles, labels = one.get_legend_handles_labels()
-        known |= dict(zip(labels, handles, strict=True))
-    if known:
-        columns = min(len(known), 6 if width == "double" else 2)
-        figure.legend(known.values(), known.keys(), loc="outside upper center", ncols=columns)
-        lines = math.ceil(len(known) / columns)
+        labelled |= dict(zip(labels, handles, strict=True))
+    if labelled:
+        columns = min(len(labelled), 6 if width == "double" else 2)
+        figure.legend(labelled.values(), labelled.keys(), loc="outside upper center", ncols=columns)
+        lines = math.ceil(len(labelled) / columns)
         figure.set_figheight(figure.get_figheight() + (lines - 1) * _LINE)
 
 

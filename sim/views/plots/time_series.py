@@ -143,11 +143,11 @@ def _pairs(run: Outcome, named: Sequence[str] | None, machine: str | None) -> li
     machines = [machine.name for machine in run.scene.machines]
     if not (people and machines):
         raise UserError("a separation needs a person and a machine; this run has no such pair")
-    asked = [(name, people, "person") for name in named or ()]
-    asked += [(name, machines, "machine") for name in (machine,) if name is not None]
-    for name, known, what in asked:
-        if name not in known:
-            raise UserError(f"no {what} is called {name!r} (there are: {', '.join(known)})")
+    wanted = [(name, people, "person") for name in named or ()]
+    wanted += [(name, machines, "machine") for name in (machine,) if name is not None]
+    for name, names, what in wanted:
+        if name not in names:
+            raise UserError(f"no {what} is called {name!r} (there are: {', '.join(names)})")
     chosen = [name for name in people if named is None or name in named]
     pairs = [[(name, body) for body in machines] for name in chosen]
     if machine is not None:
@@ -173,8 +173,8 @@ def _nearest(run: Outcome, pairs: list[Pair], span: Span) -> tuple[list[Pair], s
     violations: dict[Pair, list[float]] = {pair: [] for pair in pairs}
     for event in run.events:
         if event["kind"] == "violation" and span[0] <= event["t"] <= span[1]:
-            found = violations.get((event["person"], event["with"]), [])
-            found.append(event["distance"] - event["required"])
+            margins = violations.get((event["person"], event["with"]), [])
+            margins.append(event["distance"] - event["required"])
 
     def order(pair: Pair) -> tuple[float, int, float]:
         _, distance, required = _curves(run, pair, span)
@@ -230,14 +230,14 @@ def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:
 def _draw_columns(axes: Axes, t: Array, distance: Array, required: Array, span: Span) -> None:
     """Draw the range of dense curves in each column of time."""
     edges = np.linspace(*span, COLUMNS + 1)
-    known = np.isfinite(distance)
-    column = np.clip(np.searchsorted(edges, t[known], "right") - 1, 0, COLUMNS - 1)
+    is_finite = np.isfinite(distance)
+    column = np.clip(np.searchsorted(edges, t[is_finite], "right") - 1, 0, COLUMNS - 1)
     nearest = np.full(COLUMNS, np.inf)
     farthest = np.full(COLUMNS, -np.inf)
     largest = np.full(COLUMNS, -np.inf)
-    np.minimum.at(nearest, column, distance[known])
-    np.maximum.at(farthest, column, distance[known])
-    np.fmax.at(largest, column, required[known])
+    np.minimum.at(nearest, column, distance[is_finite])
+    np.maximum.at(farthest, column, distance[is_finite])
+    np.fmax.at(largest, column, required[is_finite])
     for ends in (nearest, farthest, largest):
         ends[~np.isfinite(ends)] = np.nan
     middles = (edges[1:] + edges[:-1]) / 2
@@ -256,14 +256,16 @@ def _draw_columns(axes: Axes, t: Array, distance: Array, required: Array, span: 
 def _required(run: Outcome, pair: Pair, t: Array) -> Array:
     """Return the required distances (m) at these times (N,), NaN if there is none."""
     required = np.full(len(t), np.nan)
-    known = ~np.isnan(t)
-    required[known] = run.required(*pair, t[known])
+    is_sampled = ~np.isnan(t)
+    required[is_sampled] = run.required(*pair, t[is_sampled])
     if run.scene.machine(pair[1]).category == "vehicle":
         motion, shapes = run.motions[pair[1]], run.scene.shapes(*pair)
         pace = speeds(motion, t)
         if shapes is not None:
-            pace[known] = np.maximum(pace[known], shapes.reach * _turning(motion, t[known]))
-        required[known & ~(pace > STANDING_SPEED)] = np.nan
+            pace[is_sampled] = np.maximum(
+                pace[is_sampled], shapes.reach * _turning(motion, t[is_sampled])
+            )
+        required[is_sampled & ~(pace > STANDING_SPEED)] = np.nan
     return required
 
 
