@@ -31,7 +31,7 @@ def _built(session: nox.Session) -> tuple[Path, Path]:
 
 @nox.session(python=PYTHONS)
 def tests(session: nox.Session) -> None:
-    """The tests in the sdist against the installed wheel; more arguments are pytest's."""
+    """Run the tests of the sdist against the installed wheel. More arguments go to pytest."""
     wheel, unpacked = _built(session)
     session.install(f"{wheel}[test]")
     with session.chdir(unpacked):
@@ -45,14 +45,14 @@ def lowest(session: nox.Session) -> None:
     with session.chdir(unpacked):
         session.install("--resolution", "lowest-direct", "-r", "pyproject.toml", "--extra", "test")
         session.install("--no-deps", str(wheel))
-        # What old versions of others warn of is not ours.
+        # Warnings of old versions of dependencies are no defects of this project.
         options = ("-W", "default", "--deselect", "tests/test_sim/test_clean_output.py")
         session.run("python", "-m", "pytest", *options, *session.posargs)
 
 
 @nox.session
 def explore(session: nox.Session) -> None:
-    """Property tests with many cases that are drawn at random; more arguments are pytest's.
+    """Run property tests with many random cases. More arguments go to pytest.
 
     Before them, trials that are drawn at random.
     """

@@ -1,6 +1,6 @@
-"""Compiles the kernels where there is a compiler; without one, they run as the Python they are.
+"""Compile the kernels if there is a compiler. Without one, their Python sources run.
 
-All else that there is to say of the distribution stands in `pyproject.toml`.
+All other metadata of the distribution is in `pyproject.toml`.
 """
 
 import os
@@ -14,7 +14,7 @@ MODULES = sorted(
     str(module.relative_to(ROOT))
     for package in ("floorplan", "navigation", "bdi", "sim")
     for module in (ROOT / package).glob("**/kernels/*.py")
-    if module.name not in ("__init__.py", "uncompiled.py", "tables.py", "cubics.py")
+    if module.with_suffix(".pxd").exists() and module.name not in ("tables.py", "cubics.py")
 )
 OPTIMISED = () if "-O" in os.environ.get("CFLAGS", "") else ("-O2",)
 
@@ -27,7 +27,7 @@ extensions = cythonize(
         "wraparound": False,
         "cdivision": True,
         "initializedcheck": False,
-        # Neither is used, and both together are a quarter of what the compiler has to read.
+        # Both are unused, and together are a quarter of the compiler's input.
         "auto_pickle": False,
         "binding": False,
     },

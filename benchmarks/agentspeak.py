@@ -3,8 +3,8 @@
     python benchmarks/agentspeak.py [--goals N] [--repeat N]
 
 python-agentspeak (distribution `agentspeak`, 0.2.2) is no dependency of the
-project: install it for the comparison into the environment this runs in. CPU
-seconds, medians; the two take turns, so that a busy machine slows both.
+project: install it for the comparison into the environment this runs in. Figures are medians of CPU
+seconds. The two take turns, so that a busy machine slows both.
 """
 
 from __future__ import annotations

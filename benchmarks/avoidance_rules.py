@@ -1,8 +1,8 @@
-"""What each rule of avoidance is worth: people without it in random crowds, on patrol, and in jams.
+"""Effect of each rule of avoidance: people without it in random crowds, on patrol, and in jams.
 
     python benchmarks/avoidance_rules.py [--crowds 90] [--draws 3] [--only RULE ...]
 
-Each rule is switched off by its parameters (see `AvoidanceParameters`), in a process of its own.
+Each rule is switched off by its parameters (see `AvoidanceParameters`), in a separate process.
 Four changes of the gap by tenths of a millimetre show what is due to chance.
 The crowds are those of `random_crowds.py`. On patrol, 50 people walk the ARIAC floor for 275 s. In
 the jams, people on both sides of a narrow place go to the other side and back within 240 s. People

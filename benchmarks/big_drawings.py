@@ -5,7 +5,7 @@
 A hall as CAD has it, in millimetres: machines as closed polylines, walls of single lines whose ends
 miss each other by up to 5 mm, rounded tables of lines and arcs, tanks, splines, hatched areas,
 racks as blocks that are turned, scaled and mirrored and have blocks in them, and texts. Each run is
-in a fresh process, and what is imported is counted; medians are printed.
+in a fresh process, imports included. Medians are printed.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ layers:
 
 
 def draw(path: Path, entities: int) -> None:
-    """Write a drawing of so many entities."""
+    """Write a drawing with this number of entities."""
     import ezdxf
 
     rng = random.Random(entities)

@@ -91,7 +91,7 @@ def measure(count: int, spacing: float, queries: int) -> None:
 
 
 def peer(world: CollisionWorld, asked: list[Any]) -> tuple[float, float]:
-    """Seconds that JuPedSim takes to look at a floor, and for a path; NaN if not asked."""
+    """Seconds that JuPedSim takes to load a floor, and for a path. NaN without JuPedSim."""
     from navigation.benchmark import PEERS
 
     jupedsim = PEERS["JuPedSim"]

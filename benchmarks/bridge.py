@@ -2,10 +2,10 @@
 
     python benchmarks/bridge.py [--clients N] [--seconds S]
 
-A session at speed 1 in this process; N clients that subscribe to /clock and /ariac_human/state, and
-one that sends a goal every 0.3 s, in another. A state is late by how much later than its simulated
-time it comes, counted from the one that comes earliest; a goal's latency goes from just before it
-is sent until the person's motion changes.
+A session at speed 1 runs in this process. N clients that subscribe to /clock and
+/ariac_human/state, and one that sends a goal every 0.3 s, run in another. A state is late by how
+much later than its simulated time it comes, counted from the one that comes earliest; a goal's
+latency goes from just before it is sent until the person's motion changes.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ async def serve(clients: int, duration: float) -> dict[str, object]:
 
 
 async def listen(url: str, clients: int) -> None:
-    """Be all the clients; print when each heard each message, and when each goal was sent."""
+    """Run all clients. Print when each received each message, and when each goal was sent."""
     arrivals: list[list[tuple[float, float]]] = [[] for _ in range(clients)]
     sent: list[float] = []
     ready = asyncio.Semaphore(0)

@@ -1,7 +1,7 @@
 """How the gantry controllers do beside each personality: the table of docs/controllers.md.
 
 Every trial is 275 s of kitting on the ARIAC floor beside one person, with jobs, start and walking
-speed drawn from its seed; all controllers get the same trials.
+speed drawn from its seed. All controllers get the same trials.
 
     python benchmarks/controllers.py [--trials 100] [--jobs 2]
 """
@@ -68,7 +68,7 @@ def row(name: str, runs: Sequence[dict[str, Any]]) -> str:
 
 
 def table(trials: int, jobs: int) -> str:
-    """Run so many trials of each pair, and return the table."""
+    """Run this number of trials of each pair, and return the table."""
     lines = [
         "| person, controller | penalties | by the gantry | by the person | jobs (median)"
         " | minimum distance, m |",

@@ -1,8 +1,8 @@
 """Scenes of people, and how Floorwalker and JuPedSim walk them: for `literature.py`.
 
-A scene is a floor and walkers. Both programs get the same, and give back the same: frames of who is
-where, as PedPy reads them. JuPedSim runs its collision-free speed model at 0.05 s, with its own
-defaults but for the bodies and speeds of the scene; a goal counts as reached within 0.5 m there.
+A scene is a floor and walkers. Both programs have the same input and the same output: frames of
+positions, as PedPy reads them. JuPedSim runs its collision-free speed model at 0.05 s, with its own
+defaults except for the bodies and speeds of the scene. A goal counts as reached within 0.5 m there.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Walker:
-    """Somebody who walks from a place to goals, one after the other, and leaves at the last.
+    """A person who walks from a place to goals, one after the other, and leaves at the last.
 
     Without goals they stand. They come onto the floor at `enters`, and set out at `sets_out`
     (seconds); `speed` is in m/s.
@@ -88,7 +88,7 @@ def floorwalker(scene: Scene) -> pedpy.TrajectoryData:
 
 
 def trial(scene: Scene) -> sim.Trial:
-    """Return the scene as a trial; its walkers are called p0, p1, …"""
+    """Return the scene as a trial with the walkers p0, p1, …"""
     human = floorplan.Human(radius=RADIUS, max_speed=FREE_SPEED)
     plan = floorplan.Floorplan(name="floor", boundary=scene.floor, human=human)
     return sim.Trial(
@@ -126,7 +126,7 @@ def jupedsims(scene: Scene) -> pedpy.TrajectoryData:
         goals: _journey(world, scene.floor, goals)
         for goals in dict.fromkeys(one.goals for one in scene.walkers if one.goals)
     }
-    somewhere = next(iter(journeys.values()))  # for who stands: JuPedSim wants a goal
+    somewhere = next(iter(journeys.values()))  # for standing people, because JuPedSim needs a goal
     waiting = dict(enumerate(scene.walkers))
     numbers: dict[int, int] = {}
     seen: dict[int, list[tuple[int, Point]]] = {k: [] for k in waiting}
@@ -145,7 +145,7 @@ def jupedsims(scene: Scene) -> pedpy.TrajectoryData:
             )
             try:
                 numbers[world.add_agent(agent)] = k
-            except RuntimeError:  # somebody stands there
+            except RuntimeError:  # a person stands there
                 continue
             del waiting[k]
         for agent in world.agents():

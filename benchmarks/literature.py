@@ -1,8 +1,8 @@
 """People among people against the literature: figures and plot of docs/people-validation.md.
 
 Bodies have a radius of 0.2 m and walk at up to 1.34 m/s, as in the literature: in a single file,
-through openings, one way and both ways in a corridor; in the tests 1, 4, 5, 6, 7, 9 and 12 of RiMEA
-(Richtlinie für Mikroskopische Entfluchtungsanalysen, version 3, 2016); and in the verification
+through openings, one way and both ways in a corridor, in the tests 1, 4, 5, 6, 7, 9 and 12 of RiMEA
+(Richtlinie für Mikroskopische Entfluchtungsanalysen, version 3, 2016), and in the verification
 tests 1 to 6 of Jülich (JuPedSim 0.9, 2020). JuPedSim walks the same scenes beside, and PedPy
 measures what it has a method for.
 
@@ -85,7 +85,7 @@ def seyfried(speed: float) -> float:
 
 
 def drawn(count: int) -> list[float]:
-    """Return speeds (m/s) of their own for so many people: Weidmann's, always the same."""
+    """Return walking speeds (m/s) for this number of people, after Weidmann, always the same."""
     chance = random.Random(1)
     return [min(max(chance.gauss(FREE_SPEED, SPREAD), 0.6), 2.0) for _ in range(count)]
 
@@ -108,7 +108,7 @@ def filled(low: Point, high: Point, count: int) -> list[Point]:
 def strewn(low: Point, high: Point, count: int, seed: int) -> list[Point]:
     """Return `count` places, drawn at random over a rectangle, no two bodies nearer than 0.05 m.
 
-    Nearer where so many don't fit.
+    The distance is smaller where the people do not fit.
     """
     chance, apart, tries, places = random.Random(seed), 2 * RADIUS + 0.05, 0, list[Point]()
     while len(places) < count:
@@ -133,7 +133,7 @@ def positions(data: pedpy.TrajectoryData, k: int) -> NDArray[np.float64]:
 
 
 def nearest(data: pedpy.TrajectoryData) -> float:
-    """Return the least distance (m) between two bodies in any frame; below 0 they overlap."""
+    """Return the least distance (m) between two bodies in any frame, negative if they overlap."""
     least = math.inf
     for _, frame in data.data.groupby("frame"):
         if len(frame) > 1:
@@ -221,13 +221,13 @@ def _past_somebody(walk: Program, width: float) -> pedpy.TrajectoryData:
 
 
 def juelich_4(walk: Program) -> str:
-    """One person comes up behind somebody who stands, where there is room to get past."""
+    """One person comes up behind a standing one, with room to pass."""
     data = _past_somebody(walk, 3.0)
     return f"{durations(data)[0] - 14.0:+.1f} s, gap {nearest(data):.2f} m"
 
 
 def juelich_5(walk: Program) -> str:
-    """One person comes up behind somebody who stands, where there is none."""
+    """One person comes up behind a standing one, without room to pass."""
     data = _past_somebody(walk, 0.7)
     at = positions(data, 0)
     past = "passes" if at[-1, 0] > 8.0 or len(at) < 40 * RATE else "stops"
@@ -260,7 +260,7 @@ ROWS: tuple[tuple[str, str, Callable[[Program], str]], ...] = (
 
 
 def single_file(walk: Program) -> Iterator[Found]:
-    """Yield the distances in a file of six behind somebody who walks at a speed."""
+    """Yield the distances in a file of six behind a person who walks at a speed."""
     for speed in SPEEDS:
         count, length = 6, 12.0 + 12.0 * speed
         duration = (length - 8.0) / speed
@@ -297,7 +297,7 @@ def _flow(walk: Program, width: float, seed: int) -> float:
 def rimea_4(walk: Program) -> Iterator[Found]:
     """Yield densities (1/m²) and speeds (m/s) in a corridor that is full at first.
 
-    RiMEA's is 1,000 m by 10 m; this one is full for 36 m of its length of 60 m and 4 m wide. PedPy
+    RiMEA's is 1,000 m by 10 m. This one is 60 m by 4 m, and full for 36 m of its length. PedPy
     measures in 2 m by 2 m, 3 to 10 s after all set out, which is before either end of the crowd is
     felt there. Means of several random starts.
     """
@@ -369,7 +369,7 @@ def _lanes(walk: Program, rate: float, seed: int) -> tuple[float, float]:
 def rimea_9(walk: Program, people: int, doors: int) -> NDArray[np.float64]:
     """Return when each of many people leaves a hall (s) by four doors or by two.
 
-    The hall is 30 m by 20 m, with doors of 1 m. Everybody takes the nearest. RiMEA's are 1,000.
+    The hall is 30 m by 20 m, with doors of 1 m. All people take the nearest. RiMEA's are 1,000.
     """
     low = [(7.5, -1.0, 8.5, 0.0), (21.5, -1.0, 22.5, 0.0)]
     every = [*low, *((x0, 20.0, x1, 21.0) for x0, _, x1, _ in low)]
@@ -407,7 +407,7 @@ def rimea_12(walk: Program, people: int = 150) -> tuple[float, float, float]:
 
 
 class Diagrams(NamedTuple):
-    """What one program comes to in the scenes with a diagram."""
+    """Results of one program in the scenes with a diagram."""
 
     files: list[Found]
     openings: list[Found]

@@ -4,8 +4,8 @@
 
 Both change their mind `--changes` times in 275 s: the person turns towards another place, the
 gantry is sent elsewhere on its way. Beside the monitor stand two that sample at 1 kHz, with the
-linear law between centres: one of whole arrays, and a loop as a controller would have it. They
-tell how often they are wrong: violations that they do not see, and how late they see the others.
+linear law between centres: one of whole arrays, and a loop as a controller would have it. The
+result is how often they are wrong: violations that they miss, and the delay of the others.
 """
 
 from __future__ import annotations

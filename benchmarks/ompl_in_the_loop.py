@@ -2,7 +2,7 @@
 
     python benchmarks/ompl_in_the_loop.py [--trial ariac2023] [--rounds 15]
 
-Both run in turn in one process, so that what else the machine does falls on both alike.
+Both run in turn in one process, so that other load on the machine slows both.
 """
 
 from __future__ import annotations

@@ -2,11 +2,11 @@
 
     python benchmarks/paper_setup.py [--personality NAME] [--seconds S]
 
-That was 275 s of real time, with the load of the processes sampled every 2 s: the agent in one
-process, the simulation in others, and rosbridge between them. Here `floorwalker bridge` serves the
-trial `ariac2023` at speed 1, and `floorwalker bridge --connect` is its agent, each in a process of
-its own. CPU time is that of the process and its descendants, from /proc, so that it takes Linux.
-What both need to start and load is told apart. 100 % is one core.
+The setup of the paper ran for 275 s of real time, with the load of the processes sampled every 2 s:
+the agent in one process, the simulation in others, and rosbridge between them. Here `floorwalker
+bridge` serves the trial `ariac2023` at speed 1, and `floorwalker bridge --connect` is its agent, in
+separate processes. CPU time is that of the process and its descendants, from /proc, so that it
+takes Linux. The costs of starting and loading are listed separately. 100 % is one core.
 """
 
 from __future__ import annotations

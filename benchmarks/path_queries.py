@@ -4,7 +4,7 @@
 
 The questions are those of `floorwalker benchmark`, seed 0, after `prepare`. Where the floor has
 AGVs, they are asked with these standing still, and again with all of them moved before each. Every
-question is asked once a round; its time is the median over the rounds.
+query runs once a round. Its time is the median over the rounds.
 """
 
 from __future__ import annotations

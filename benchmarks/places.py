@@ -26,7 +26,7 @@ AWAY = "between: [[{x}, 0.2], [{x}, 0.4]], thickness: 0.01"
 
 
 def doors(count: int) -> str:
-    """Doors that are in nobody's way, along the south wall of the floor."""
+    """Doors beside all paths, along the south wall of the floor."""
     keys = (f"    d{k}: {{{AWAY.format(x=1 + k / 2)}}}\n" for k in range(count))
     return "  doors:\n" + "".join(keys)
 

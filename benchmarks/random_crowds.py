@@ -1,12 +1,12 @@
-"""Random trials of 2 to 50 people on ten floors: overlaps, bodies in walls, and who never arrives.
+"""Random trials of 2 to 50 people on ten floors: overlaps, bodies in walls, late people.
 
     python benchmarks/random_crowds.py [--trials 1000] [--first 0] [--again 5]
 
 Each trial follows from its number: a floor in turn, how many people, where they start, and two
-places that each goes to, one after the other. Machines stand. From the finished run it is found
-out how near two bodies came, in continuous time; whether anybody came nearer to a wall than their
-radius; and who had not been at both places in `DURATION`. Every `--again`th trial runs twice: its
-events and motions must be the same bytes.
+places that each goes to, one after the other. Machines stand. The finished run shows the least
+distance of two bodies in continuous time, people nearer to a wall than their radius, and people who
+had not been at both places in `DURATION`. Every `--again`th trial runs twice: its events and
+motions must be the same bytes.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ Wall = tuple[float, float, float, float]
 
 
 def hall(width: float, depth: float, walls: Sequence[Wall] = ()) -> floorplan.Floorplan:
-    """Return a floor from the origin on, with walls (x0, y0, x1, y1; metres)."""
+    """Return a floor from the origin on, with walls as (x0, y0, x1, y1) in metres."""
     obstacles = tuple(
         floorplan.Obstacle(name=f"wall{k}", footprint=shapely.box(*wall), bottom=0.0, top=2.5)
         for k, wall in enumerate(walls)
@@ -79,7 +79,7 @@ FLOORS = {
 
 
 class Found(NamedTuple):
-    """What came of a trial: metres between two bodies, and names of who did what they should not.
+    """Result of a trial: metres between two bodies, and names of people with each fault.
 
     `legs` places were reached, by `last` (seconds).
     """
@@ -103,7 +103,7 @@ def floor(name: str) -> tuple[floorplan.Floorplan, navigation.CollisionWorld]:
 def places(
     chance: random.Random, world: navigation.CollisionWorld, radius: float, count: int
 ) -> list[Point]:
-    """Return so many free places apart from each other, all of which lead to each other."""
+    """Return this number of free places apart from each other, connected by paths."""
     west, south, east, north = world.plan.boundary.bounds
     space, found = world.free_space(radius), list[Point]()
     largest = max(space.pieces, key=lambda piece: piece.area).representative_point()
@@ -138,7 +138,7 @@ def trial(number: int) -> sim.Trial:
 
 
 def errands(goals: Sequence[Point]) -> bdi.Program:
-    """Return the program of somebody who walks to places, one after the other."""
+    """Return the program of a person who walks to places, one after the other."""
     heads = ["+human_start", *(f"+work_completed({k})" for k in range(len(goals) - 1))]
     return bdi.parse(
         "\n".join(
@@ -177,7 +177,7 @@ def nearest(run: sim.Run) -> float:
 
 
 def in_wall(run: sim.Run, name: str) -> bool:
-    """Return whether somebody came nearer to what never moves than their radius."""
+    """Return whether a person came nearer to a static obstacle than their radius."""
     plan, motion = run.trial.floorplan, run.motions[name]
     world = navigation.CollisionWorld(plan).as_if(away=[lane.name for lane in plan.lanes])
     line = motion.position(np.array([0.0, *(piece.end for piece in motion.pieces[:-1])]))
@@ -185,7 +185,7 @@ def in_wall(run: sim.Run, name: str) -> bool:
 
 
 def digest(run: sim.Run) -> bytes:
-    """Return what stands for all events and motions of a run, to the byte."""
+    """Return a digest of all events and motions of a run."""
     found = hashlib.sha256(repr([*run.events]).encode())
     for name, motion in run.motions.items():
         found.update(repr((name, [*motion.pieces])).encode())
@@ -193,9 +193,9 @@ def digest(run: sim.Run) -> bytes:
 
 
 def table(numbers: range, every: int, jobs: int) -> str:
-    """Run the trials of these numbers, each of so many twice, and return the table.
+    """Run the trials of these numbers, some of each twice, and return the table.
 
-    What fails is named on stderr.
+    Failures are named on stderr.
     """
     names = [[*FLOORS][number % len(FLOORS)] for number in numbers]
     runs = Parallel(n_jobs=jobs)(
@@ -220,7 +220,7 @@ def table(numbers: range, every: int, jobs: int) -> str:
 
 
 def main() -> None:
-    """Run the trials that are asked for; print the table of `docs/people-validation.md`."""
+    """Run the selected trials. Print the table of `docs/people-validation.md`."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("--trials", type=int, default=1000, help="how many")
     parser.add_argument("--first", type=int, default=0, help="number of the first")

@@ -1,4 +1,4 @@
-"""What the replay page of a long run costs: `python benchmarks/replay_page.py`.
+"""Cost of the replay page of a long run: `python benchmarks/replay_page.py`.
 
 The run is of 30 people in a warehouse, ten minutes simulated and then repeated for 8 hours. Its
 page is opened in Chromium. Times are CPU times of the page's main thread, of its scripts or in all:

@@ -47,12 +47,12 @@ def spent(work: Callable[[], object]) -> float:
 
 
 def measured(counts: Sequence[float], work: Callable[[float], Callable[[], object]]) -> Curve:
-    """Return what the work for each of `counts` costs; what makes it ready is not in it."""
+    """Return the cost of the work for each of the counts, without its preparation."""
     return [(count, spent(work(count))) for count in counts]
 
 
 def running(text: str, *, warm: bool = True) -> Callable[[], object]:
-    """Return the run of a trial; what depends on its floor alone is worked out if `warm`."""
+    """Return the run of a trial. If `warm`, the analysis of its floor is not counted."""
     trial = sim.Trial.parse(text)
     if warm:
         sim.run(trial)
@@ -80,7 +80,7 @@ def people() -> dict[str, Curve]:
 
 
 def strollers(count: int) -> sim.Trial:
-    """Return a trial of so many people on legs of 2 to 8 m, in an empty hall of 20 m² for each."""
+    """Return a trial of people on legs of 2 to 8 m, in an empty hall of 20 m² per person."""
     chance, side = random.Random(count), math.sqrt(20.0 * count)
 
     def anywhere() -> tuple[float, float]:
@@ -109,7 +109,7 @@ def strollers(count: int) -> sim.Trial:
 
 
 def machines() -> dict[str, Curve]:
-    """AGVs that shuttle on lanes of their own beside one person on patrol, for 600 s."""
+    """AGVs that shuttle on one lane each beside one person on patrol, for 600 s."""
 
     def fleet(count: float, yielding: bool) -> Callable[[], object]:
         lanes = round(count)
@@ -139,7 +139,7 @@ def machines() -> dict[str, Curve]:
 
 
 def obstacles() -> dict[str, Curve]:
-    """One person on patrol for 60 s through a hall of so many obstacles, one in 100 m²."""
+    """One person on patrol for 60 s through a hall with this number of obstacles, one in 100 m²."""
     counts = (30, 100, 300, 1000, 3000)
     first: Curve = []
     again: Curve = []

@@ -2,8 +2,9 @@
 
     python benchmarks/shift.py [--hours H] [--rows N]
 
-The shift is that of examples/picking_hall, with its four tugs that yield and without any. Of the
-sweep, in which two people work beside a gantry, a few rows are run in one process. All is CPU time.
+The shift is that of examples/picking_hall, with its four tugs that yield and without any. A few
+rows of the sweep, in which two people work beside a gantry, are run in one process. All is CPU
+time.
 """
 
 from __future__ import annotations

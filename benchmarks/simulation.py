@@ -80,7 +80,7 @@ def cpu_of_run(trial: sim.Trial) -> float:
 def pairs(repetitions: int) -> list[float]:
     """How many times as fast as real time: three controllers at work, beside three personalities.
 
-    With four AGVs that move; the medians of each pair.
+    Medians of each pair, with four moving AGVs.
     """
     found = []
     for controller in CONTROLLERS:
@@ -94,7 +94,7 @@ def pairs(repetitions: int) -> list[float]:
 
 
 def looking_around(gantry: Any) -> Generator[Any, Any, None]:
-    """Look where people are ten times a second, and go somewhere else each time."""
+    """Read the positions of people ten times a second, and go to another place each time."""
     for x, y in itertools.cycle([(-2.3, 3.0), (-9.0, 0.0), (-5.0, -3.0)]):
         yield gantry.look(after=0.05)
         gantry.move_to(x, y)
@@ -124,7 +124,7 @@ def cost_of_a_day() -> tuple[float, float]:
 
 
 def _resident() -> float:
-    """The memory that this process takes up now, megabytes; nan where the system has no /proc."""
+    """Memory of this process now, in megabytes, or nan if the system has no /proc."""
     try:
         pages = Path("/proc/self/statm").read_text(encoding="ascii").split()[1]
     except OSError:

@@ -2,8 +2,8 @@
 
     python benchmarks/startup.py [--repetitions N]
 
-Each line is the median CPU time of a process of its own. The processes take turns, so that a busy
-machine slows all of them alike.
+Each line is the median CPU time of a separate process. The processes take turns, so that a busy
+machine slows all of them.
 """
 
 from __future__ import annotations

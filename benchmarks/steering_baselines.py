@@ -32,7 +32,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples" / "steering"
 
 @dataclass
 class Found:
-    """What came of scenes of one kind: numbers of legs, people and pairs, seconds, and metres."""
+    """Results of scenes of one kind: numbers of legs, people and pairs, seconds, and metres."""
 
     legs: int = 0
     late: int = 0

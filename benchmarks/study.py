@@ -4,9 +4,9 @@
 
 The rows are of 275 s on the ARIAC floor: one person (indifferent, antagonistic, helpful), a gantry
 that fetches parts all the time (oblivious, pausing), AGVs that set out at other times. CPU seconds
-count the main process and its workers, their start included; wall seconds mean little on a machine
-that has other things to do. What a row costs on several processes is the slope between a third of
-the rows and all of them, so that starting processes and writing the report are not in it.
+count the main process and its workers, their start included. Wall seconds depend on other load on
+the machine. The cost of a row on several processes is the slope between a third of the rows and all
+of them, without the start of processes and the report.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
     python benchmarks/unreachable.py [--queries 200]
 
-On `ariac2023`, the goal is in a pen whose only gap is narrower than the person. Every question has
-another start, and all four AGVs somewhere else on their lanes. The wording of the reason, which is
-worked out when it is read, is timed apart.
+On `ariac2023`, the goal is in a pen whose only gap is narrower than the person. Every query has
+another start, and other positions of all four AGVs on their lanes. The wording of the reason, which
+is worked out when it is read, is timed apart.
 """
 
 from __future__ import annotations

@@ -78,7 +78,7 @@ def repeated(me: Traveller, outlook: Outlook) -> Decision:
     first = len(log.courses)
     again.first_free()
     chosen = len(log.courses) - 1
-    # Among nobody, every candidate that is left is free.
+    # Without other people, every remaining candidate is free.
     while again.walks.next_free([], table, me.radius) is not None:
         pass
     me.zones = zones

@@ -1,6 +1,6 @@
 """Makes the pictures of the documents: `python docs/make_pictures.py [FOLDER]`.
 
-Those of the tutorial come from the files that stand in the tutorial.
+The pictures of the tutorial come from the files in the tutorial.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def files_of(document: Path, folder: Path) -> None:
 
 
 def tutorial(out: Path) -> None:
-    """What somebody who follows the tutorial sees."""
+    """The pictures that a reader of the tutorial sees."""
     first = sim.run(sim.Trial.load("ariac2023"))
     plots.save(first.plot.separation(within=(0.0, 90.0)), out / "tutorial-first.svg")
     with TemporaryDirectory() as name:

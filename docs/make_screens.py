@@ -1,6 +1,6 @@
 """Makes the film and the screenshots in the documents: `python docs/make_screens.py [FOLDER]`.
 
-It needs the extra `film` and Chromium. What is drawn depends on the browser and the fonts, so that
+It needs the extra `film` and Chromium. The drawings depend on the browser and the fonts, so that
 these pictures, unlike those of `make_pictures.py`, are not the same to the byte everywhere.
 """
 

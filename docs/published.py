@@ -214,7 +214,7 @@ def publish(names: list[str]) -> list[str]:
 
 
 def main() -> None:
-    """Make what is asked for again; exit with 1 if anything differs."""
+    """Recreate the selected parts. Exit with 1 if anything differs."""
     names = sys.argv[1:] or [*PUBLISHED]
     if unknown := [name for name in names if name not in PUBLISHED]:
         sys.exit(f"nothing is called {unknown[0]!r}; there are: {', '.join(PUBLISHED)}")

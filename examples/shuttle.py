@@ -1,4 +1,4 @@
-"""A gantry controller of one's own: to and fro between two bins."""
+"""A custom gantry controller that shuttles between two bins."""
 
 
 def shuttle(gantry):

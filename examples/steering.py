@@ -7,6 +7,6 @@ NEAR = 2.5
 
 
 def circle(vehicle):
-    """Drive in a circle, at 0.4 m/s and 0.8 rad/s, while nobody is near."""
+    """Drive in a circle, at 0.4 m/s and 0.8 rad/s, while no person is near."""
     near = any(math.dist(person.at, vehicle.position[:2]) < NEAR for person in vehicle.people)
     return (0.0, 0.0) if near else (0.4, 0.8)

@@ -1,169 +1,107 @@
 """Keys of a floorplan file in the YAML format, and the parts of a floor built from them."""
 
-import math
 from typing import Annotated, Any, Literal
 
 from pydantic import (
     BeforeValidator,
+    Discriminator,
     Field,
+    Tag,
+    TypeAdapter,
     ValidationInfo,
+    create_model,
     field_validator,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
-from shapely.geometry import Polygon, box
+from typing_extensions import Self
 
-from .files.fields import Angle, Flag, Number, Pair, Positive, Range, Strictly
-from .files.problems import CALLED, UserError
-from .model import (
-    Axis,
-    Concerns,
-    Door,
-    Gantry,
-    Gate,
-    Human,
-    Lane,
-    Name,
-    Obstacle,
-    SafeZone,
-    Station,
-    Zone,
-)
-
-Size = tuple[Positive, Positive]
-
-Ring = Annotated[list[Pair], Field(min_length=3)]
+from .files.fields import Angle, Flag, Number, Pair, Position, Positive, Range, Strictly
+from .files.footprints import FootprintKeys, Ring
+from .files.forms import CALLED, Written, called, fields_of, form_keys
+from .files.problems import UserError
+from .model import Door, Gantry, Gate, Human, Lane, Name, Obstacle, SafeZone, Station, Zone
 
 
-class FootprintSchema(Strictly):
-    """A footprint, in one of four forms."""
+class MaskKeys(Strictly):
+    """A map of zones, and their speeds by the values of its cells."""
 
-    x: Range | None = None
-    y: Range | None = None
-    center: Pair | None = None
-    size: Size | None = None
-    radius: Positive | None = None
-    polygon: Ring | None = None
-    holes: list[Ring] = []
-
-    @model_validator(mode="after")
-    def _one_footprint(self) -> "FootprintSchema":
-        keys = ("x", "y", "center", "size", "radius", "polygon", "mask")
-        given = {key for key in keys if getattr(self, key, None) is not None}
-        forms = ({"x", "y"}, {"center", "size"}, {"center", "radius"}, {"polygon"}, {"mask"})
-        if given not in forms:
-            raise UserError(
-                "give the footprint as x and y ranges, as center and size, as center and radius,"
-                f" or as polygon; found {', '.join(sorted(given)) or 'none of them'}"
-            )
-        if self.holes and self.polygon is None:
-            raise UserError("only a polygon has holes")
-        return self
-
-
-class ObstacleSchema(FootprintSchema):
-    """A footprint and its heights."""
-
-    z: Range
-
-    def obstacle(self, name: str) -> Obstacle:
-        """Return the obstacle called `name`."""
-        return Obstacle(name=name, footprint=footprint(self), bottom=self.z[0], top=self.z[1])
-
-
-class ZoneSchema(FootprintSchema):
-    """An area, and the rule that holds in it for some."""
-
-    mask: Name | None = None
+    name: Annotated[str, Field(alias=CALLED)] = ""
+    mask: Name
     base: Number = 0.0
     multiplier: Number | None = None
-    max_speed: Positive | None = None
-    forbidden: Flag = Zone.forbidden
-    one_way: Pair | None = None
-    concerns: Concerns = Zone.concerns
 
     @model_validator(mode="after")
-    def _one_rule(self) -> "ZoneSchema":
-        if self.mask is not None:
-            rules = [self.forbidden, self.max_speed is not None, self.multiplier is not None]
-            if self.one_way is not None or sum(rules) > 1:
-                raise UserError("a mask is forbidden, or give max_speed, or base and multiplier")
-        elif self.multiplier is not None or self.base:
-            raise UserError("base and multiplier belong to a mask")
-        elif self.forbidden == (self.max_speed is not None or self.one_way is not None):
-            raise UserError("give forbidden: true, or max_speed (m/s) and one_way (x, y)")
+    def _one_rule(self) -> Self:
+        rule = self.rule
+        limits = [rule["forbidden"], rule["max_speed"] is not None, self.multiplier is not None]
+        if rule["one_way"] is not None or sum(limits) > 1:
+            raise UserError("a mask is forbidden, or give max_speed, or base and multiplier")
         return self
+
+    @property
+    def rule(self) -> dict[str, Any]:
+        """Fields of the zones that are the same for all."""
+        return {key: getattr(self, key) for key in _RULE}
+
+
+_RULE: dict[str, Any] = {
+    key.name: (key.kind, key.default)
+    for key in fields_of(Zone)
+    if key.composed is None and key.name != CALLED
+}
+
+MaskForm = create_model("MaskForm", __base__=MaskKeys, **_RULE)
+"""Keys of a mask, and those of a zone without its area."""
+
+
+_SHAPE = {key for key, _ in form_keys(FootprintKeys)}
 
 
 def _as_zone(value: Any) -> Any:
-    return {"mask": value} if isinstance(value, str) else value
+    keys = {"mask": value} if isinstance(value, str) else value
+    if isinstance(keys, dict) and "mask" not in keys and keys.keys() & {"base", "multiplier"}:
+        raise UserError("base and multiplier belong to a mask")
+    if isinstance(keys, dict) and "mask" in keys and (shape := keys.keys() & _SHAPE):
+        raise UserError(f"a mask has the footprints of its zones; omit {', '.join(sorted(shape))}")
+    return keys
 
 
-class LaneSchema(Strictly):
-    """Keys of a single AGV. They take precedence over the keys that all AGVs share."""
-
-    origin: Pair
-    heading: Angle = 0.0
-    start: str | None = None
-    serves: dict[str, str] = {}
-    size: Size | None = None
-    height: Positive | None = None
-    max_speed: Positive | None = None
-    max_acceleration: Positive | None = None
-    limits: Range | None = None
-    locations: dict[str, Number] | None = None
+def _tag(keys: Any) -> str:
+    """Return whether the keys are those of a mask or a zone, by a word that is none of them."""
+    return "\0mask" if isinstance(keys, dict) and "mask" in keys else "\0zone"
 
 
-class AgvsSchema(Strictly):
-    """Keys that all AGVs share, and the lane of each."""
-
-    size: Size
-    height: Positive
-    max_speed: Positive
-    max_acceleration: Positive
-    limits: Range
-    locations: dict[str, Number]
-    start: str
-    lanes: dict[str, LaneSchema]
-
-
-class AxisSchema(Strictly):
-    """One axis of the gantry."""
-
-    range: Range
-    max_speed: Positive
-    max_acceleration: Positive
-    max_jerk: Positive = 2.0
+_ZoneOrMask = Annotated[
+    Zone | MaskKeys,
+    Written(
+        Annotated[
+            Annotated[Zone, Tag("\0zone")] | Annotated[MaskForm, Tag("\0mask")],
+            Discriminator(_tag),
+        ]
+    ),
+    BeforeValidator(_as_zone),
+]
 
 
-class TorsoSchema(Strictly):
-    """The box around the gantry's axis."""
+OF_ONE_LANE: dict[str, Any] = {"origin": ..., "heading": 0.0, "serves": {}}
+"""Keys that AGVs do not share, with their defaults."""
 
-    size: Size
-    z: Range
+_LANE_KEYS: dict[str, Any] = dict(form_keys(Lane))
 
+_OWN_KEYS: dict[str, Any] = {
+    key: (kind, OF_ONE_LANE[key]) if key in OF_ONE_LANE else (kind | None, None)
+    for key, kind in _LANE_KEYS.items()
+}
+_LaneForm: Any = create_model("LaneForm", __base__=Strictly, **_OWN_KEYS)
 
-class ArmSchema(Strictly):
-    """The folded arm's envelope."""
-
-    mount: Pair
-    reach: Positive
-    bottom: Positive
-
-
-class GantrySchema(Strictly):
-    """The overhead robot."""
-
-    x: AxisSchema
-    y: AxisSchema
-    rotation: AxisSchema = AxisSchema(
-        range=(-2 * math.pi, 2 * math.pi), max_speed=math.pi / 4, max_acceleration=0.5
-    )
-    start: tuple[Number, Number, Number]
-    torso: TorsoSchema
-    arm: ArmSchema
-    rail_height: Positive
-    tray_height: Positive
+_SHARED_KEYS: dict[str, Any] = {
+    key: (kind, ...) for key, kind in _LANE_KEYS.items() if key not in OF_ONE_LANE
+}
+AgvsForm = create_model(
+    "AgvsForm", __base__=Strictly, **_SHARED_KEYS, lanes=(dict[str, _LaneForm], ...)
+)
+"""Keys that all AGVs share, and those of the lane of each, which take precedence."""
 
 
 METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
@@ -201,16 +139,6 @@ OF_BASES = (*OF_DRAWINGS, "remove", "move", "rename")
 """Keys of a floor that are about what lies below it."""
 
 
-def _called(things: Any) -> Any:
-    """Return the keys of things, each with the name that leads to them."""
-    if not isinstance(things, dict):
-        return things
-    return {
-        name: {**keys, CALLED: str(name)} if isinstance(keys, dict) else keys
-        for name, keys in things.items()
-    }
-
-
 class FloorplanSchema(Strictly):
     """A whole floorplan file."""
 
@@ -229,16 +157,16 @@ class FloorplanSchema(Strictly):
     rename: dict[str, Name] = {}
     boundary: Ring | None = Field(None, validate_default=True)
     holes: list[Ring] = []
-    obstacles: dict[str, ObstacleSchema] = {}
-    stations: dict[str, Pair] = {}
+    obstacles: Annotated[dict[str, Obstacle], BeforeValidator(called)] = {}
+    stations: dict[str, Position] = {}
     patrol: list[str] | None = None
     safe_zone: SafeZone | None = None
     human: Human = Human()
-    agvs: AgvsSchema | None = None
-    gantry: GantrySchema | None = None
-    doors: Annotated[dict[str, Door], BeforeValidator(_called)] = {}
-    zones: dict[str, Annotated[ZoneSchema, BeforeValidator(_as_zone)]] = {}
-    gates: Annotated[dict[str, Gate], BeforeValidator(_called)] = {}
+    agvs: Annotated[Any, Written(AgvsForm | None)] = None
+    gantry: Gantry | None = None
+    doors: Annotated[dict[str, Door], BeforeValidator(called)] = {}
+    zones: Annotated[dict[str, _ZoneOrMask], BeforeValidator(called)] = {}
+    gates: Annotated[dict[str, Gate], BeforeValidator(called)] = {}
 
     @field_validator("boundary")
     @classmethod
@@ -261,79 +189,23 @@ class FloorplanSchema(Strictly):
         return METRE[self.units or "m"]
 
 
-_CORNERS = 32
-"""Corners of the polygon that stands for a disc."""
-
-
 def parts(schema: FloorplanSchema) -> dict[str, Any]:
-    """Return what stands on the floor of a file, by the names of a floor's fields."""
-    agvs = schema.agvs
+    """Return the contents of a floor by the names of its fields."""
     return {
-        "obstacles": [one.obstacle(name) for name, one in schema.obstacles.items()],
+        "obstacles": [*schema.obstacles.values()],
         "stations": [Station(name, at) for name, at in schema.stations.items()],
         "patrol": None if schema.patrol is None else tuple(schema.patrol),
         "safe_zone": schema.safe_zone,
         "human": schema.human,
-        "lanes": [_lane(name, lane, agvs) for name, lane in agvs.lanes.items()] if agvs else (),
-        "gantry": _gantry(schema.gantry) if schema.gantry else None,
+        "lanes": () if schema.agvs is None else _lanes(schema.agvs),
+        "gantry": schema.gantry,
         "doors": [*schema.doors.values()],
-        "zones": [
-            Zone(name=name, area=footprint(one), **{key: getattr(one, key) for key in _RULE})
-            for name, one in schema.zones.items()
-            if one.mask is None
-        ],
+        "zones": [zone for zone in schema.zones.values() if isinstance(zone, Zone)],
         "gates": [*schema.gates.values()],
     }
 
 
-_RULE = ("max_speed", "forbidden", "one_way", "concerns")
-"""Keys of a zone that are not about its area."""
-
-
-def _lane(name: str, lane: LaneSchema, agvs: AgvsSchema) -> Lane:
-    keys = agvs.model_dump(exclude={"lanes"}) | lane.model_dump(exclude_none=True)
-    length, width = keys.pop("size")
-    keys["start"] = lane.start or agvs.start
-    return Lane(name=name, length=length, width=width, **keys)
-
-
-def _gantry(entry: GantrySchema) -> Gantry:
-    return Gantry(
-        x=_axis(entry.x),
-        y=_axis(entry.y),
-        rotation=_axis(entry.rotation),
-        start=entry.start,
-        torso=(*entry.torso.size, *entry.torso.z),
-        arm_mount=entry.arm.mount,
-        arm_reach=entry.arm.reach,
-        arm_bottom=entry.arm.bottom,
-        rail_height=entry.rail_height,
-        tray_height=entry.tray_height,
-    )
-
-
-def footprint(entry: FootprintSchema) -> Polygon:
-    """Return the polygon of a footprint."""
-    if entry.polygon is not None:
-        return Polygon(entry.polygon, entry.holes)
-    if entry.x is not None and entry.y is not None:
-        return box(entry.x[0], entry.y[0], entry.x[1], entry.y[1])
-    assert entry.center is not None  # the schema has seen to it
-    cx, cy = entry.center
-    if entry.size is not None:
-        half_x, half_y = entry.size[0] / 2, entry.size[1] / 2
-        return box(cx - half_x, cy - half_y, cx + half_x, cy + half_y)
-    assert entry.radius is not None
-    return _round(cx, cy, entry.radius)
-
-
-def _round(x: float, y: float, radius: float) -> Polygon:
-    """Return the regular polygon around a disc: it covers all of the disc."""
-    outer = radius / math.cos(math.pi / _CORNERS)
-    angles = [2 * math.pi * (k + 0.5) / _CORNERS for k in range(_CORNERS)]
-    return Polygon([(x + outer * math.cos(a), y + outer * math.sin(a)) for a in angles])
-
-
-def _axis(entry: AxisSchema) -> Axis:
-    low, high = entry.range
-    return Axis(low=low, high=high, **entry.model_dump(exclude={"range"}))
+def _lanes(agvs: Any) -> list[Lane]:
+    shared = agvs.model_dump(exclude={"lanes"})
+    lanes = {name: shared | own.model_dump(exclude_none=True) for name, own in agvs.lanes.items()}
+    return [TypeAdapter(Lane).validate_python(keys) for keys in called(lanes).values()]

@@ -242,8 +242,8 @@ def _zone_faults(plan: Floor) -> Iterator[Fault]:
         if fault := polygon_fault(zone.area):
             yield fault, place
             continue
-        if zone.forbidden == (zone.max_speed is not None or zone.one_way is not None):
-            yield "must either be forbidden, or have a max_speed or be one_way", place
+        if fault := zone.rule_fault:
+            yield fault, place
         if zone.one_way is not None:
             yield from _one_way_faults(zone, (*place, "one_way"))
         yield from _sizes(zone, *place)

@@ -396,7 +396,7 @@ def _build(document: Document, folder: Path, above: tuple[Path, ...], name: str 
 def _masked(schema: FloorplanSchema, folder: Path) -> Iterator[Zone]:
     """Yield the zones of masks, in metres."""
     for name, zone in schema.zones.items():
-        if zone.mask is not None:
+        if not isinstance(zone, Zone):
             from .formats.ros_map import mask_zones
 
             yield from mask_zones(folder / zone.mask, name, zone)

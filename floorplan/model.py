@@ -12,12 +12,27 @@ from itertools import pairwise
 from typing import Annotated
 
 import shapely
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
 from shapely.geometry import Polygon
 from typing_extensions import Self
 
-from .files.fields import KEYS, Angle, Flag, Pair, Positive
-from .files.problems import CALLED, Problem, UserError, Written
+from .files.fields import KEYS, Angle, ComposedKeys, Flag, Number, Pair, Position, Positive, Range
+from .files.footprints import (
+    Area,
+    ArmBottom,
+    ArmMount,
+    ArmReach,
+    Bottom,
+    Footprint,
+    High,
+    Length,
+    Low,
+    Top,
+    Torso,
+    Width,
+)
+from .files.forms import CALLED, Written
+from .files.problems import Problem, UserError
 from .files.values import NamedField
 
 DEFAULT_HEIGHT = 3.0
@@ -83,7 +98,7 @@ def extent(shape: shapely.Geometry) -> str:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Obstacle:
+class Obstacle(ComposedKeys):
     """Obstacle that stands on the floor or hangs above it.
 
     Parameters
@@ -96,10 +111,10 @@ class Obstacle:
         Heights above the floor in metres.
     """
 
-    name: str
-    footprint: Polygon
-    bottom: float
-    top: float
+    name: Called
+    footprint: Footprint
+    bottom: Bottom
+    top: Top
 
     def __repr__(self) -> str:
         heights = f"from {self.bottom:g} to {self.top:g} m"
@@ -169,7 +184,7 @@ ALONG = 0.2
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Zone:
+class Zone(ComposedKeys):
     """Area with a rule for some people and AGVs.
 
     Parameters
@@ -189,12 +204,25 @@ class Zone:
         opposite side.
     """
 
-    name: str
-    area: Polygon
+    name: Called
+    area: Area
     max_speed: Positive | None = None
-    forbidden: bool = False
-    concerns: tuple[str, ...] = EVERYBODY
-    one_way: Point | None = None
+    forbidden: Flag = False
+    concerns: Concerns = EVERYBODY
+    one_way: Pair | None = None
+
+    @model_validator(mode="after")
+    def _one_rule(self) -> Self:
+        if fault := self.rule_fault:
+            raise UserError(fault)
+        return self
+
+    @property
+    def rule_fault(self) -> str:
+        """Reason why the zone has no rule, or two that contradict each other, or an empty text."""
+        if self.forbidden != (self.max_speed is not None or self.one_way is not None):
+            return ""
+        return "give forbidden: true, or max_speed (m/s) and one_way (x, y)"
 
     def __repr__(self) -> str:
         rule = ["forbidden"] if self.forbidden else []
@@ -253,7 +281,7 @@ class Gate:
 
     name: Called
     ends: Ends
-    towards: Pair
+    towards: Position
     concerns: Concerns = EVERYBODY
 
     def is_about(self, name: str) -> bool:
@@ -288,7 +316,7 @@ class SafeZone:
 
     __pydantic_config__ = KEYS
 
-    position: Annotated[Pair, Field(alias="at")]
+    position: Annotated[Position, Field(alias="at")]
     heading: Angle = 0.0
 
 
@@ -316,7 +344,7 @@ class Human:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Lane:
+class Lane(ComposedKeys):
     """Straight lane of an AGV.
 
     Parameters
@@ -341,18 +369,18 @@ class Lane:
         Locations by the names that orders use.
     """
 
-    name: str
-    origin: Point
-    heading: float
-    limits: tuple[float, float]
-    locations: Mapping[str, float]
+    name: Called
+    origin: Position
+    heading: Angle
+    limits: Range
+    locations: Annotated[Mapping[str, float], Written(dict[str, Number])]
     start: str
-    length: Positive
-    width: Positive
+    length: Length
+    width: Width
     height: Positive
     max_speed: Positive
     max_acceleration: Positive
-    serves: Mapping[str, str] = field(default_factory=dict)
+    serves: Annotated[Mapping[str, str], Written(dict[str, str])] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         low, high = self.limits
@@ -413,7 +441,7 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class Axis:
+class Axis(ComposedKeys):
     """Axis of the gantry: its range and its limits.
 
     Parameters
@@ -424,19 +452,23 @@ class Axis:
         Limits in m/s, m/s² and m/s³, or in radians.
     """
 
-    low: float
-    high: float
+    low: Low
+    high: High
     max_speed: Positive
     max_acceleration: Positive
-    max_jerk: Positive
+    max_jerk: Positive = 2.0
 
     def reaches(self, value: float) -> bool:
         """Return whether `value` is within the range, apart from rounding."""
         return self.low - ROUNDING <= value <= self.high + ROUNDING
 
 
+FULL_TURNS = Axis(low=-math.tau, high=math.tau, max_speed=math.pi / 4, max_acceleration=0.5)
+"""Rotation of a gantry by default."""
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Gantry:
+class Gantry(ComposedKeys):
     """Overhead robot: a bridge (x), a trolley (y) and a torso that rotates about z.
 
     Parameters
@@ -457,12 +489,12 @@ class Gantry:
 
     x: Axis
     y: Axis
-    rotation: Axis
-    start: tuple[float, float, float]
-    torso: tuple[float, float, float, float]
-    arm_mount: tuple[float, float]
-    arm_reach: Positive
-    arm_bottom: Positive
+    rotation: Axis = FULL_TURNS
+    start: tuple[Number, Number, Number]
+    torso: Torso
+    arm_mount: ArmMount
+    arm_reach: ArmReach
+    arm_bottom: ArmBottom
     rail_height: Positive
     tray_height: Positive
 

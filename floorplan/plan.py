@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from functools import cache
+from collections.abc import Sequence
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import shapely
-from pydantic import TypeAdapter
-from shapely.geometry import Polygon, box
+from shapely.geometry import Polygon
 
-from .building import AgvsSchema, AxisSchema, ZoneSchema
+from .building import OF_ONE_LANE
 from .checks import check
 from .files.documents import MOST_TEXT, yaml_text
-from .files.fields import Strictly
+from .files.footprints import ring_keys
+from .files.forms import Data, plain, written
 from .files.problems import UserError
 from .formats import OF_SUFFIX, ROS_MAP, WRITTEN, YAML, function
-from .model import Axis, Door, Floor, Gantry, Gate, Human, Lane, Obstacle, SafeZone
-
-Data = dict[str, Any]
-"""Keys and values as they stand in a file. What is left out has its usual value."""
+from .model import Floor, Lane
 
 
 def floor_keys(plan: Floor) -> Data:
@@ -33,20 +27,18 @@ def floor_keys(plan: Floor) -> Data:
         "name": plan.name,
         "title": plan.title,
         "source": plan.source,
-        "boundary": _ring(plan.boundary.exterior),
-        "holes": [_ring(ring) for ring in plan.boundary.interiors],
-        "human": _changed(plan.human, Human()),
-        "safe_zone": None if zone is None else _written(zone),
-        "stations": {one.name: _plain(one.position) for one in plan.stations},
+        "boundary": ring_keys(plan.boundary.exterior),
+        "holes": [ring_keys(ring) for ring in plan.boundary.interiors],
+        "human": written(plan.human),
+        "safe_zone": None if zone is None else written(zone),
+        "stations": {one.name: plain(one.position) for one in plan.stations},
         "patrol": None if plan.patrol is None else [*plan.patrol],
-        "obstacles": {one.name: obstacle_keys(one) for one in plan.obstacles},
-        "agvs": _agvs([*plan.lanes]) if plan.lanes else None,
-        "gantry": None if plan.gantry is None else _gantry(plan.gantry),
-        "doors": {door.name: _written(door, every=True) for door in plan.doors},
-        "zones": {
-            one.name: {**_footprint(one.area), **_keys(one, ZoneSchema)} for one in plan.zones
-        },
-        "gates": {gate.name: _written(gate) for gate in plan.gates},
+        "obstacles": {one.name: written(one) for one in plan.obstacles},
+        "agvs": _agvs(plan.lanes) if plan.lanes else None,
+        "gantry": None if plan.gantry is None else written(plan.gantry, every=True),
+        "doors": {door.name: written(door, every=True) for door in plan.doors},
+        "zones": {one.name: written(one) for one in plan.zones},
+        "gates": {gate.name: written(gate) for gate in plan.gates},
     }
     # An empty patrol is not the usual one, which is all stations.
     return {
@@ -54,11 +46,6 @@ def floor_keys(plan: Floor) -> Data:
         for key, value in data.items()
         if key == "name" or value not in (None, "", [], {}) or (key == "patrol" and value == [])
     }
-
-
-def obstacle_keys(one: Obstacle) -> Data:
-    """Return the keys from which the obstacle `one` is read again."""
-    return {**_footprint(one.footprint), "z": _plain((one.bottom, one.top))}
 
 
 def write_yaml(plan: Floor, path: Path) -> None:
@@ -70,98 +57,19 @@ def write_yaml(plan: Floor, path: Path) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
 
 
-def _footprint(footprint: Polygon) -> Data:
-    west, south, east, north = footprint.bounds
-    if footprint == box(west, south, east, north):
-        return {"x": [west, east], "y": [south, north]}
-    holes = [_ring(ring) for ring in footprint.interiors]
-    return {"polygon": _ring(footprint.exterior), **({"holes": holes} if holes else {})}
-
-
-def _written(value: Door | Gate | SafeZone, *, every: bool = False) -> Data:
-    """Return the keys of `value`, those with their defaults only if `every` key is written."""
-    kind: Any = type(value)
-    data = _adapter(kind).dump_python(
-        value, by_alias=True, exclude={"name"}, exclude_defaults=not every, warnings=False
-    )
-    return {key: _plain(one) for key, one in data.items()}
-
-
-@cache
-def _adapter(kind: type) -> TypeAdapter[Any]:
-    return TypeAdapter(kind)
-
-
-def _keys(value: object, form: type[Strictly], *, every: bool = False) -> Data:
-    """Return the keys of a `form` for the fields of `value` with the same names.
-
-    Keys with their default are left out, unless `every` key is written.
-    """
-    data = {}
-    for name, key in form.model_fields.items():
-        if hasattr(value, name):
-            written = _plain(getattr(value, name))
-            if every or key.is_required() or written != _plain(key.default):
-                data[key.alias or name] = written
-    return data
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as a file has it: tuples and arrays as lists, numbers as floats."""
-    if value is None or isinstance(value, str):
-        return value
-    if isinstance(value, bool | np.bool_):
-        return bool(value)
-    if isinstance(value, Mapping):
-        return {name: _plain(inner) for name, inner in value.items()}
-    return [_plain(inner) for inner in value] if hasattr(value, "__len__") else float(value)
-
-
-def _ring(ring: Any) -> list[list[float]]:
-    return [_plain(at[:2]) for at in ring.coords[:-1]]
-
-
-def _changed(value: Human, usual: Human) -> Data:
-    given = {field.name: getattr(value, field.name) for field in fields(value)}
-    return {name: float(held) for name, held in given.items() if held != getattr(usual, name)}
-
-
-def _agvs(lanes: list[Lane]) -> Data:
+def _agvs(lanes: Sequence[Lane]) -> Data:
     """Return the keys that the AGVs share with the first of them, and those of each alone."""
-    shared = _lane(lanes[0])
-    own = {}
-    for lane in lanes:
-        keys = {key: value for key, value in _lane(lane).items() if value != shared[key]}
-        placed = {"origin": _plain(lane.origin), "heading": float(lane.heading)}
-        served = {"serves": dict(lane.serves)} if lane.serves else {}
-        own[lane.name] = placed | keys | served
-    return {**shared, "lanes": own}
-
-
-def _lane(lane: Lane) -> Data:
-    return {"size": _plain((lane.length, lane.width)), **_keys(lane, AgvsSchema, every=True)}
-
-
-def _gantry(gantry: Gantry) -> Data:
-    length, width, bottom, top = gantry.torso
-    return {
-        "x": _axis(gantry.x),
-        "y": _axis(gantry.y),
-        "rotation": _axis(gantry.rotation),
-        "start": _plain(gantry.start),
-        "torso": {"size": _plain((length, width)), "z": _plain((bottom, top))},
-        "arm": {
-            "mount": _plain(gantry.arm_mount),
-            "reach": float(gantry.arm_reach),
-            "bottom": float(gantry.arm_bottom),
-        },
-        "rail_height": float(gantry.rail_height),
-        "tray_height": float(gantry.tray_height),
+    keys = {lane.name: written(lane, every=True) for lane in lanes}
+    shared = {key: value for key, value in keys[lanes[0].name].items() if key not in OF_ONE_LANE}
+    own = {
+        name: {
+            key: value
+            for key, value in of_lane.items()
+            if key in ("origin", "heading") or value not in ({}, shared.get(key))
+        }
+        for name, of_lane in keys.items()
     }
-
-
-def _axis(axis: Axis) -> Data:
-    return {"range": _plain((axis.low, axis.high)), **_keys(axis, AxisSchema, every=True)}
+    return {**shared, "lanes": own}
 
 
 def _svg_path(polygons: list[Polygon], colour: str, fine: float) -> str:

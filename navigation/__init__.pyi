@@ -2,15 +2,14 @@
 
 from .bodies import Disc
 from .catalog import Path, PlannerError, PlanningError, planners
-from .condition import Condition
-from .enclosure import Enclosure
 from .encounter import Box, Cylinder, Prism, Shapes
 from .field_design import needed_fields
 from .field_intrusions import FieldEntry, Intrusion, first_intrusion, intrusions
 from .field_lengths import FieldSupplements, ShortField, short_fields, stopping_reach
 from .fields import FieldGap, FieldSet, FieldSpan, ProtectiveFields
 from .kernels.encounter import Encounter
-from .kernels.watch import Apart, Approaching, Moving, Overlapping, TooClose
+from .kernels.results import Enclosure
+from .kernels.watch import Apart, Approaching, Condition, Moving, Overlapping, TooClose
 from .machines import agv_run, agv_stop, gantry_move, gantry_stop
 from .monitor import (
     first_time,

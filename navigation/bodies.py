@@ -1,12 +1,12 @@
 """Bodies on the floor with their FCL objects, and the corners that paths bend around.
 
-Around a convex corner of an obstacle the centre of a disc follows an arc. Arcs are drawn as
-polylines that touch them from outside, in equal steps of a given angle: what is left over is
-always a little less than the true room, never more.
+Around a convex corner of an obstacle the centre of a disc follows an arc. Arcs are approximated by
+polylines that touch them from outside, in equal steps of a given angle. The area that remains is
+thus a little smaller than the exact one, never larger.
 
-All FCL objects here lie in the plane z = 0: a region is a mesh of triangles in that plane, a disc
-a sphere centred on it, and the sweep of a disc along a straight line a capsule. In the plane their
-distances are those of the flat shapes, to about 1e-6 m.
+All FCL objects are in the plane z = 0: a region is a mesh of triangles in that plane, a disc is a
+sphere around its centre, and the sweep of a disc along a straight line is a capsule. Their
+distances in the plane are those of the flat shapes, to about 1e-6 m.
 """
 
 from __future__ import annotations
@@ -31,24 +31,20 @@ from .kernels.numbers import numbers
 
 Floats = NDArray[np.float64]
 
-_OVERLAP = 1e-3
-"""Radians. How far a sector reaches into the strips beside it, so that rounding leaves no crack
-between them."""
-
 _FULL = 2 * math.pi
 _BEGIN, _TURN = np.array([math.pi]), np.array([_FULL])
-"""Where the corner begins that a disc is, and the angle of its arc (radians)."""
+"""Begin of the arc around a disc, and its angle (radians)."""
 
 _STRAIGHT = 1e-9
-"""Radians. Corners that turn less than this are none."""
+"""Radians. Corners with smaller turns are ignored."""
 
 
 @dataclass(frozen=True)
 class Corners:
-    """K arcs to go round clockwise.
+    """K arcs to pass clockwise.
 
-    Each has a centre (K, 2), a radius of its own in metres (0 at the corner of a polygon), the
-    angle at which its arc begins, and the angle of the arc (radians, clockwise, more than 0).
+    Each has a centre (K, 2), a radius in metres (0 at the corner of a polygon), the angle at which
+    its arc begins, and the angle of the arc (radians, clockwise, more than 0).
     """
 
     centre: Floats
@@ -57,7 +53,7 @@ class Corners:
     turn: Floats
 
     def take(self, keep: NDArray[np.bool_]) -> Corners:
-        """Return those of the corners that are marked in `keep` (K,)."""
+        """Return the corners that are marked in `keep` (K,)."""
         return Corners(*(column[keep] for column in vars(self).values()))
 
 
@@ -65,9 +61,9 @@ class Corners:
 class Bends:
     """The N places where a polyline around grown corners bends.
 
-    `point` (N, 2) metres; `before` and `after` (N, 2) are the unit directions of the path that
-    goes round the corner clockwise, on either side of the bend; `reach` (N,) is the distance from
-    the bend (metres) at which that path touches the arc; `corner` (N,) is the index of the corner.
+    `point` (N, 2) is in metres. `before` and `after` (N, 2) are the unit directions of the path
+    clockwise around the corner, on either side of the bend. `reach` (N,) is the distance from the
+    bend (metres) at which that path touches the arc. `corner` (N,) is the index of the corner.
     """
 
     point: Floats
@@ -80,7 +76,7 @@ class Bends:
         return len(self.point)
 
     def take(self, keep: NDArray[np.bool_] | NDArray[np.intp]) -> Bends:
-        """Return the bends that are marked in `keep` (N,), or whose numbers it contains."""
+        """Return the bends that are marked in `keep` (N,), or whose indices it contains."""
         return Bends(*(column[keep] for column in vars(self).values()))
 
     def columns(self) -> Floats:
@@ -89,28 +85,28 @@ class Bends:
 
     @staticmethod
     def join(parts: Sequence[Bends]) -> Bends:
-        """Return the bends of all parts; corners keep the numbers they have in their part."""
+        """Return the bends of all parts. Indices of corners are those in their part."""
         columns = zip(*(vars(part).values() for part in parts), strict=True)
         return Bends(*map(np.concatenate, columns))
 
 
 def edges_of_room(room: shapely.Geometry) -> list[Floats]:
-    """Return the closed rings ((n + 1, 2), metres) around free `room`: it lies on their left."""
+    """Return the closed rings ((n + 1, 2), metres) around a free `room`, with it on their left."""
     return _rings(shapely.orient_polygons(room))
 
 
 def edges_of_solid(solid: shapely.Geometry) -> list[Floats]:
-    """Return the closed rings ((n + 1, 2), metres) around a `solid`: the room is on their left."""
+    """Return the closed rings ((n + 1, 2), metres) around a `solid`, with it on their right."""
     return _rings(shapely.orient_polygons(solid, exterior_cw=True))
 
 
 def flat_sides(edges: list[Floats]) -> MutableSequence[float]:
-    """Return x and y of both ends of all sides of the rings, one side after another (metres)."""
+    """Return x and y of both ends of all sides of the rings in turn (metres)."""
     return numbers(np.hstack(_sides(edges)).ravel().tolist())
 
 
 def corners(edges: list[Floats]) -> Corners:
-    """Return the corners at which solid things stick out into the room on the left of `edges`."""
+    """Return the convex corners of obstacles. The room is on the left of `edges`."""
     begin, end = _sides(edges)
     along = end - begin
     heading = np.arctan2(along[:, 1], along[:, 0])
@@ -119,7 +115,7 @@ def corners(edges: list[Floats]) -> Corners:
     count = np.array([len(ring) - 1 for ring in edges], dtype=int)
     before[np.cumsum(count) - count] = np.cumsum(count) - 1
     arriving, leaving = heading[before], heading
-    # The room is on the left, so where a ring turns right something solid sticks out into it.
+    # The room is on the left, so a ring turns right at a convex corner of an obstacle.
     turn = (arriving - leaving + math.pi) % (2 * math.pi) - math.pi
     bent = turn > _STRAIGHT
     return Corners(
@@ -128,27 +124,26 @@ def corners(edges: list[Floats]) -> Corners:
 
 
 def round_corner(centre: tuple[float, float], radius: float) -> Corners:
-    """Return a disc as one corner, to be gone round in a full circle."""
-    # Where that begins does not matter.
+    """Return a disc as one corner with a full circle, whose begin does not matter."""
     return Corners(np.array([centre]), np.array([radius]), _BEGIN, _TURN)
 
 
 def bends(around: Corners, radius: float, step: float) -> Bends:
-    """Return the bends of a disc of `radius` metres around corners, of `step` radians at most."""
+    """Return the bends of a disc of `radius` metres around corners, at most `step` radians each."""
     discs = len(around.turn) == 1 and around.turn[0] == _FULL
     fans = _fans_of_disc(step) if discs else _fans(around.begin, around.turn, step)
     of, cosine, sine, middle, before, after = fans
-    # The polygon's sides touch the arc in their middles, so its corners are farther out.
+    # The polygon's sides touch the arc at their middles, so its corners are farther out.
     out = (radius + around.radius[of]) / cosine
     point = around.centre[of] + out[:, None] * middle
     return Bends(point, before, after, out * sine, of)
 
 
 def _fans(begin: Floats, turn: Floats, step: float) -> tuple[Any, ...]:
-    """Return the directions in which the bends around corners lie, and the path there.
+    """Return the directions of the bends around corners, and of the path there.
 
-    Of each bend the number of its corner, cosine and sine of half the angle from one to the next,
-    the direction to it, and those of the path before and after it.
+    For each bend these are the index of its corner, cosine and sine of half of its angle, the
+    direction to it, and the directions of the path before and after it.
     """
     count = np.maximum(np.ceil(turn / step - 1e-9), 1).astype(int)
     of = np.repeat(np.arange(len(count)), count)
@@ -161,16 +156,8 @@ def _fans(begin: Floats, turn: Floats, step: float) -> tuple[Any, ...]:
 
 @lru_cache
 def _fans_of_disc(step: float) -> tuple[Any, ...]:
-    """Return `_fans` of a disc: they are those of any other."""
+    """Return `_fans` of a disc. All discs have the same."""
     return _fans(_BEGIN, _TURN, step)
-
-
-def grown(edges: list[Floats], radius: float, step: float) -> shapely.Geometry:
-    """Return the room on the left of `edges` that is closer to them than `radius` metres."""
-    strips = _strips(edges, radius)
-    sectors = _sectors(corners(edges), radius, step)
-    # Most floors are many small things far apart: those that don't touch need no overlay.
-    return shapely.disjoint_subset_union_all(np.concatenate([strips, sectors]))
 
 
 def around_disc(centre: tuple[float, float], radius: float, step: float) -> Polygon:
@@ -196,63 +183,37 @@ def _sides(edges: list[Floats]) -> tuple[Floats, Floats]:
     return begin, end
 
 
-def _strips(edges: list[Floats], radius: float) -> NDArray[np.object_]:
-    a, b = _sides(edges)
-    along = b - a
-    left = np.column_stack([-along[:, 1], along[:, 0]])
-    left *= radius / np.hypot(along[:, 0], along[:, 1])[:, None]
-    strips: NDArray[np.object_] = shapely.polygons(np.stack([a, b, b + left, a + left], axis=1))
-    return strips
-
-
-def _sectors(around: Corners, radius: float, step: float) -> NDArray[np.object_]:
-    count = len(around.turn)
-    arc = bends(Corners(around.centre, np.zeros(count), around.begin, around.turn), radius, step)
-    # A sector is the centre, the bends of the arc, and both ends of it, a little beyond the strips.
-    first = around.centre + radius * _unit(around.begin + _OVERLAP)
-    last = around.centre + radius * _unit(around.begin - around.turn - _OVERLAP)
-    points = np.concatenate([around.centre, first, arc.point, last])
-    numbers = np.arange(count)
-    of = np.concatenate([numbers, numbers, arc.corner, numbers])
-    # The points of one sector follow each other, in the order they have above.
-    order = np.argsort(of, kind="stable")
-    sectors: NDArray[np.object_] = shapely.polygons(
-        shapely.linearrings(points[order], indices=of[order])
-    )
-    return sectors
-
-
 def _unit(angle: Floats) -> Floats:
     return _pairs(np.cos(angle), np.sin(angle))
 
 
 def _clockwise(normal: Floats) -> Floats:
-    """Return the clockwise direction where the normal has the angle `normal`."""
+    """Return the clockwise direction at a normal with the angle `normal`."""
     return _pairs(np.sin(normal), -np.cos(normal))
 
 
 def _pairs(x: Floats, y: Floats) -> Floats:
-    """Return x and y (N,) side by side: (N, 2), as `np.stack` would, but quicker."""
+    """Return x and y (N,) as an array (N, 2), faster than `np.stack`."""
     pairs = np.empty((len(x), 2))
     pairs[:, 0], pairs[:, 1] = x, y
     return pairs
 
 
 TOLERANCE = 1e-6
-"""Metres. How far FCL's answers about flat shapes may be off."""
+"""Maximum error of FCL's distances of flat shapes in metres."""
 
 _POINT = 1e-6
-"""Metres. The radius of the sphere that stands for a point."""
+"""Radius in metres of the sphere that represents a point."""
 
 _HALF_TURN = math.sqrt(0.5)
-"""Cosine and sine of half of a quarter turn, as quaternions have it."""
+"""Cosine and sine of half of a quarter turn, for quaternions."""
 
 _ANY = fcl.CollisionRequest()
-"""Question to FCL that any contact answers."""
+"""Request for any contact."""
 
 _STEP = math.radians(1.0)
-"""Radians. How finely a round body's footprint is drawn as a polygon, from outside: 4e-5 of its
-radius too large at most, less than paths keep beyond theirs."""
+"""Radians. Step of the polygon around a round body, which is at most 4e-5 of the radius too large.
+That is less than the clearance of paths."""
 
 
 @dataclass(frozen=True)
@@ -282,7 +243,7 @@ class Disc:
 
 @dataclass(frozen=True, eq=False)
 class CollisionBody:
-    """A body where it is now. One that moves is replaced by another value."""
+    """Body at its present place. A moved body is another value."""
 
     name: str
     shape: Polygon | Disc
@@ -291,7 +252,7 @@ class CollisionBody:
 
     @staticmethod
     def of(name: str, shape: Polygon | Disc) -> CollisionBody:
-        """Return the body `name` with this footprint; `ValueError` if it is no simple polygon."""
+        """Return the body `name` with this footprint. `ValueError` if it is no simple polygon."""
         if isinstance(shape, Disc):
             (x, y), r = shape.centre, shape.radius
             return CollisionBody(name, shape, disc(shape.centre, r), (x - r, y - r, x + r, y + r))
@@ -301,20 +262,20 @@ class CollisionBody:
 
     @property
     def footprint(self) -> Polygon:
-        """The area that it covers; a disc as the polygon around it."""
+        """Covered area. A disc is the polygon around it."""
         if isinstance(self.shape, Disc):
             return around_disc(self.shape.centre, self.shape.radius, _STEP)
         return self.shape
 
     @property
     def corners(self) -> Corners:
-        """The corners that a path bends around to pass it."""
+        """Corners that a path bends around to pass the body."""
         if isinstance(self.shape, Disc):
             return round_corner(self.shape.centre, self.shape.radius)
         return corners(self.edges)
 
     def clear_of(self, line: shapely.Geometry) -> float:
-        """Return the metres between it and a line (shapely)."""
+        """Return the distance from a line in metres."""
         if isinstance(self.shape, Disc):
             centre = shapely.Point(self.shape.centre)
             return max(float(shapely.distance(line, centre)) - self.shape.radius, 0.0)
@@ -322,9 +283,9 @@ class CollisionBody:
 
     @cached_property
     def outline(self) -> tuple[MutableSequence[float], float]:
-        """Its edges: x and y of both ends of each in turn; and how much larger it is all round.
+        """Edges, with x and y of both ends of each in turn, and the width of a margin around them.
 
-        Metres. A disc is its centre, and larger by its radius.
+        Units are metres. A disc is its centre with the radius as margin.
         """
         if isinstance(self.shape, Disc):
             return numbers(self.shape.centre * 2), self.shape.radius
@@ -334,11 +295,11 @@ class CollisionBody:
 
     @cached_property
     def edges(self) -> list[Floats]:
-        """The rings around the polygon that it is."""
+        """Rings around the polygon."""
         return edges_of_solid(self.shape)
 
     def near(self, a: Point, b: Point, radius: float) -> bool:
-        """Return whether its bounds overlap those of a disc that moves from a to b."""
+        """Return whether the bounds of the body overlap those of a disc that moves from a to b."""
         low_x, low_y, high_x, high_y = self.bounds
         return (
             (a[0] > low_x - radius or b[0] > low_x - radius)
@@ -349,8 +310,8 @@ class CollisionBody:
 
 
 def region(geometry: shapely.Geometry) -> Any:
-    """Return the FCL object of a polygon or several, holes left out."""
-    # Triangles of the region's own edges: a mesh without slivers over its holes.
+    """Return the FCL object of one or more polygons with holes."""
+    # A triangulation of the region's edges has no slivers across its holes.
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(geometry))
     corners = shapely.get_coordinates(shapely.get_exterior_ring(triangles)).reshape(-1, 4, 2)
     flat = corners[:, :3].reshape(-1, 2)
@@ -370,10 +331,9 @@ def disc(centre: Point, radius: float) -> Any:
 
 
 class Sweep:
-    """The area that a disc sweeps along a segment, as an FCL object.
+    """Area that a disc sweeps along a segment, as an FCL object.
 
-    There is one object for all segments: python-fcl never frees all of the memory of an object,
-    32 bytes each.
+    All segments share one object, because python-fcl leaks 32 bytes per object.
     """
 
     def __init__(self) -> None:
@@ -393,8 +353,8 @@ class Sweep:
             self._ball.radius = radius
             self._still.setTranslation(self._middle)
             return self._still
-        # FCL's capsules lie along z: a quarter turn about the normal of the segment that lies in
-        # the plane turns z into its direction.
+        # FCL's capsules lie along z. A quarter turn about the normal of the segment in the plane
+        # turns z into its direction.
         share = _HALF_TURN / length
         self._turn[1], self._turn[2] = -dy * share, dx * share
         self._capsule.radius, self._capsule.lz = radius, length
@@ -403,9 +363,9 @@ class Sweep:
         return self._moving
 
     def distance(self, point: Point, other: Any) -> float:
-        """Return the metres from `point` to an FCL object; 0 inside it."""
+        """Return the distance (m) from `point` to an FCL object, 0 inside it."""
         probe = self.between(point, point, _POINT)
-        # FCL leaves the distance of overlapping shapes undefined.
+        # FCL does not define the distance of overlapping shapes.
         if touch(probe, other):
             return 0.0
         gap = fcl.distance(probe, other, fcl.DistanceRequest(), fcl.DistanceResult())

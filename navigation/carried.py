@@ -1,4 +1,4 @@
-"""Motions of points that a body carries along: beside its axis, they turn with it."""
+"""Motions of points that a body carries beside its axis."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from .kernels import carrying
 from .motion import Motion, motion_of
 
 CLOSE = 1e-4
-"""Metres. The cubics of a point stay this close to the arc on which it turns."""
+"""Metres. Maximum error of the cubics of a point that turns on an arc."""
 
 
 def carried(motion: Motion, ahead: float, aside: float) -> Motion:
     """Return the motion of a point `ahead` of a body's axis and `aside` to its left, in metres.
 
-    Where the body turns, the point is on an arc. Its cubics stay within `CLOSE` metres of it.
+    If the body turns, the point moves on an arc. The error of its cubics is at most `CLOSE`.
     """
     if not ahead and not aside:
         return motion

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import ompl.base as ob
@@ -52,7 +52,7 @@ class Path:
         return vars(self) | {"clear": self.clearance}
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
-        """Return its points: a path stands for them wherever an array does, as in `walk`."""
+        """Return the points, so that a path can replace an array."""
         return np.array(self.points, dtype=dtype, copy=True if copy is None else copy)
 
     @cached_property
@@ -112,15 +112,15 @@ class PlannerInfo:
     name: str
     summary: str
     optimal: bool
-    """True if its paths approach the shortest one as its budget grows."""
+    """Whether paths approach the shortest one with a growing budget."""
     iterations: int = 0
-    """Its budget where no other is given."""
+    """Default budget."""
     parameters: tuple[str, ...] = ()
-    """The names of what can be set."""
+    """Names of the parameters."""
 
 
 class Watch:
-    """Observer of a search of OMPL's planners. This one does nothing.
+    """Observer of a search of an OMPL planner. This one does nothing.
 
     Subclasses implement a time limit, or a curve of cost over time.
     """
@@ -134,14 +134,14 @@ class Watch:
 
 
 ROADMAP = "Roadmap"
-"""The name of the default planner."""
+"""Name of the default planner."""
 
 Setting: TypeAlias = "bool | int | float | str"
 """Value of one parameter of a planner."""
 
 SPACE_TIME = "STRRTstar"
-"""OMPL's planner in space and time, where it has one: OMPL 2.0.1 has it in C++ alone. It can't be
-asked for a path in space."""
+"""OMPL's planner in space and time, which cannot plan a path in space. OMPL 2.0.1 has it in C++
+only."""
 
 _KNOWN = {
     "AORRTC": ("repeated RRTConnect for shorter paths", True, 2_000),
@@ -159,13 +159,13 @@ _KNOWN = {
     "RRTstar": ("RRT that rewires its tree for shorter paths", True, 2_000),
     "SORRTstar": ("Informed RRT* that takes its samples in order", True, 2_000),
 }
-"""Summary, whether it is optimal, and iterations, of the planners of OMPL 2."""
+"""Summary, whether it is optimal, and iterations of the planners of OMPL 2."""
 
 EVERY = ("iterations", "simplify")
-"""The parameters that all of them have on top of OMPL's."""
+"""Parameters of all planners in addition to OMPL's."""
 
 ITERATIONS = 2_000
-"""Budget of a planner that this file does not know."""
+"""Default budget of an unlisted planner."""
 
 _NOT_A_NUMBER = ("ProjectionEvaluator", "DefaultConnectionStrategy")
 
@@ -192,33 +192,33 @@ def planners() -> tuple[PlannerInfo, ...]:
 
 
 def planner_info(name: str) -> PlannerInfo:
-    """Return the planner called `name`; `UserError` with a hint if there is none."""
+    """Return the planner called `name`. `UserError` with a suggestion if there is none."""
     if name == ROADMAP:
         return _DEFAULT
-    known = {info.name: info for info in planners()}
+    infos = {info.name: info for info in planners()}
     if name == SPACE_TIME:
         raise UserError(f"{name} plans in space and time; navigation.plan_among answers for that")
     if ":" in name:
         raise UserError(f"the planner {name} is code of your own: import it, and give its class")
-    if name not in known:
-        raise UserError(f"no planner is called {name!r}; {suggestion(name, known)}")
-    return known[name]
+    if name not in infos:
+        raise UserError(f"no planner is called {name!r}; {suggestion(name, infos)}")
+    return infos[name]
 
 
 @cache
 def _sampling_planners() -> tuple[PlannerInfo, ...]:
-    """Return the geometric planners of the OMPL that is installed, by name."""
-    found = []
+    """Return the geometric planners of the installed OMPL, by name."""
+    infos = []
     for name in sorted(dir(og)):
         kind = getattr(og, name)
         if isinstance(kind, type) and issubclass(kind, ob.Planner) and name != SPACE_TIME:
-            known = _KNOWN.get(name, (f"OMPL's {name}", False, ITERATIONS))
-            found.append(PlannerInfo(name, *known, (*EVERY, *_setters(kind))))
-    return tuple(found)
+            facts = _KNOWN.get(name, (f"OMPL's {name}", False, ITERATIONS))
+            infos.append(PlannerInfo(name, *facts, (*EVERY, *_setters(kind))))
+    return tuple(infos)
 
 
 def check_parameters(info: PlannerInfo, parameters: Mapping[str, Setting]) -> None:
-    """Raise `ValueError` for a parameter that planner `info` has not, or a value that is unfit."""
+    """Raise `ValueError` for a parameter that planner `info` does not have, or an invalid value."""
     if info.name == ROADMAP:
         if parameters:
             raise UserError(f"{ROADMAP} has no parameters, found {', '.join(parameters)}")
@@ -227,45 +227,46 @@ def check_parameters(info: PlannerInfo, parameters: Mapping[str, Setting]) -> No
         if name not in info.parameters:
             hint = suggestion(name, info.parameters)
             raise UserError(f"{info.name} has no parameter {name!r}; {hint}")
-    *_, settings = divided(parameters)
-    if settings:
+    if own := settings_of(parameters).own:
         space = ob.RealVectorStateSpace(2)
         planner = getattr(og, info.name)(ob.SpaceInformation(space))
-        for name, value in settings.items():
+        for name, value in own.items():
             set_parameter(planner, name, value)
 
 
 def check_own(kind: type, parameters: Mapping[str, Setting]) -> None:
-    """Raise `ValueError` unless `kind` is made of a space information and these parameters."""
+    """Raise `ValueError` unless `kind` accepts a space information and these parameters."""
     try:
         signature = inspect.signature(kind)
-    except (TypeError, ValueError):  # written in C++
+    except (TypeError, ValueError):  # a class in C++
         return
-    *_, given = divided(parameters)
+    own = settings_of(parameters).own
     try:
-        signature.bind(None, **given)
+        signature.bind(None, **own)
     except TypeError as why:
-        known = [*list(signature.parameters)[1:], *EVERY]
-        unknown = [name for name in given if name not in known]
-        hint = f"; {suggestion(unknown[0], known)}" if unknown else ""
+        names = [*list(signature.parameters)[1:], *EVERY]
+        unknown = [name for name in own if name not in names]
+        hint = f"; {suggestion(unknown[0], names)}" if unknown else ""
         raise UserError(f"{kind.__qualname__}: {why}{hint}") from None
 
 
-def divided(
-    parameters: Mapping[str, Setting], iterations: int = ITERATIONS
-) -> tuple[int, bool, dict[str, Setting]]:
-    """Return `iterations`, whether to simplify paths, and the other parameters.
+class Settings(NamedTuple):
+    """Parameters of a search: its budget, whether to simplify paths, and those of the planner."""
 
-    `UserError` if one of the first two is unfit.
-    """
-    rest = dict(parameters)
-    budget: int = fit("iterations", rest.pop("iterations", iterations), 1)
-    simplify: bool = fit("simplify", rest.pop("simplify", True), True)
-    return budget, simplify, rest
+    iterations: int
+    simplify: bool
+    own: dict[str, Setting]
+
+
+def settings_of(parameters: Mapping[str, Setting], iterations: int = ITERATIONS) -> Settings:
+    """Return the settings of a search. `UserError` if one for all planners is invalid."""
+    own = dict(parameters)
+    budget = fit("iterations", own.pop("iterations", iterations), 1)
+    return Settings(budget, fit("simplify", own.pop("simplify", True), True), own)
 
 
 def _setters(kind: type) -> tuple[str, ...]:
-    """Return the names of the parameters of an OMPL planner class, from its setters."""
+    """Return the names of the parameters of an OMPL planner class by its setters."""
     own = [m[3:] for m in dir(kind) if m.startswith("set") and not hasattr(ob.Planner, m)]
     return tuple(_snake(name) for name in own if name not in _NOT_A_NUMBER)
 
@@ -275,14 +276,14 @@ def _snake(name: str) -> str:
 
 
 def set_parameter(planner: Any, parameter: str, value: object) -> None:
-    """Set a parameter of OMPL's `planner` by name; `UserError` if the value is unfit."""
+    """Set a parameter of an OMPL planner by name. `UserError` if the value is invalid."""
     (camel,) = (m[3:] for m in dir(planner) if m[:3] == "set" and _snake(m[3:]) == parameter)
     now = getattr(planner, f"get{camel}")()
     getattr(planner, f"set{camel}")(fit(parameter, value, now))
 
 
 def fit(parameter: str, value: object, like: Any) -> Any:
-    """Return `value` as the kind of number that `like` is; `ValueError` if it isn't one."""
+    """Return `value` as a number of the type of `like`. `ValueError` if it is none."""
     if isinstance(like, bool):
         if isinstance(value, bool):
             return value
@@ -305,10 +306,10 @@ _FORMS = "a name, or {name: RRTConnect, range: 1.0}"
 
 @dataclass(frozen=True)
 class PlannerChoice:
-    """A planner by its name, with parameters by theirs.
+    """Planner by name with its parameters.
 
     The name is one of `planners()`, or `package.module:Class` of a custom planner. After the
-    import, `kind` is its class, a subclass of `ompl.base.Planner`.
+    import, `kind` is its class, derived from `ompl.base.Planner`.
     """
 
     name: str = ROADMAP
@@ -327,40 +328,40 @@ class PlannerChoice:
         return self.kind is not None or ":" in self.name
 
     @staticmethod
-    def of(given: PlannerChoice | str | Mapping[str, Any] | type) -> PlannerChoice:
-        """Return the choice that is written as `given`; `ValueError` if it is none.
+    def of(choice: PlannerChoice | str | Mapping[str, Any] | type) -> PlannerChoice:
+        """Return the choice in one of several forms. `ValueError` if it has none of these.
 
-        Valid are a name, `{name: RRTConnect, range: 1.0}`, `{RRTConnect: {range: 1.0}}`, one of
+        Forms are a name, `{name: RRTConnect, range: 1.0}`, `{RRTConnect: {range: 1.0}}`, one of
         these as YAML text, and the class of a custom planner.
         """
-        if isinstance(given, PlannerChoice):
-            return given
-        if isinstance(given, type):
-            return PlannerChoice(f"{given.__module__}:{given.__qualname__}", kind=given)
-        if isinstance(given, str):
-            return _in_text(given)
-        if isinstance(given, Mapping) and given:
-            if "name" in given:
-                rest = {key: value for key, value in given.items() if key != "name"}
-                return _chosen(given["name"], rest)
-            if len(given) == 1:
-                ((name, inner),) = given.items()
+        if isinstance(choice, PlannerChoice):
+            return choice
+        if isinstance(choice, type):
+            return PlannerChoice(f"{choice.__module__}:{choice.__qualname__}", kind=choice)
+        if isinstance(choice, str):
+            return _in_text(choice)
+        if isinstance(choice, Mapping) and choice:
+            if "name" in choice:
+                rest = {key: value for key, value in choice.items() if key != "name"}
+                return _chosen(choice["name"], rest)
+            if len(choice) == 1:
+                ((name, inner),) = choice.items()
                 return _chosen(name, {} if inner is None else inner)
-        raise UserError(f"a planner is {_FORMS}; found {given!r}")
+        raise UserError(f"a planner is {_FORMS}; found {choice!r}")
 
     def with_parameters(self, parameters: Mapping[str, Setting]) -> PlannerChoice:
-        """Return this choice with further parameters, or others of the same names."""
+        """Return this choice with additional or changed parameters."""
         return replace(self, parameters=tuple({**dict(self.parameters), **parameters}.items()))
 
     def check(self) -> None:
-        """Raise `ValueError` if there is no such planner, or if a parameter does not fit it.
+        """Raise `ValueError` if there is no such planner or a parameter is invalid.
 
         A custom planner is checked only after its import.
         """
         if self.kind is not None:
             check_own(self.kind, dict(self.parameters))
         elif self.is_own:
-            divided(dict(self.parameters))
+            settings_of(dict(self.parameters))
         else:
             check_parameters(planner_info(self.name), dict(self.parameters))
 

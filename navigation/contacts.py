@@ -14,34 +14,33 @@ from .kernels.encounter import Encounter
 from .kernels.numbers import numbers
 from .motion import Motion, Table
 
-Bounds = tuple[float, float, float, float]
+Extent = tuple[float, float, float, float]
 """Minimum x and y, maximum x and y, metres."""
 
 
 @lru_cache(maxsize=1024)
 def edges_of(area: BaseGeometry) -> Table:
     """Return a row of the edges of all rings of polygons: both ends of each, metres."""
-    rings = shapely.get_rings(shapely.get_parts(area))
-    found = []
-    for ring in rings:
+    ends: list[float] = []
+    for ring in shapely.get_rings(shapely.get_parts(area)):
         corners = shapely.get_coordinates(ring).tolist()
-        found += [c for a, b in pairwise(corners) for c in (*a, *b)]
-    return numbers(found)
+        ends += [c for a, b in pairwise(corners) for c in (*a, *b)]
+    return numbers(ends)
 
 
 @lru_cache(maxsize=1024)
 def shrunk(area: BaseGeometry, depth: float) -> BaseGeometry:
-    """Return polygons whose sides are `depth` metres farther inside."""
+    """Return polygons with all sides moved inwards by `depth` metres."""
     return shapely.buffer(area, -depth, join_style="mitre", mitre_limit=100.0)
 
 
-def bounds_from(motion: Motion, begin: float) -> Bounds:
-    """Return the bounds of the places on a motion from `begin` (seconds) on."""
+def bounds_from(motion: Motion, begin: float) -> Extent:
+    """Return the bounds of a motion from `begin` (seconds) on."""
     return places(motion.table, begin)
 
 
 def are_apart(one: Motion, other: Motion, begin: float, gap: float) -> bool:
-    """Return whether from `begin` (s) on, the places on motions are `gap` m apart along x or y."""
+    """Return whether the bounds of two motions from `begin` (s) on are `gap` metres apart."""
     x, y, most_x, most_y = places(one.table, begin)
     u, v, most_u, most_v = places(other.table, begin)
     return x - most_u > gap or u - most_x > gap or y - most_v > gap or v - most_y > gap
@@ -50,7 +49,7 @@ def are_apart(one: Motion, other: Motion, begin: float, gap: float) -> bool:
 class Outlines:
     """Outlines of a machine and of another body, each in the frame of its body (metres).
 
-    With `outside`, the other body covers all that is not within its outline.
+    With `outside`, the other body covers everything outside of its outline.
     """
 
     def __init__(self, area: BaseGeometry, other: BaseGeometry, *, outside: bool = False) -> None:
@@ -59,7 +58,7 @@ class Outlines:
     def first_contact(
         self, machine: Motion, other: Motion, begin: float, end: float
     ) -> float | None:
-        """Return when the outlines first touch (seconds), None if they do not.
+        """Return the time of the first contact of the outlines (s), or None.
 
         Bodies that are within each other, without a contact of their outlines, do not touch.
         """
@@ -69,7 +68,7 @@ class Outlines:
     def first_parting(
         self, machine: Motion, other: Motion, begin: float, end: float, gap: float
     ) -> float | None:
-        """Return when the bodies are first `gap` metres apart (seconds), None if they are not."""
+        """Return the first time at which the bodies are `gap` metres apart (s), or None."""
         t = self._search.parting(Encounter(other, machine), begin, end, gap)
         return None if t == math.inf else t
 

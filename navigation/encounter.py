@@ -1,9 +1,9 @@
-"""Solids of people and machines, between whose surfaces distances are measured.
+"""Solids of people and machines, for distances between surfaces.
 
-All solids stand upright: a footprint between a bottom and a top. Their distance is √(p² + z²)
-with p the distance of the footprints in the plane and z the gap between the heights. A footprint is
-a disc or a rectangle that turns with the machine, whose point nearest to the person's axis is known
-in closed form; p is less by the person's radius.
+All solids are upright: a footprint between a bottom and a top. Their distance is √(p² + z²) with p
+the distance of the footprints in the plane and z the gap between the heights. The footprint of a
+machine is a disc or a polygon that turns with it. Its point nearest to the person's axis is known
+in closed form, and the person's radius is subtracted from p.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from .kernels.encounter import Gauge, PolygonGauge
 Floats = NDArray[np.float64]
 
 PERSON_RADIUS = 0.30
-"""Metres. A person's radius where nothing else is said."""
+"""Default radius of a person in metres."""
 
 PERSON_HEIGHT = 1.75
-"""Metres. A person's height where nothing else is said."""
+"""Default height of a person in metres."""
 
 
 def _require_solid(solid: Solid) -> None:
@@ -246,11 +246,11 @@ class Shapes:
         away = places - poses[:, :2]
         c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
         x, y = c * away[:, 0] + s * away[:, 1], c * away[:, 1] - s * away[:, 0]
-        found = np.full(len(places), np.inf)
+        least = np.full(len(places), np.inf)
         for part in self.machine:
             level = _distances_to_hull(x, y, part.corners) - part.rounding - self.person.radius
-            found = np.minimum(found, np.hypot(np.maximum(level, 0.0), self._above(part)))
-        return found
+            least = np.minimum(least, np.hypot(np.maximum(level, 0.0), self._above(part)))
+        return least
 
     def _above(self, part: Solid) -> float:
         """Return the gap in metres between the heights of the person and a part."""

@@ -28,16 +28,16 @@ from .motion import Array
 from .vehicles import VehicleLimits
 
 _STRAIGHT = 0.05
-"""rad/s. Turn rates up to this are those of the sets for straight driving."""
+"""rad/s. Maximum turn rate of the sets for straight driving."""
 
 _TURNS, _SHARES = (-1.0, -0.5, 0.5, 1.0), (0.25, 0.5, 1.0)
-"""Shares of the farthest turn, and of its arc, at which the corners of a machine are looked at."""
+"""Shares of the maximum turn and of its arc at which the corners of a machine are evaluated."""
 
 _SPARSE = 16
-"""Of so many directions, the arcs of one are looked at."""
+"""Only every so many directions have arcs."""
 
 _BOX = 0.9
-"""Share of a box above which its corners are not cut off."""
+"""Share of a box's area above which the box replaces the octagon."""
 
 
 def needed_fields(
@@ -72,8 +72,8 @@ def needed_fields(
     Returns
     -------
     ProtectiveFields
-        Two sets of each step, for straight driving and for turning. Those of the first step are for
-        both ways. Sets of a holonomic drive are for all directions.
+        Two sets for each step, for straight driving and for turning. Sets of the first step are for
+        both directions. Sets of a holonomic drive are for all directions.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def needed_fields(
 
 @dataclass(frozen=True)
 class _FieldMaker:
-    """What makes the sets of a machine."""
+    """Designer of the field sets of a machine."""
 
     footprint: Polygon
     limits: Limits
@@ -109,7 +109,7 @@ class _FieldMaker:
     warning_time: float
 
     def fields(self, parts: Sequence[tuple[str, float, float, bool]]) -> ProtectiveFields:
-        """Return the sets of ranges of speed: name, minimum, maximum, and whether all around."""
+        """Return the sets for ranges of speed: name, minimum, maximum, and whether all around."""
         sets = []
         for name, low, high, around in parts:
             ways = (-math.pi, math.pi) if around else None
@@ -129,11 +129,11 @@ class _FieldMaker:
         return ProtectiveFields(sets=tuple(sets), response_time=self.response_time)
 
     def _set(self, each: FieldSet) -> FieldSet:
-        """Return a set with fields that are long enough."""
+        """Return a set with sufficiently long fields."""
         corners = shapely.get_coordinates(self.footprint.exterior)
         low, high = each.linear
         spin = 0.0
-        # Above the first step, a machine that drives straight does not begin to turn.
+        # Above the first step, a machine in straight motion does not begin to turn.
         if isinstance(self.limits, VehicleLimits) and (low <= 0 <= high or not _is_straight(each)):
             axis = self.limits.turning
             fastest = min(each.theta[1], axis.max_speed)
@@ -165,8 +165,8 @@ class _FieldMaker:
         speed = 0.0 if axis is None else min(speed, axis.max_speed)
         points = []
         for share, bend in itertools.product(_SHARES, _SHARES):
-            way = limits, angle, share * speed, bend * turn, self.response_time
-            for x, y, rotation in zip(*on_arc(*way), strict=True):
+            drive = limits, angle, share * speed, bend * turn, self.response_time
+            for x, y, rotation in zip(*on_arc(*drive), strict=True):
                 points.append(_rotated(corners, rotation) + np.array([x, y]))
         return points
 
@@ -178,14 +178,14 @@ def _is_straight(each: FieldSet) -> bool:
 def _turned(corners: Array, spin: float) -> Array:
     """Return points (N, 2) whose hull contains the corners in all turns up to `spin` each way."""
     count = max(1, math.ceil(spin / STEP))
-    # The chord between two rotations is nearer to the centre than the arc, by this share.
+    # The chord between two rotations is closer to the centre than the arc by this share.
     share = 1 / math.cos(spin / count / 2)
     turns = [_rotated(share * corners, spin * k / count) for k in range(-count, count + 1)]
     return np.concatenate([corners, *turns])
 
 
 def _driven(corners: Array, angle: float, length: float, spin: float) -> Array:
-    """Return the corners at the end of a way, straight or on the arcs that may be: (N, 2)."""
+    """Return the corners at the end of a drive, straight or on possible arcs: (N, 2)."""
     ahead = length * np.array([math.cos(angle), math.sin(angle)])
     places = [corners + ahead]
     for turn, share in itertools.product(_TURNS if spin else (), _SHARES):
@@ -203,9 +203,9 @@ def _rotated(points: Array, angle: float) -> Array:
 
 
 def _octagon(points: Array, margin: float) -> Corners:
-    """Return the corners of an octagon that keeps a margin (metres) from points, at most 2 cm more.
+    """Return the corners of an octagon with a margin (m) of at most 2 cm more around points.
 
-    It is their box if cutting off its corners makes little difference.
+    It is their box if the cut corners make little difference.
     """
     box = _box(points, margin)
     diamond = affinity.rotate(_box(_rotated(points, -math.pi / 4), margin), 45, origin=(0, 0))
@@ -216,7 +216,7 @@ def _octagon(points: Array, margin: float) -> Corners:
 
 
 def _box(points: Array, margin: float) -> Polygon:
-    # A millimetre more, for the corners are rounded to half of it.
+    # One millimetre more, because corners are rounded to half of it.
     more = margin + 1e-3
     low, high = (points.min(0) - more).tolist(), (points.max(0) + more).tolist()
     ends = [math.floor(100 * value) / 100 for value in low]

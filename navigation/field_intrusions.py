@@ -1,7 +1,4 @@
-"""Intrusions of people into the fields of a machine, in continuous time.
-
-Instants are solved for, so that no contact is missed, however short.
-"""
+"""Intrusions of people into the fields of a machine, in continuous time, however short."""
 
 from __future__ import annotations
 
@@ -59,21 +56,19 @@ def intrusions(
     -------
     tuple of Intrusion
         Contacts in the order of their begins. A contact ends at the latest when another set
-        begins to apply. The response time is not counted.
+        begins to apply. The response time is not included.
 
     Notes
     -----
-    Time is continuous: no contact is missed that is deeper than 1e-10 m. Motions that jump begin
-    or end contacts at the jump.
+    No contact that is deeper than 1e-10 m is missed. Contacts may begin or end at jumps of motions.
     """
-    found: list[Intrusion] = []
-    for each, span, encounter, last in _spans(
-        fields, machine, person, radius, (begin, end), loaded
-    ):
-        for field, search in each.searches.items():
-            for since, until in search.spans(encounter, radius, *span, False):
-                found.append(Intrusion(since, end if until == last else until, field, each.name))
-    return tuple(sorted(found, key=lambda each: (each.begin, each.field)))
+    contacts: list[Intrusion] = []
+    for part in _parts(fields, machine, person, radius, (begin, end), loaded):
+        for field, search in part.set.searches.items():
+            for since, until in search.spans(part.encounter, radius, part.begin, part.end, False):
+                until = end if until == part.last else until
+                contacts.append(Intrusion(since, until, field, part.set.name))
+    return tuple(sorted(contacts, key=lambda each: (each.begin, each.field)))
 
 
 def first_intrusion(
@@ -94,31 +89,41 @@ def first_intrusion(
     fields, machine, person, radius, begin, end, loaded
         See `intrusions`.
     field : {"protective", "warning"}, optional
-        Field to look at. By default both: of those that begin at once, the protective field.
+        Field to test. By default both. If both begin together, the protective field counts.
     """
-    for each, span, encounter, _ in _spans(fields, machine, person, radius, (begin, end), loaded):
+    for part in _parts(fields, machine, person, radius, (begin, end), loaded):
         best: FieldEntry | None = None
-        for kind, search in each.searches.items():
+        for kind, search in part.set.searches.items():
             if field in (None, kind):
-                contacts = search.spans(encounter, radius, *span, True)
+                contacts = search.spans(part.encounter, radius, part.begin, part.end, True)
                 if contacts and (best is None or contacts[0][0] < best.t):
-                    best = FieldEntry(contacts[0][0], kind, each.name)
+                    best = FieldEntry(contacts[0][0], kind, part.set.name)
         if best is not None:
             return best
     return None
 
 
-def _spans(
+class _Part(NamedTuple):
+    """Time span of an encounter (s) with one field set, and the time when both are at rest."""
+
+    set: FieldSet
+    begin: float
+    end: float
+    encounter: Encounter
+    last: float
+
+
+def _parts(
     fields: ProtectiveFields,
     machine: Motion,
     person: Motion,
     radius: float,
     within: tuple[float, float],
     loaded: bool,
-) -> Iterator[tuple[FieldSet, tuple[float, float], Encounter, float]]:
-    """Yield sets, their spans, what bounds the encounter, and when both motions are over."""
+) -> Iterator[_Part]:
+    """Yield the parts of an encounter in which a field set applies."""
     begin, end = map(float, within)
-    # After both have come to rest nothing changes, so the last second stands for ever.
+    # Nothing changes after both have come to rest, so the last second represents all later ones.
     last = min(end, max(begin, machine.end, person.end) + 1.0)
     encounter = Encounter(person, machine)
     # Most people are out of the reach of all fields for most of the time.
@@ -126,4 +131,4 @@ def _spans(
     if since <= until:
         for span in fields.applying(machine, since, until, loaded):
             if span.set is not None:
-                yield span.set, span[:2], encounter, last
+                yield _Part(span.set, span.begin, span.end, encounter, last)

@@ -1,7 +1,7 @@
-"""How long the fields of a machine must be: its way while it responds and brakes, and supplements.
+"""Required length of the fields of a machine: its travel until standstill, and supplements.
 
-A field is as long as the way of the machine from a contact to its standstill, and supplements. Of
-ISO 13855:2024, S = (K × T) + D_DS + Z, these are K × T, the approach of a person, and Z.
+A field is as long as the travel of the machine from a contact to its standstill, plus supplements.
+In ISO 13855:2024, S = (K × T) + D_DS + Z, these are K × T, the approach of a person, and Z.
 """
 
 from __future__ import annotations
@@ -26,26 +26,26 @@ from .motion import Array, State
 from .vehicles import VehicleLimits, vehicle_twist
 
 Limits: TypeAlias = VehicleLimits | AxisLimits
-"""Limits of a vehicle, or of one that only goes straight ahead and back."""
+"""Limits of a vehicle, or of a machine that only moves ahead and back."""
 
 STEP = math.radians(2.0)
-"""Radians between directions, and between rotations, of which areas are made."""
+"""Step of directions and rotations of areas in radians."""
 
 _Way: TypeAlias = tuple[str, float, float, Polygon]
-"""Travel of a set: its name, speed, reach (both as those of `ShortField`), and swept area."""
+"""Travel of a set: name, speed, reach (both as in `ShortField`), and swept area."""
 
 _EXACT = 1e-6
-"""Metres. A field that lacks less is long enough."""
+"""Metres. Tolerance for the length of a field."""
 
 _POSES = 33
-"""Number of poses of a drive on an arc: chords between them are within 1 mm of usual arcs."""
+"""Number of poses of a drive on an arc. Usual arcs are within 1 mm of the chords between them."""
 
 
 class Reach(NamedTuple):
-    """What a machine covers from a contact to its standstill.
+    """Travel of a machine from a contact to its standstill.
 
-    Distances are in metres, or in radians for a turn: `response` until it brakes, and `braking`.
-    `time` is in seconds, from the contact on.
+    Distances are in metres, or radians for a turn: `response` until it brakes, and `braking`.
+    `time` is in seconds since the contact.
     """
 
     response: float
@@ -54,7 +54,7 @@ class Reach(NamedTuple):
 
     @property
     def distance(self) -> float:
-        """The whole distance."""
+        """Sum of both distances."""
         return self.response + self.braking
 
 
@@ -97,7 +97,7 @@ class FieldSupplements:
                 raise UserError(f"{name} must be 0 or more, not {value}")
 
     def length(self, reach: Reach) -> float:
-        """Return what is added to a machine's way, m."""
+        """Return the addition to a machine's travel in metres."""
         fixed = self.measurement + self.reflectors + self.ground_clearance
         return fixed + self.wear * reach.braking + self.approach_speed * reach.time
 
@@ -110,14 +110,14 @@ class ShortField(NamedTuple):
     set : str
         Name of the set.
     missing : float
-        Metres by which the machine leaves the protective field before it stands.
+        Metres by which the machine leaves the protective field before it stops.
     travel : str
         "ahead", "backwards" or "sideways", with "on an arc to the left" or "right" if it turns
         too, or "turning left" or "turning right" on the spot.
     speed : float
         Highest speed of the set in this travel, m/s or rad/s.
     reach : float
-        What the machine covers from a contact to its standstill, m or rad.
+        Travel of the machine from a contact to its standstill, m or rad.
     """
 
     set: str
@@ -135,7 +135,7 @@ class ShortField(NamedTuple):
 
 
 def stopping_reach(limits: AxisLimits, speed: float, response_time: float) -> Reach:
-    """Return how far a machine gets that may be as fast as `speed` when a person is detected.
+    """Return the maximum travel of a machine whose speed is at most `speed` at a contact.
 
     Parameters
     ----------
@@ -149,12 +149,12 @@ def stopping_reach(limits: AxisLimits, speed: float, response_time: float) -> Re
     Returns
     -------
     Reach
-        The farthest: the machine may accelerate until it brakes, as far as its limits let it.
+        Maximum travel. The machine may accelerate until it brakes, within its limits.
 
     Notes
     -----
-    Machines are taken to come from rest. One that reverses without a stop may get farther by what
-    its acceleration adds at a low speed.
+    Machines start from rest. After a reversal without a stop, a machine may travel farther, by the
+    effect of its acceleration at a low speed.
     """
     speed = min(speed, limits.max_speed)
     starts = (speed, min(speed, _worst_start(limits, response_time)))
@@ -162,37 +162,39 @@ def stopping_reach(limits: AxisLimits, speed: float, response_time: float) -> Re
 
 
 def _worst_start(limits: AxisLimits, response_time: float) -> float:
-    """Return the speed (m/s) from which a machine begins to accelerate less as it brakes.
+    """Return the speed (m/s) at which an accelerating machine must reduce its acceleration.
 
-    Below it, a higher speed gets farther. Above it, less acceleration is left at the brakes.
+    Below it, a higher speed travels farther. Above it, less acceleration remains at braking.
     """
     jerk, top = limits.max_jerk, limits.max_speed
-    most = min(limits.max_acceleration, math.sqrt(jerk * top))
-    builds_up = most**2 / (2 * jerk)  # m/s, and as much to be let off
-    before = response_time - (top - 2 * builds_up) / most
+    peak = min(limits.max_acceleration, math.sqrt(jerk * top))
+    builds_up = peak**2 / (2 * jerk)  # m/s, and the same again until the acceleration is 0
+    before = response_time - (top - 2 * builds_up) / peak
     if before <= 0:
-        return top - builds_up - most * response_time
-    return max(0.0, most - jerk * before) ** 2 / (2 * jerk)
+        return top - builds_up - peak * response_time
+    return max(0.0, peak - jerk * before) ** 2 / (2 * jerk)
 
 
 def _reach(limits: AxisLimits, speed: float, response_time: float) -> Reach:
-    """Return how far a machine gets that accelerates from a speed, and started from rest."""
-    most, jerk, top = limits.max_acceleration, limits.max_jerk, limits.max_speed
+    """Return the travel of a machine that accelerates from a speed, after a start from rest."""
+    top_acceleration, jerk, top = limits.max_acceleration, limits.max_jerk, limits.max_speed
     if jerk == math.inf:
-        rises, begins = 0.0, most
+        rises, begins = 0.0, top_acceleration
     else:
-        # An acceleration a takes a² / (2 j) to build up, and the same to be let off.
-        begins = min(most, math.sqrt(2 * jerk * speed), math.sqrt(2 * jerk * (top - speed)))
-        rises = min(response_time, (most - begins) / jerk)
+        # An acceleration a changes the speed by a² / (2 j) each while it rises and while it falls.
+        begins = min(
+            top_acceleration, math.sqrt(2 * jerk * speed), math.sqrt(2 * jerk * (top - speed))
+        )
+        rises = min(response_time, (top_acceleration - begins) / jerk)
     jerked = 0.0 if rises == 0 else jerk * rises
-    # First the acceleration rises, then it stays.
+    # First the acceleration rises, then it is constant.
     faster = speed + rises * (begins + jerked / 2)
     covered = rises * (speed + rises * (begins / 2 + jerked / 6))
     ends, rest = begins + jerked, response_time - rises
     covered += rest * (faster + rest * ends / 2)
     fast = min(faster + rest * ends, top)
     left = 0.0 if jerk == math.inf else min(ends, math.sqrt(2 * jerk * (top - fast)))
-    rows = braking(0.0, fast, left, most, jerk)
+    rows = braking(0.0, fast, left, top_acceleration, jerk)
     duration, distance, slope, bend, change = list(rows)[-5:]
     far = distance + duration * (slope + duration * (bend + duration * change))
     return Reach(min(covered, top * response_time), far, response_time + sum(rows[::5]))
@@ -201,7 +203,7 @@ def _reach(limits: AxisLimits, speed: float, response_time: float) -> Reach:
 def short_fields(
     fields: ProtectiveFields, footprint: Polygon, limits: Limits
 ) -> tuple[ShortField, ...]:
-    """Return the sets whose protective field a machine leaves before it has stopped.
+    """Return the sets whose protective field a machine leaves before it stops.
 
     Parameters
     ----------
@@ -215,34 +217,34 @@ def short_fields(
     Returns
     -------
     tuple of ShortField
-        At most one of each set and travel.
+        At most one for each set and travel.
 
     Notes
     -----
     The swept area of straight travel at the highest speed of the set, and of turning on the spot if
     the set applies at rest, must be within the field. So must that of arcs at the ends of the
-    ranges of speed and turn rate, on which the machine keeps both until it brakes. Arcs are
-    reported if more is missing than in the other travels of the set. Velocities at which a set
-    before it applies do not count. Supplements are not included.
+    ranges of speed and turn rate, with constant rates until braking. Arcs are reported if more is
+    missing than in the other travels of the set. Velocities at which a previous set applies do not
+    count. Supplements are not included.
     """
-    found: list[ShortField] = []
+    short: list[ShortField] = []
     for each in fields.sets:
         worst: dict[str, ShortField] = {}
         field = Polygon(each.protective).buffer(_EXACT)
         parts = fields.remaining(each.name, *velocities(limits, each))
         for part in parts:
-            for way in _swept(part, footprint, limits, fields.response_time):
-                _note(worst, each, field, way)
-        most = max((one.missing for one in worst.values()), default=0.0)
+            for drive in _swept(part, footprint, limits, fields.response_time):
+                _note(worst, each, field, drive)
+        missing = max((one.missing for one in worst.values()), default=0.0)
         for part in parts:
-            for way in _swept_on_arcs(part, footprint, limits, fields.response_time):
-                _note(worst, each, field, way, most)
-        found += worst.values()
-    return tuple(found)
+            for drive in _swept_on_arcs(part, footprint, limits, fields.response_time):
+                _note(worst, each, field, drive, missing)
+        short += worst.values()
+    return tuple(short)
 
 
 def velocities(limits: Limits, each: FieldSet) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the ranges of a machine's speed and turn rate, as a set measures the speed."""
+    """Return the ranges of a machine's speed and turn rate, in the terms of a set."""
     if isinstance(limits, AxisLimits):
         top, turn = limits.max_speed, math.inf
     else:
@@ -252,10 +254,10 @@ def velocities(limits: Limits, each: FieldSet) -> tuple[tuple[float, float], tup
 
 
 def _note(
-    worst: dict[str, ShortField], each: FieldSet, field: Polygon, way: _Way, more: float = 0.0
+    worst: dict[str, ShortField], each: FieldSet, field: Polygon, drive: _Way, more: float = 0.0
 ) -> None:
-    """Add what a field lacks in a travel to the `worst`, if it is `more` than so many metres."""
-    travel, speed, reach, area = way
+    """Add the missing length in a travel to the `worst`, if it exceeds `more` metres."""
+    travel, speed, reach, area = drive
     if (outside := area.difference(field)).is_empty:
         return
     missing = float(shapely.hausdorff_distance(outside.union(field), field, 0.1))
@@ -266,7 +268,7 @@ def _note(
 def _swept(
     each: FieldSet, footprint: Polygon, limits: Limits, response_time: float
 ) -> Iterator[_Way]:
-    """Yield straight travel at the highest speed of a set, and turning on the spot."""
+    """Yield straight travel at the highest speed of a set, and turns on the spot."""
     low, high = each.linear
     if each.direction is None:
         ways = [("ahead", 0.0, high), ("backwards", math.pi, -low)]
@@ -297,12 +299,12 @@ def _swept(
 def _swept_on_arcs(
     each: FieldSet, footprint: Polygon, limits: Limits, response_time: float
 ) -> Iterator[_Way]:
-    """Yield drives on arcs, at the ends of the ranges of speed and turn rate of a set."""
+    """Yield drives on arcs at the ends of the ranges of speed and turn rate of a set."""
     if not isinstance(limits, VehicleLimits):
         return
     u, v = shapely.get_coordinates(footprint.exterior).T
-    most = limits.turn_speed
-    turns = {min(max(rate, -most), most) for rate in each.theta} - {0.0}
+    limit = limits.turn_speed
+    turns = {min(max(rate, -limit), limit) for rate in each.theta} - {0.0}
     if each.direction is None:
         ways = [(0.0, speed) for speed in each.linear]
     else:
@@ -311,14 +313,14 @@ def _swept_on_arcs(
             *itertools.product({first, last, *main_directions(limits, first, last)}, each.linear)
         ]
     for (angle, wanted), turn in itertools.product(sorted(ways), sorted(turns)):
-        way = angle if wanted >= 0 else angle + math.pi
-        axis = limits_along(limits, way)
+        heading = angle if wanted >= 0 else angle + math.pi
+        axis = limits_along(limits, heading)
         if axis is None or wanted == 0:
             continue
         if each.linear[0] > axis.max_speed or each.linear[1] < -axis.max_speed:
             continue  # the machine is never that fast
         fastest = min(abs(wanted), axis.max_speed)
-        x, y, rotation = on_arc(limits, way, fastest, turn, response_time)
+        x, y, rotation = on_arc(limits, heading, fastest, turn, response_time)
         c, s = np.cos(rotation), np.sin(rotation)
         at = np.stack([np.outer(c, u) - np.outer(s, v), np.outer(s, u) + np.outer(c, v)], axis=2)
         poses = at + np.column_stack([x, y])[:, None]
@@ -326,15 +328,15 @@ def _swept_on_arcs(
         area = shapely.union_all(shapely.convex_hull(shapely.multipoints(pairs)))
         side = "left" if turn > 0 else "right"
         covered = float(np.hypot(np.diff(x), np.diff(y)).sum())
-        yield f"{_travel(way)} on an arc to the {side}", fastest, covered, area
+        yield f"{_travel(heading)} on an arc to the {side}", fastest, covered, area
 
 
 def on_arc(
     limits: VehicleLimits, angle: float, speed: float, turn: float, response_time: float
 ) -> tuple[Array, Array, Array]:
-    """Return the poses x, y, rotation (N,) of a drive on an arc, from a contact to standstill.
+    """Return the poses x, y, rotation (N,) of a drive on an arc from a contact to standstill.
 
-    The vehicle travels in the direction `angle` of its frame at the contact.
+    The vehicle moves in the direction `angle` of its frame at the contact.
     """
     c, s = math.cos(angle), math.sin(angle)
     twist = (speed * c, speed * s, turn) if limits.holonomic else (speed * c, turn)
@@ -346,7 +348,7 @@ def on_arc(
 
 
 def limits_along(limits: Limits, angle: float) -> AxisLimits | None:
-    """Return the limits in a direction of travel, or None if the machine cannot go there."""
+    """Return the limits in a direction of travel, or None if the machine cannot move there."""
     c, s = math.cos(angle), math.sin(angle)
     if isinstance(limits, AxisLimits):
         return limits if abs(s) < 1e-9 else None
@@ -359,14 +361,14 @@ def _travel(angle: float) -> str:
 
 
 def directions(limits: Limits, first: float, last: float) -> list[float]:
-    """Return directions from first to last, at most a step apart, with all `main_directions`."""
+    """Return directions from first to last, at most one step apart, and all `main_directions`."""
     count = max(1, math.ceil((last - first) / STEP))
     steps = {first + (last - first) * k / count for k in range(count + 1)}
     return sorted(steps | main_directions(limits, first, last))
 
 
 def main_directions(limits: Limits, first: float, last: float) -> set[float]:
-    """Return the directions of the axes, and those of highest speed, from first to last."""
+    """Return the directions of the axes and of the highest speed, from first to last."""
     fastest = 0.0
     if isinstance(limits, VehicleLimits):
         fastest = math.atan2(limits.side_speed, limits.speed)
@@ -380,7 +382,7 @@ def main_directions(limits: Limits, first: float, last: float) -> set[float]:
 
 
 def swept_straight(footprint: Polygon, angle: float, distance: float) -> Polygon:
-    """Return the area that a footprint covers on a way of `distance` (m) in a direction."""
+    """Return the swept area of a footprint over `distance` (m) in a direction."""
     dx, dy = distance * math.cos(angle), distance * math.sin(angle)
     parts = [footprint, affinity.translate(footprint, dx, dy)]
     for (ax, ay), (bx, by) in itertools.pairwise(footprint.exterior.coords):
@@ -390,12 +392,12 @@ def swept_straight(footprint: Polygon, angle: float, distance: float) -> Polygon
 
 
 def swept_turn(footprint: Polygon, angle: float) -> Polygon:
-    """Return an area that contains all that a footprint covers in a turn about (0, 0), radians.
+    """Return an area that contains the swept area of a footprint in a turn about (0, 0), radians.
 
-    It is larger by a share of 0.02 % of the distance from (0, 0) at most.
+    It is larger by at most 0.02 % of the distance from (0, 0).
     """
     count = max(1, math.ceil(abs(angle) / STEP))
-    # The chord between two rotations is nearer to the centre than the arc, by this share.
+    # The chord between two rotations is closer to the centre than the arc by this share.
     share = 1 / math.cos(angle / count / 2)
     larger = affinity.scale(footprint, share, share, origin=(0, 0))
     turned = [

@@ -31,7 +31,7 @@ FieldKind = Literal["protective", "warning"]
 KINDS: tuple[FieldKind, ...] = ("protective", "warning")
 
 SPEED_TOLERANCE = 1e-4
-"""m/s and rad/s. Limits of sets are met within this: a body on an arc is a spline."""
+"""Tolerance of limits of sets in m/s and rad/s, because a body on an arc is a spline."""
 
 UNBOUNDED = (-math.inf, math.inf)
 
@@ -67,7 +67,7 @@ class FieldSet:
         Corners of the protective field in the frame of the machine, metres: x forwards, y to the
         left. The polygon may be concave.
     warning : sequence of tuple of float, optional
-        Corners of the warning field. Without any, there is none.
+        Corners of the warning field. It is optional.
     linear : tuple of float, optional
         Minimum and maximum of the speed along the heading, m/s. Backwards is negative.
     theta : tuple of float, optional
@@ -133,7 +133,7 @@ class FieldSet:
 
     @cached_property
     def _speeds(self) -> list[float]:
-        """The numbers of the set for the kernel, with the tolerance."""
+        """Values of the set for the kernel, with the tolerance."""
         low, high = self.linear
         turn_low, turn_high = self.theta
         eps = SPEED_TOLERANCE
@@ -146,18 +146,18 @@ class FieldSet:
 
     @cached_property
     def searches(self) -> dict[FieldKind, FieldSearch]:
-        """What finds contacts with each field that the set has."""
-        found: dict[FieldKind, FieldSearch] = {}
+        """Searches for contacts with each field of the set."""
+        searches: dict[FieldKind, FieldSearch] = {}
         for field in KINDS:
             corners = self.corners(field)
             edges = zip(corners, (*corners[1:], *corners[:1]), strict=True)
             if corners:
-                found[field] = FieldSearch(numbers([c for a, b in edges for c in (*a, *b)]))
-        return found
+                searches[field] = FieldSearch(numbers([c for a, b in edges for c in (*a, *b)]))
+        return searches
 
 
 class FieldSpan(NamedTuple):
-    """Time span (seconds) in which a set applies, or none does."""
+    """Time span (seconds) in which a set applies, or none."""
 
     begin: float
     end: float
@@ -165,7 +165,7 @@ class FieldSpan(NamedTuple):
 
 
 class FieldGap(NamedTuple):
-    """Velocities to which no set applies: ranges, as those of `FieldSet`."""
+    """Velocities without a set: ranges as in `FieldSet`."""
 
     linear: tuple[float, float]
     theta: tuple[float, float]
@@ -212,13 +212,13 @@ class ProtectiveFields:
 
     @cached_property
     def reach(self) -> float:
-        """Radius of the circle about the axis of the machine that contains all fields, metres."""
+        """Radius of the circle around the machine's axis that contains all fields, in metres."""
         return max(math.hypot(*c) for each in self.sets for c in (*each.protective, *each.warning))
 
     def applying(
         self, machine: Motion, begin: float, end: float, loaded: bool = False
     ) -> tuple[FieldSpan, ...]:
-        """Return which set applies when.
+        """Return which set applies at which time.
 
         Parameters
         ----------
@@ -248,7 +248,7 @@ class ProtectiveFields:
         theta: tuple[float, float] = (0.0, 0.0),
         directions: Sequence[float] | None = None,
     ) -> tuple[FieldGap, ...]:
-        """Return the velocities of a machine to which no set applies.
+        """Return the velocities of a machine without a set.
 
         Parameters
         ----------
@@ -268,7 +268,7 @@ class ProtectiveFields:
         around: list[_Range | None] = [None]
         if sets and sets[0].direction is not None and linear != (0.0, 0.0):
             turns = [a % math.tau for each in sets for a in each.direction or ()]
-            # What rounding of directions leaves between two sets is none.
+            # Narrow gaps between the directions of two sets are rounding.
             parts = _parts((0.0, math.tau), turns)
             around = [part for part in parts if part[1] - part[0] > SPEED_TOLERANCE]
             if directions is not None:
@@ -283,7 +283,7 @@ class ProtectiveFields:
         theta: tuple[float, float] = UNBOUNDED,
         loads: Sequence[bool] = (False, True),
     ) -> tuple[FieldSet, ...]:
-        """Return parts of a set to which it applies, because no set before it fits.
+        """Return the parts of a set that apply, because no previous set fits.
 
         Parameters
         ----------
@@ -297,11 +297,11 @@ class ProtectiveFields:
         Returns
         -------
         tuple of FieldSet
-            The set with smaller ranges. None of them if the set never applies.
+            Set with smaller ranges. The tuple is empty if the set never applies.
         """
         k = next(k for k, each in enumerate(self.sets) if each.name == name)
         each = self.sets[k]
-        found: dict[FieldSet, None] = {}
+        parts: dict[FieldSet, None] = {}
         linear, theta = _shared(each.linear, linear), _shared(each.theta, theta)
         if linear[0] > linear[1] or theta[0] > theta[1]:
             return ()
@@ -314,50 +314,50 @@ class ProtectiveFields:
                 turns = [a for one in sets for a in one.direction or ()]
                 around = _parts(each.direction, [first + (a - first) % math.tau for a in turns])
             for part, turn, way in _untaken(linear, theta, around, sets):
-                found[replace(each, linear=part, theta=turn, direction=way)] = None
-        return tuple(found)
+                parts[replace(each, linear=part, theta=turn, direction=way)] = None
+        return tuple(parts)
 
     def _for(self, loaded: bool) -> tuple[FieldSet, ...]:
         return self._with_load[loaded][0]
 
     @cached_property
     def _with_load(self) -> tuple[tuple[tuple[FieldSet, ...], FieldSwitches], ...]:
-        """The sets of a machine without load and with, and what chooses among them."""
-        found = []
+        """Sets of a machine without load and with load, and the choice among them."""
+        choices = []
         for loaded in (False, True):
             sets = tuple(each for each in self.sets if each.fits_load(loaded))
             rows = numbers([value for each in sets for value in each._speeds])
-            found.append((sets, FieldSwitches(rows)))
-        return tuple(found)
+            choices.append((sets, FieldSwitches(rows)))
+        return tuple(choices)
 
     def _switches(self, machine: Motion, loaded: bool) -> list[tuple[float, int]]:
-        """Return since when each set applies, by its number, and for the first since ever."""
-        # The motion keeps them: many people are judged beside one machine.
-        kept = vars(machine)
-        known: dict[bool, list[tuple[float, int]]]
-        owner, known = kept.get("field_switches", (None, {}))
+        """Return the times at which sets begin to apply, with their indices. The first is -inf."""
+        # The motion is the cache, because many people are tested beside one machine.
+        cache = vars(machine)
+        switches: dict[bool, list[tuple[float, int]]]
+        owner, switches = cache.get("field_switches", (None, {}))
         if owner is not self:
-            known = {}
-            kept["field_switches"] = (self, known)
-        if loaded not in known:
-            # A second before and after, the machine is at rest.
+            switches = {}
+            cache["field_switches"] = (self, switches)
+        if loaded not in switches:
+            # One second before and after, the machine is at rest.
             begin, end = machine.start - 1.0, machine.end + 1.0
-            found = self._with_load[loaded][1].switches(machine, begin, end)
-            known[loaded] = [(-math.inf, found[0][1]), *found[1:]]
-        return known[loaded]
+            changes = self._with_load[loaded][1].switches(machine, begin, end)
+            switches[loaded] = [(-math.inf, changes[0][1]), *changes[1:]]
+        return switches[loaded]
 
 
 def _state(value: FieldSet | ProtectiveFields) -> dict[str, Any]:
-    """Return what a copy of a value needs: kernels, which are not copied, are made anew."""
+    """Return the fields of a value for a copy, which creates new kernels."""
     return {each.name: getattr(value, each.name) for each in fields(value)}
 
 
-def _polygon(given: Sequence[Sequence[float]], name: str) -> Corners:
-    """Return the corners of a polygon; `UserError` if it is none."""
+def _polygon(points: Sequence[Sequence[float]], name: str) -> Corners:
+    """Return the corners of a polygon. `UserError` if it is none."""
     try:
-        corners = tuple((float(x), float(y)) for x, y in given)
+        corners = tuple((float(x), float(y)) for x, y in points)
     except (TypeError, ValueError):
-        raise UserError(f"{name} must be a list of corners (x, y), not {given!r}") from None
+        raise UserError(f"{name} must be a list of corners (x, y), not {points!r}") from None
     if len(corners) > 1 and corners[0] == corners[-1]:
         corners = corners[:-1]
     if len(corners) < 3:
@@ -370,25 +370,25 @@ def _polygon(given: Sequence[Sequence[float]], name: str) -> Corners:
     return corners
 
 
-def _range(given: Sequence[float], name: str) -> tuple[float, float]:
+def _range(limits: Sequence[float], name: str) -> tuple[float, float]:
     try:
-        low, high = map(float, given)
+        low, high = map(float, limits)
     except (TypeError, ValueError):
-        raise UserError(f"{name} must be a minimum and a maximum, not {given!r}") from None
+        raise UserError(f"{name} must be a minimum and a maximum, not {limits!r}") from None
     if not low <= high:
         raise UserError(f"{name} must not begin above its end, found {low:g} to {high:g}")
     return low, high
 
 
-def _directions(given: Sequence[float], name: str) -> tuple[float, float]:
-    low, high = _range(given, name)
+def _directions(limits: Sequence[float], name: str) -> tuple[float, float]:
+    low, high = _range(limits, name)
     if not 0 < high - low <= math.tau + 1e-3:
-        raise UserError(f"{name} must be more than nothing and at most a turn, not {given!r}")
+        raise UserError(f"{name} must be more than nothing and at most a turn, not {limits!r}")
     return low, high
 
 
 def _shared(one: _Range, other: _Range) -> _Range:
-    """Return what two ranges share, which ends before it begins if that is nothing."""
+    """Return the intersection of two ranges. It ends before it begins if it is empty."""
     return max(one[0], other[0]), min(one[1], other[1])
 
 
@@ -400,7 +400,7 @@ def _meets(one: _Range, other: _Range) -> bool:
 def _untaken(
     linear: _Range, theta: _Range, around: Sequence[_Range | None], sets: Sequence[FieldSet]
 ) -> Iterator[tuple[_Range, _Range, _Range | None]]:
-    """Yield the ranges of speed, turn rate and direction to which none of some sets applies."""
+    """Yield the ranges of speed, turn rate and direction without any of some sets."""
     turns = _parts(theta, [limit for each in sets for limit in each.theta])
     parts = _parts(linear, [limit for each in sets for limit in each.linear])
     for way, turn in itertools.product(around, turns):
@@ -412,7 +412,7 @@ def _untaken(
 
 
 def _parts(whole: _Range, cuts: Sequence[float]) -> list[_Range]:
-    """Return the parts into which `cuts` divide a range; a range of no length is one part."""
+    """Return the parts into which `cuts` divide a range. An empty range is one part."""
     low, high = whole
     ends = sorted({low, *(cut for cut in cuts if low < cut < high), high})
     return [*itertools.pairwise(ends)] or [whole]

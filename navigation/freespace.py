@@ -28,40 +28,43 @@ from .bodies import (
     corners,
     edges_of_room,
     flat_sides,
-    grown,
 )
 from .kernels.discs import within_bounds
 from .kernels.edges import Grid, back_through
 from .kernels.grid import SOME, Cells
 from .kernels.numbers import numbers
 
-_Found = TypeVar("_Found")
+_Result = TypeVar("_Result")
 
 STEP = math.radians(3.0)
-"""Radians. How finely arcs are drawn here: at most 0.04 % of the radius is lost."""
+"""Radians. Step of polylines around arcs, which lose at most 0.04 % of the radius."""
+
+_CHORDS = math.ceil(0.75 * math.pi / STEP)
+"""Chords per quarter of an arc of GEOS. It rounds the number of chords of an arc to the nearest, so
+a chord spans at most 1.5 times its share of the quarter, which is `STEP`."""
 
 _MOST_KNOWN = 200
-"""Number of places of which the piece that they are in, or the nearest place, is kept."""
+"""Number of places for which a space caches the piece or the nearest position."""
 
 _MOST_GROWN = 64
-"""Number of bodies of which the area that they take is kept."""
+"""Number of bodies for which the blocked area is cached."""
 
 _EDGE = 1e-3
-"""Metres. How far outside a piece a place may be that counts as on its edge."""
+"""Maximum distance in metres from a piece at which a place counts as on its edge."""
 
 
 class FreeSpace:
-    """The places that are at least a radius from everything, in connected pieces.
+    """Positions that are at least a radius from everything, in connected pieces.
 
-    Two places can be reached from each other if, and only if, they are in one piece.
+    A path between two positions exists if and only if they are in one piece.
     """
 
     def __init__(self, room: shapely.Geometry | NDArray[np.object_]) -> None:
         parts = shapely.get_parts(room)
         self.pieces = parts[shapely.area(parts) > 0]
-        """The pieces, as an array of polygons."""
+        """Pieces, as an array of polygons."""
         shapely.prepare(self.pieces)
-        self._known: dict[Point, int | None] = {}
+        self._pieces_at: dict[Point, int | None] = {}
         self._nearest: dict[Point, Point | None] = {}
         self._sides: MutableSequence[float] | None = None
         """Bounds of the sides of all pieces, one after another."""
@@ -70,8 +73,8 @@ class FreeSpace:
         return f"<FreeSpace, pieces: {len(self.pieces)}>"
 
     def piece_of(self, point: Point) -> int | None:
-        """Return the index of the piece that `point` is in, or within a millimetre of."""
-        return _once(self._known, point, self._piece_at)
+        """Return the index of the piece that contains `point`, or is within a millimetre of it."""
+        return _once(self._pieces_at, point, self._piece_at)
 
     def _piece_at(self, point: Point) -> int | None:
         inside = np.flatnonzero(shapely.intersects_xy(self.pieces, *point))
@@ -81,7 +84,7 @@ class FreeSpace:
         return int(np.argmin(gaps)) if len(gaps) and gaps.min() < _EDGE else None
 
     def together(self, one: Point, other: Point) -> bool:
-        """Return whether both places are in the same piece."""
+        """Return whether both positions are in the same piece."""
         piece = self.piece_of(one)
         return piece is not None and piece == self.piece_of(other)
 
@@ -97,11 +100,11 @@ class FreeSpace:
         closest = int(gaps.argmin())
         if gaps[closest] == 0:
             return (float(point[0]), float(point[1]))
-        found = shapely.get_coordinates(shapely.shortest_line(self.pieces[closest], at))
-        return (float(found[0, 0]), float(found[0, 1]))
+        line = shapely.get_coordinates(shapely.shortest_line(self.pieces[closest], at))
+        return (float(line[0, 0]), float(line[0, 1]))
 
     def bounds_at(self, place: Point) -> tuple[Point, Point]:
-        """Return the lower left and the upper right of `place` and the sides that it may be on."""
+        """Return the lower left and upper right of `place` and the sides that it may be on."""
         if self._sides is None:
             self._sides = _bounds_of_sides(self.pieces)
         (x, y), sides = place, self._sides
@@ -112,43 +115,46 @@ class FreeSpace:
         return (min(low_x), min(low_y)), (max(high_x), max(high_y))
 
     def outward(self, point: Point, reach: float) -> list[list[Point]]:
-        """Return places within `reach` metres of `point`, for each piece that is so near.
+        """Return positions within `reach` metres of `point` for each piece that is so near.
 
-        They are the nearest one and the first one in every direction (`STEP` apart), the nearest
-        first.
+        They are the nearest position and the first one in every direction (`STEP` apart), sorted by
+        distance.
         """
         at = shapely.Point(point)
         near = self.pieces[shapely.dwithin(self.pieces, at, reach)]
-        # The nearest place of a piece, and along each ray from the point the first place in it.
+        # The nearest position of a piece, and the first one along each ray from the point.
         angle = np.arange(0.0, 2 * math.pi, STEP)
         ends = np.column_stack([np.cos(angle), np.sin(angle)]) * reach + point
         rays = shapely.linestrings([[point, end] for end in ends])
-        # Rays are cut with what is near only: a piece of a big floor has thousands of edges.
+        # Clip the pieces first, because a piece of a large floor has thousands of edges.
         around = shapely.box(*(c - reach for c in point), *(c + reach for c in point))
-        found = []
+        places_of = []
         for piece in shapely.intersection(near, around):
             met = shapely.intersection(rays, piece)
             ends = shapely.shortest_line([piece, *met[~shapely.is_empty(met)]], at)
-            # Each shortest line ends at the point itself; its first end is the place.
+            # Each shortest line ends at the point itself. Its first end is the position.
             places = shapely.get_coordinates(ends)[::2]
             order = np.argsort(np.hypot(*(places - point).T), kind="stable")
-            found.append([(float(x), float(y)) for x, y in places[order]])
-        return found
+            places_of.append([(float(x), float(y)) for x, y in places[order]])
+        return places_of
 
 
-def _once(known: dict[Point, _Found], point: Point, find: Callable[[Point], _Found]) -> _Found:
-    """Return what `find` finds for a point, or what is `known` of it since it was asked before."""
-    if point in known:
-        return known[point]
-    if len(known) >= _MOST_KNOWN:
-        known.clear()
-    found = known[point] = find(point)
-    return found
+def _once(cached: dict[Point, _Result], point: Point, find: Callable[[Point], _Result]) -> _Result:
+    """Return the result of `find` for a point from the cache, or compute it."""
+    if point in cached:
+        return cached[point]
+    if len(cached) >= _MOST_KNOWN:
+        cached.clear()
+    result = cached[point] = find(point)
+    return result
 
 
 def shrunk(room: shapely.Geometry, radius: float) -> shapely.Geometry:
-    """Return the part of `room` that is at least `radius` metres from its edges."""
-    return room.difference(grown(edges_of_room(room), radius, STEP))
+    """Return the part of `room` that is at least `radius` metres from its edges.
+
+    GEOS fills dents along walls that are shallower than 1 % of the radius.
+    """
+    return room.buffer(-radius / math.cos(STEP / 2), quad_segs=_CHORDS)
 
 
 def without(space: FreeSpace, bodies: Sequence[CollisionBody], radius: float) -> FreeSpace:
@@ -156,7 +162,7 @@ def without(space: FreeSpace, bodies: Sequence[CollisionBody], radius: float) ->
     if not bodies:
         return space
     taken = shapely.union_all([_grown_body(body, radius) for body in bodies])
-    # Pieces that the bodies don't touch stay the same objects, with what is prepared for them.
+    # Pieces that no body touches remain the same objects, because they are prepared.
     touched = shapely.intersects(space.pieces, taken)
     left = [shapely.difference(piece, taken) for piece in space.pieces[touched]]
     parts = shapely.get_parts(np.array(left, dtype=object))
@@ -164,7 +170,7 @@ def without(space: FreeSpace, bodies: Sequence[CollisionBody], radius: float) ->
 
 
 def _bounds_of_sides(pieces: NDArray[np.object_]) -> MutableSequence[float]:
-    """Return least x and y, greatest x and y of each side of some polygons, in turn."""
+    """Return minimum x and y, maximum x and y of each side of polygons, in turn."""
     points, of = shapely.get_coordinates(shapely.get_rings(pieces), return_index=True)
     joined = of[1:] == of[:-1]
     a, b = points[:-1][joined], points[1:][joined]
@@ -173,28 +179,28 @@ def _bounds_of_sides(pieces: NDArray[np.object_]) -> MutableSequence[float]:
 
 @lru_cache(_MOST_GROWN)
 def _grown_body(body: CollisionBody, radius: float) -> shapely.Geometry:
-    """Return the area that `body` takes from the centre of a disc of `radius` metres."""
+    """Return the area that `body` blocks for the centre of a disc of `radius` metres."""
     if isinstance(body.shape, Disc):
         return around_disc(body.shape.centre, body.shape.radius + radius, STEP)
     edges = body.edges
     around = corners(edges)
     if len(edges) == 1 and len(around.turn) == len(edges[0]) - 1:
-        # Convex: the bends around its corners are all there is to the outline.
+        # The outline of a convex body consists of the bends around its corners.
         return Polygon(bends(around, radius, STEP).point)
-    return body.shape.union(grown(edges, radius, STEP))
+    return body.shape.buffer(radius / math.cos(STEP / 2), quad_segs=_CHORDS)
 
 
 _THIN = 1e-7
-"""Metres. Half of the width of what a gate takes from the room on either side of it."""
+"""Metres. Half of the width of the strip by which a gate divides the room."""
 
 
 class Gates:
-    """Gates for the people and AGVs that they concern."""
+    """One-way gates that apply to the user of a world."""
 
     def __init__(self, gates: Iterable[Gate] = ()) -> None:
         self.all = tuple(gates)
         self.lines = [numbers((*gate.ends[0], *gate.ends[1], *gate.normal)) for gate in self.all]
-        """x and y of the ends of each in turn, and of its direction."""
+        """x and y of both ends and of the direction of each gate, in turn."""
         self._parted: WeakKeyDictionary[FreeSpace, _Parted] = WeakKeyDictionary()
 
     def __repr__(self) -> str:
@@ -204,15 +210,15 @@ class Gates:
         return bool(self.all)
 
     def allow(self, a: Point, b: Point) -> bool:
-        """Return whether the segment from a to b goes through none against its direction."""
+        """Return whether the segment from a to b crosses no gate against its direction."""
         return not any(back_through(line, *a, *b) for line in self.lines)
 
     def apart(self, a: Point, b: Point) -> bool:
-        """Return whether the segment between a and b goes through any, whichever way."""
+        """Return whether the segment between a and b crosses a gate in any direction."""
         return not (self.allow(a, b) and self.allow(b, a))
 
     def broken(self, points: Sequence[Point]) -> tuple[Gate, ...]:
-        """Return those that the polyline `points` goes through against their direction."""
+        """Return the gates that the polyline `points` crosses against their direction."""
         return tuple(
             gate
             for gate, line in zip(self.all, self.lines, strict=True)
@@ -220,7 +226,7 @@ class Gates:
         )
 
     def reach(self, space: FreeSpace, start: Point, goal: Point) -> bool:
-        """Return whether some path within `space` leads from `start` to `goal`."""
+        """Return whether a path within `space` leads from `start` to `goal`."""
         if not self.all:
             return space.together(start, goal)
         if not space.together(start, goal):
@@ -229,33 +235,33 @@ class Gates:
         return parted.face_of(goal) in parted.reached(start)
 
     def closing(self, space: FreeSpace, start: Point) -> list[str]:
-        """Return the names of the gates that would lead out of all that `start` reaches."""
+        """Return the names of the gates that separate the area reachable from `start`."""
         parted = self._of(space)
         reached = parted.reached(start)
-        found = (
+        names = (
             self.all[k].name
             for k, before, behind in parted.passages
             if behind in reached and before not in reached
         )
-        return [*dict.fromkeys(found)]
+        return [*dict.fromkeys(names)]
 
     def _of(self, space: FreeSpace) -> _Parted:
-        known = self._parted.get(space)
-        if known is None:
-            known = self._parted[space] = _Parted(space, self.all)
-        return known
+        parted = self._parted.get(space)
+        if parted is None:
+            parted = self._parted[space] = _Parted(space, self.all)
+        return parted
 
 
 class _Parted:
-    """The parts into which gates divide a space, and the ways from one to another.
+    """Parts into which gates divide a space, and the passages between them.
 
-    `passages` has the number of a gate, and those of the parts before and behind it.
+    `passages` has the index of a gate, and those of the parts before and behind it.
     """
 
     def __init__(self, space: FreeSpace, gates: tuple[Gate, ...]) -> None:
         self._gates = gates
         lines = shapely.linestrings([gate.ends for gate in gates])
-        # A strip along each gate cuts the space: parts then are connected by passages alone.
+        # A strip along each gate cuts the space, so that only passages connect the parts.
         strips = shapely.union_all(shapely.buffer(lines, _THIN, cap_style="flat"))
         self._parts = FreeSpace(shapely.difference(space.pieces, strips))
         self.passages: list[tuple[int, int | None, int | None]] = []
@@ -271,39 +277,39 @@ class _Parted:
                     self.passages.append((k, before, behind))
 
     def face_of(self, place: Point) -> int | None:
-        """Return the number of the part that `place` is in."""
+        """Return the index of the part that contains `place`."""
         x, y = place
         for gate in self._gates:
             (nx, ny), (ax, ay) = gate.normal, gate.ends[0]
             ahead = (x - ax) * nx + (y - ay) * ny
-            # Within the strip there is no part: such a place counts for the side that it is on.
+            # The strip belongs to no part, so move the place off it to its own side.
             if abs(ahead) < 2 * _THIN:
                 side = 2 * _THIN if ahead >= 0 else -2 * _THIN
                 x, y = x + side * nx, y + side * ny
         return self._parts.piece_of((x, y))
 
     def reached(self, start: Point) -> set[int | None]:
-        """Return the parts to which paths lead from `start`."""
-        found = {self.face_of(start)}
+        """Return the parts that are reachable from `start`."""
+        reached = {self.face_of(start)}
         while True:
             # Reachability of a directed graph, one step in every direction at a time.
-            fresh = {behind for _, before, behind in self.passages if before in found} - found
+            fresh = {behind for _, before, behind in self.passages if before in reached} - reached
             if not fresh:
-                return found
-            found |= fresh
+                return reached
+            reached |= fresh
 
 
 SPARE = 0.03
-"""Metres. Room beyond their diameters that a passage needs for each disc that passes another."""
+"""Metres. Additional width of a passage per disc beside another."""
 
 APRON = 0.35
-"""Metres. So far from a narrow place somebody who stands is still in its way."""
+"""Metres. Distance from a narrow place within which a standing person is in its way."""
 
 CELL = 0.5
-"""Metres. The width of the cells by which it is known what is narrow."""
+"""Metres. Width of the cells of the cache of narrow places."""
 
 _NICHE = 0.3
-"""Square metres. A narrow place that leads nowhere counts from this size on; corners don't."""
+"""Square metres. Minimum area of a narrow dead end. Corners are smaller."""
 
 
 class Narrows:
@@ -312,15 +318,15 @@ class Narrows:
     def __init__(self, area: shapely.Geometry) -> None:
         self._area = area
         self.cells = Cells(CELL, self._whole, partial(shapely.intersects_xy, area))
-        """What is known of the area."""
+        """Cache of the area."""
         shapely.prepare(area)
 
     def has(self, place: Point) -> bool:
-        """Return whether a place (x, y in metres) is one of them."""
+        """Return whether a place (x, y in metres) is in the area."""
         return self.cells.has(*place)
 
     def _whole(self, column: int, row: int) -> int:
-        """Return whether all of a cell is narrow (1), or none of it (0), or some."""
+        """Return 1 if all of a cell is narrow, 0 if none of it is, and otherwise `SOME`."""
         x, y = column * CELL, row * CELL
         cell = shapely.box(x, y, x + CELL, y + CELL)
         if not shapely.intersects(self._area, cell):
@@ -331,30 +337,30 @@ class Narrows:
 def narrows(space: FreeSpace, radius: float, abreast: int) -> Narrows:
     """Return the narrow places of a free space and the areas before them.
 
-    The narrow places for discs of `radius` metres are the free space of their centres less its
-    opening by a disc as wide as so many `abreast` need: a passage, or a dead end of some size.
+    The narrow places for discs of `radius` metres are the free space of their centres minus its
+    opening by a disc of the width for `abreast` discs: a passage, or a dead end of some size.
     """
-    found = []
+    narrow = []
     half = (abreast - 1) * (radius + SPARE / 2)
     for piece in space.pieces:
         # The opening of mathematical morphology (J. Serra, "Image Analysis and Mathematical
-        # Morphology", 1982): what a disc of this width can cover. A millimetre more hides what
-        # rounding leaves.
+        # Morphology", 1982): the area that a disc of this width can cover. One millimetre more
+        # hides rounding.
         wide = piece.buffer(-half).buffer(half + 1e-3)
         for part in shapely.get_parts(piece.difference(wide)):
             mouths = part.buffer(2e-3).intersection(wide)
-            # What is left of every corner has one mouth as well, but is small.
+            # The rest of each corner has one mouth as well, but is small.
             if part.area > _NICHE or len(shapely.get_parts(mouths)) > 1:
-                found.append(part)
-    return Narrows(shapely.union_all(found).buffer(APRON))
+                narrow.append(part)
+    return Narrows(shapely.union_all(narrow).buffer(APRON))
 
 
 _SIDES_IN_A_CELL = 2.0
-"""Number of sides for each cell of the grid in which they are looked up."""
+"""Mean number of sides per cell of the grid."""
 
 
 class Walls:
-    """The edges of a floor, for discs of one radius (metres)."""
+    """Edges of a floor, for discs of one radius (metres)."""
 
     def __init__(self, floor: shapely.Geometry, radius: float) -> None:
         self._radius = radius
@@ -363,7 +369,7 @@ class Walls:
         area = (high_x - low_x) * (high_y - low_y)
         width = math.sqrt(area * _SIDES_IN_A_CELL / (len(sides) / 4))
         self.grid = Grid(sides, width)
-        """Their sides."""
+        """Grid of the edges."""
 
     def clear(self, a: Point, b: Point) -> bool:
         """Return whether a disc touches nothing on the segment from `a`, where it is free, to b."""

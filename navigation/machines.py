@@ -49,22 +49,22 @@ class AxisState:
 
 
 _MOST_KEPT = 256
-"""Number of profiles from rest to rest that are kept."""
+"""Maximum number of cached profiles from rest to rest."""
 
 Phases = list[tuple[float, Cubic]]
-"""The duration of each phase of one axis (seconds), and its cubic."""
+"""Duration (seconds) and cubic of each phase of an axis."""
 
 Rows = MutableSequence[float]
-"""The phases of one axis as numbers of the kernels: of each its duration and coefficients."""
+"""Phases of one axis as a row for kernels: duration and coefficients of each."""
 
 States = tuple[Sequence[float], Sequence[float], Sequence[float]]
-"""Positions, velocities and accelerations of some axes."""
+"""Positions, velocities and accelerations of axes."""
 
 
 def to_position(
     current: Sequence[AxisState], target: Sequence[AxisState], limits: Sequence[AxisLimits]
 ) -> list[Phases]:
-    """Return the fastest profiles from `current` to `target`, all axes arriving together.
+    """Return the fastest profiles from `current` to `target` that arrive together.
 
     `ValueError` if there are none.
     """
@@ -73,13 +73,13 @@ def to_position(
 
 
 def rows_to_position(current: States, target: States, limits: Sequence[AxisLimits]) -> list[Rows]:
-    """Return `to_position`'s profiles: for each phase of an axis its duration and coefficients."""
+    """Return the profiles of `to_position` as rows: duration and coefficients of each phase."""
     place, velocity, acceleration = current
     under_way = any(velocity) or any(acceleration) or any(target[1]) or any(target[2])
     if not under_way and [*place] == [*target[0]]:
-        return [numbers([0.0, at, 0.0, 0.0, 0.0]) for at in place]  # as Ruckig has it
+        return [numbers([0.0, at, 0.0, 0.0, 0.0]) for at in place]
     states = [
-        # An axis at rest but for rounding is taken for one in motion by Ruckig.
+        # Ruckig would treat rounding of an axis at rest as a motion.
         [at, 0.0, 0.0] if stands(v, a) else [at, v, a]
         for at, v, a in zip(place, velocity, acceleration, strict=True)
     ]
@@ -89,18 +89,16 @@ def rows_to_position(current: States, target: States, limits: Sequence[AxisLimit
 def straight(
     current: Sequence[float], target: Sequence[float], limits: Sequence[AxisLimits]
 ) -> list[Rows]:
-    """Return the fastest profiles from rest to rest with all axes in step: a straight line.
+    """Return the fastest profiles from rest to rest along a straight line: see `rows_to_position`.
 
-    They are rows as those of `rows_to_position`.
-
-    The line is planned as one axis, as long as the longest span, with the limits that all axes
-    leave it.
+    The line is planned as one axis of the length of the longest span, with limits that all axes
+    permit.
     """
     spans = [b - a for a, b in zip(current, target, strict=True)]
     length = max(abs(span) for span in spans)
     if length < NOWHERE:
         return [numbers([0.0, a, 0.0, 0.0, 0.0]) for a in current]
-    # Of metres along the longest axis each other axis goes a share; so do speed and the rest.
+    # Each axis moves by a share of the longest one, and so do its speed and acceleration.
     shares = [span / length for span in spans]
     moving = [(abs(share), axis) for share, axis in zip(shares, limits, strict=True) if share]
     along = _from_rest(
@@ -114,9 +112,9 @@ def straight(
 
 @lru_cache(_MOST_KEPT)
 def _from_rest(length: float, speed: float, acceleration: float, jerk: float) -> Rows:
-    """Return the rows of an axis from rest at 0 to rest at `length`, within these limits.
+    """Return the rows of an axis from rest at 0 to rest at `length` within the limits.
 
-    Machines ask again and again: for the same way, or standing where they have stood before.
+    They are cached, because machines often repeat a move.
     """
     limits = AxisLimits(speed, acceleration, jerk)
     (along,) = rows_to_position(((0.0,), _REST, _REST), ((length,), _REST, _REST), [limits])
@@ -132,8 +130,8 @@ def along_line(
 ) -> list[Piece]:
     """Return the pieces of a motion along a line, from `start` (seconds) on.
 
-    At position s of its `phases` the body is s metres from `origin` in `direction` (a unit
-    vector), turned by `heading` (radians).
+    At position s of its `phases`, the body is s metres from `origin` in `direction` (a unit
+    vector), and turned by `heading` (radians).
     """
     (x, y), (c, s) = origin, direction
     pieces: list[Piece] = []
@@ -150,22 +148,19 @@ _REST = (0.0,)
 
 
 class _Ruckig(threading.local):
-    """Ruckig and what it is asked within some limits, kept for each thread.
-
-    To make them takes longer than an answer.
-    """
+    """Ruckig's solvers and parameters for each thread, because creating them is slow."""
 
     def __init__(self) -> None:
         self.solvers: dict[int, Any] = {}
-        """By the number of axes."""
+        """Solvers by the number of axes."""
         self.tasks: dict[tuple[AxisLimits, ...], Any] = {}
         self.last: tuple[Sequence[AxisLimits], Any, Any] = ((), None, None)
-        """The limits that were asked for last, a tuple, and the answer."""
+        """Limits of the last request, with its solver and parameters."""
 
     def of(self, limits: Sequence[AxisLimits]) -> tuple[Any, Any]:
-        """Return both for axes with these limits."""
-        known, solver, task = self.last
-        if limits is known:
+        """Return solver and parameters for axes with these limits."""
+        last_limits, solver, task = self.last
+        if limits is last_limits:
             return solver, task
         axes = tuple(limits)
         task = self.tasks.get(axes)
@@ -186,7 +181,7 @@ class _Ruckig(threading.local):
 _RUCKIG = _Ruckig()
 
 _SOFTER = (1e-12, 1e-11, 1e-10)
-"""Shares of the jerk that are left out in turn where Ruckig finds no profile."""
+"""Shares by which the jerk is reduced in turn if Ruckig finds no profile."""
 
 
 def _solve(
@@ -195,22 +190,22 @@ def _solve(
     limits: Sequence[AxisLimits],
     softer: Sequence[float] = _SOFTER,
 ) -> list[Rows]:
-    """Return Ruckig's answer: of each axis, in one of `states`, the rows of `merge_axes`.
+    """Return Ruckig's profile of each axis in `states`, as rows for `merge_axes`.
 
-    At ties of two profiles, as 2 a³ / j² metres from rest to rest, rounding may let Ruckig reject
-    both (https://github.com/pantor/ruckig/issues/141). A slightly smaller jerk moves the tie. Then
-    the motion still ends at `target`, and stays within 1e-9 m of the fastest up to 10 m.
+    If two profiles tie, as for 2 a³ / j² metres from rest to rest, rounding may make Ruckig reject
+    both (https://github.com/pantor/ruckig/issues/141). A slightly smaller jerk moves the tie. The
+    motion still ends at `target`, and is within 1e-9 m of the fastest up to 10 m.
     """
     solver, task = _RUCKIG.of(limits)
     task.current_position, task.current_velocity, task.current_acceleration = zip(
         *states, strict=True
     )
     task.target_position, task.target_velocity, task.target_acceleration = target
-    trajectory = ruckig.Trajectory(len(states))  # one used before keeps figures of its brakes
+    trajectory = ruckig.Trajectory(len(states))  # a reused one keeps old brake profiles
     try:
         result = solver.calculate(task, trajectory)
         why = result.name
-    except (ruckig.RuckigError, ValueError) as error:  # some results are missing in its enumeration
+    except (ruckig.RuckigError, ValueError) as error:  # its enumeration lacks some results
         result, why = ruckig.Result.Error, str(error)
     if result not in _FOUND:
         if softer:
@@ -221,7 +216,7 @@ def _solve(
     rows = []
     for profile, state in zip(trajectory.profiles[0], states, strict=True):
         brake = profile.brake
-        if brake.duration > 0.0:  # its phases come before the seven of the profile
+        if brake.duration > 0.0:  # brake phases precede the seven of the profile
             durations, jerks = brake.t + profile.t, brake.j + profile.j
             rows.append(phases_of(state, durations, brake.a + profile.a, jerks))
         else:
@@ -257,19 +252,19 @@ ARIAC_GANTRY: GantryLimits = (
     AxisLimits(1.0, 0.5, 2.0),
     AxisLimits(math.pi / 4, 0.5, 2.0),
 )
-"""The ceiling robot of ARIAC 2023; its jerk limits are our choice, none are published."""
+"""The ceiling robot of ARIAC 2023. Its jerk limits are assumptions, because none are published."""
 
 Machine: TypeAlias = Gantry | Lane | GantryLimits
-"""A machine beside people: a gantry, the lane of an AGV, or the limits of a gantry's axes."""
+"""Machine beside people: a gantry, the lane of an AGV, or the limits of a gantry's axes."""
 
 
 class Stop(NamedTuple):
-    """The end of a motion, from the instant at which braking begins."""
+    """End of a motion, from the begin of braking."""
 
     time: float
     """Seconds to standstill."""
     distance: float
-    """Metres from where braking begins to where the machine stands."""
+    """Metres from the begin of braking to standstill."""
 
 
 def gantry_limits(gantry: Gantry) -> GantryLimits:
@@ -352,7 +347,7 @@ def gantry_stop(
 
 @lru_cache
 def gantry_stops(limits: GantryLimits = ARIAC_GANTRY) -> AxisStops:
-    """Return how a gantry with these `limits` stops, each axis independently."""
+    """Return the stops of a gantry with these `limits`, each axis independently."""
     return AxisStops([c for axis in limits for c in (axis.max_acceleration, axis.max_jerk)])
 
 
@@ -417,7 +412,7 @@ def _on_lane(lane: Lane, current: float | State | AxisState) -> AxisState:
 
 
 def agv_stops(lane: Lane) -> LaneStops:
-    """Return how an AGV stops on `lane`."""
+    """Return the stops of an AGV on `lane`."""
     return LaneStops(
         *lane.origin, *lane.direction, lane.heading, *lane.limits, lane.max_acceleration
     )
@@ -454,7 +449,7 @@ def longest_stop(machine: Machine) -> Stop:
 
 
 def _plain(pose: Sequence[float]) -> tuple[float, float, float]:
-    """Return x, y and rotation as plain floats, of which arrays have none."""
+    """Return x, y and rotation as Python floats, also from arrays."""
     try:
         x, y, rotation = map(float, pose)
     except (TypeError, ValueError):
@@ -472,7 +467,7 @@ _STILL = (0.0, 0.0, 0.0)
 
 
 def _along_axes(axes: list[Table], start: float) -> Motion:
-    """Return three axes with phases of their own as one motion, cut where one of them changes."""
+    """Return three axes with separate phases as one motion, divided where an axis changes."""
     start = float(start)
     if not (table := merge_axes(axes, start)):
         x, y, rotation = ((rows[1], rows[2], rows[3], rows[4]) for rows in axes)
@@ -483,17 +478,17 @@ def _along_axes(axes: list[Table], start: float) -> Motion:
 def longest_of_axis(limits: AxisLimits) -> Stop:
     """Return the longest stop of one axis.
 
-    From speed v, and no acceleration, the jerk-limited profile takes T = v / a + a / j and covers
-    v T / 2; where a is never reached, since v j < a², T = 2 √(v / j). Source: L. Biagiotti and
+    From speed v without acceleration, the jerk-limited profile takes T = v / a + a / j and covers
+    v T / 2. If a is never reached, because v j < a², T = 2 √(v / j). Source: L. Biagiotti and
     C. Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4.
 
-    The longest stop begins when the axis still accelerates, by a₀, and can just stay within its
-    top speed v: it reaches it a₀ / j later and v a₀ / j - a₀³ / (6 j²) farther on.
+    The longest stop begins while the axis accelerates with a₀, and can just stay within its top
+    speed v. It reaches v after a₀ / j and v a₀ / j - a₀³ / (6 j²) metres.
     """
     v, a, j = limits.max_speed, limits.max_acceleration, limits.max_jerk
-    # v j < a²: the acceleration is let off again before it has come to its limit.
+    # If v j < a², the acceleration decreases before it reaches its limit.
     braking = v / a + a / j if v * j >= a * a else 2 * math.sqrt(v / j)
-    # a₀² / (2 j) is gained while an acceleration a₀ ends at jerk j: more than v can't be.
+    # a₀² / (2 j) is gained while an acceleration a₀ ends at jerk j. It is at most v.
     accelerating = min(a, math.sqrt(2 * j * v))
     easing = accelerating / j
     return Stop(easing + braking, v * (easing + braking / 2) - accelerating * easing**2 / 6)

@@ -1,7 +1,6 @@
-"""Measures of motions: length, turning, time stationary, and the least distances between bodies.
+"""Measures of motions: length, turning, time stationary, and minimum distances between bodies.
 
-They are computed from the polynomials that motions are made of, for all bodies together; nothing
-is sampled.
+They are computed from the polynomials of the motions, for all bodies together, without sampling.
 """
 
 from __future__ import annotations
@@ -32,19 +31,19 @@ from .polynomials import (
 from .walking import swath
 
 FAR = 1e6
-"""Metres. Place of a body that is not there yet, so that it is near to none."""
+"""Metres. Place of an absent body, which is near no other body."""
 
 _LARGEST = 2**16
-"""Cubics between two bodies that are worked on at once: of each there are some hundred numbers."""
+"""Number of cubics between two bodies that are processed together. Each has some hundred values."""
 
 
 @dataclass(frozen=True)
 class Company:
-    """Distances of a body from others, while any of them was there.
+    """Distances of a body from others, while any of them was present.
 
-    `mean` is the mean over time of the distance to the nearest of them, `minimum` and `maximum`
-    are over all of them (metres). `within` has for each distance asked for the seconds in which
-    the nearest was nearer than that. Without a common `time` (seconds) all are 0.
+    `mean` is the mean over time of the distance to the nearest of them. `minimum` and `maximum` are
+    over all of them (metres). `within` has the duration for which the nearest was closer than each
+    limit (seconds). Without a common `time` (seconds) all values are 0.
     """
 
     time: float
@@ -57,8 +56,8 @@ class Company:
 class Courses:
     """Motions of several bodies, each over its own time span.
 
-    `spans` has (begin, end) in seconds for each motion. Results that are arrays have one figure
-    for each motion. A jump to another place adds neither length nor turning.
+    `spans` has (begin, end) in seconds for each motion. Array results have one value per motion. A
+    jump to another place adds neither length nor turning.
     """
 
     def __init__(self, motions: Sequence[Motion], spans: Sequence[tuple[float, float]]) -> None:
@@ -70,39 +69,39 @@ class Courses:
 
     @cached_property
     def time(self) -> Array:
-        """The length of each span, seconds."""
+        """Duration of each span in seconds."""
         return np.asarray(self._spans[:, 1] - self._spans[:, 0])
 
     @cached_property
     def length(self) -> Array:
-        """The length of the path gone, metres: ∫ |v| dt."""
+        """Path length in metres: ∫ |v| dt."""
         return self._integrated(self._velocity)
 
     @cached_property
     def acceleration(self) -> Array:
-        """∫ |a| dt, m/s; the sudden turns of a walker at a corner are left out."""
+        """∫ |a| dt in m/s, without the sudden turns of a walker at a corner."""
         return self._integrated(derivative(self._velocity))
 
     @cached_property
     def jerk(self) -> Array:
-        """∫ |j| dt, m/s²; steps of the acceleration are left out."""
+        """∫ |j| dt in m/s², without steps of the acceleration."""
         third = derivative(derivative(self._velocity))[..., 0]
         return self._summed(np.hypot(third[:, 0], third[:, 1]) * self._stretches.durations)
 
     @cached_property
     def top_speed(self) -> Array:
-        """The highest speed, m/s."""
+        """Maximum speed in m/s."""
         fastest = -least(-self._speed_squared, self._stretches.body, len(self._motions))
         return np.sqrt(np.where(np.isfinite(fastest), np.maximum(fastest, 0.0), 0.0))
 
     @cached_property
     def turning(self) -> Array:
-        """The angle turned by, in either direction, radians: ∫ |ω| dt and turns on the spot."""
+        """Angle of turns in both directions in radians: ∫ |ω| dt and sudden turns."""
         rotation = self._stretches.pieces[:, 2]
         return self._summed(_variation(rotation, self._stretches.durations)) + self._sudden_turns()
 
     def time_not_moving(self, speed: float, turning: float) -> Array:
-        """Return the seconds with less than `speed` (m/s) and less than `turning` (rad/s)."""
+        """Return the duration (s) with less than `speed` (m/s) and less than `turning` (rad/s)."""
         durations = self._stretches.durations
         spin = bernstein(square(derivative(self._stretches.pieces[:, 2])), durations)
         excess = np.stack([speed**2 - self._speed_squared, turning**2 - spin], axis=1)
@@ -114,10 +113,10 @@ class Courses:
         within: Sequence[float] = (),
         radii: Sequence[float] | None = None,
     ) -> list[Company]:
-        """Return the distances of each body from the nearest of some others, by their indices.
+        """Return the distances of each body from the nearest of given others, by index.
 
-        Distances are between centres, less the `radii` (metres) of both bodies if they are given.
-        For each distance (metres) of `within` there is also the time that another was so near.
+        Distances are between centres, minus the `radii` (metres) of both bodies if present. For
+        each distance of `within` (metres), the result has the duration with a smaller distance.
         """
         sizes = np.zeros(len(self._motions)) if radii is None else np.asarray(radii, np.float64)
         total = _Tally(len(bodies), len(within))
@@ -128,24 +127,24 @@ class Courses:
     def _meetings(
         self, bodies: Sequence[tuple[int, Sequence[int]]], sizes: Array
     ) -> Iterator[_Meetings]:
-        """Yield who is beside whom, so much at a time as fits into memory."""
-        for most, batch in itertools.groupby(enumerate(bodies), lambda one: len(one[1][1])):
-            longest = max(_LARGEST // max(most, 1), 1)
-            found: list[_Meetings] = []
+        """Yield the relative motions of bodies in batches of limited size."""
+        for size, batch in itertools.groupby(enumerate(bodies), lambda one: len(one[1][1])):
+            longest = max(_LARGEST // max(size, 1), 1)
+            pending: list[_Meetings] = []
             for group, (body, others) in batch:
                 beside = self._beside(group, body, others, sizes)
                 for first in range(0, len(beside.groups), longest):
                     part = beside.part(first, first + longest)
-                    if sum(len(one.groups) for one in found) + len(part.groups) > longest:
-                        yield _Meetings.of(found)
-                        found = []
-                    found.append(part)
-            if found:
-                yield _Meetings.of(found)
+                    if sum(len(one.groups) for one in pending) + len(part.groups) > longest:
+                        yield _Meetings.of(pending)
+                        pending = []
+                    pending.append(part)
+            if pending:
+                yield _Meetings.of(pending)
 
     def _beside(self, group: int, body: int, others: Sequence[int], sizes: Array) -> _Meetings:
         members = [body, *others]
-        # Cut where one of these changes: among many a cut of all would be one for each of them.
+        # Divide time only where one of these motions changes, not all of them.
         motions = [self._motions[member] for member in members]
         durations, there, pieces = _common_stretches(motions, self._spans[members])
         present = (there[:1] & there[1:]).T
@@ -163,7 +162,7 @@ class Courses:
 
     @cached_property
     def _stretches(self) -> _Stretches:
-        """The stretches of all motions, one motion's after another's."""
+        """Stretches of all motions, one motion after another."""
         cuts = [
             _cuts([one], span[None]) for one, span in zip(self._motions, self._spans, strict=True)
         ]
@@ -177,7 +176,7 @@ class Courses:
 
     @cached_property
     def _velocity(self) -> Array:
-        """Along x and y in each stretch: (S, 2, 3)."""
+        """Velocity along x and y in each stretch: (S, 2, 3)."""
         return derivative(self._stretches.pieces[:, :2])
 
     @cached_property
@@ -186,54 +185,54 @@ class Courses:
         return bernstein(square(x) + square(y), self._stretches.durations)
 
     def _integrated(self, vectors: Array) -> Array:
-        """Return ∫ |vectors| dt of each motion; they are polynomials, (S, 2, n)."""
+        """Return ∫ |vectors| dt of each motion, for polynomials (S, 2, n)."""
         x, y = vectors[:, :1], vectors[:, 1:]
         nothing = np.zeros((len(vectors), 1))
         return self._summed(integral_of_least_length(x, y, nothing, self._stretches.durations))
 
     def _summed(self, figures: Array) -> Array:
-        """Return the sum of the figures (S,) of each motion's stretches."""
+        """Return the sum of the values (S,) of each motion's stretches."""
         return _totals(self._stretches.body, figures, len(self._motions))
 
     def _sudden_turns(self) -> Array:
-        """Return the sum of the angles by which the bodies turn on the spot (radians)."""
+        """Return the sum of the angles of sudden turns (radians)."""
         body, durations, jumped, pieces = self._stretches
         rotation, u = pieces[:, 2], durations
         ends = rotation[:, 0] + u * (rotation[:, 1] + u * (rotation[:, 2] + u * rotation[:, 3]))
         turns = rotation[1:, 0] - ends[:-1]
-        # The short way round: headings that differ by a whole turn are the same.
+        # The shorter direction, because headings that differ by a whole turn are the same.
         turns = np.abs(turns - math.tau * np.round(turns / math.tau))
         counts = (body[1:] == body[:-1]) & ~jumped[1:]
         return _totals(body[1:], turns * counts, len(self._motions))
 
 
 class _Stretches(NamedTuple):
-    """Stretches of several motions, in each of which that motion is one cubic."""
+    """Stretches of several motions, in each of which the motion is one cubic."""
 
     body: Index
-    """Whose it is: (S,)."""
+    """Index of the motion: (S,)."""
     durations: Array
     """Seconds: (S,)."""
     jumped: NDArray[np.bool_]
-    """True where the body was put elsewhere at its begin: (S,)."""
+    """Whether the motion jumps at the begin: (S,)."""
     pieces: Array
-    """x, y and rotation from its begin on: (S, 3, 4)."""
+    """x, y and rotation since the begin: (S, 3, 4)."""
 
 
 @dataclass(frozen=True)
 class _Meetings:
-    """Some bodies and the others beside them: a row for every stretch in which any is there."""
+    """Relative motions of bodies and others, with a row for every stretch with any other body."""
 
     groups: Index
-    """Whose row it is: (M,)."""
+    """Index of the body of each row: (M,)."""
     durations: Array
     """Seconds: (M,)."""
     present: NDArray[np.bool_]
-    """Which of the others are there: (M, others)."""
+    """Mask of the others that are present: (M, others)."""
     apart: Array
-    """From the body to each of the others, as cubics: (M, others, 2, 4)."""
+    """Vectors from the body to each of the others, as cubics: (M, others, 2, 4)."""
     less: Array
-    """What is taken off the distances, metres: (M, others)."""
+    """Sum of both radii in metres: (M, others)."""
 
     @classmethod
     def of(cls, parts: Sequence[_Meetings]) -> _Meetings:
@@ -265,22 +264,22 @@ class _Meetings:
 
     def _extremes(self, squared: Array, count: int) -> tuple[Array, Array]:
         """Return the minimum and maximum distance of each body: (count,) of metres."""
-        most = self.present.shape[1]
+        size = self.present.shape[1]
         row, other = np.nonzero(self.present)
-        group = self.groups[row] * most + other
+        group = self.groups[row] * size + other
         squared = squared[row, other]
-        less = np.zeros(count * most)
+        less = np.zeros(count * size)
         less[group] = self.less[row, other]
         near = np.sqrt(np.maximum(least(squared, group, len(less)), 0.0)) - less
         farthest = -least(-squared, group, len(less))
         far = np.sqrt(np.maximum(farthest, 0.0)) - less
         far[~np.isfinite(farthest)] = -np.inf
-        shape = (count, most)
+        shape = (count, size)
         return near.reshape(shape).min(1), far.reshape(shape).max(1)
 
 
 class _Tally:
-    """What the distances of `count` bodies come to, as more and more is added."""
+    """Sums and extremes of the distances of `count` bodies."""
 
     def __init__(self, count: int, limits: int) -> None:
         self.time, self.sums = np.zeros((2, count))
@@ -305,8 +304,8 @@ def _common_stretches(
 ) -> tuple[Array, NDArray[np.bool_], Array]:
     """Return stretches in each of which every motion is one cubic.
 
-    Their durations (S,), which motions are looked at in them (motions, S), and the cubics
-    (motions, S, 3, 4).
+    They consist of durations (S,), a mask of the motions whose spans contain them (motions, S), and
+    the cubics (motions, S, 3, 4).
     """
     cuts = _cuts(motions, spans)
     begins = cuts[:-1]
@@ -332,11 +331,10 @@ def _totals(groups: Index, figures: Array, count: int) -> Array:
 
 def _variation(cubics: Array, durations: Array) -> Array:
     """∫ |derivative| dt of cubics (..., 4) on 0 … duration (...)."""
-    # Between the zeros of its derivative a cubic is monotone, so its variation is the sum of what
-    # it changes from one to the next. Zeros by the form that does not cancel (q, then q / a and c /
-    # q).
+    # Between the zeros of its derivative a cubic is monotonic, so its variation is the sum of its
+    # changes between them. The zeros are q / a and c / q, without cancellation.
     a, b, c = 3 * cubics[..., 3], 2 * cubics[..., 2], cubics[..., 1]
-    # Without a real zero the root is 0 and what comes out is no turn: as a cut it changes nothing.
+    # Without a real zero the root is 0. The additional cut then changes nothing.
     root = np.sqrt(np.maximum(b * b - 4 * a * c, 0.0))
     q = -(b + np.copysign(root, b)) / 2
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -347,20 +345,20 @@ def _variation(cubics: Array, durations: Array) -> Array:
 
 
 STEP = 0.1
-"""Seconds between the instants at which all pairs are looked at first."""
+"""Seconds between the times at which all pairs are compared first."""
 
 WINDOW = 512
-"""Number of instants that are looked at together: who is far from others all through is left out,
-and a long run takes no more memory than a short one."""
+"""Number of times per window. Bodies that are far from others throughout a window are skipped, and
+memory does not grow with the duration of a run."""
 
 AWAY = 1e8
-"""Metres. Those who are not there are moved so far off, and as far from each other."""
+"""Metres. Offset of absent bodies, from the floor and from each other."""
 
 _HAIR = 1e-9
 
 
 class Nearest(NamedTuple):
-    """The nearest that any two came: metres between their surfaces, seconds, and their indices.
+    """Minimum distance of two surfaces (metres), its time (seconds), and the indices of both.
 
     `overlaps` is the number of pairs that overlapped at any time.
     """
@@ -379,14 +377,13 @@ def nearest_pair(
     end: float,
     spans: Sequence[Sequence[tuple[float, float]]] | None = None,
 ) -> Nearest | None:
-    """Return the nearest that two of several discs came from `begin` to `end` (seconds).
+    """Return the minimum distance between any two of several discs from `begin` to `end` (s).
 
-    `motions` are those of their centres, `radii` in metres, `top_speeds` in m/s, which none of them
-    exceeds but where it is put elsewhere. With `spans` each is there only in some intervals
-    (seconds). None if no two are there at once. Exact as `minimum_separation`: between two
-    instants that are looked at, a pair comes no nearer than its distance at both and its speeds
-    allow; wherever that is nearer than the nearest pair known, the kernel says whether it comes
-    nearer, and if so it is solved for.
+    `motions` are those of their centres, `radii` in metres, and `top_speeds` (m/s) are bounds
+    except at jumps. With `spans`, each disc is present only in given intervals (s). The result is
+    None if no two are present together. It is as exact as `minimum_separation`: between two
+    sampled times, the distances at both and the speeds bound the distance of a pair. If the bound
+    is below the minimum so far, the kernel tests the pair, and the monitor solves for the minimum.
     """
     if spans is not None:
         motions = [
@@ -403,7 +400,7 @@ def nearest_pair(
     steps = [float(speed * (t[1] - t[0])) for speed in top_speeds]
     jumps = [_intervals(t, sorted(motion.jumps)) for motion in motions]
     discs = DiscWindow(tables, sizes, steps, jumps)
-    # First a good upper bound: the nearest that any pair is at an instant that is looked at.
+    # First an upper bound, the minimum over the sampled times.
     nearest = math.inf
     for _ in _windows(discs, times):
         one, other, at, metres = discs.nearest(nearest)
@@ -413,7 +410,9 @@ def nearest_pair(
     best = (apart, times[k], (i, j))
     overlapping: set[tuple[int, int]] = set()
     nearer = [
-        found for _ in _windows(discs, times) for found in discs.nearer_between(max(apart, 0.0))
+        crossing
+        for _ in _windows(discs, times)
+        for crossing in discs.nearer_between(max(apart, 0.0))
     ]
     for i, j, k in sorted(nearer):
         least, since, until = radii[i] + radii[j], times[k], times[k + 1]
@@ -432,10 +431,7 @@ def nearest_pair(
 def _present(
     motion: Motion, stays: Sequence[tuple[float, float]], begin: float, end: float, away: float
 ) -> Motion:
-    """Return a motion from `begin` to `end` that is `away` metres off except in `stays`.
-
-    All times are in seconds.
-    """
+    """Return a motion from `begin` to `end` (s), moved by `away` metres except in `stays` (s)."""
     parts: list[Motion] = []
     off, absent = (away, away), begin
     for since, until in ((max(a, begin), min(b, end)) for a, b in stays):
@@ -451,7 +447,7 @@ def _present(
 
 
 def _reaching_back(motion: Motion, begin: float) -> Motion:
-    """Return a motion that stands from `begin` (seconds) until it starts, as kernels need it."""
+    """Return a motion that stands from `begin` (s) until it starts, for the kernels."""
     if motion.start <= begin:
         return motion
     x, y, heading = motion.state(begin).position
@@ -459,16 +455,13 @@ def _reaching_back(motion: Motion, begin: float) -> Motion:
 
 
 def _windows(discs: DiscWindow, times: list[float]) -> Iterator[None]:
-    """Let discs come to each window of `times` in turn; two in a row share an instant."""
+    """Advance discs through the windows of `times`. Consecutive windows share a time."""
     for first in range(0, len(times) - 1, WINDOW):
         discs.see(first, times[first : first + WINDOW + 1])
         yield
 
 
 def _intervals(t: NDArray[np.float64], instants: Sequence[float]) -> list[float]:
-    """Return the numbers of the intervals between `t` that instants fall into, in order.
-
-    As floats, as the kernels have lists of numbers.
-    """
-    found = np.clip(np.searchsorted(t, instants, side="right") - 1, 0, len(t) - 2)
-    return [float(k) for k in found]
+    """Return the sorted indices of the intervals of `t` that contain `instants`, as floats."""
+    index = np.clip(np.searchsorted(t, instants, side="right") - 1, 0, len(t) - 2)
+    return [float(k) for k in index]

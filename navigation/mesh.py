@@ -1,9 +1,9 @@
 """Constrained Delaunay triangulation of a floor, and the passages through it.
 
-GEOS takes quadratic time for the holes of a polygon, and rejects some in which holes touch each
-other. So a floor of many holes is first cut into tiles. Where GEOS rejects one, it is cut again.
+GEOS needs quadratic time for the holes of a polygon, and rejects some holes that touch each other.
+So a floor of many holes is first divided into tiles. If GEOS rejects a tile, it is divided again.
 
-On the way round a corner of a triangle, from one side to the next, the centre of a disc crosses
+On the way around a corner of a triangle, from one side to the next, the centre of a disc crosses
 each line of sight between that corner and a wall beyond. It cannot cross a line that is shorter
 than the disc is wide. D. Demyen and M. Buro, "Efficient triangulation-based pathfinding", AAAI
 2006, call the shortest of these lines the width of a triangle.
@@ -30,24 +30,24 @@ _HOLES = 50
 
 
 _NEAR = 10
-"""Number of coordinates on either side of the middle of a tile between which it may be cut."""
+"""Number of coordinates on either side of a tile's middle among which a cut is chosen."""
 
 
 _AT_ONCE = 500
-"""Number of places that are looked up at once."""
+"""Number of places per query of the tree."""
 
 
 _LINED_UP = 1e-12
-"""Part of a coordinate by which the ends of a tile's sides may be off the line of a cut."""
+"""Relative tolerance for sides of a tile on the line of a cut."""
 
 
 class Mesh:
-    """Triangles that cover a floor, and the portals through which one leads to another.
+    """Triangles that cover a floor, and the portals between them.
 
     `corners` (T, 3, 2) has the corners of each, counterclockwise. `portals` (P, 6) has x and y of
-    the right and of the left end, as seen from the first triangle, and the numbers of both
-    triangles, in the order of the first. Those of triangle t are from `first[t]` (T + 1,) on. All
-    in metres. No side that divides tiles goes through one of the `bends` (N, 2).
+    the right and of the left end, as seen from the first triangle, and the indices of both
+    triangles, sorted by the first. Rows of triangle t begin at `first[t]` (T + 1,). Units are
+    metres. No side between tiles passes through one of the `bends` (N, 2).
     """
 
     def __init__(self, floor: shapely.Geometry, bends: Floats) -> None:
@@ -67,31 +67,32 @@ class Mesh:
         return f"<Mesh of {len(self.corners)} triangles>"
 
     def holding(self, places: Floats) -> Ints:
-        """Return the number of the triangle that each of `places` (N, 2) on the floor is in."""
-        found = [np.empty((2, 0), dtype=np.intp)]
-        # Of many geometries at once, Python's garbage collection would take longer than the tree.
+        """Return the index of the triangle that contains each of `places` (N, 2) on the floor."""
+        matches = [np.empty((2, 0), dtype=np.intp)]
+        # With many geometries at once, Python's garbage collection would take longer than the tree.
         for first in range(0, len(places), _AT_ONCE):
             points = shapely.points(places[first : first + _AT_ONCE])
-            found.append(self._tree.query(points) + np.array([[first], [0]]))
-        of, triangle = np.concatenate(found, axis=1)
+            matches.append(self._tree.query(points) + np.array([[first], [0]]))
+        of, triangle = np.concatenate(matches, axis=1)
         inside = np.full(len(of), np.inf)
         for side in range(3):
             begin, end = self.corners[triangle, side], self.corners[triangle, side - 2]
             np.minimum(inside, cross(end - begin, places[of] - begin), out=inside)
-        # The one that a place is farthest in counts: rounding may leave it outside of both sides.
+        # Choose the triangle in which a place is farthest inside, because rounding may exclude it
+        # from all.
         order = np.argsort(inside, kind="stable")
-        held = np.zeros(len(places), dtype=np.intp)
-        held[of[order]] = triangle[order]
-        return held
+        triangle_of = np.zeros(len(places), dtype=np.intp)
+        triangle_of[of[order]] = triangle[order]
+        return triangle_of
 
-    def _tiles(self, polygon: shapely.Polygon, most: int) -> list[shapely.Polygon]:
-        """Return a polygon in tiles of so many holes at most, but for those that a cut divides."""
+    def _tiles(self, polygon: shapely.Polygon, limit: int) -> list[shapely.Polygon]:
+        """Return tiles of a polygon with at most `limit` holes, not counting those that are cut."""
         count = shapely.get_num_interior_rings(polygon)
-        if count <= most:
+        if count <= limit:
             return [polygon]
         holes = shapely.polygons(shapely.get_interior_ring(polygon, range(count)))
         outline = shapely.polygons(shapely.get_exterior_ring(polygon))
-        boxes = self._boxes(polygon, holes, most)
+        boxes = self._boxes(polygon, holes, limit)
         tiles = np.array([shapely.clip_by_rect(outline, *box) for box in boxes])
         tile, hole = shapely.STRtree(holes).query(tiles)
         order = np.argsort(tile, kind="stable")
@@ -100,24 +101,24 @@ class Mesh:
         parts = shapely.get_parts(shapely.difference(tiles, near))
         return [*parts[shapely.area(parts) > 0]]
 
-    def _boxes(self, polygon: shapely.Polygon, holes: Any, most: int) -> Iterator[Floats]:
+    def _boxes(self, polygon: shapely.Polygon, holes: Any, limit: int) -> Iterator[Floats]:
         """Yield boxes (low x and y, high x and y) that cover a polygon.
 
-        They are cut where no corner and no bend is, so that no bend is in several triangles.
+        No cut passes through a corner or a bend, so that each bend is in one triangle only.
         """
         places = np.concatenate([shapely.get_coordinates(polygon), self._bends])
-        known = [distinct(column)[0] for column in places.T]
+        coordinates = [distinct(column)[0] for column in places.T]
         middle = shapely.bounds(holes).reshape(-1, 2, 2).mean(axis=1)
         left = [(shapely.bounds(polygon), np.arange(len(holes)))]
         while left:
             box, some = left.pop()
-            if len(some) <= most:
+            if len(some) <= limit:
                 yield box
                 continue
             axis = int(np.argmax(box[2:] - box[:2]))
             halfway = np.sort(middle[some, axis])[len(some) // 2]
-            at = int(np.searchsorted(known[axis], halfway))
-            around = known[axis][max(at - _NEAR, 0) : at + _NEAR + 1]
+            at = int(np.searchsorted(coordinates[axis], halfway))
+            around = coordinates[axis][max(at - _NEAR, 0) : at + _NEAR + 1]
             widest = int(np.argmax(np.diff(around)))
             cut = float(around[widest] + around[widest + 1]) / 2
             self._cuts[axis].add(cut)
@@ -130,7 +131,7 @@ class Mesh:
                 left += [(low, some[below]), (high, some[~below])]
 
     def _triangulated(self, tiles: list[shapely.Polygon]) -> list[shapely.Polygon]:
-        """Return the triangles of some tiles."""
+        """Return the triangles of tiles."""
         try:
             return [*shapely.get_parts(shapely.constrained_delaunay_triangles(tiles))]
         except shapely.GEOSException:
@@ -147,7 +148,7 @@ class Mesh:
         points, right = distinct(corners.view(np.complex128).ravel())
         left = np.roll(right.reshape(-1, 3), -1, axis=1).ravel()
         of = np.arange(len(right)) // 3
-        # Two sides between the same corners are a portal.
+        # Two sides between the same corners form a portal.
         key = np.minimum(right, left) * len(points) + np.maximum(right, left)
         order = np.argsort(key, kind="stable")
         same = np.flatnonzero(key[order][1:] == key[order][:-1])
@@ -155,16 +156,16 @@ class Mesh:
         sides = np.column_stack([corners, np.roll(corners.reshape(-1, 3, 2), -1, 1).reshape(-1, 2)])
         alone = np.ones(len(key), dtype=bool)
         alone[one] = alone[other] = False
-        found = [
+        parts = [
             np.column_stack([sides[one], of[one], of[other]]),
             *self._borders(sides[alone], of[alone]),
         ]
-        portals = np.concatenate(found)
-        # What is on the right from one triangle is on the left from the other.
+        portals = np.concatenate(parts)
+        # The right end from one triangle is the left end from the other.
         return np.concatenate([portals, portals[:, [2, 3, 0, 1, 5, 4]]])
 
     def _borders(self, sides: Floats, of: Ints) -> Iterator[Floats]:
-        """Yield the portals through the cuts: all pairs of sides on either side that overlap."""
+        """Yield the portals through the cuts: pairs of overlapping sides of different tiles."""
         off = _LINED_UP * np.abs(sides).max(initial=0.0)
         for axis, along in ((0, 1), (1, 0)):
             cuts = np.array(sorted(self._cuts[axis]))
@@ -197,9 +198,9 @@ def cross(one: Floats, other: Floats) -> Floats:
 
 
 def distinct(values: NDArray[Any]) -> tuple[NDArray[Any], Ints]:
-    """Return the values sorted, each once, and the index there of each.
+    """Return the sorted distinct values, and the index of each value among them.
 
-    `np.unique` would import numpy.ma, which takes longer than most floors.
+    `np.unique` imports numpy.ma, which takes longer than most floors.
     """
     order = np.argsort(values, kind="stable")
     ranked = values[order]
@@ -219,7 +220,7 @@ def _counterclockwise(corners: Floats) -> Floats:
 
 
 class Passages:
-    """Ways through the portals of a `mesh` that may be wide enough for discs of `radius` metres."""
+    """Passages through the portals of a `mesh` that may be wide enough for discs of `radius` m."""
 
     def __init__(self, mesh: Mesh, radius: float) -> None:
         self._mesh = mesh
@@ -234,7 +235,7 @@ class Passages:
         self._open = self._wide()
         closed = self._closed_corners()
         one, other = self._next(self._onto)
-        # A way that turns back in a triangle goes round nothing.
+        # A passage that turns back in a triangle goes around nothing.
         on = self._onto[other] != self._off[one]
         one, other = one[on], other[on]
         turned = (self._side[other] - entered[one]) % 3
@@ -246,17 +247,17 @@ class Passages:
         self._last = np.searchsorted(self._onto[self._by_end], np.arange(len(mesh.first)))
 
     def apart(self, start: Point, goal: Point) -> bool:
-        """Return True if it is proved that no way leads from `start` to `goal`."""
+        """Return whether a proof exists that no path leads from `start` to `goal`."""
         one, other = self._mesh.holding(np.array([start, goal])).tolist()
         if one == other:
             return False
         leaving = np.arange(self._mesh.first[one], self._mesh.first[one + 1])
         arriving = self._by_end[self._last[other] : self._last[other + 1]]
-        reached, found = (
+        leaving_parts, arriving_parts = (
             set(self._part[portals[self._open[portals]]].tolist())
             for portals in (leaving, arriving)
         )
-        return reached.isdisjoint(found)
+        return leaving_parts.isdisjoint(arriving_parts)
 
     def _sides(self, triangle: Ints) -> Ints:
         """Return the side of a triangle (P,) that each portal is on."""
@@ -267,7 +268,7 @@ class Passages:
         return side
 
     def _standing(self) -> NDArray[np.bool_]:
-        """Return a mask of the corners (T, 3) that are on a wall; others are corners of tiles."""
+        """Return a mask of the corners (T, 3) that are on a wall. Others are corners of tiles."""
         places, which = distinct(self._mesh.corners.reshape(-1, 2).view(np.complex128).ravel())
         on_wall = np.zeros(len(places), dtype=bool)
         on_wall[which[(self._wall | np.roll(self._wall, 1, axis=1)).ravel()]] = True
@@ -275,7 +276,7 @@ class Passages:
         return solid
 
     def _wide(self) -> NDArray[np.bool_]:
-        """Return a mask of the portals that are wide enough, or that end at no wall."""
+        """Return a mask of the portals that are wide enough, or have no wall at an end."""
         after = (self._side + 1) % 3
         corners = self._mesh.corners[self._off]
         every = np.arange(len(self._off))
@@ -286,7 +287,7 @@ class Passages:
         return wide
 
     def _closed_corners(self) -> NDArray[np.bool_]:
-        """Return a mask of the corners (T, 3) of triangles that a disc cannot go round."""
+        """Return a mask of the corners (T, 3) of triangles that a disc cannot pass around."""
         walled = self._wall | np.roll(self._wall, 1, axis=1)
         triangle, corner = np.nonzero(self._solid & ~walled)
         place = self._mesh.corners[triangle, corner]
@@ -317,18 +318,18 @@ class Passages:
             here = self._right[portal] - place[of], self._left[portal] - place[of]
             right = np.where((cross(right, here[0]) > 0)[:, None], here[0], right)
             left = np.where((cross(left, here[1]) < 0)[:, None], here[1], left)
-        found = np.zeros(self._solid.shape, dtype=bool)
-        found[triangle[closed], corner[closed]] = True
-        return found
+        mask = np.zeros(self._solid.shape, dtype=bool)
+        mask[triangle[closed], corner[closed]] = True
+        return mask
 
     def _next(self, triangle: Ints) -> tuple[Ints, Ints]:
-        """Return the number of each of some triangles, for each portal off it, and that portal."""
+        """Return all portals of given triangles, with the position of each triangle."""
         first, count = self._mesh.first[triangle], np.diff(self._mesh.first)[triangle]
         of = np.repeat(np.arange(len(triangle)), count)
         return of, np.arange(len(of)) - np.repeat(np.cumsum(count) - count - first, count)
 
     def _faces(self, place: Floats, triangle: Ints, side: Ints) -> tuple[NDArray[np.bool_], Floats]:
-        """Return whether the foot from a place to a side is on it and near, and the way there."""
+        """Return whether the foot of a place on a side is near and on it, and the vector to it."""
         begin = self._mesh.corners[triangle, side]
         along = self._mesh.corners[triangle, (side + 1) % 3] - begin
         share = ((place - begin) * along).sum(axis=1) / (along**2).sum(axis=1)
@@ -343,7 +344,7 @@ class Passages:
         return _within(ahead, right, left) & (_length(ahead) < self._width)
 
     def _reaches(self, place: Floats, portal: Ints) -> NDArray[np.bool_]:
-        """Return whether each place is nearer to a portal than a disc is wide."""
+        """Return whether the distance of each place to a portal is less than a disc's width."""
         along = self._left[portal] - self._right[portal]
         away = place - self._right[portal]
         share = np.clip((away * along).sum(axis=1) / (along**2).sum(axis=1), 0, 1)
@@ -351,8 +352,8 @@ class Passages:
 
 
 def _connected(count: int, one: Ints, other: Ints) -> Ints:
-    """Return for each of `count` nodes the first that it is linked to, by `one` and `other`."""
-    # Y. Shiloach and U. Vishkin, An O(log n) parallel connectivity algorithm, Journal of
+    """Return for each of `count` nodes the first node that `one` and `other` connect it to."""
+    # Y. Shiloach and U. Vishkin, "An O(log n) parallel connectivity algorithm", Journal of
     # Algorithms 3, 1982.
     first = np.arange(count)
     while True:
@@ -366,7 +367,7 @@ def _connected(count: int, one: Ints, other: Ints) -> Ints:
 
 
 def _within(ahead: Floats, right: Floats, left: Floats) -> NDArray[np.bool_]:
-    """Return whether directions are between others."""
+    """Return whether directions are between two others."""
     return (cross(right, ahead) >= 0) & (cross(left, ahead) <= 0)
 
 

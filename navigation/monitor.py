@@ -1,11 +1,10 @@
-"""The separation monitor: conditions on two motions, solved for in continuous time.
+"""Separation monitor: conditions on two motions, solved for in continuous time.
 
-A condition on a person and a machine ("closer than the law requires") is judged on whole
-intervals: it holds throughout, it holds nowhere, or it is undecided. Undecided intervals
-are halved, left half first, until they are shorter than `RESOLUTION`. This is conservative
-advancement (B. Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996) on
-bounds of speed and acceleration; its work grows with the changes of motion and the close
-encounters, not with the time watched.
+A condition on a person and a machine ("closer than the law requires") is evaluated on intervals. It
+holds throughout, it holds nowhere, or it is undecided. Undecided intervals are halved, left half
+first, until they are shorter than `RESOLUTION`. This is conservative advancement (B. Mirtich,
+"Impulse-based Dynamic Simulation of Rigid Body Systems", 1996) on bounds of speed and acceleration.
+Its cost grows with the changes of motion and the close encounters, not with the duration.
 """
 
 from __future__ import annotations
@@ -15,22 +14,22 @@ from math import inf
 
 from floorplan.files.values import require
 
-from .condition import Condition
 from .encounter import Shapes
 from .kernels import lookout as kernel
 from .kernels.encounter import Encounter
-from .kernels.watch import ChangeSearch, TooClose, in_kernel, least
+from .kernels.laws import evaluator_of
+from .kernels.watch import ChangeSearch, Condition, TooClose, in_kernel, least
 from .motion import Motion
-from .separation import AnyLaw, Scaled, is_of_motions, kernel_of, require_sense
+from .separation import AnyLaw, Scaled, is_of_motions
 
 RESOLUTION = 1e-7
-"""Seconds. Instants are found at least this exactly; nothing longer is missed."""
+"""Maximum error of times in seconds. No longer interval is missed."""
 
 EXACT = 1e-9
-"""Metres. Least distances and margins are this exact."""
+"""Maximum error of minimum distances and margins in metres."""
 
 PLAIN = 1e-6
-"""Metres. Least margins are this exact with a law that only knows speeds."""
+"""Maximum error of minimum margins for a law of speeds alone, in metres."""
 
 
 def when(
@@ -72,7 +71,7 @@ def when(
     watch = search(condition, person, machine, begin, end, shapes)
     while (since := watch.change()) is not None:
         until = watch.change()
-        assert until is not None  # what holds at the end ceases to hold there
+        assert until is not None  # a condition that holds at the end ceases to hold there
         yield since, until
 
 
@@ -114,7 +113,7 @@ def search(
     end: float,
     shapes: Shapes | None,
 ) -> ChangeSearch:
-    """Return the search for changes of a condition: see `when`, but nothing is checked."""
+    """Return the search for changes of a condition, without checks: see `when`."""
     encounter = Encounter(person, machine, () if shapes is None else shapes.gauges)
     return ChangeSearch(in_kernel(condition), encounter, float(begin), float(end), RESOLUTION)
 
@@ -260,23 +259,22 @@ def minimum_margin(
     TypeError, ValueError
         See `first_violation`.
     """
-    require_sense(law)
     _check(person, machine, begin, end)
     encounter = Encounter(person, machine, () if shapes is None else shapes.gauges)
-    judged = law
-    # A scaled law is as exact as the one inside.
-    while isinstance(judged, Scaled):
-        judged = judged.law
-    tolerance = EXACT if is_of_motions(judged) else PLAIN
-    return least(kernel_of(law), encounter, float(begin), float(end), tolerance)
+    inner = law
+    # A scaled law is as exact as its inner law.
+    while isinstance(inner, Scaled):
+        inner = inner.law
+    tolerance = EXACT if is_of_motions(inner) else PLAIN
+    return least(evaluator_of(law), encounter, float(begin), float(end), tolerance)
 
 
 class StoppingHorizon(kernel.Lookout):
-    """Stopping test for a machine with a `law`, which keeps `margin` metres in addition.
+    """Stopping test for a machine with a `law` and an additional `margin` in metres.
 
     Distances are between centres on the floor, or between the surfaces of `shapes`.
     """
 
     def __init__(self, law: AnyLaw, margin: float, shapes: Shapes | None = None) -> None:
         gauges = [] if shapes is None else [*shapes.gauges]
-        super().__init__(kernel_of(law), margin, RESOLUTION, gauges)
+        super().__init__(evaluator_of(law), margin, RESOLUTION, gauges)

@@ -1,7 +1,7 @@
 """Motions: the position of a body as piecewise polynomials in time.
 
-Nothing in Floorwalker ticks. A body's motion is known in closed form until it is replanned, so
-that questions about it ("when do these two get too close?") are solved rather than sampled.
+A motion is known in closed form until it is replaced. So questions about it ("when do these two get
+too close?") are solved instead of sampled.
 """
 
 from __future__ import annotations
@@ -22,19 +22,18 @@ from .kernels.pieces import Pack, between, breaks, evaluate, rest, state
 from .polynomials import monotone_cubics
 
 Cubic = tuple[float, float, float, float]
-"""Coefficients c of c[0] + c[1] u + c[2] u² + c[3] u³, with u the time since a piece began."""
+"""Coefficients c of c[0] + c[1] u + c[2] u² + c[3] u³ with u the time since a piece began."""
 
 Array = NDArray[np.float64]
 
 Table = MutableSequence[float]
 """Begin, end and the coefficients of x, y and rotation of each piece, one piece after another.
 
-They are numbers of the kernels (`navigation.numbers`): where those are compiled an `array("d")`,
-where they are not a list.
+It is a row of `navigation.kernels.numbers`: an `array("d")` or a list.
 """
 
 JUMP_TOLERANCE = 1e-6
-"""Metres. Pieces that meet no closer than this are a jump, not rounding."""
+"""Metres. A larger distance between consecutive pieces is a jump."""
 
 
 class Piece(NamedTuple):
@@ -115,12 +114,12 @@ class Motion:
     jumps: frozenset[float] = frozenset()
 
     def __post_init__(self) -> None:
-        # Kept at once: a cached property takes a lock, and crowds make thousands of motions.
-        kept = vars(self)
-        table = kept["table"] = _table(self.pieces)
+        # Set directly, because a cached property takes a lock, and crowds create many motions.
+        fields = vars(self)
+        table = fields["table"] = _table(self.pieces)
         if not table:
             raise ValueError("a motion needs at least one piece")
-        kept["start"], kept["end"] = table[0], table[1 - POSE_WIDTH]
+        fields["start"], fields["end"] = table[0], table[1 - POSE_WIDTH]
         for k in breaks(table, JUMP_TOLERANCE):
             piece, before = self.pieces[k], self.pieces[max(k - 1, 0)]
             if piece.end < piece.begin:
@@ -160,18 +159,18 @@ class Motion:
         """
         times, places = np.asarray(t, dtype=float), np.asarray(xy, dtype=float)
         turned = np.zeros(times.shape) if rotation is None else np.asarray(rotation, dtype=float)
-        for name, given, shape in (
+        for name, values, shape in (
             ("t", times, (times.size,)),
             ("xy", places, (*times.shape, 2)),
             ("rotation", turned, times.shape),
         ):
-            if given.shape == (0,) == shape:
+            if values.shape == (0,) == shape:
                 raise ValueError("a motion needs a sample, found none")
-            if given.shape != shape:
-                raise ValueError(f"{name} must have the shape {shape}, found {given.shape}")
-            if not np.isfinite(given).all():
-                k = int(np.argwhere(~np.isfinite(given))[0, 0])
-                raise ValueError(f"{name}[{k}] is not finite: {given[k]}")
+            if values.shape != shape:
+                raise ValueError(f"{name} must have the shape {shape}, found {values.shape}")
+            if not np.isfinite(values).all():
+                k = int(np.argwhere(~np.isfinite(values))[0, 0])
+                raise ValueError(f"{name}[{k}] is not finite: {values[k]}")
         if (late := np.flatnonzero(np.diff(times) <= 0)).size:
             k = int(late[0])
             raise ValueError(f"t must rise: t[{k + 1}] = {times[k + 1]} s after {times[k]} s")
@@ -183,7 +182,7 @@ class Motion:
         return cls(tuple(map(Piece, ends, ends[1:], x, y, rotations)))
 
     def __reduce__(self) -> tuple[Callable[..., Motion], tuple[array[float], frozenset[float]]]:
-        # Kernels may be compiled where it is read, and not where it was written, or the reverse.
+        # Kernels may be compiled on one side only.
         return _of_doubles, (array("d", self.table), self.jumps)
 
     def __repr__(self) -> str:
@@ -219,7 +218,7 @@ class Motion:
         numpy.ndarray
             x and y in metres, shape (2,) or (N, 2).
         """
-        return _value(*self._found(t))[..., :2]
+        return _value(*self._cubics_at(t))[..., :2]
 
     def velocity(self, t: ArrayLike) -> Array:
         """Return the velocity at some times.
@@ -234,7 +233,7 @@ class Motion:
         numpy.ndarray
             Velocity in m/s, shape (2,) or (N, 2). At a change it is the velocity after it.
         """
-        return np.where(self._moves(t)[..., None], _slope(*self._found(t)), 0.0)[..., :2]
+        return np.where(self._moves(t)[..., None], _slope(*self._cubics_at(t)), 0.0)[..., :2]
 
     def rotation(self, t: ArrayLike) -> Array:
         """Return the rotation at some times.
@@ -249,34 +248,36 @@ class Motion:
         numpy.ndarray
             Rotation in radians, shape () or (N,): 0 along x, counterclockwise.
         """
-        return _value(*self._found(t))[..., 2]
+        return _value(*self._cubics_at(t))[..., 2]
 
     def cubics(self, t: ArrayLike) -> Array:
         """Return x, y and rotation as cubics of the time since each of `t` (s): shape (..., 3, 4).
 
         They are valid until the next change.
         """
-        u, c = self._found(t)
-        found = np.stack((_value(u, c), _slope(u, c), c[..., 2] + u * 3 * c[..., 3], c[..., 3]), -1)
-        found[~self._moves(t), :, 1:] = 0.0
-        return found
+        u, c = self._cubics_at(t)
+        cubics = np.stack(
+            (_value(u, c), _slope(u, c), c[..., 2] + u * 3 * c[..., 3], c[..., 3]), -1
+        )
+        cubics[~self._moves(t), :, 1:] = 0.0
+        return cubics
 
     def state(self, t: float) -> State:
         """Return position, velocity and acceleration at `t` (seconds)."""
-        kept = self.__dict__
-        known: tuple[float, State] | None = kept.get("known")  # asked often of one instant
-        if known is not None and known[0] == t:
-            return known[1]
+        cache = self.__dict__
+        last: tuple[float, State] | None = cache.get("known")
+        if last is not None and last[0] == t:
+            return last[1]
         t = float(t)
-        found = State(*state(self.table, t))
-        # A motion never changes, so an answer of its is right for ever.
-        kept["known"] = (t, found)
-        return found
+        evaluated = State(*state(self.table, t))
+        # A motion never changes, so the cache stays valid.
+        cache["known"] = (t, evaluated)
+        return evaluated
 
     def state_before(self, t: float) -> State:
         """Return the state just before `t`, before a change or a jump at that time."""
         t = float(t)
-        # The last piece that began before t, not at it: the one that ends there.
+        # The last piece that began before t.
         row = max(0, bisect_left(self._begins, t) - 1)
         return State(*evaluate(self.table, row, t, self.start < t <= self.end))
 
@@ -316,11 +317,11 @@ class Motion:
         rows = np.array(self.table).reshape(-1, POSE_WIDTH)
         return rows[:, 0], rows[:, 1] - rows[:, 0], rows[:, 2:].reshape(-1, 3, 4)
 
-    def _found(self, t: ArrayLike) -> tuple[Array, Array]:
-        """Return the cubics in force at each `t`, and for how long they have been: (..., 1)."""
+    def _cubics_at(self, t: ArrayLike) -> tuple[Array, Array]:
+        """Return the cubics at each `t`, and the time since their begins: (..., 1)."""
         times = np.asarray(t, dtype=np.float64)
         begins, durations, table = self._tables
-        # Of pieces that begin at one instant the last: at a change, what comes after it.
+        # Among pieces that begin at the same time, the last applies.
         index = np.maximum(np.searchsorted(begins, times, side="right") - 1, 0)
         return np.clip(times - begins[index], 0.0, durations[index])[..., None], table[index]
 
@@ -353,7 +354,7 @@ def pieces_of(table: Table) -> Iterator[Piece]:
 
 
 class TablePieces(Sequence[Piece]):
-    """Pieces that are made of the numbers in a motion's table as they are looked at."""
+    """Pieces that are created from a motion's table on access."""
 
     def __init__(self, table: Table) -> None:
         self._numbers = table
@@ -380,7 +381,7 @@ class TablePieces(Sequence[Piece]):
         return next(pieces_of(self._numbers[k : k + POSE_WIDTH]))
 
     def flat(self) -> Table:
-        """Return all numbers, one piece after another."""
+        """Return the table."""
         return self._numbers
 
     def __eq__(self, other: object) -> bool:
@@ -393,11 +394,11 @@ class TablePieces(Sequence[Piece]):
 
 
 def motion_of(table: Table, jumps: frozenset[float] = frozenset()) -> Motion:
-    """Return the motion of a table that is known to be one; it is not checked again."""
+    """Return the motion of a valid table without checks."""
     motion = object.__new__(Motion)
-    kept = vars(motion)  # what a frozen dataclass sets, and what `Motion` keeps
-    kept["pieces"], kept["jumps"], kept["table"] = TablePieces(table), jumps, table
-    kept["start"], kept["end"] = table[0], table[1 - POSE_WIDTH]
+    fields = vars(motion)  # what a frozen dataclass sets, and what `Motion` keeps
+    fields["pieces"], fields["jumps"], fields["table"] = TablePieces(table), jumps, table
+    fields["start"], fields["end"] = table[0], table[1 - POSE_WIDTH]
     return motion
 
 
@@ -463,7 +464,7 @@ def join(motions: Iterable[Motion], *, end: float | None = None) -> Motion:
 
 
 def _stand_until(table: Table, t: float) -> None:
-    """End the pieces of a table at `t`: leave out later ones, stand where one is missing."""
+    """End a table at `t`: remove later pieces, or add a rest."""
     while len(table) > POSE_WIDTH and table[-POSE_WIDTH] >= t:
         del table[-POSE_WIDTH:]
     end = table[1 - POSE_WIDTH]
@@ -471,7 +472,7 @@ def _stand_until(table: Table, t: float) -> None:
         table[1 - POSE_WIDTH] = t
     elif end < t:
         at = _pose_at_end(table)
-        # A piece of no length gives way to the standing that begins at the same instant.
+        # The new rest replaces a piece without length.
         if end == table[-POSE_WIDTH]:
             del table[-POSE_WIDTH:]
         table += rest(end, t, *at)
@@ -491,12 +492,12 @@ def gap(before: Piece, after: Piece) -> float:
 
 
 def value(c: Cubic, u: float) -> float:
-    """Return the cubic `c` at `u` seconds after its piece began."""
+    """Return the cubic `c` at `u` seconds after its begin."""
     return c[0] + u * (c[1] + u * (c[2] + u * c[3]))
 
 
 def shift(c: Cubic, u: float) -> Cubic:
-    """Return the same cubic, counted from `u` seconds later."""
+    """Return the same cubic relative to `u` seconds later."""
     return (
         value(c, u),
         c[1] + u * (2 * c[2] + u * 3 * c[3]),
@@ -520,7 +521,7 @@ class Track:
         return self._end is not None
 
     def add(self, motion: Motion, begin: float, end: float) -> None:
-        """Append `motion` from `begin` to `end` (seconds); `ValueError` if there is a gap in time.
+        """Append `motion` from `begin` to `end` (s). `ValueError` if there is a gap in time.
 
         A start at another position is a jump.
         """

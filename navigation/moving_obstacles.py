@@ -1,17 +1,17 @@
-"""Path planning among bodies with known motions: wait or take a detour, whichever arrives first.
+"""Path planning among bodies with known motions: a wait or a detour, whichever arrives first.
 
-A person who waits `d` seconds and then walks along a path touches a body that moves for some `d`
-and not for others. The least safe delay is found by conservative advancement: if the body is first
-touched at the place p at time t, and leaves p free from t' on, then every delay that is longer by
-less than t' − t brings the person to p while the body is there. So the delay grows by t' − t, no
-safe one is stepped over, and the motion is asked of the monitor again, with its real profile.
+A person who waits `d` seconds and then walks along a path touches a moving body for some values of
+`d` only. The minimum safe delay is found by conservative advancement. If the body is first touched
+at the place p at time t, and leaves p free at t', every delay that is longer by less than t' − t
+brings the person to p while the body is there. So the delay grows by t' − t, no safe delay is
+missed, and the monitor checks the delayed motion again, with its exact profile.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,29 +34,38 @@ from .walking import MAX_ACCELERATION, MAX_SPEED, walk, walk_at
 from .world import CollisionWorld
 
 GAP = 0.1
-"""Metres. Nearer than this to the surface of a body that moves, a person counts as touched."""
+"""Metres. Minimum distance of a person from the surface of a moving body."""
 
 PATIENCE = 60.0
-"""Seconds. Longest time that anybody waits."""
+"""Seconds. Maximum time to wait."""
 
 _LEAST, _GROWTH = 1e-3, 1.04
-"""Seconds by which delays grow at least, and the factor by which that grows each time: a body that
-grazes, or comes along the path, ends the search as well."""
+"""Initial minimum increase of a delay (s), and the factor by which it grows each time, so that the
+search ends beside a body that grazes the path or moves along it."""
 
 _PLACES = 4
-"""Number of waypoints before the place where somebody would be touched at which they may wait."""
+"""Number of waypoints before the place of a touch at which the person may wait."""
 
 _THIN = 1e-3
-"""Metres. Radius of a person of whom nothing but their axis is left."""
+"""Metres. Radius of a person reduced to the axis."""
 
 _LEEWAY = 1e-5
-"""Metres. So much farther off than `gap` is a body that has left a place."""
+"""Metres. Distance beyond `gap` at which a body has left a place."""
 
 _SHORT = 0.5
-"""Metres. So far short of where they would be touched people may wait on their path."""
+"""Metres. Distance of a place to wait on the path before the place of a touch."""
 
-_SAMPLES = 24
-"""Number of instants at which a body is drawn for the area that it covers on its way."""
+_BRIEF = 1.0
+"""Seconds. No detour is searched if a wait on the shortest path is at most this long."""
+
+_TURN = 0.3
+"""Radians. Largest turn of a body between two footprints that share a hull."""
+
+_STRAIGHT = 1e-6
+"""Metres. A detour by less is straight."""
+
+Pose = tuple[float, float, float]
+"""x, y (m) and rotation (rad)."""
 
 Limits = tuple[float, float]
 """Top speed (m/s) and acceleration (m/s²)."""
@@ -107,43 +116,52 @@ class Passage:
 
 @dataclass(eq=False)
 class _Watch:
-    """A body that moves, as one person sees it."""
+    """Moving body, and the conditions under which it touches a person."""
 
     mover: Mover
     shapes: Shapes
     condition: TooClose
     still: TooClose
-    """The condition until it sets out: people pass what stands as near as they like."""
+    """Condition until it starts. People pass standing bodies at any distance."""
     clear: TooClose
-    """The condition until it has left a place; a little wider, lest one that slides along at just
-    the distance asked for be looked at again and again."""
+    """Condition until it has left a place. It is a little wider, so that a body that slides along
+    at exactly the required distance does not touch again and again."""
     sets_out: float
     moves: list[tuple[float, float]]
-    """Begin and end of each piece on which it moves."""
+    """Begin and end of each piece with a motion."""
 
     def touched(self, person: Motion, begin: float, end: float) -> float | None:
-        """Return the first instant in [begin, end] at which it touches the person, or None."""
+        """Return the first time in [begin, end] at which it touches the person, or None."""
         for condition, one, other in (
             (self.still, begin, min(end, self.sets_out)),
             (self.condition, max(begin, self.sets_out), end),
         ):
             if one <= other:
                 pair = (person, self.mover.motion)
-                found = first_time(condition, *pair, one, other, shapes=self.shapes)
-                if found is not None:
-                    return found
+                touch = first_time(condition, *pair, one, other, shapes=self.shapes)
+                if touch is not None:
+                    return touch
         return None
 
+    def occupies_from(self, place: Point, at: float) -> float:
+        """Return when it occupies a place for good (s, not before `at`), or infinity."""
+        rests = max(self.mover.motion.end, at)
+        stands = standing(place)
+        if self.touched(stands, rests, rests) is None:
+            return math.inf
+        pair = (stands, self.mover.motion)
+        *_, (begin, _) = when(self.condition, *pair, at, rests + 1.0, shapes=self.shapes)
+        return max(begin, self.sets_out)
+
     def leaves(self, place: Point, t: float) -> float:
-        """Return when it leaves a place free that it touches at `t`; infinity if it stays."""
+        """Return the time at which it leaves a place that it touches at `t`, or infinity."""
         moves = next((max(begin, t) for begin, end in self.moves if end > t), math.inf)
-        # It stands here, and leaves only when it sets out: until then there is nothing to solve
-        # for.
+        # A standing body leaves only after it has started.
         if moves > t:
             return math.inf if moves == math.inf else max(self.leaves(place, moves), moves)
         until = max(self.mover.motion.end, t) + 1.0
-        stands = standing(place)
-        pair = (stands, self.mover.motion)
+        standing_person = standing(place)
+        pair = (standing_person, self.mover.motion)
         begin, end = next(when(self.clear, *pair, t, until, shapes=self.shapes), (t, t))
         if begin > t + RESOLUTION:  # it only grazes the place
             return t
@@ -168,7 +186,8 @@ def plan_among(
 
     Candidates are the shortest path regardless of moving bodies, and paths around where they are
     now, where they stop, and everything that they cover. The person waits at most once: at the
-    start, at a waypoint, or before a body would touch them.
+    start, at a waypoint, or before a body would touch them. A wait of at most 1 s on the shortest
+    path is preferred to all other paths.
 
     Parameters
     ----------
@@ -205,10 +224,17 @@ def plan_among(
     watches = [_watch(planner, mover, start, at, height, gap) for mover in moving]
     best: Passage | None = None
     limits = (max_speed, max_acceleration)
+    x, y = map(float, np.asarray(goal, dtype=float))
+    latest = min((watch.occupies_from((x, y), at) for watch in watches), default=math.inf)
     for path in _paths(planner, start, goal, moving, at):
-        latest = math.inf if best is None else best.arrives
         for passage in _passages(path, watches, at, heading, limits, patience, latest):
-            best = passage
+            best, latest = passage, passage.arrives
+        if best is None:
+            # Other paths are longer. So no passage arrives before a body stays on the goal.
+            if at + path.length / max_speed >= latest:
+                break
+        elif sum(wait for _, wait in best.waits) <= _BRIEF:
+            break
     if best is not None:
         return best
     names = ", ".join(mover.name for mover in moving)
@@ -228,18 +254,17 @@ def _watch(
 
     shapes, least = begins(planner.radius)
     if least < _THIN:
-        # Surfaces that overlap are 0 apart, however deep: only the part of the person that is still
-        # beside the body tells whether they come any nearer.
-        # The distance of the axis alone is known however deep the surfaces overlap.
+        # Overlapping surfaces have distance 0 at any depth. So use a smaller cylinder that only
+        # touches the body, to measure whether the person comes nearer.
         beside = begins(_THIN)[1]
         if beside < _THIN:
             raise PlanningError("start_blocked", f"the start {x:g}, {y:g} is inside {mover.name}")
         shapes, least = begins(beside)
-    # Nobody is asked to keep more than they have at first, or no motion at all would be free.
+    # A person who is closer at the start keeps that distance. Otherwise no motion would be free.
     room = least - 1e-6
-    kept = min(gap, room)
+    distance = min(gap, room)
     condition, still, clear = (
-        TooClose(FixedDistance(least)) for least in (kept, min(SLACK, room), kept + _LEEWAY)
+        TooClose(FixedDistance(least)) for least in (distance, min(SLACK, room), distance + _LEEWAY)
     )
     moves = [(one.begin, one.end) for one in mover.motion.pieces if not one.stands]
     sets_out = next((max(begin, at) for begin, end in moves if end > at), at)
@@ -249,23 +274,26 @@ def _watch(
 def _paths(
     planner: PathPlanner, start: ArrayLike, goal: ArrayLike, moving: Sequence[Mover], at: float
 ) -> Iterator[Path]:
-    """Yield the paths to look at, each once; `PlanningError` if there is none at all."""
+    """Yield the distinct candidate paths. `PlanningError` if there is none."""
     there = {body.name for body in planner.world.bodies}
     free = planner.world.as_if(away=[mover.name for mover in moving if mover.name in there])
     direct = _path_in(free, planner, start, goal)
     yield direct
-    last = max([mover.motion.end for mover in moving], default=at)
-    sweep = np.linspace(at, max(last, at), _SAMPLES).tolist()
     seen, cut_off = [direct.points.tolist()], False
     line = shapely.linestrings(direct.points)
-    # Round what moves where it stands now, round where it comes to rest, and round all that it
-    # covers on its way: what is best among them depends on who is where when.
-    for times in ([at], [math.inf], sweep):
-        if cut_off and times is sweep:  # that covers what cuts it off, too
+    # The best path leads around the present places of bodies, around their last ones, or around
+    # all that they cover, depending on the times.
+    covers: list[Callable[[Mover], list[Polygon]]] = [
+        lambda mover: _footprints(mover, [at]),
+        lambda mover: _footprints(mover, [math.inf]),
+        lambda mover: _swept(mover, at),
+    ]
+    for cover in covers:
+        if cut_off and cover is covers[-1]:  # it includes what cuts off the goal
             return
-        covered = [part for mover in moving for part in _footprints(mover, times)]
+        covered = [part for mover in moving for part in cover(mover)]
         if not shapely.dwithin(covered, line, planner.radius + SLACK).any():
-            continue  # the shortest path is as it was
+            continue  # the shortest path is the same
         parts = shapely.get_parts(shapely.union_all(covered))
         bodies = {f"what moves, {k}": Polygon(part.exterior) for k, part in enumerate(parts)}
         world = free.as_if(bodies)
@@ -282,7 +310,7 @@ def _paths(
 def _path_in(
     world: CollisionWorld, planner: PathPlanner, start: ArrayLike, goal: ArrayLike
 ) -> Path:
-    """Return the path that a planner finds in another world."""
+    """Return the path of a planner in another world."""
     other = PathPlanner(
         world, planner.radius, planner.ignore, step=planner.step, planner=planner.choice
     )
@@ -290,19 +318,44 @@ def _path_in(
 
 
 def _footprints(mover: Mover, times: Sequence[float]) -> list[Polygon]:
-    """Return the areas that a body covers at some instants."""
+    """Return the areas that a body covers at each of `times` (s)."""
     motion = mover.motion
-    known = np.clip(times, motion.start, motion.end)
-    places = motion.position(known)
+    clipped = np.clip(times, motion.start, motion.end)
+    places = motion.position(clipped)
     if isinstance(mover.solid, Cylinder):
         radius = mover.solid.radius
         discs = (Disc((x, y), radius) for x, y in places.tolist())
         return [CollisionBody.of(mover.name, disc).footprint for disc in discs]
-    rotation = motion.rotation(known)[:, None]
+    rotation = motion.rotation(clipped)[:, None]
     along, across = np.array(mover.solid.corners).T
     c, s = np.cos(rotation), np.sin(rotation)
     turned = np.stack([c * along - s * across, s * along + c * across], axis=-1)
     return [*shapely.polygons(places[:, None] + turned)]
+
+
+def _swept(mover: Mover, at: float) -> list[Polygon]:
+    """Return the areas that a body covers from `at` (s) on: one hull for each straight drive."""
+    motion = mover.motion
+    times, poses = [at], [motion.state(at).position]
+    for piece in motion.pieces_from(at):
+        begin, end = max(piece.begin, at), max(piece.end, at)
+        turn = abs(motion.state(end).position[2] - poses[-1][2])
+        steps = math.ceil(turn / _TURN) or 1
+        for t in np.linspace(begin, end, steps + 1)[1:].tolist():
+            pose = motion.state(t).position
+            if len(poses) > 1 and _is_between(poses[-1], poses[-2], pose):
+                del times[-1], poses[-1]
+            times.append(t)
+            poses.append(pose)
+    placed = _footprints(mover, times)
+    pairs = [shapely.MultiPolygon([*pair]) for pair in itertools.pairwise(placed)]
+    return [*shapely.convex_hull(pairs or placed)]
+
+
+def _is_between(pose: Pose, a: Pose, b: Pose) -> bool:
+    """Return whether a pose is on the straight drive from a to b."""
+    detour = math.dist(a[:2], pose[:2]) + math.dist(pose[:2], b[:2]) - math.dist(a[:2], b[:2])
+    return a[2] == pose[2] == b[2] and detour < _STRAIGHT
 
 
 def _passages(
@@ -314,14 +367,14 @@ def _passages(
     patience: float,
     latest: float,
 ) -> Iterator[Passage]:
-    """Yield the passages along `path` that wait once at most and arrive before `latest`.
+    """Yield passages along `path` with at most one wait that arrive before `latest`.
 
-    Of those that wait at one of several places, each arrives before the one yielded before it.
+    Each arrives before the previous one.
     """
     points: list[Point] = [(x, y) for x, y in path.points.tolist()]
     speed, acceleration = limits
     straight = walk(points, at, max_speed=speed, max_acceleration=acceleration)
-    # No wait makes a path quicker: one that is too slow without is given up at once.
+    # A wait only delays the arrival.
     if straight.end >= latest:
         return
     touched = _first_touch(watches, straight, at, straight.end)
@@ -334,25 +387,24 @@ def _passages(
             before_it = standing(before[0], heading=heading, start=at)
         else:
             before_it = walk(before, at, max_speed=speed, max_acceleration=acceleration)
-        found = _delayed(before_it, after, watches, at, limits, patience, latest)
-        if found is not None:
-            motion, delay = found
+        wait = _delayed(before_it, after, watches, at, limits, patience, latest)
+        if wait is not None:
+            motion, delay = wait
             latest = motion.end
             yield Passage(path, motion, ((after[0], delay),))
 
 
 def _splits(points: list[Point], touched: Point) -> Iterator[tuple[list[Point], list[Point]]]:
-    """Yield a path in two parts: before and after each place to wait at, the start first.
+    """Yield a path in two parts, before and after each place to wait, beginning with the start.
 
-    These are the last waypoints before the place where somebody would be `touched`, and one short
-    of it.
+    The places are the last waypoints before the place `touched`, and one just before it.
     """
     yield points[:1], points
     for k, (a, b) in enumerate(itertools.pairwise(points)):
         share = _share(a, b, touched)
         if share is None:
             continue
-        # So many waypoints back at most: each of them is a search of its own.
+        # Each waypoint costs a search.
         for waits in range(max(k - _PLACES, 0) + 1, k + 1):
             yield points[: waits + 1], points[waits:]
         length = math.dist(a, b)
@@ -364,7 +416,7 @@ def _splits(points: list[Point], touched: Point) -> Iterator[tuple[list[Point], 
 
 
 def _share(a: Point, b: Point, place: Point) -> float | None:
-    """Return how much of the segment from a to b lies before a place on it, or None if beside."""
+    """Return the share of the segment from a to b before a place on it, or None if beside it."""
     length = math.dist(a, b)
     if length == 0 or abs(math.dist(a, place) + math.dist(place, b) - length) > 1e-6:
         return None
@@ -380,27 +432,27 @@ def _delayed(
     patience: float,
     latest: float,
 ) -> tuple[Motion, float] | None:
-    """Return the motion that waits after `before` for as short as is safe, and for how long.
+    """Return the motion with the shortest safe wait after `before`, and the duration of the wait.
 
-    It goes on along `points` then. None if no wait up to `patience` seconds is safe, or if it
-    would not arrive before `latest`.
+    It continues along `points`. None if no wait up to `patience` seconds is safe, or if it would
+    not arrive before `latest`.
     """
     speed, acceleration = limits
     waits_from = max(before.end, at)
     last = min(waits_from + patience, latest)
-    # From here on a body touches them on the way there, or while they wait.
+    # The first touch on the way to the place, or during the wait.
     reached = _first_touch(watches, before, at, max(last, waits_from))
     blocked = math.inf if reached is None else reached[0]
     onwards_at = walk_at(points, max_speed=speed, max_acceleration=acceleration)
     delay = 0.0
     least = _LEAST
-    order = [*watches]  # the one that touched last is asked first
+    order = [*watches]  # the body of the last touch is tested first
     while delay <= patience:
         sets_out = waits_from + delay
         onwards = onwards_at(sets_out)
         if blocked < sets_out or onwards.end >= latest:
             return None
-        # Any touch will do: no shorter delay is safe, whoever else touches them.
+        # Any touch suffices, because no shorter delay is safe beside this body.
         touches = (watch.touched(onwards, sets_out, onwards.end) for watch in order)
         touched = next(((k, t) for k, t in enumerate(touches) if t is not None), None)
         if touched is None:
@@ -408,7 +460,7 @@ def _delayed(
         k, t = touched
         order.insert(0, order.pop(k))
         delay += max(order[0].leaves(onwards.state(t).at, t) - t, least)
-        # Geometric growth ends a search in which each step gains next to nothing.
+        # Geometric growth ends a search with tiny steps.
         least *= _GROWTH
     return None
 
@@ -416,13 +468,13 @@ def _delayed(
 def _first_touch(
     watches: Sequence[_Watch], motion: Motion, begin: float, end: float
 ) -> tuple[float, _Watch] | None:
-    """Return when somebody on a motion is touched first, and by which body; None if never."""
-    found = [
+    """Return the time of the first touch on a motion, and the body, or None."""
+    touches = [
         (t, k)
         for k, watch in enumerate(watches)
         if (t := watch.touched(motion, begin, end)) is not None
     ]
-    if not found:
+    if not touches:
         return None
-    t, k = min(found)
+    t, k = min(touches)
     return t, watches[k]

@@ -25,17 +25,17 @@ from .sampling import OmplQuery, sample_path
 from .world import CollisionWorld
 
 _HALVINGS = 8
-"""Bisections of the radius at which a path opens: it is known to 0.4 % of the radius."""
+"""Number of bisections of the radius at which a path opens, to 0.4 % of the radius."""
 
 _WIDER = 1.01
-"""Factor to the next radius to try where rounding lets one through that does not fit."""
+"""Factor to the next radius if rounding admits one that does not fit."""
 
 _QUARTER = 8
-"""Sides of a quarter circle where only the message depends on it."""
+"""Sides of a quarter circle in computations for messages."""
 
 
 def blocked_place(world: CollisionWorld, place: Point, end: str, radius: float) -> str:
-    """Return why a disc of `radius` metres can't stand at `place`, the `end` of a path."""
+    """Return why a disc of `radius` metres cannot be at `place`, the `end` of a path."""
     name, gap = world.nearest(place)
     at = f"the {end} ({place[0]:g}, {place[1]:g})"
     if name == "boundary" and gap == 0:
@@ -49,16 +49,16 @@ def blocked_place(world: CollisionWorld, place: Point, end: str, radius: float) 
 def explain_cut_off(
     world: CollisionWorld, start: Point, goal: Point, radius: float
 ) -> Callable[[], str]:
-    """Return a function that explains why no path leads from `start` to `goal` as things are now.
+    """Return a function that explains why there is no path from `start` to `goal` at present.
 
-    The explanation takes longer than the proof, so it is left for when it is read.
+    The explanation takes longer than the proof, so it is computed when it is read.
     """
     now = world.as_if()
     return lambda: _cut_off(now, start, goal, radius)
 
 
 def _cut_off(world: CollisionWorld, start: Point, goal: Point, radius: float) -> str:
-    """Find the radius at which `start` and `goal` are just connected, by bisection."""
+    """Find the radius at which `start` and `goal` become connected, by bisection."""
     between = f"from ({start[0]:g}, {start[1]:g}) to ({goal[0]:g}, {goal[1]:g})"
     walkable = world.walkable
     space = world.free_space(radius + HAIR)
@@ -72,11 +72,10 @@ def _cut_off(world: CollisionWorld, start: Point, goal: Point, radius: float) ->
         walls = " with ".join(crossed) or "the boundary"
         return f"no way, however narrow, leads {between}: {walls} cuts it off"
     too_wide = radius
-    # Rounder corners than those planned with may leave a gap that they closed: a little wider,
-    # then.
+    # Finer corners than those of the planner may open a gap, so try a larger radius.
     while (apart := _space(walkable, too_wide)).together(start, goal):
         too_wide *= _WIDER
-    # The widest disc that gets through, between one that does and one that does not.
+    # Bisect between a disc that passes and one that does not.
     for _ in range(_HALVINGS):
         middle = (fits + too_wide) / 2
         narrower = _space(walkable, middle)
@@ -96,17 +95,17 @@ def _cut_off(world: CollisionWorld, start: Point, goal: Point, radius: float) ->
 
 
 def _space(walkable: shapely.Geometry, radius: float) -> FreeSpace:
-    """Return where a disc of `radius` metres fits, with corners rounded a little too little."""
+    """Return the free space of a disc of `radius` metres with coarse corners."""
     return FreeSpace(walkable.buffer(-radius, quad_segs=_QUARTER))
 
 
 def _digits(fits: float, radius: float) -> int:
-    """Return the number of decimals that tell the two radii apart."""
+    """Return the number of decimals that distinguish both radii."""
     return next(n for n in range(2, 9) if n == 8 or f"{fits:.{n}f}" != f"{radius:.{n}f}")
 
 
 def _link(space: FreeSpace, start: Point, goal: Point) -> shapely.Geometry:
-    """Return the shortest line between the pieces of `space` that start and goal are in."""
+    """Return the shortest line between the pieces of `space` that contain start and goal."""
     ends = [
         shapely.Point(place) if (piece := space.piece_of(place)) is None else space.pieces[piece]
         for place in (start, goal)
@@ -122,13 +121,13 @@ def _nearest_two(world: CollisionWorld, place: shapely.Point) -> tuple[str, str]
 
 
 COARSE = math.radians(15.0)
-"""Radians. Default size of the bends in a path."""
+"""Default turn of a path per waypoint in radians."""
 
 TOO_CLOSE = 1e-3
-"""Metres. A start may be this much too close to something."""
+"""Metres. Tolerance for a start that is too close to something."""
 
 _STEP = HAIR / 100
-"""Metres. Shorter steps are left out of a path: their direction is mostly rounding."""
+"""Metres. Shorter segments are left out, because their direction is mostly rounding."""
 
 
 class PathPlanner:
@@ -190,15 +189,15 @@ class PathPlanner:
         self.ignore = frozenset(ignore)
         self.step = step
         self.choice = PlannerChoice.of(planner)
-        """The planner that is asked where a question names no other."""
+        """Default planner of queries."""
         self.choice.check()
         self.seed = seed
-        self._questions: RoadmapQuestions | None = None
+        self._queries: RoadmapQuestions | None = None
         self._keep = keep
-        self._kept: dict[Hashable, Path] = {}
+        self._cached: dict[Hashable, Path] = {}
         self._footings: dict[tuple[Point, float], Point] = {}
-        """Where to go first from a place that is too close to something by a tolerance (metres)."""
-        self._kept_at = world.changes
+        """First position from a place that is too close to something, by place and tolerance."""
+        self._cached_at = world.changes
 
     def __repr__(self) -> str:
         return f"<PathPlanner for a radius of {self.radius:g} m in {self.world!r}>"
@@ -229,7 +228,7 @@ class PathPlanner:
         seed : int, optional
             Seed for this query. The same seed gives the same path.
         watch : Watch, optional
-            Observer of a search of OMPL's planners.
+            Observer of a search of an OMPL planner.
 
         Returns
         -------
@@ -247,38 +246,33 @@ class PathPlanner:
         seed = self.seed if seed is None else seed
         a, b = _place(start, "start"), _place(goal, "goal")
         if not self._keep:
-            return self._found(a, b, choice, seed, watch)
-        if self._kept_at != self.world.changes:
-            self._kept_at = self.world.changes
-            self._kept.clear()
+            return self._find(a, b, choice, seed, watch)
+        if self._cached_at != self.world.changes:
+            self._cached_at = self.world.changes
+            self._cached.clear()
             self._footings.clear()
-        question = (a, b, choice, seed)
-        path = self._kept.get(question)
+        query = (a, b, choice, seed)
+        path = self._cached.get(query)
         if path is None:
-            path = self._kept[question] = self._found(a, b, choice, seed, watch)
-            if len(self._kept) > self._keep:
-                del self._kept[next(iter(self._kept))]
+            path = self._cached[query] = self._find(a, b, choice, seed, watch)
+            if len(self._cached) > self._keep:
+                del self._cached[next(iter(self._cached))]
         return path
 
-    def _found(
+    def _find(
         self, a: Point, b: Point, choice: PlannerChoice, seed: int, watch: Watch | None
     ) -> Path:
-        """Return the path from `a` to `b` that is found now."""
+        """Return the path from `a` to `b` without a cache."""
         if self.ignore and (away := self.ignore & {body.name for body in self.world.bodies}):
             without = PathPlanner(self.world.as_if(away=away), self.radius, step=self.step)
             return without.plan(a, b, planner=choice, seed=seed, watch=watch)
         if choice.name == ROADMAP:
-            leave, found, arrive = self._shortest(a, b)
+            path = self._shortest(a, b)
         else:
-            leave, arrive = self._ends_of(a, b)
-            found = self._sampled(leave, arrive, choice, seed, watch)
-        points = np.array(distinct([a, leave, *found, arrive, b], _STEP))
+            path = self._sampled(*self._ends_of(a, b), choice, seed, watch)
+        points = np.array(distinct([a, *path, b], _STEP))
         clear = partial(self.world.clearance, points, self.world.bodies)
-        return Path(
-            points=points,
-            clear=clear,
-            planner=choice.name,
-        )
+        return Path(points=points, clear=clear, planner=choice.name)
 
     def roadmap(self, step: float | None = None) -> Roadmap:
         """Return the visibility graph of the floor, with turns of at most `step` radians."""
@@ -296,7 +290,7 @@ class PathPlanner:
         planner: PlannerChoice | str | Mapping[str, Any] | type | None,
         parameters: Mapping[str, Setting] | None,
     ) -> PlannerChoice:
-        """Return the planner of one question, checked."""
+        """Return the checked planner of one query."""
         if planner is None and not parameters:
             return self.choice
         choice = self.choice if planner is None else PlannerChoice.of(planner)
@@ -316,11 +310,11 @@ class PathPlanner:
         def free(a: Point, b: Point) -> bool:
             return self.world.segment_free(a, b, keep) and not (closed and closed.apart(a, b))
 
-        question = OmplQuery(start, goal, (low_x, low_y), (high_x, high_y), free)
-        # Each round closes a gate more, so there are no more rounds than gates.
-        while (points := sample_path(question, choice, seed, watch)) is not None:
-            # Most of OMPL's planners take a motion that is free to be free in both directions.
-            # They are asked again with a wall for each gate that they went through backwards.
+        query = OmplQuery(start, goal, (low_x, low_y), (high_x, high_y), free)
+        # Each round closes another gate, so the number of rounds is limited.
+        while (points := sample_path(query, choice, seed, watch)) is not None:
+            # Most OMPL planners assume that a free motion is free in both directions. Repeat the
+            # search with a wall for each gate that the path crosses backwards.
             broken = self.world.gates.broken(points)
             if not broken:
                 return points
@@ -330,32 +324,32 @@ class PathPlanner:
         message = f"{choice.name} found no path within its budget; give it more iterations"
         raise PlanningError("not_found", message)
 
-    def _shortest(self, start: Point, goal: Point) -> tuple[Point, list[Point], Point]:
-        """Return the shortest path, and the places where it leaves the start and gets to the goal.
+    def _shortest(self, start: Point, goal: Point) -> list[Point]:
+        """Return the shortest path between the positions next to start and goal.
 
-        Sweeps from the start and to the goal cover the discs there: where these have room in the
-        plane, FCL is asked about the sweeps alone.
+        Sweeps from the start and to the goal include the discs there. If both are free in the
+        plane, FCL tests only the sweeps.
         """
-        if self._questions is None:
-            self._questions = RoadmapQuestions(self.world, self.radius)
-        links = self._questions.links
+        if self._queries is None:
+            self._queries = RoadmapQuestions(self.world, self.radius)
+        links = self._queries.links
         hopeful = links.holds(start) and links.holds(goal)
-        points = self._questions.path(start, goal, self.step) if hopeful else None
+        points = self._queries.path(start, goal, self.step) if hopeful else None
         if points is not None:
-            return start, points, goal
+            return points
         leave, arrive = self._ends_of(start, goal)
         if not hopeful or (leave, arrive) != (start, goal):
-            points = self._questions.path(leave, arrive, self.step)
+            points = self._queries.path(leave, arrive, self.step)
         if points is not None:
-            return leave, points, arrive
+            return points
         if not self._connected(leave, arrive):
             raise self._unreachable(leave, arrive)
         raise PlanningError("not_found", "no path was found, though there should be one")
 
     def _ends_of(self, start: Point, goal: Point) -> tuple[Point, Point]:
-        """Return where to go first from the start, and last before the goal."""
-        leave = self._kept_footing(start, "start", TOO_CLOSE)
-        return leave, self._kept_footing(goal, "goal", 0.0)
+        """Return the first position after the start, and the last before the goal."""
+        leave = self._cached_footing(start, "start", TOO_CLOSE)
+        return leave, self._cached_footing(goal, "goal", 0.0)
 
     def _connected(self, start: Point, goal: Point) -> bool:
         if self.roadmap().apart(start, goal):
@@ -367,11 +361,11 @@ class PathPlanner:
         return PlanningError("unreachable", explain)
 
     def _blocked(self, place: Point, end: str) -> Callable[[], str]:
-        """Return a function that explains why there is no room at `place`, as things are now."""
+        """Return a function that explains why `place` is not free at present."""
         return partial(blocked_place, self.world.as_if(), place, end, self.radius)
 
-    def _kept_footing(self, place: Point, end: str, tolerance: float) -> Point:
-        """Return as `_footing`, found once where paths are kept: most goals are stations."""
+    def _cached_footing(self, place: Point, end: str, tolerance: float) -> Point:
+        """Return `_footing` with a cache, because most goals are stations."""
         if not self._keep:
             return self._footing(place, end, tolerance)
         footing = self._footings.get((place, tolerance))
@@ -383,7 +377,7 @@ class PathPlanner:
         return footing
 
     def _footing(self, place: Point, end: str, tolerance: float) -> Point:
-        """Return `place`, or where to go first from there if it is a hair too close to something.
+        """Return `place`, or the nearest free position if it is slightly too close to something.
 
         `PlanningError` if it is more than `tolerance` metres too close.
         """
@@ -395,7 +389,7 @@ class PathPlanner:
         if gap < self.radius - max(tolerance, 1e-9):
             raise PlanningError(reason, self._blocked(place, end))
         footing = world.nearest_free(place, self.radius + HAIR)
-        # From the edge of what is allowed, room is at most a few of these measures away.
+        # From a place within the tolerance, the nearest free position is not far.
         if footing is None or math.dist(place, footing) > 10 * TOO_CLOSE:
             raise PlanningError(reason, self._blocked(place, end))
         return footing
@@ -404,20 +398,20 @@ class PathPlanner:
 def _place(at: ArrayLike, end: str) -> Point:
     if is_place(at):
         return at
-    found = np.asarray(at, dtype=float)
-    if found.shape != (2,) or not np.isfinite(found).all():
+    position = np.asarray(at, dtype=float)
+    if position.shape != (2,) or not np.isfinite(position).all():
         raise UserError(f"the {end} must be a finite x and y, found {at!r}")
-    return (float(found[0]), float(found[1]))
+    return (float(position[0]), float(position[1]))
 
 
 Pose = tuple[float, float, float]
 """x, y in metres, rotation in radians."""
 
 BEND = math.radians(30.0)
-"""Radians. Largest bend of a gantry's path: it stops at every bend."""
+"""Maximum turn per waypoint of a gantry's path in radians. The gantry stops at each waypoint."""
 
 _LEAST = 1e-3
-"""Metres. Radius of the smallest disc to keep out of."""
+"""Minimum radius of a disc to keep out of, in metres."""
 
 
 class GantryPath(Path):
@@ -506,9 +500,9 @@ class GantryPlanner:
             self._check_range(pose, end)
         discs = {}
         for k, (x, y, radius) in enumerate(keep_out):
-            # Who stands in a disc plans with one that ends just before where they stand.
+            # From inside a disc, plan with a smaller one that ends just before the start.
             away = math.dist((x, y), start[:2]) - 2 * HAIR
-            # The planner adds its own radius to everything, which is taken off here.
+            # The planner adds its own radius to all obstacles.
             solid = max(min(radius, away) - self.radius, _LEAST)
             discs[f"keep out {k}"] = Disc((x, y), solid)
         try:
@@ -531,7 +525,7 @@ class GantryPlanner:
         )
 
     def _range(self) -> shapely.Polygon:
-        """All that the envelope can cover: the axes' ranges, and the radius around them."""
+        """Return the area that the envelope can cover: the axes' ranges with a margin."""
         x, y = self.gantry.x, self.gantry.y
         room = self.radius + 2 * HAIR
         return shapely.box(x.low - room, y.low - room, x.high + room, y.high + room)

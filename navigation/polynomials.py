@@ -1,24 +1,21 @@
 """Polynomials on intervals: signs, extrema, integrals, and the nodes of Gaussian quadrature.
 
-They are written out: worked out by `numpy.polynomial` their last bits depend on its LAPACK.
+Nodes are literals, because the last bits of those of `numpy.polynomial` depend on its LAPACK.
 
-Signs and extremes follow from Bernstein coefficients, between whose least and most a polynomial
-stays (R. T. Farouki, "The Bernstein polynomial basis: a centennial retrospective", Computer Aided
-Geometric Design 29, 2012). Intervals on which that decides nothing are cut in parts.
+Signs and extrema follow from Bernstein coefficients, whose minimum and maximum bound a polynomial
+(R. T. Farouki, "The Bernstein polynomial basis: a centennial retrospective", Computer Aided
+Geometric Design 29, 2012). Intervals on which they decide nothing are divided.
 """
 
 from __future__ import annotations
 
-import cmath
-import itertools
 import math
 from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-Cubic = tuple[float, float, float, float]
-"""Coefficients, the constant one first."""
+from .kernels.smoothness import NODES_8, WEIGHTS_8
 
 NODES_5 = (
     -0.906179845938664,
@@ -34,29 +31,7 @@ WEIGHTS_5 = (
     0.4786286704993663,
     0.23692688505618928,
 )
-"""Of 5 places; exact for polynomials up to the degree 9."""
-
-NODES_8 = (
-    -0.9602898564975362,
-    -0.7966664774136267,
-    -0.525532409916329,
-    -0.18343464249564978,
-    0.18343464249564978,
-    0.525532409916329,
-    0.7966664774136267,
-    0.9602898564975362,
-)
-WEIGHTS_8 = (
-    0.10122853629037706,
-    0.22238103445337443,
-    0.3137066458778869,
-    0.36268378337836166,
-    0.36268378337836166,
-    0.3137066458778869,
-    0.22238103445337443,
-    0.10122853629037706,
-)
-"""Of 8 places; exact for polynomials up to the degree 15."""
+"""Gauss-Legendre's 5 nodes, exact for polynomials up to degree 9."""
 
 LOBATTO_NODES_8 = (
     -1.0,
@@ -78,27 +53,27 @@ LOBATTO_WEIGHTS_8 = (
     0.21070422714350603,
     0.03571428571428571,
 )
-"""Lobatto's 8 places, both ends among them; exact for polynomials up to the degree 13."""
+"""Lobatto's 8 nodes, both ends included, exact for polynomials up to degree 13."""
 
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 SHORTEST = 1e-9
-"""Seconds. Intervals are not cut further."""
+"""Seconds. Minimum length of an interval."""
 
 NEGATIVE = -1e-12
-"""Values above this count as zero, so that rounding of zeros is not subdivided for ever."""
+"""Values above this count as zero, so that rounding of zeros is not subdivided forever."""
 
 _PARTS = 8
-"""Number of parts that an interval is cut into at once, a power of two."""
+"""Number of parts of a divided interval, a power of two."""
 
 _NODES, _WEIGHTS = np.array(NODES_8), np.array(WEIGHTS_8)
 _LOBATTO_NODES, _LOBATTO_WEIGHTS = np.array(LOBATTO_NODES_8), np.array(LOBATTO_WEIGHTS_8)
 
 
 def bernstein(coefficients: Array, durations: Array) -> Array:
-    """Power coefficients (..., n) on 0 … duration (...) as Bernstein coefficients (..., n)."""
+    """Return power coefficients (..., n) on 0 … duration (...) as Bernstein ones (..., n)."""
     n = coefficients.shape[-1] - 1
     scaled = coefficients * durations[..., None] ** np.arange(n + 1)
     basis = [
@@ -120,17 +95,17 @@ def square(x: Array) -> Array:
 def monotone_cubics(t: Array, values: Array) -> Array:
     """Return cubics through values (N, K) at times t (N,), as power coefficients (N - 1, K, 4).
 
-    They are Hermite cubics, continuous in value and slope, that between two samples never leave
-    the range of these two. The slope at a sample is the weighted harmonic mean of those of the
-    lines to its neighbours, 0 where these differ in sign (F. N. Fritsch and J. Butland, "A method
-    for constructing local monotone piecewise cubic interpolants", SIAM Journal on Scientific and
-    Statistical Computing 5, 1984).
+    They are Hermite cubics, continuous in value and slope, that stay in the range of two samples
+    between them. The slope at a sample is the weighted harmonic mean of those of the lines to its
+    neighbours, or 0 if their signs differ (F. N. Fritsch and J. Butland, "A method for constructing
+    local monotone piecewise cubic interpolants", SIAM Journal on Scientific and Statistical
+    Computing 5, 1984).
     """
     h = np.diff(t)[:, None]
     secant = np.diff(values, axis=0) / h
     before, after = secant[:-1], secant[1:]
     w, v = h[:-1] + 2 * h[1:], 2 * h[:-1] + h[1:]
-    # Where a line is level its slope divides by 0: what comes of that is not taken below.
+    # Level lines divide by 0, but `where` ignores the result.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         mean = (w + v) / (w / before + v / after)
     slope = np.concatenate([secant[:1], np.where(before * after > 0, mean, 0.0), secant[-1:]])
@@ -150,8 +125,8 @@ def time_negative(polynomials: Array, durations: Array) -> Array:
     rows, width = np.arange(len(durations)), durations
     while len(rows):
         inside = (polynomials.max(-1) < 0.0).any(-1)
-        # One of A is negative throughout: its greatest coefficient is. None is anywhere: the least
-        # are not.
+        # Decided if one of A is negative throughout, by its maximum coefficient, or if none is
+        # anywhere, by the minimum ones.
         decided = inside | (polynomials.min(-1) >= NEGATIVE).all(-1)
         short = ~decided & (width <= SHORTEST)
         inside[short] = (polynomials[short].mean(-1) < 0.0).any(-1)
@@ -166,13 +141,11 @@ def least(polynomials: Array, groups: Index, count: int) -> Array:
     """Return the minimum (count,) of the Bernstein polynomials (M, n) of each group (M,)."""
     best = np.full(count, np.inf)
     for _ in range(20):
-        # The first and the last Bernstein coefficients are values of the polynomial, at its two
-        # ends.
+        # The first and last Bernstein coefficients are values of the polynomial at both ends.
         np.minimum.at(best, groups, polynomials[:, 0])
         np.minimum.at(best, groups, polynomials[:, -1])
         bound = best[groups]
-        # No value is less than the least coefficient: only where that is below the best, cut
-        # further.
+        # The minimum coefficient is a lower bound, so divide only where it is below the best.
         hopeful = polynomials.min(-1) < bound - 1e-15 * (1.0 + np.abs(bound))
         if not hopeful.any():
             break
@@ -185,12 +158,12 @@ def integral_of_least_length(x: Array, y: Array, less: Array, durations: Array) 
     """∫ minₐ(√(x² + y²) − less) dt over each interval, exact to about 1e-10: (M,).
 
     x and y are power coefficients (M, A, n), `less` (M, A). Gauss-Legendre quadrature on intervals
-    that are halved until Lobatto's agrees with it; kinks are closed in on.
+    that are halved until Lobatto's rule agrees. Halving converges to kinks.
     """
     total = np.zeros(len(durations))
     rows = np.arange(len(durations))
     begin, width = np.zeros(len(durations)), durations
-    # Rows last, as there are far more of them than of anything else: numpy is quick along them.
+    # Rows last, because they are most numerous, and numpy is fast along them.
     x, y, less = (np.ascontiguousarray(each.T) for each in (x, y, less))
 
     def quadrature(nodes: Array, weights: Array) -> Array:
@@ -200,7 +173,7 @@ def integral_of_least_length(x: Array, y: Array, less: Array, durations: Array) 
 
     while len(rows):
         lengths = quadrature(_NODES, _WEIGHTS)
-        # Lobatto's looks at the ends, where a kink may be too near for any place of Gauss's.
+        # Lobatto's rule includes the ends, near which a kink may be beyond Gauss's nodes.
         change = np.abs(lengths - quadrature(_LOBATTO_NODES, _LOBATTO_WEIGHTS))
         open_ = (change > 1e-13 * (1.0 + np.abs(lengths))) & (width > SHORTEST)
         np.add.at(total, rows[~open_], lengths[~open_])
@@ -211,7 +184,7 @@ def integral_of_least_length(x: Array, y: Array, less: Array, durations: Array) 
 
 
 def _horner(coefficients: Array, u: Array) -> Array:
-    """Return polynomials (n, A, M), lowest coefficient first, at places u (K, 1, M): (K, A, M)."""
+    """Return polynomials (n, A, M), lowest coefficient first, at u (K, 1, M): (K, A, M)."""
     *rest, value = coefficients
     for c in reversed(rest):
         value = value * u + c
@@ -219,7 +192,7 @@ def _horner(coefficients: Array, u: Array) -> Array:
 
 
 def _split(polynomials: Array) -> Array:
-    """Return polynomials (M, ..., n) as their parts of equal length, one after another."""
+    """Return the parts of equal length of polynomials (M, ..., n), one after another."""
     count, *middle, n = polynomials.shape
     parts = polynomials.reshape(count, 1, math.prod(middle), n) @ _parts(n)
     return np.asarray(parts.reshape(count * _PARTS, *middle, n))
@@ -227,61 +200,13 @@ def _split(polynomials: Array) -> Array:
 
 @cache
 def _parts(n: int) -> Array:
-    """Matrices from n Bernstein coefficients to those of each part: de Casteljau's algorithm."""
+    """Return matrices from n Bernstein coefficients to those of each part (de Casteljau)."""
     left = np.zeros((n, n))
     for i in range(n):
-        # Halving at the middle: coefficient i of the left half is the mean of the first i + 1,
-        # weighted by binomial coefficients; the right half is its mirror image.
+        # Coefficient i of the left half is the mean of the first i + 1, weighted by binomial
+        # coefficients. The right half is its mirror image.
         left[: i + 1, i] = [math.comb(i, k) / 2**i for k in range(i + 1)]
     parts = [np.eye(n)]
     while len(parts) < _PARTS:
         parts = [part @ half for part in parts for half in (left, left[::-1, ::-1])]
     return np.array(parts)
-
-
-_ELLIPSE = 7.0
-"""Sum of the half axes of the Bernstein ellipse in which speed must be analytic around a stretch
-that is integrated with eight nodes: the error is then below 2e-13 of the stretch's length
-(L. N. Trefethen, "Approximation Theory and Approximation Practice", theorem 19.3)."""
-
-
-def smooth_cuts(x: Cubic, y: Cubic, duration: float) -> list[float]:
-    """Return cuts of a curve from 0 to `duration` between which its speed is smooth.
-
-    The velocity as a complex number x' + i y' is a quadratic in time; speed is its modulus, and
-    analytic but at its roots and their conjugates.
-    """
-    roots = _velocity_roots(x, y, duration)
-    turns = sorted(root.real for root in roots if 0.0 < root.real < duration)
-    cuts = [0.0, *turns, duration]
-    # At a real root the body stands: the modulus has a corner there, and is smooth on both sides.
-    corners = [root for root in roots if abs(root.imag) > 1e-12]
-    undecided = [*itertools.pairwise(cuts)][::-1]
-    smooth = [0.0]
-    while undecided:
-        low, high = undecided.pop()
-        middle, half = (low + high) / 2, (high - low) / 2
-        if half < 1e-9 or all(_ellipse((root - middle) / half) > _ELLIPSE for root in corners):
-            smooth.append(high)
-        else:
-            undecided += [(middle, high), (low, middle)]
-    return smooth
-
-
-def _velocity_roots(x: Cubic, y: Cubic, duration: float) -> list[complex]:
-    (_, x1, x2, x3), (_, y1, y2, y3) = x, y
-    a, b, c = complex(3 * x3, 3 * y3), complex(2 * x2, 2 * y2), complex(x1, y1)
-    if abs(a) * duration**2 > 1e-14 * (abs(b) * duration + abs(c)):
-        # With the sign for which b and the root add up, nothing cancels in q; the roots are then
-        # q / a and c / q (W. H. Press et al., "Numerical Recipes", 3rd edition 2007, 5.6).
-        root = cmath.sqrt(b * b - 4 * a * c)
-        q = -(b + (root if (b.conjugate() * root).real >= 0 else -root)) / 2
-        return [q / a, c / q] if q else [0j]
-    if abs(b) * duration > 1e-14 * abs(c):
-        return [-c / b]
-    return []
-
-
-def _ellipse(z: complex) -> float:
-    """Return the sum of the half axes of the ellipse with foci ±1 through `z`."""
-    return abs(z + cmath.sqrt(z - 1) * cmath.sqrt(z + 1))

@@ -16,14 +16,14 @@ from .sampling import Motions, Places
 from .vehicles import Pose
 
 _LINKS = 10_000
-"""Number of links after which a search of OMPL's ends in any case."""
+"""Maximum number of links of a search."""
 
 _RANGE = 6.0
-"""Metres. Longest step of OMPL's trees."""
+"""Metres. Maximum step of OMPL's trees."""
 
 
 class PoseSearch:
-    """OMPL's objects for one question: nothing is left over for the next."""
+    """OMPL's objects for one query."""
 
     def __init__(
         self,
@@ -39,7 +39,7 @@ class PoseSearch:
         self._space: Any = ob.SE2StateSpace()
         self._space.setBounds(bounds)
         self._information: Any = ob.SpaceInformation(self._space)
-        # OMPL holds them by pointers that keep nothing alive: Python must.
+        # OMPL's pointers do not keep these objects alive.
         self._links: Any = Motions(self._information, link, _LINKS, _pose_of)
         self._poses: Any = Places(self._information, lambda pose, _: fits(pose), math.inf, _pose_of)
         self._information.setMotionValidator(self._links)
@@ -61,7 +61,7 @@ class PoseSearch:
         return [begin, *states[1:-1], end]
 
     def release(self) -> None:
-        """Release OMPL's objects in an order that it survives."""
+        """Release OMPL's objects in a safe order."""
         self._setup = None
         self._links = None
         self._poses = None
@@ -72,7 +72,7 @@ class PoseSearch:
         state = self._information.allocState()
         state.setXY(pose[0], pose[1])
         yaw = math.remainder(pose[2], math.tau)
-        state.setYaw(yaw if yaw < math.pi else -math.pi)  # OMPL's end at less than π
+        state.setYaw(yaw if yaw < math.pi else -math.pi)  # OMPL's range ends below π
         return state
 
 

@@ -1,9 +1,9 @@
 """Visibility graph of a disc among grown corners, on a constrained Delaunay triangulation.
 
-A shortest path among obstacles is taut: straight from corner to corner, and it only grazes those it
-turns at. Grown by the disc's radius, corners are arcs, drawn here as short bends, so the network
-of all free links that graze at both ends holds a shortest path between any two places, but for what
-the bends are longer than the arcs (0.6 % of the arcs at steps of 15°).
+A shortest path among obstacles is taut: straight from corner to corner, and grazing each corner at
+which it turns. Corners grown by the disc's radius are arcs, which are approximated by short bends.
+So the network of all free links that graze at both ends contains a shortest path between any two
+places, except that bends are longer than arcs (0.6 % at steps of 15°).
 
 See T. Lozano-Pérez and M. A. Wesley, "An algorithm for planning collision-free paths among
 polyhedral obstacles", Communications of the ACM 22 (1979).
@@ -29,17 +29,16 @@ from .kernels.search import Search
 from .mesh import Mesh, Passages
 
 HAIR = 1e-4
-"""Metres. Clearance beyond its radius that a disc keeps where a path bends."""
+"""Metres. Clearance of a path beyond the radius of the disc where it bends."""
 
 
 class Roadmap:
-    """The network of a floor for discs of one radius (metres), bends at most `step` radians.
+    """Network of a floor for discs of one radius (metres), with bends of at most `step` radians.
 
-    A bend is linked when a search first reaches it. Its links take about 0.2 kB.
-    The floor alone makes the network. Bodies are given with each question, and cost only where
-    a path meets them. Where there are one-way `gates`, a link against the direction of one is not
-    there: links then depend on the direction. No other places to bend
-    at are needed: gates go from wall to wall, so that a taut path never goes round their ends.
+    A bend is linked when a search first reaches it. Its links take about 0.2 kB. The network is
+    that of the floor alone. Each query adds bodies, which cost only if a path meets them. No link
+    crosses one of the one-way `gates` backwards, so links may have one direction only. Gates add
+    no bends, because they reach from wall to wall, and no taut path bends around their ends.
     `walls` are the floor's edges.
     """
 
@@ -48,19 +47,19 @@ class Roadmap:
     ) -> None:
         self.radius = radius
         self.step = step
-        # Bends are `HAIR` farther out than the radius and links half of that: rounding blocks no
-        # link along the side that both its bends belong to.
+        # Bends are `HAIR` farther out than the radius and links half of that, so that rounding
+        # blocks no link along a side between two bends.
         keep = radius + HAIR / 2
         self._room = Room(walls, keep, [], [])
         self.bends = self._standing_bends(corners(edges_of_room(floor)))
         self._columns = self.bends.columns()
         self.places = frozenset(zip(*self.bends.point.T.tolist(), strict=True))
-        self.asked: dict[tuple[Point, Point], bool] = {}
-        """FCL's answers about links between the floor's bends, by their places."""
+        self.verdicts: dict[tuple[Point, Point], bool] = {}
+        """FCL's results for links between the floor's bends, by their places."""
         self._mesh = mesh = Mesh(floor, self.bends.point)
-        held = mesh.holding(self.bends.point)
+        triangle = mesh.holding(self.bends.point)
         self._network = Network(
-            self._columns.T, mesh.portals, mesh.first, held, walls, keep, gates.lines
+            self._columns.T, mesh.portals, mesh.first, triangle, walls, keep, gates.lines
         )
         self._bodies: WeakKeyDictionary[CollisionBody, Floats] = WeakKeyDictionary()
         self._searches: list[Search] = []
@@ -77,39 +76,39 @@ class Roadmap:
         room: Room,
         refused: set[tuple[Point, Point]],
     ) -> list[Point] | None:
-        """Return the shortest path round `bodies`, or None where there is none.
+        """Return the shortest path around `bodies`, or None.
 
-        `straight` is false where something fixed is in the way between start and goal, `room` what
-        the floor and the bodies leave; `refused` links count for none.
+        `straight` is false if a fixed obstacle is between start and goal. `room` tests links among
+        the floor and the bodies. `refused` links are excluded.
         """
         around = [self.around(body) for body in bodies]
         try:
-            search = self._searches.pop()  # one that nobody needs now
+            search = self._searches.pop()
         except IndexError:
-            search = Search(self._columns, self._network)  # takes longer than to use it
+            search = Search(self._columns, self._network)  # slower than a search itself
         points = search.path(start, goal, straight, around, room, refused, self.apart)
         self._searches.append(search)
         return points
 
     def apart(self, start: Point, goal: Point) -> bool:
-        """Return True if it is proved that the floor alone keeps a disc from start to goal."""
+        """Return whether a proof exists that the floor alone separates start and goal."""
         return self.passages.apart(start, goal)
 
     @cached_property
     def passages(self) -> Passages:
-        """The ways through the mesh that may be wide enough, found when first needed."""
+        """Passages through the mesh that may be wide enough, computed on demand."""
         return Passages(self._mesh, self.radius)
 
     def links_of(self, bend: int) -> list[tuple[int, float]]:
-        """Return where the links of bend number `bend` lead, and their lengths in metres."""
+        """Return the bends to which bend number `bend` has links, with their lengths in metres."""
         links = self._network.links_of(bend)
         return [(int(to), length) for to, length in zip(links[::2], links[1::2], strict=True)]
 
     def _standing_bends(self, around: Corners) -> Bends:
         """Return the bends around corners that are clear of the floor's edges.
 
-        Where some are not, a corner is close to another thing, and is drawn more finely: wide
-        bends would close a narrow gap.
+        Corners with blocked bends are close to another obstacle. They get finer bends, because wide
+        ones would close a narrow gap.
         """
         wide = bends(around, self.radius + HAIR, self.step)
         clear = self._standing(wide)
@@ -126,7 +125,7 @@ class Roadmap:
 
     def around(self, body: CollisionBody) -> Floats:
         """Return the columns of the bends around `body`, cached until it moves."""
-        known = self._bodies.get(body)
-        if known is None:
-            known = self._bodies[body] = self._standing_bends(body.corners).columns()
-        return known
+        columns = self._bodies.get(body)
+        if columns is None:
+            columns = self._bodies[body] = self._standing_bends(body.corners).columns()
+        return columns

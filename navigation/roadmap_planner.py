@@ -20,24 +20,23 @@ from .sampling import OmplFloor, path_along
 from .world import CollisionWorld
 
 SLACK = HAIR / 2
-"""Metres. Clearance asked of a path beyond the radius, so that rounding can't take it away."""
+"""Metres. Required clearance of a path beyond the radius, against rounding."""
 
 _SURE = 2 * TOLERANCE
-"""Metres. What has so much room beyond what is asked has room by FCL, too."""
+"""Metres. With this additional clearance, a segment is free in FCL too."""
 
 
 class Links:
     """Collision tests of links for discs of `radius` metres.
 
-    A search asks what the floor and the bodies leave clear, worked out in the plane; OMPL asks
-    whether links are `free`, which FCL decides.
+    A search tests links in the plane. OMPL asks whether links are `free`, which FCL decides.
     """
 
     def __init__(self, world: CollisionWorld, radius: float) -> None:
         self.world = world
         self.radius = radius
         self.among: list[CollisionBody] | None = None
-        """The bodies that count for OMPL; None for all."""
+        """Bodies that count for OMPL, or None for all."""
         self._judged: dict[tuple[Point, Point], bool] = {}
         self._judged_at = world.changes
         self._keep = radius + SLACK
@@ -47,24 +46,24 @@ class Links:
 
     @property
     def judged(self) -> dict[tuple[Point, Point], bool]:
-        """FCL's answers about links since a body moved."""
+        """FCL's results for links since a body moved."""
         if self._judged_at != self.world.changes:
             self._judged, self._judged_at = {}, self.world.changes
         return self._judged
 
     def holds(self, place: Point) -> bool:
-        """Return whether a position certainly has room, so that FCL need not be asked."""
+        """Return whether a position is certainly free, without a query to FCL."""
         if not self._place.holds(*place):
             return False
         near = self.world.near(place, place, self._keep + _SURE)
         return not (near and any(self.blocks(body, place, place, _SURE) for body in near))
 
     def clear(self, a: Point, b: Point) -> bool:
-        """Return whether the floor leaves room on the link from a, where there is room, to b."""
+        """Return whether the link from a, which is free, to b is clear of the floor's edges."""
         return self._floor.clear(*a, *b, True)
 
     def met(self, points: list[Point]) -> list[CollisionBody]:
-        """Return the bodies that are in the way on the polyline `points`, the first met first."""
+        """Return the bodies in the way on the polyline `points`, in order."""
         met: list[CollisionBody] = []
         near = come_into(self.world.bounds, points, self._keep)
         if near:
@@ -80,7 +79,7 @@ class Links:
         return touches(edges, *a, *b, self._keep + rounding + beyond)
 
     def room(self, bodies: Collection[CollisionBody], beyond: float = 0.0) -> Room:
-        """Return the room that the floor and `bodies` leave, `beyond` what is kept (metres)."""
+        """Return the room among the floor and `bodies`, `beyond` the clearance (metres)."""
         outlines = [body.outline for body in bodies]
         return Room(self._walls.grid, self._keep + beyond, outlines, self.world.gates.lines)
 
@@ -89,14 +88,14 @@ class Links:
         return self.world.segment_free(a, b, self._keep, self.among)
 
     def hit(self, a: Point, b: Point) -> bool:
-        """Return whether a body is touched on the link from a to b, by FCL."""
+        """Return whether a body touches the disc on the link from a to b, by FCL."""
         return bool(self.world.hits(a, b, self._keep))
 
 
 class RoadmapSearch:
-    """One search of the roadmap from `start` to `goal`, in bends of `step` radians at most.
+    """Search of the roadmap from `start` to `goal`, with bends of at most `step` radians.
 
-    It uses tests in the plane. `ask` then decides about each link of the path that was found. If it
+    It uses tests in the plane. `ask` then decides about each link of the resulting path. If it
     rejects one, the search continues without that link.
     """
 
@@ -123,24 +122,24 @@ class RoadmapSearch:
         met = links.met(points) if straight else []
         if straight and not met and self._granted(points):
             return points
-        if start == goal:  # no way round leads to where one is already
+        if start == goal:
             return None
-        # Wide bends may close a narrow gap. Where they lead nowhere, and nothing proves that
-        # nothing does, fine ones decide.
+        # Wide bends may close a narrow gap. If they lead nowhere, and there is no proof that no
+        # path exists, fine bends decide.
         for step in (self._step, STEP):
-            found = self._around_bodies(links.world.roadmap(links.radius, step), straight, met)
-            if found is not None or self._hopeless():
-                return found
+            path = self._around_bodies(links.world.roadmap(links.radius, step), straight, met)
+            if path is not None or self._hopeless():
+                return path
         return None
 
     def _around_bodies(
         self, roadmap: Roadmap, straight: bool, met: list[CollisionBody]
     ) -> list[Point] | None:
-        """Return the shortest path on `roadmap` round the bodies that it meets, and those `met`.
+        """Return the shortest path on `roadmap` around the bodies that it meets, and those `met`.
 
-        Bodies are taken in only when a path runs into them. That is enough: a shortest path round
-        some of the bodies that is clear of all others is the shortest path round all. `straight` is
-        true where nothing but bodies is in the way to the goal.
+        A body is added only when a path meets it. That is sufficient, because a shortest path
+        around some of the bodies that is clear of all others is the shortest path around all.
+        `straight` is true if only bodies can be between start and goal.
         """
         links = self._links
         while True:
@@ -154,7 +153,7 @@ class RoadmapSearch:
             met = met + fresh
 
     def _granted(self, points: list[Point], roadmap: Roadmap | None = None) -> bool:
-        """Return whether all links of a path are free; one that is not is refused from now on."""
+        """Return whether all links of a path are free. Refuse a link that is not from then on."""
         judged = self._links.judged
         for link in itertools.pairwise(points):
             free = judged[link] if link in judged else self._judge(*link, roadmap)
@@ -166,7 +165,7 @@ class RoadmapSearch:
     def _judge(self, a: Point, b: Point, roadmap: Roadmap | None) -> bool:
         """Return whether the link from a to b is free.
 
-        Links between bends, of `roadmap` or of bodies, are judged once until a body moves.
+        Results for links between bends, of `roadmap` or of bodies, are cached until a body moves.
         """
         fixed = roadmap is not None and a in roadmap.places and b in roadmap.places
         free = self._asked_of(roadmap, a, b) if roadmap and fixed else self._ask(a, b)
@@ -177,20 +176,20 @@ class RoadmapSearch:
     def _asked_of(self, roadmap: Roadmap, a: Point, b: Point) -> bool:
         """Return whether a link between bends of `roadmap` is free.
 
-        Of the floor these are asked once: they change no more than it does.
+        Results for the floor alone are cached with the roadmap.
         """
-        links, known = self._links, roadmap.asked.get((a, b))
-        if known is None:
+        links, free = self._links, roadmap.verdicts.get((a, b))
+        if free is None:
             links.among = []
-            known = roadmap.asked[a, b] = self._ask(a, b)
+            free = roadmap.verdicts[a, b] = self._ask(a, b)
             links.among = None
-        return known and not links.hit(a, b)
+        return free and not links.hit(a, b)
 
     def _hopeless(self) -> bool:
-        """Return True if it is proved that there is no path."""
+        """Return whether a proof exists that there is no path."""
         world, ends = self._links.world, (self._start, self._goal)
-        # What the floor alone keeps apart needs no look at the bodies. Nearly all of it follows
-        # from the triangles of the roadmap, and the rest from the free space.
+        # Test the floor without bodies first. The triangles of the roadmap give most proofs, and
+        # the free space the rest.
         if world.roadmap(self._links.radius, self._step).apart(*ends):
             return True
         space = world.fixed_space(self._room)
@@ -198,11 +197,11 @@ class RoadmapSearch:
 
 
 class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
-    """Planner of OMPL's that answers one question with the shortest path on the roadmap.
+    """OMPL planner that answers one query with the shortest path on the roadmap.
 
-    Each link of the path is asked of OMPL's motion validator, which asks FCL. The question is
-    handed over here: OMPL 2.0.1 frees start states that Python has read from a problem definition
-    twice.
+    OMPL's motion validator tests each link of the path by FCL. The query is passed to the
+    constructor, because OMPL 2.0.1 frees start states twice that Python has read from a problem
+    definition.
     """
 
     def __init__(
@@ -212,10 +211,10 @@ class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
         self._floor = floor
         self._question = (links, start, goal, step)
         self.points: list[Point] | None = None
-        """The path that was found, as the problem has it."""
+        """Points of the path."""
 
     def solve(self, _: Any) -> Any:
-        """Add the shortest path to the problem, if there is one."""
+        """Add the shortest path to the problem."""
         points = self.points = RoadmapSearch(*self._question, self._floor.moves).path()
         if points is None:
             return ob.PlannerStatus(ob.PlannerStatus.INFEASIBLE)
@@ -224,23 +223,22 @@ class RoadmapPlanner(ob.Planner):  # type: ignore[misc]
 
 
 class RoadmapQuestions:
-    """Questions to the roadmap of `world` for discs of `radius` metres, put by OMPL.
+    """Queries to the roadmap of `world` for discs of `radius` metres, posed by OMPL.
 
-    FCL decides for OMPL what is free. Its space is made once; each question is a problem, and a
-    planner, of its own. Beside these a question costs a search, and FCL's judgement of the first
-    and the last link of the path. All else is kept: what the floor alone decides as long as the
-    floor (`Roadmap`), and what bodies decide until one moves (`Links.judged`).
+    OMPL's space is created once. Each query is a new problem and planner. In addition to these, a
+    query costs a search, and FCL's tests of the first and the last link of the path. All other
+    results are cached: with the floor (`Roadmap`), and until a body moves (`Links.judged`).
     """
 
     def __init__(self, world: CollisionWorld, radius: float) -> None:
         self.links = Links(world, radius)
         low_x, low_y, high_x, high_y = world.plan.boundary.bounds
         self._floor = OmplFloor((low_x, low_y), (high_x, high_y), self.links.free)
-        # At exit OMPL must let go before Python does; nobody may ask any more then.
+        # OMPL's objects must be released before Python's at exit.
         self.release = weakref.finalize(self, self._floor.release)
 
     def path(self, start: Point, goal: Point, step: float) -> list[Point] | None:
-        """Return the shortest path in bends of `step` radians at most; None where there is none."""
+        """Return the shortest path with bends of at most `step` radians, or None."""
         floor, problem = self._floor, ob.ProblemDefinition(self._floor.information)
         (floor.here[0], floor.here[1]), (floor.there[0], floor.there[1]) = start, goal
         problem.setStartAndGoalStates(floor.here, floor.there)

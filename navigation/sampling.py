@@ -1,6 +1,6 @@
 """OMPL's sampling-based planners over a collision world.
 
-Their budget is a number of iterations, never a time, so the same question and seed give the same
+Their budget is a number of iterations instead of a time, so the same query and seed give the same
 path on every machine.
 """
 
@@ -11,7 +11,7 @@ import inspect
 import itertools
 import math
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from numbers import Integral
@@ -28,11 +28,11 @@ from .catalog import (
     ITERATIONS,
     PlannerChoice,
     PlannerError,
-    Setting,
+    Settings,
     Watch,
-    divided,
     planner_info,
     set_parameter,
+    settings_of,
 )
 
 Free = Callable[[Point, Point], bool]
@@ -40,12 +40,12 @@ Free = Callable[[Point, Point], bool]
 
 
 class TooManyChecksError(Exception):
-    """Ends a search from inside when it exceeds its budget."""
+    """Ends a search that exceeds its budget."""
 
 
 @dataclass(frozen=True)
 class OmplQuery:
-    """A path to be found from `start` to `goal` between `low` and `high` corners (metres)."""
+    """Query for a path from `start` to `goal` between `low` and `high` corners (metres)."""
 
     start: Point
     goal: Point
@@ -56,7 +56,7 @@ class OmplQuery:
 
 @contextmanager
 def no_log() -> Iterator[None]:
-    """Keep OMPL's log quiet."""
+    """Suppress OMPL's log."""
     level = ou.getLogLevel()
     ou.setLogLevel(ou.LOG_NONE)
     try:
@@ -66,13 +66,12 @@ def no_log() -> Iterator[None]:
 
 
 class OmplFloor:
-    """OMPL's space of places between `low` and `high` (metres), where `free` says what is free.
+    """OMPL's space of places between `low` and `high` (metres), in which `free` tests segments.
 
-    After `most` checks a search is ended by `TooManyChecksError`. `release` must be called in the
-    end.
+    After `limit` checks, `TooManyChecksError` ends a search. Call `release` at the end.
     """
 
-    def __init__(self, low: Point, high: Point, free: Free, most: float = math.inf) -> None:
+    def __init__(self, low: Point, high: Point, free: Free, limit: float = math.inf) -> None:
         bounds = ob.RealVectorBounds(2)
         for axis in (0, 1):
             bounds.setLow(axis, low[axis])
@@ -80,25 +79,25 @@ class OmplFloor:
         self._space: Any = ob.RealVectorStateSpace(2)
         self._space.setBounds(bounds)
         self.information: Any = ob.SpaceInformation(self._space)
-        # OMPL holds them by pointers that keep nothing alive: Python must.
-        self._motions: Any = Motions(self.information, free, most)
-        self._places: Any = Places(self.information, free, most)
+        # OMPL's pointers do not keep these objects alive.
+        self._motions: Any = Motions(self.information, free, limit)
+        self._places: Any = Places(self.information, free, limit)
         self.information.setMotionValidator(self._motions)
         self.information.setStateValidityChecker(self._places)
         self.information.setup()
         self.here: Any = self.information.allocState()
         self.there: Any = self.information.allocState()
-        """Two states to put places into, of which OMPL keeps copies."""
+        """Two states for places, of which OMPL makes copies."""
 
     def moves(self, a: Point, b: Point) -> bool:
-        """Return whether OMPL's motion validator finds the segment from a to b free."""
+        """Return whether the segment from a to b is free by OMPL's motion validator."""
         here, there = self.here, self.there
         here[0], here[1] = a
         there[0], there[1] = b
         return bool(self.information.checkMotion(here, there))
 
     def release(self) -> None:
-        """Release OMPL's objects in an order that it survives."""
+        """Release OMPL's objects in a safe order."""
         self.here = None
         self.there = None
         self._motions = None
@@ -108,21 +107,20 @@ class OmplFloor:
 
 
 class OmplSetup:
-    """OMPL's objects for one question: nothing is left over for the next.
+    """OMPL's objects for one query.
 
-    After `most` checks the search is ended by `TooManyChecksError`. `release` must be called in
-    the end.
+    After `limit` checks, `TooManyChecksError` ends the search. Call `release` at the end.
     """
 
-    def __init__(self, question: OmplQuery, most: float = math.inf) -> None:
-        self._question = question
-        self._floor = OmplFloor(question.low, question.high, question.free, most)
+    def __init__(self, query: OmplQuery, limit: float = math.inf) -> None:
+        self._floor = OmplFloor(query.low, query.high, query.free, limit)
         self.information: Any = self._floor.information
         self._setup: Any = og.SimpleSetup(self.information)
-        self._setup.setStartAndGoalStates(self.state(question.start), self.state(question.goal))
+        start, goal = (state_at(self.information, end) for end in (query.start, query.goal))
+        self._setup.setStartAndGoalStates(start, goal)
         self.planner: Any = None
         self.solved = False
-        """True once the planner has said that it solved the problem."""
+        """Whether the planner has reported a solution."""
 
     def use(self, planner: Any) -> None:
         """Use OMPL's `planner` for the search."""
@@ -131,24 +129,12 @@ class OmplSetup:
         self._setup.setup()
 
     def solve(self, until: Any) -> Any:
-        """Return the exact path that the planner finds before `until`, OMPL's, or None."""
+        """Return the exact path of the planner before the condition `until`, or None."""
         self.solved = self._setup.solve(until).getStatus() == ob.PlannerStatus.EXACT_SOLUTION
         return self._setup.getSolutionPath() if self._setup.haveExactSolutionPath() else None
 
-    def points(self, path: Any) -> list[Point]:
-        """Return the places of a path of OMPL's, from the start to the goal, each once in a row."""
-        return points_of(path, self._question.start, self._question.goal)
-
-    def path(self, points: list[Point]) -> Any:
-        """Return OMPL's path along `points`."""
-        return path_along(self.information, points)
-
-    def state(self, place: Point) -> Any:
-        """Return OMPL's state at `place`."""
-        return state_at(self.information, place)
-
     def release(self) -> None:
-        """Release OMPL's objects in an order that it survives."""
+        """Release OMPL's objects in a safe order."""
         self.planner = None
         self._setup = None
         self.information = None
@@ -161,12 +147,12 @@ def path_along(information: Any, points: list[Point]) -> Any:
     state = information.allocState()
     for place in points:
         state[0], state[1] = place
-        path.append(state)  # a copy of it
+        path.append(state)  # makes a copy
     return path
 
 
 def points_of(path: Any, start: Point, goal: Point) -> list[Point]:
-    """Return the places of a path of OMPL's, from `start` to `goal`, each once in a row."""
+    """Return the places of an OMPL path, from `start` to `goal`, without repetitions."""
     points = [(float(at[0]), float(at[1])) for at in path.getStates()]
     points[0], points[-1] = start, goal
     return [points[0], *(b for a, b in itertools.pairwise(points) if a != b)]
@@ -174,7 +160,7 @@ def points_of(path: Any, start: Point, goal: Point) -> list[Point]:
 
 def state_at(information: Any, place: Point) -> Any:
     """Return OMPL's state at `place`."""
-    # Unlike those of the space, the information's states are freed when Python lets go.
+    # Unlike states of the space, those of the information are freed with their Python object.
     state = information.allocState()
     state[0], state[1] = place
     return state
@@ -185,90 +171,90 @@ def _place_of(state: Any) -> Point:
 
 
 class Motions(ob.MotionValidator):  # type: ignore[misc]
-    """Answers OMPL which segments are free, each as one sweep.
+    """Validator of OMPL that tests each segment as one sweep.
 
-    `free` is asked `most` times, for the `values` of both states.
+    `free` is called at most `limit` times, with the `values` of both states.
     """
 
     def __init__(
         self,
         information: Any,
         free: Callable[[Any, Any], bool],
-        most: float,
+        limit: float,
         values: Callable[[Any], Any] = _place_of,
     ) -> None:
         super().__init__(information)
         self._free = free
-        self._left = most
+        self._checks_left = limit
         self._values = values
 
     def checkMotion(self, a: Any, b: Any, *_: Any) -> bool:
         """Return whether the segment between two states is free."""
-        self._left -= 1
-        if self._left < 0:
+        self._checks_left -= 1
+        if self._checks_left < 0:
             raise TooManyChecksError
         return self._free(self._values(a), self._values(b))
 
 
 class Places(ob.StateValidityChecker):  # type: ignore[misc]
-    """Answers OMPL which places are free, as `Motions` without length."""
+    """Checker of OMPL that tests a place as a segment without length: see `Motions`."""
 
     def __init__(
         self,
         information: Any,
         free: Callable[[Any, Any], bool],
-        most: float,
+        limit: float,
         values: Callable[[Any], Any] = _place_of,
     ) -> None:
         super().__init__(information)
         self._free = free
-        self._left = most
+        self._checks_left = limit
         self._values = values
 
     def isValid(self, at: Any) -> bool:
         """Return whether a state is free."""
-        self._left -= 1
-        if self._left < 0:
+        self._checks_left -= 1
+        if self._checks_left < 0:
             raise TooManyChecksError
         values = self._values(at)
         return self._free(values, values)
 
 
 MOST_CHECKS = 200
-"""Collision checks per iteration, on average, after which a planner that won't stop is stopped."""
+"""Mean number of collision checks per iteration after which a search is ended."""
 
 
 _SAME = 1e-6
-"""Metres. A path that begins or ends this much beside its question is an answer to it."""
+"""Metres. Tolerance for the ends of a path."""
 
 _NEIGHBOURS = 30
-"""Number of the nearest samples of a PRM to which start and goal are linked where that is free."""
+"""Number of nearest samples of a PRM to which start and goal are linked."""
 
 _LOST_IF_STRAIGHT = ("AORRTC", "SORRTstar")
-"""Planners of OMPL 2.0.1 that fail where the start sees the goal: the first answers with a path of
-no length, the second never."""
+"""Planners of OMPL 2.0.1 that fail if the straight path is free. The first returns a path without
+length, the second does not end."""
 
 
 def sample_path(
-    question: OmplQuery, choice: PlannerChoice, seed: int, watch: Watch | None = None
+    query: OmplQuery, choice: PlannerChoice, seed: int, watch: Watch | None = None
 ) -> list[Point] | None:
-    """Return a path by the planner of `choice`, or None if its budget ran out.
+    """Return a path by the planner of `choice`, or None if its budget ends first.
 
-    `ValueError` names a parameter that it does not have or a value that does not fit.
+    `ValueError` names an unknown parameter or an invalid value.
     """
     choice.check()
     if not (isinstance(seed, Integral) and 0 <= seed < 2**32 - 1):
         raise UserError(f"a seed must be a whole number from 0 to 4294967294, found {seed}")
-    if choice.name in _LOST_IF_STRAIGHT and question.free(question.start, question.goal):
-        return [question.start, question.goal]
+    if choice.name in _LOST_IF_STRAIGHT and query.free(query.start, query.goal):
+        return [query.start, query.goal]
     usual = planner_info(choice.name).iterations if choice.kind is None else ITERATIONS
-    iterations, simplify, settings = divided(dict(choice.parameters), usual)
-    # OMPL takes this as the first seed of all that follows only if it is not 0.
+    settings = settings_of(dict(choice.parameters), usual)
+    # OMPL accepts only a first seed that is not 0.
     with no_log():
         ou.RNG.setSeed(int(seed) + 1)
-        search = _Search(question, iterations, watch or Watch())
+        search = _Search(query, settings, watch or Watch())
         try:
-            return search.run(choice, settings, simplify)
+            return search.run(choice)
         except (TooManyChecksError, PlannerError) as why:
             if isinstance(why, PlannerError):
                 raise
@@ -284,29 +270,27 @@ def sample_path(
 
 
 class _Search:
-    """One question to a planner of OMPL's, with a budget of iterations."""
+    """Query to an OMPL planner, with a budget of iterations."""
 
-    def __init__(self, question: OmplQuery, iterations: int, watch: Watch) -> None:
-        self._question = question
+    def __init__(self, query: OmplQuery, settings: Settings, watch: Watch) -> None:
+        self._query = query
         self._watch = watch
-        self._iterations = iterations
-        self._setup = OmplSetup(question, MOST_CHECKS * iterations)
+        self._settings = settings
+        self._setup = OmplSetup(query, MOST_CHECKS * settings.iterations)
         self.release = self._setup.release
 
-    def run(
-        self, choice: PlannerChoice, settings: Mapping[str, Setting], simplify: bool
-    ) -> list[Point] | None:
-        """Return the path that the planner of `choice` finds, or None."""
+    def run(self, choice: PlannerChoice) -> list[Point] | None:
+        """Return the path of the planner of `choice`, or None."""
         if choice.kind is not None:
-            planner = choice.kind(self._setup.information, **settings)
+            planner = choice.kind(self._setup.information, **self._settings.own)
         else:
             planner = getattr(og, choice.name)(self._setup.information)
-            for parameter, value in settings.items():
+            for parameter, value in self._settings.own.items():
                 set_parameter(planner, parameter, value)
         self._setup.use(planner)
         if choice.name in ("PRM", "PRMstar"):
             points = self._through_roadmap()
-            return points and self._finished(self._setup.path(points), simplify)
+            return points and self._finished(path_along(self._setup.information, points))
         path = self._setup.solve(self._budget())
         if path is None:
             if choice.kind is not None and self._setup.solved:
@@ -317,24 +301,24 @@ class _Search:
             return None
         if choice.kind is not None:
             self._require_answer(choice, path)
-        return self._finished(path, simplify)
+        return self._finished(path)
 
     def _require_answer(self, choice: PlannerChoice, path: Any) -> None:
-        """Raise `PlannerError` unless the path of a planner of one's own answers the question."""
-        question, points = self._question, [_place(state) for state in path.getStates()]
+        """Raise `PlannerError` unless the path of a custom planner answers the query."""
+        query, points = self._query, [_place(state) for state in path.getStates()]
         if not points:
             raise PlannerError(f"the planner {choice.name} found a path without any place")
-        for end, asked, found in (
-            ("starts", question.start, points[0]),
-            ("ends", question.goal, points[-1]),
+        for end, expected, place in (
+            ("starts", query.start, points[0]),
+            ("ends", query.goal, points[-1]),
         ):
-            if not math.dist(asked, found) <= _SAME:
+            if not math.dist(expected, place) <= _SAME:
                 raise PlannerError(
-                    f"the planner {choice.name} found a path that {end} at {_shown(found)},"
-                    f" not at {_shown(asked)}"
+                    f"the planner {choice.name} found a path that {end} at {_shown(place)},"
+                    f" not at {_shown(expected)}"
                 )
         for a, b in itertools.pairwise(points):
-            if not question.free(a, b):
+            if not query.free(a, b):
                 raise PlannerError(
                     f"the planner {choice.name} found a path that is not free from {_shown(a)}"
                     f" to {_shown(b)}; ask checkMotion of its space information about each segment"
@@ -342,44 +326,44 @@ class _Search:
 
     def _budget(self) -> Any:
         count = itertools.count(1)
-        setup, watch, most = self._setup, self._watch, self._iterations
+        setup, watch, limit = self._setup, self._watch, self._settings.iterations
 
-        # AORRTC keeps this function: it must not keep the planner in turn, but `setup` lets go.
+        # AORRTC keeps this function, so it must not refer to the planner, except by `setup`.
         def spent() -> bool:
-            return next(count) > most or watch.iteration(setup.planner)
+            return next(count) > limit or watch.iteration(setup.planner)
 
         return ob.PlannerTerminationCondition(spent)
 
     def _through_roadmap(self) -> list[Point] | None:
         """Return a path over the samples of a PRM.
 
-        Its own search runs in a thread that never gets to ask a Python budget, so only the
-        samples and links are OMPL's, and the search is done here.
+        OMPL's search runs in a thread that never calls the Python budget, so OMPL provides samples
+        and links only.
         """
         self._setup.planner.growRoadmapPtc(self._budget())
         data = ob.PlannerData(self._setup.information)
         self._setup.planner.getPlannerData(data)
         places = [_place(data.getVertex(k).getState()) for k in range(data.numVertices())]
         links: list[list[int]] = [sorted(data.getEdges(k)) for k in range(data.numVertices())]
-        return _over_samples(places, links, self._question)
+        return _over_samples(places, links, self._query)
 
-    def _finished(self, path: Any, simplify: bool) -> list[Point]:
+    def _finished(self, path: Any) -> list[Point]:
         self._watch.solved()
-        if simplify:
+        if self._settings.simplify:
             og.PathSimplifier(self._setup.information).simplifyMax(path)
-        return self._setup.points(path)
+        return points_of(path, self._query.start, self._query.goal)
 
 
 def _how(kind: type, why: Exception) -> str:
-    """Return the line in which planner `kind` of one's own failed, and an error's words.
+    """Return the line in which a custom planner failed, and the message of the error.
 
-    Where OMPL could make nothing of it, that is the line that defines it.
+    If OMPL itself failed, it is the line that defines the class.
     """
     words = f"{type(why).__name__}: {why}".partition("\n")[0].removesuffix(": ")
     last = traceback.extract_tb(why.__traceback__)[-1]
     file, line = Path(last.filename), last.lineno
     if file.parent == Path(__file__).parent:
-        with suppress(OSError, TypeError):  # typed in, or written in C++
+        with suppress(OSError, TypeError):  # defined interactively, or in C++
             file, line = Path(inspect.getfile(kind)), inspect.getsourcelines(kind)[1]
         needs = "call OMPL's __init__, and return ob.PlannerStatus(…) from solve"
         words = f"as OMPL asked it; it must {needs} ({words})"
@@ -395,15 +379,15 @@ def _place(state: Any) -> Point:
 
 
 def _over_samples(
-    places: list[Point], links: list[list[int]], question: OmplQuery
+    places: list[Point], links: list[list[int]], query: OmplQuery
 ) -> list[Point] | None:
-    """Return the shortest path over samples and links, both ends linked to their neighbours."""
+    """Return the shortest path over samples and links, with both ends linked to neighbours."""
     start, goal = len(places), len(places) + 1
-    places = [*places, question.start, question.goal]
+    places = [*places, query.start, query.goal]
     near: dict[int, list[int]] = {}
     for end in (start, goal):
         order = sorted(range(start), key=lambda k: math.dist(places[k], places[end]))
-        near[end] = [k for k in order[:_NEIGHBOURS] if question.free(places[end], places[k])]
+        near[end] = [k for k in order[:_NEIGHBOURS] if query.free(places[end], places[k])]
     to_goal = set(near[goal])
     best = {start: 0.0}
     before: dict[int, int] = {}
@@ -415,7 +399,7 @@ def _over_samples(
             while chain[-1] != start:
                 chain.append(before[chain[-1]])
             return [places[k] for k in reversed(chain)]
-        # Reached on a shorter path since it was queued: `heapq` can't take entries back.
+        # The place was reached on a shorter path since, and `heapq` cannot remove entries.
         if so_far > best[here]:
             continue
         nexts = near[start] if here == start else links[here]

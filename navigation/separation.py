@@ -8,22 +8,25 @@ from dataclasses import dataclass, fields
 from numbers import Real
 from typing import Any, Protocol, TypeAlias, TypeGuard
 
-from .enclosure import Enclosure
 from .encounter import Shapes
 from .kernels.encounter import Encounter
-from .kernels.laws import LawEvaluator, LinearLaw, PathIntegralLaw, PythonLaw, ScaledLaw
+from .kernels.laws import (
+    LawEvaluator,
+    LinearLaw,
+    PathIntegralLaw,
+    PythonLaw,
+    ScaledLaw,
+    evaluator_of,
+)
+from .kernels.results import Enclosure
 from .machines import Machine, longest_stop
 from .motion import Motion, Piece
 
 _LONG = 1e4
-"""Seconds. Longer than any law looks ahead or back."""
+"""Seconds. More than the horizon of any law."""
 
 WALKING_SPEED = 1.6
-"""m/s. ISO 13855:2010's approach speed of people who walk."""
-
-
-_TRIED = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 1.0))
-"""Speeds of human and robot in m/s, each pair as fast as the one before or faster."""
+"""Approach speed of walking people in ISO 13855:2010, in m/s."""
 
 
 class Law(Protocol):
@@ -80,7 +83,7 @@ AnyLaw: TypeAlias = Law | MotionLaw
 
 @dataclass(frozen=True)
 class _KernelLaw:
-    """A law that the monitor's kernel computes. Its terms are figures of at least 0."""
+    """Law that the monitor's kernel evaluates. Its values are at least 0."""
 
     def __post_init__(self) -> None:
         for term in fields(self):
@@ -90,7 +93,16 @@ class _KernelLaw:
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """See `MotionLaw`."""
-        return requirement(self, encounter, begin, end)
+        return self.evaluator().required(encounter, begin, end)
+
+    def evaluator(self) -> LawEvaluator:
+        """Return the kernel's evaluator. Methods of derived classes are called in Python."""
+        kind = type(self)
+        base = next(base for base in kind.__mro__ if base in _EVALUATORS)
+        own_required = kind.required is not _KernelLaw.required
+        if own_required or getattr(kind, "distance", None) is not getattr(base, "distance", None):
+            return PythonLaw(self, is_of_speeds(self), own_required)
+        return _EVALUATORS[base](self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -327,25 +339,7 @@ def is_of_motions(law: AnyLaw) -> TypeGuard[MotionLaw]:
     return hasattr(law, "required")
 
 
-def requirement(law: AnyLaw, encounter: Encounter, begin: float, end: float) -> Enclosure:
-    """Return the distance in metres that any law requires in `encounter` from `begin` to `end`.
-
-    See `MotionLaw`.
-    """
-    return kernel_of(law).required(encounter, begin, end)
-
-
-def kernel_of(law: AnyLaw) -> LawEvaluator:
-    """Return the kernel's evaluator of `law`. Custom laws are called in Python."""
-    if isinstance(law, LawEvaluator):
-        return law
-    make = _KERNELS.get(type(law))  # derived classes may change what they ask for
-    if make is None:
-        return PythonLaw(law, is_of_speeds(law), is_of_motions(law))
-    return make(law)
-
-
-_KERNELS: dict[type, Callable[[Any], LawEvaluator]] = {
+_EVALUATORS: dict[type, Callable[[Any], LawEvaluator]] = {
     SeparationLaw: lambda law: LinearLaw(law.t1 + law.t2, law.t1, law.stopping, law.intrusion),
     IntegralLaw: lambda law: PathIntegralLaw(
         law.t1,
@@ -355,7 +349,7 @@ _KERNELS: dict[type, Callable[[Any], LawEvaluator]] = {
     ),
     ApproachLaw: lambda law: LinearLaw(0.0, 0.0, 0.0, law.distance(0.0, 0.0)),
     FixedDistance: lambda law: LinearLaw(0.0, 0.0, 0.0, law.metres),
-    Scaled: lambda law: ScaledLaw(kernel_of(law.law), law.factor, law.cap),
+    Scaled: lambda law: ScaledLaw(evaluator_of(law.law), law.factor, law.cap),
 }
 
 
@@ -364,8 +358,8 @@ def required_at(
 ) -> float:
     """Return the distance in metres that `law` requires of two motions at `t` (seconds).
 
-    At a change of speed it is the requirement after it. The encounter that a law is asked about
-    measures between centres, or between the surfaces of `shapes`.
+    At a change of speed it is the requirement after it. The encounter for the law has distances
+    between centres, or between the surfaces of `shapes`.
     """
     return required_along(law, person, machine, shapes)(t)
 
@@ -378,12 +372,12 @@ def required_along(
         distance = law.distance
         return lambda t: float(distance(person.state(t).speed, machine.state(t).speed))
     gauges = () if shapes is None else shapes.gauges
-    encounter, asked = Encounter(person, machine, gauges), kernel_of(law)
+    encounter, evaluator = Encounter(person, machine, gauges), evaluator_of(law)
 
     def required(t: float) -> float:
         encounter.come_to(t)
         encounter.next_stretch(t)
-        return asked.required(encounter, t, t).value
+        return evaluator.required(encounter, t, t).value
 
     return required
 
@@ -396,7 +390,7 @@ def required_at_speeds(law: AnyLaw, human_speed: float, robot_speed: float) -> f
 
 
 def _steady(speed: float) -> Motion:
-    """Return going straight on at `speed` (m/s) for long before t = 0 and after."""
+    """Return a straight motion at `speed` (m/s) long before and after t = 0."""
     nowhere = (0.0, 0.0, 0.0, 0.0)
     return Motion((Piece(-_LONG, _LONG, (0.0, speed, 0.0, 0.0), nowhere, nowhere),))
 
@@ -404,23 +398,3 @@ def _steady(speed: float) -> Motion:
 def _require_length(name: str, length: float) -> None:
     if not (isinstance(length, Real) and math.isfinite(length) and length >= 0):
         raise ValueError(f"{name} must be a number of at least 0, not {length!r}")
-
-
-def require_sense(law: AnyLaw) -> None:
-    """Raise `ValueError` if an object is no law, or decreases with a speed.
-
-    Only a few speeds are tested.
-    """
-    if not (hasattr(law, "distance") or is_of_motions(law)):
-        raise ValueError(f"a law has a method distance or required, {law!r} has neither")
-    if type(law) is FixedDistance or not is_of_speeds(law):
-        return
-    tried = [law.distance(human, robot) for human, robot in _TRIED]
-    # Each beside the one before it, and the first beside itself. NaN is not at least anything.
-    for speeds, metres, least in zip(_TRIED, tried, [tried[0], *tried], strict=False):
-        if not metres >= least:
-            raise ValueError(
-                f"{law!r} asks for {metres} m at speeds of {speeds[0]:g} (human) and"
-                f" {speeds[1]:g} m/s (robot), but for {least} m at lower ones;"
-                " a law must not ask for less when speeds grow"
-            )

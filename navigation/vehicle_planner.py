@@ -1,13 +1,12 @@
 """Paths of vehicles with a footprint: guided by the roadmaps of discs, otherwise OMPL's in SE(2).
 
-A path consists of straight drives and turns on the spot. FCL answers what is free. A drive is one
-query about a box that encloses the swept area. It is that area itself where a rectangle drives
-along its heading. A turn is free where the disc around it is, and otherwise where larger boxes at
-angles in between are.
+A path consists of straight drives and turns on the spot. FCL tests them. A drive is one query about
+a box that encloses the swept area. For a rectangle along its heading, the box is that area. A turn
+is free if the disc around it is, or otherwise if larger boxes at intermediate angles are.
 
 Most vehicles turn in open places and pass narrow ones straight. So the shortest path of a disc that
-is little wider than the vehicle shows the way. Its bends move to the nearest places where the
-vehicle can turn. Where that leads nowhere, RRT-Connect searches in SE(2).
+is little wider than the vehicle guides the search. Its bends move to the nearest places where the
+vehicle can turn. If that fails, RRT-Connect searches in SE(2).
 """
 
 from __future__ import annotations
@@ -37,33 +36,33 @@ from .vehicles import Pose, VehicleLimits
 from .world import CollisionWorld
 
 SLACK = 1e-3
-"""Metres. A path keeps this distance from what is in its way, so that rounding does not decide."""
+"""Clearance of a path in metres, so that rounding does not decide."""
 
 _SAG = 0.02
-"""Metres. Turning boxes are larger by this, so that they enclose the turn from one to the next."""
+"""Margin of the boxes of a turn in metres, so that they enclose the turn from one to the next."""
 
 _ROOM = 0.1
-"""Metres. The narrowest disc that shows the way is wider than the vehicle by this on each side."""
+"""Margin on each side of the narrowest disc that guides the search, in metres."""
 
 _ITERATIONS = 2_500
-"""Number of OMPL's iterations of one search."""
+"""Number of OMPL's iterations per search."""
 
 _BIT = 0.1
-"""Metres. Steps in which a vehicle looks for room to turn straight on or back."""
+"""Step in metres of the search for a place to turn, straight ahead or back."""
 
 _TRIED = 3
 """Number of headings at a goal without one to which OMPL plans."""
 
 _THICK = 1.0
-"""Metres. Height of boxes for FCL: all that counts is in the plane."""
+"""Height of boxes for FCL in metres. Only the plane counts."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class VehiclePath:
-    """A path of a vehicle: straight drives and turns on the spot.
+    """Path of a vehicle: straight drives and turns on the spot.
 
     `poses` are (N, 3): x, y (metres) and rotation (radians), the start first. Each pose differs
-    from the one before in its place or in its rotation.
+    from the previous one in its place or in its rotation.
     """
 
     poses: NDArray[np.float64]
@@ -73,27 +72,27 @@ class VehiclePath:
 
     @property
     def length(self) -> float:
-        """Metres."""
+        """Length in metres."""
         return float(np.hypot(*np.diff(self.poses[:, :2], axis=0).T).sum())
 
     @property
     def turned(self) -> float:
-        """The sum of all turns, radians."""
+        """Sum of all turns in radians."""
         return float(np.abs(np.diff(self.poses[:, 2])).sum())
 
 
 class VehiclePlanner:
-    """Finds paths for a vehicle among what is on the floor of a collision world.
+    """Planner of paths for a vehicle on the floor of a collision world.
 
     Parameters
     ----------
     world : CollisionWorld
-        The floor and the bodies on it. They count as they are at each query.
+        Floor and bodies, in their state at each query.
     footprint : Polygon
         Area that the vehicle covers at the origin with the heading 0, metres. It turns about the
         origin.
     limits : VehicleLimits, optional
-        Limits of the vehicle, which say what it can drive and how long that takes.
+        Limits of the vehicle, which determine possible drives and durations.
     seed : int, optional
         Seed of OMPL's samples.
 
@@ -120,7 +119,7 @@ class VehiclePlanner:
         self._corners = [(float(x), float(y)) for x, y in footprint.exterior.coords[:-1]]
         self._outer = float(np.hypot(*np.array(self._corners).T).max())
         self._inner = float(footprint.exterior.distance(shapely.Point(0.0, 0.0)))
-        # Half a step of δ from a box, a corner is r sin(δ / 2) from it at most.
+        # Half a step of δ from a box, the distance of a corner is at most r sin(δ / 2).
         self._step = 2 * math.asin(min(_SAG / self._outer, 1.0))
         self._shape = region(footprint)
         self._box = fcl.Box(1.0, 1.0, _THICK)
@@ -204,7 +203,7 @@ class VehiclePlanner:
         return True
 
     def _headings(self, begin: Pose, to: Point) -> list[Pose]:
-        """Return poses at a goal without a rotation, the rotation of the start first."""
+        """Return free poses at a goal without a rotation, the rotation of the start first."""
         return [pose for turn in self._turns(begin) if self.fits(pose := (*to, turn))]
 
     @staticmethod
@@ -212,45 +211,47 @@ class VehiclePlanner:
         return [begin[2], *(k * math.pi / 12 for k in range(24))]
 
     def _guided(self, begin: Pose, to: Point, end: Pose | None) -> list[Pose] | None:
-        """Return a path that is straight, or along the way of a disc.
+        """Return a path that is straight, or along the path of a disc.
 
-        Where the vehicle has no room to turn at an end, it may drive straight for a bit there.
+        If the vehicle cannot turn at an end, it may drive straight to a place nearby.
         """
         for first in self._nearby(begin):
             for last in [None] if end is None else self._nearby(end):
-                way = (
+                path = (
                     self._along_way(first, to, None)
                     if last is None
                     else (self._along_way(first, (last[0], last[1]), last[2]))
                 )
-                if way is None:
+                if path is None:
                     continue
-                poses = way if first == begin else [begin, *way]
+                poses = path if first == begin else [begin, *path]
                 if last is None or end is None or last == end:
                     return poses
-                turned = poses[-1][2]  # the same heading as that of the goal, but for whole turns
+                turned = poses[-1][2]  # the heading of the goal, apart from whole turns
                 return [*poses, (*to, turned)]
         return None
 
     def _along_way(self, begin: Pose, to: Point, rotation: float | None) -> list[Pose] | None:
-        """Return the fastest path that is straight, or along the way of a disc."""
+        """Return the fastest path that is straight, or along the path of a disc."""
         legs = self.between(begin, to, rotation)
         if legs is not None:
             return [begin, *legs]
-        found = []
+        paths = []
         for planner in self._guides:
             try:
-                way = planner.plan((begin[0], begin[1]), to).points.tolist()
+                waypoints = planner.plan((begin[0], begin[1]), to).points.tolist()
             except PlanningError:
                 continue
-            places = [place for at in way[1:-1] if (place := self._room_to_turn((at[0], at[1])))]
+            places = [
+                place for at in waypoints[1:-1] if (place := self._room_to_turn((at[0], at[1])))
+            ]
             poses = _Chain(self, begin, to, rotation).shortened(places)
             if poses is not None:
-                found.append(poses)
-        return min(found, key=self.seconds, default=None)
+                paths.append(poses)
+        return min(paths, key=self.seconds, default=None)
 
     def _nearby(self, pose: Pose) -> Iterator[Pose]:
-        """Yield a pose, and the nearest one straight on or back where the vehicle can turn."""
+        """Yield a pose, and the nearest one ahead or back where the vehicle can turn."""
         yield pose
         at, c, s = (pose[0], pose[1]), math.cos(pose[2]), math.sin(pose[2])
         radius = self._outer + 2 * SLACK
@@ -264,14 +265,14 @@ class VehiclePlanner:
                     return
 
     def _room_to_turn(self, at: Point) -> Point | None:
-        """Return the place nearest to `at` where the vehicle can turn right round."""
+        """Return the place nearest to `at` where the vehicle can turn completely."""
         radius = self._outer + 2 * SLACK
         return at if self.world.free(at, radius) else self.world.nearest_free(at, radius)
 
     def _sampled(
         self, begin: Pose, to: Point, ends: Sequence[Pose], end: Pose | None
     ) -> list[Pose] | None:
-        """Return the path that RRT-Connect finds within its budget."""
+        """Return the path of RRT-Connect within its budget."""
         low_x, low_y, high_x, high_y = self.world.plan.boundary.bounds
         for k, target in enumerate(ends[:_TRIED]):
             with no_log():
@@ -294,12 +295,12 @@ class VehiclePlanner:
         return self.between(one, (other[0], other[1]), other[2]) is not None
 
     def between(self, one: Pose, to: Point, rotation: float | None) -> list[Pose] | None:
-        """Return the poses of turn, drive and turn from one pose on; None if that is not free."""
+        """Return the poses of turn, drive and turn from one pose on, or None if not free."""
         a = (one[0], one[1])
         if math.dist(a, to) < SLACK:
             return self._turn(a, one[2], one[2] if rotation is None else rotation)
         for heading in self._ways(one, to):
-            # The drive first: that is one query.
+            # The drive first, because it is one query.
             first = self._turn(a, one[2], heading) if self._drive_free(a, to, heading) else None
             if first is None:
                 continue
@@ -315,7 +316,7 @@ class VehiclePlanner:
         return [one[2], *ways] if self.limits.holonomic else ways
 
     def _turn(self, at: Point, begin: float, end: float) -> list[Pose] | None:
-        """Return the pose after a turn, the short way if that is free."""
+        """Return the pose after a turn, in the shorter direction if that is free."""
         short = math.remainder(end - begin, math.tau)
         for turn in (short, short - math.copysign(math.tau, short)):
             if abs(turn) < 1e-9:
@@ -347,14 +348,14 @@ class VehiclePlanner:
         (low, right), (high, left) = self._extent(1.0, 0.0)
         more = _SAG + SLACK
         spans = (low - more, high + more), (right - more, left + more)
-        # The middle of each step: boxes at its ends are less than a step away.
+        # Boxes in the middle of each step enclose the turn to its ends.
         angles = (begin + (end - begin) * (k + 0.5) / count for k in range(count))
         return all(self._box_free(at, (math.cos(a), math.sin(a)), *spans) for a in angles)
 
     def _box_free(
         self, at: Point, direction: Point, along: tuple[float, float], across: tuple[float, float]
     ) -> bool:
-        """Return whether a box is free that spans so much of `direction` from `at` on."""
+        """Return whether a box is free, with spans along and across `direction` from `at`."""
         (x, y), (c, s) = at, direction
         ahead, aside = (along[0] + along[1]) / 2, (across[0] + across[1]) / 2
         length, width = along[1] - along[0], across[1] - across[0]
@@ -377,7 +378,7 @@ class VehiclePlanner:
         shape.setTranslation(middle)
 
     def _extent(self, cosine: float, sine: float) -> tuple[Point, Point]:
-        """Return the least and the greatest coordinates of the corners on axes turned so far."""
+        """Return minimum and maximum of the corners' coordinates on turned axes."""
         along = [x * cosine + y * sine for x, y in self._corners]
         across = [y * cosine - x * sine for x, y in self._corners]
         return (min(along), min(across)), (max(along), max(across))
@@ -387,13 +388,13 @@ class VehiclePlanner:
         poses = [states[0]]
         for state in states[1:]:
             legs = self.between(poses[-1], state[:2], state[2])
-            if legs is None:  # OMPL asked for a turn by another multiple of 2 π
+            if legs is None:  # OMPL's rotation differs by a multiple of 2 π
                 return [*poses, *states[states.index(state) :]]
             poses += legs
         return poses
 
     def seconds(self, poses: Sequence[Pose]) -> float:
-        """Return about how long a path takes."""
+        """Return the approximate duration of a path."""
         limits, total = self.limits, 0.0
         for one, other in itertools.pairwise(poses):
             length, turn = math.dist(one[:2], other[:2]), abs(other[2] - one[2])
@@ -404,7 +405,7 @@ class VehiclePlanner:
         return total
 
     def _require_passage(self, begin: Pose, to: Point) -> None:
-        """Raise `PlanningError` where not even the disc inside the footprint has a path."""
+        """Raise `PlanningError` if even the disc inside the footprint has no path."""
         if self._inner <= SLACK:
             return
         if not self.world.reaches((begin[0], begin[1]), to, self._inner):
@@ -415,7 +416,7 @@ class VehiclePlanner:
             raise PlanningError("unreachable", message)
 
     def _touched(self, pose: Pose) -> list[str]:
-        """Return the names of what the footprint touches in a pose."""
+        """Return the names of the obstacles that the footprint touches in a pose."""
         x, y, rotation = pose
         there = affinity.translate(
             affinity.rotate(self.footprint, rotation, origin=(0, 0), use_radians=True), x, y
@@ -424,14 +425,14 @@ class VehiclePlanner:
         return names if self.world.plan.boundary.covers(there) else ["the boundary", *names]
 
     def what_is_in_the_way(self, pose: Pose, where: str = "at") -> str:
-        """Return a sentence about what the footprint touches in a pose."""
+        """Return a sentence about the obstacles that the footprint touches in a pose."""
         names = self._touched(pose)
         what = f"touches {', '.join(names)}" if names else "has no room"
         return f"the footprint {what} {where} {_shown(pose)}"
 
 
 class _Chain:
-    """A path from place to place, by turns on the spot and drives."""
+    """Path from place to place, by turns on the spot and drives."""
 
     def __init__(
         self, planner: VehiclePlanner, begin: Pose, to: Point, rotation: float | None
@@ -440,10 +441,10 @@ class _Chain:
         self._begin = begin
         self._to = to
         self._rotation = rotation
-        self._known: dict[tuple[Pose, Point], list[Pose] | None] = {}
+        self._legs_between: dict[tuple[Pose, Point], list[Pose] | None] = {}
 
     def shortened(self, places: Sequence[Point]) -> list[Pose] | None:
-        """Return the poses of the path through as few of the places as is fastest."""
+        """Return the poses of the path without places that only delay it."""
         planner, left = self._planner, [*places]
         best = self._through(left)
         improved = True
@@ -460,7 +461,7 @@ class _Chain:
         return best
 
     def _through(self, places: Sequence[Point]) -> list[Pose] | None:
-        """Return the poses of the path through the places; None if it is not free."""
+        """Return the poses of the path through the places, or None if not free."""
         poses = [self._begin]
         for place in places:
             legs = self._legs(poses[-1], place)
@@ -472,13 +473,13 @@ class _Chain:
 
     def _legs(self, pose: Pose, place: Point) -> list[Pose] | None:
         key = (pose, place)
-        if key not in self._known:
-            self._known[key] = self._planner.between(pose, place, None)
-        return self._known[key]
+        if key not in self._legs_between:
+            self._legs_between[key] = self._planner.between(pose, place, None)
+        return self._legs_between[key]
 
 
 def footprint_fault(footprint: Polygon) -> str:
-    """Return why a polygon can be no footprint of a vehicle, or an empty text."""
+    """Return why a polygon cannot be a footprint of a vehicle, or an empty text."""
     if not isinstance(footprint, Polygon) or footprint.is_empty or not footprint.is_valid:
         return "must be a simple polygon"
     if footprint.interiors:
@@ -488,16 +489,16 @@ def footprint_fault(footprint: Polygon) -> str:
     return ""
 
 
-def _pose(given: Sequence[float], end: str) -> Pose:
-    found = np.asarray(given, dtype=float)
-    if found.shape != (3,) or not np.isfinite(found).all():
-        raise UserError(f"the {end} must be a finite x, y and rotation, found {given!r}")
-    x, y, rotation = found.tolist()
+def _pose(pose: Sequence[float], end: str) -> Pose:
+    values = np.asarray(pose, dtype=float)
+    if values.shape != (3,) or not np.isfinite(values).all():
+        raise UserError(f"the {end} must be a finite x, y and rotation, found {pose!r}")
+    x, y, rotation = values.tolist()
     return (x, y, rotation)
 
 
 def _distinct(poses: Sequence[Pose]) -> list[Pose]:
-    """Return the poses, each once in a row."""
+    """Return the poses without consecutive duplicates."""
     return [poses[0], *(b for a, b in itertools.pairwise(poses) if a != b)]
 
 

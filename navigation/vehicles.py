@@ -1,8 +1,8 @@
 """Motions of vehicles that drive freely: segments, turns on the spot, stops and twists.
 
-A segment and a turn on the spot are exact cubics of time. A vehicle that drives and turns at once
-moves on an arc, whose position is no polynomial: it becomes a spline of cubics that stays within
-0.01 mm of the arc. The heading is exact in any case.
+Segments and turns on the spot are exact cubics of time. The position of a vehicle that drives and
+turns at once is no polynomial. It becomes a spline of cubics within 0.01 mm of the arc. The heading
+is always exact.
 """
 
 from __future__ import annotations
@@ -33,22 +33,22 @@ Pose = tuple[float, float, float]
 """x, y in metres, rotation in radians."""
 
 NO_TIME = 1e-12
-"""Seconds, and metres. Less is nothing."""
+"""Durations (s) and distances (m) below this are 0."""
 
 _SLIP = 1e-2
-"""m/s. A differential drive that moves sideways by less does so as its arc is a spline."""
+"""m/s. Maximum sideways speed of a differential drive on the spline of an arc."""
 
 SIDEWAYS = 1e-4
-"""m/s and metres. A differential drive that moves sideways by less is only rounded."""
+"""m/s and metres. Sideways motion of a differential drive below this is rounding."""
 
 _ROUNDING = 1e-6
 """m/s². Error of an acceleration on a segment or in a turn."""
 
 _SPLINE = 0.02
-"""m/s². Error of an acceleration on an arc, where it is that of a spline."""
+"""m/s². Error of an acceleration on the spline of an arc."""
 
 _BESIDE = 1e-6
-"""m/s². A vehicle that accelerates to the side by less moves straight on."""
+"""m/s². Sideways acceleration below which a vehicle moves straight."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,21 +86,21 @@ class VehicleLimits:
 
     @property
     def holonomic(self) -> bool:
-        """Whether it can drive sideways."""
+        """Whether the vehicle can drive sideways."""
         return self.side_speed > 0
 
     @property
     def top_speed(self) -> float:
-        """The highest speed over the floor, m/s."""
+        """Maximum speed over the floor in m/s."""
         return math.hypot(self.speed, self.side_speed)
 
     @property
     def turning(self) -> AxisLimits:
-        """The limits of turning, in radians."""
+        """Limits of turning in radians."""
         return _axis(self.turn_speed, self.turn_acceleration, self.turn_jerk)
 
     def slower(self, share: float) -> VehicleLimits:
-        """Return these limits with a share of the speeds; `UserError` unless it is in (0, 1]."""
+        """Return these limits with a share of the speeds. `UserError` unless it is in (0, 1]."""
         if not 0 < share <= 1:
             raise UserError(f"speed_share must be more than 0 and at most 1, not {share}")
         if share == 1:
@@ -118,13 +118,13 @@ class VehicleLimits:
         if self.holonomic:
             shares.append((abs(sine), self.side_speed))
         shares = [(share, speed) for share, speed in shares if share > 1e-9]
-        most = max(share for share, _ in shares)
+        share = max(share for share, _ in shares)
         speed = min(speed / share for share, speed in shares)
-        return _axis(speed, self.acceleration / most, self.jerk / most)
+        return _axis(speed, self.acceleration / share, self.jerk / share)
 
     @property
     def longest_stop(self) -> Stop:
-        """The longest and farthest stop that these limits leave."""
+        """Longest and farthest stop within these limits."""
         ahead = longest_of_axis(_axis(self.speed, self.acceleration, self.jerk))
         times, metres = [ahead.time, longest_of_axis(self.turning).time], [ahead.distance]
         if self.holonomic:
@@ -136,39 +136,39 @@ class VehicleLimits:
 
 
 _SUDDEN = 1e3
-"""1/s. A jerk that is larger than the acceleration by this factor counts as no limit."""
+"""1/s. Ratio of jerk to acceleration above which the jerk counts as unlimited."""
 
 
 class Twist(NamedTuple):
-    """Velocity of a vehicle: m/s forwards and to the left, rad/s counterclockwise."""
+    """Velocity of a vehicle: forwards and to the left (m/s), turn rate counterclockwise (rad/s)."""
 
     forwards: float
     sideways: float
     turning: float
 
     @classmethod
-    def of(cls, given: Sequence[float]) -> Twist:
-        """Return the twist that is given as (v, ω) or (vx, vy, ω); `UserError` for another."""
+    def of(cls, values: Sequence[float]) -> Twist:
+        """Return the twist from (v, ω) or (vx, vy, ω). `UserError` for other values."""
         try:
-            numbers = [float(value) for value in given]
+            numbers = [float(value) for value in values]
         except (TypeError, ValueError):
             numbers = []
         if len(numbers) not in (2, 3):
-            raise UserError(f"a twist must be (v, ω) or (vx, vy, ω), not {given!r}")
+            raise UserError(f"a twist must be (v, ω) or (vx, vy, ω), not {values!r}")
         if not all(map(math.isfinite, numbers)):
-            raise UserError(f"a twist must be finite, not {given!r}")
+            raise UserError(f"a twist must be finite, not {values!r}")
         return cls(numbers[0], numbers[1] if len(numbers) == 3 else 0.0, numbers[-1])
 
     def check(self, limits: VehicleLimits) -> None:
-        """Raise `UserError` if it is faster than `limits` allow."""
-        for name, value, most, unit in (
+        """Raise `UserError` if the twist exceeds `limits`."""
+        for name, value, limit, unit in (
             ("speed", self.forwards, limits.speed, "m/s"),
             ("side_speed", self.sideways, limits.side_speed, "m/s"),
             ("turn_speed", self.turning, limits.turn_speed, "rad/s"),
         ):
-            if abs(value) > most * (1 + 1e-9):
+            if abs(value) > limit * (1 + 1e-9):
                 raise UserError(
-                    f"a twist of {value:g} {unit} is faster than {name}, {most:g} {unit}"
+                    f"a twist of {value:g} {unit} is faster than {name}, {limit:g} {unit}"
                 )
 
 
@@ -179,24 +179,24 @@ def vehicle_segment(
     *,
     limits: VehicleLimits | None = None,
 ) -> Motion:
-    """Return the fastest straight drive to `to`, which keeps the heading and ends at rest.
+    """Return the fastest straight drive to `to`, with a constant heading and a stop at the end.
 
     Parameters
     ----------
     current : Pose or State
-        Pose (x, y, rotation) at rest, or the state of a vehicle that moves on the same line.
+        Pose (x, y, rotation) at rest, or the state of a vehicle that moves on the line.
     to : sequence of float
         x and y, metres.
     start : float, optional
-        Time at which it begins, s.
+        Start time in seconds.
     limits : VehicleLimits, optional
         Limits of the vehicle.
 
     Raises
     ------
     ValueError
-        If the place is beside the line that a differential drive can drive on, or the vehicle
-        does not move on the line.
+        If a differential drive cannot reach the place in a straight line, or if the vehicle does
+        not move on the line.
     """
     limits = limits or VehicleLimits()
     state = _state(current)
@@ -230,9 +230,9 @@ def vehicle_turn(
     *,
     limits: VehicleLimits | None = None,
 ) -> Motion:
-    """Return the fastest turn on the spot to `rotation`, radians, which ends at rest.
+    """Return the fastest turn on the spot to `rotation` (radians), with a stop at the end.
 
-    The vehicle turns in the direction of the difference, by more than half a turn if that is more.
+    The vehicle turns by the difference of both rotations, even by more than half a turn.
 
     Parameters
     ----------
@@ -241,14 +241,14 @@ def vehicle_turn(
     rotation : float
         Rotation at the end, radians.
     start : float, optional
-        Time at which it begins, s.
+        Start time in seconds.
     limits : VehicleLimits, optional
         Limits of the vehicle.
 
     Raises
     ------
     ValueError
-        If the vehicle drives.
+        If the vehicle is driving.
     """
     limits = limits or VehicleLimits()
     state = _state(current)
@@ -268,14 +268,14 @@ def vehicle_turn(
 def vehicle_stop(
     current: State, start: float = 0.0, *, limits: VehicleLimits | None = None
 ) -> Motion:
-    """Return the fastest stop from `current`, on the line or arc on which the vehicle moves.
+    """Return the fastest stop from `current`, on the line or arc of the motion.
 
     Parameters
     ----------
     current : State
         State of the vehicle.
     start : float, optional
-        Time at which it begins, s.
+        Start time in seconds.
     limits : VehicleLimits, optional
         Limits of the vehicle.
     """
@@ -283,7 +283,7 @@ def vehicle_stop(
     (x, y, rotation), (vx, vy, turning), (ax, ay, spin) = current
     speed = math.hypot(vx, vy)
     if speed > 0 and not (turning or spin) and abs(ax * vy - ay * vx) <= _BESIDE * speed:
-        # Straight on: the axes of a holonomic drive brake in step.
+        # On a straight line, the axes of a holonomic drive brake in proportion.
         c, s = vx / speed, vy / speed
         angle = math.atan2(s, c) - rotation
         axis = limits.along(math.cos(angle), math.sin(angle))
@@ -308,9 +308,9 @@ def vehicle_twist(
     current : Pose or State
         Pose (x, y, rotation) at rest, or the state of a vehicle that moves.
     twist : sequence of float
-        (v, ω), or (vx, vy, ω) for a holonomic drive: m/s forwards and to the left, rad/s.
+        (v, ω), or (vx, vy, ω) for a holonomic drive, in m/s forwards and to the left, and rad/s.
     start : float, optional
-        Time at which it begins, s.
+        Start time in seconds.
     seconds : float, optional
         Time after which the vehicle brakes, s.
     limits : VehicleLimits, optional
@@ -336,7 +336,7 @@ def vehicle_twist(
 class TwistCourse:
     """Change of a vehicle to a twist: velocities of its axes, without an end.
 
-    `UserError` if the twist is faster than the limits.
+    `UserError` if the twist exceeds the limits.
     """
 
     def __init__(self, state: State, twist: Twist, limits: VehicleLimits) -> None:
@@ -352,7 +352,7 @@ class TwistCourse:
     def motion(self, pose: Pose, start: float, until: float, since: float = 0.0) -> Motion:
         """Return the motion from `pose` at `start` (s) on, which stops after `until`.
 
-        `since` and `until` are counted from the begin of the course (s).
+        `since` and `until` are relative to the begin of the course (s).
         """
         axes = [
             twist_axis(
@@ -383,13 +383,13 @@ def vehicle_path(
     Parameters
     ----------
     current : Pose or State
-        Pose (x, y, rotation) at rest, or the state of a vehicle that moves. It must move on the
-        segment to the first of the poses, or turn on the spot to it.
+        Pose (x, y, rotation) at rest, or the state of a moving vehicle. It must move on the segment
+        to the first of the poses, or turn on the spot to it.
     poses : iterable of sequence of float
-        x, y (metres) and rotation (radians). Each differs from the one before in its place or in
+        x, y (metres) and rotation (radians). Each differs from the previous one in its place or in
         its rotation.
     start : float, optional
-        Time at which it begins, s.
+        Start time in seconds.
     limits : VehicleLimits, optional
         Limits of the vehicle.
 
@@ -409,7 +409,7 @@ def through(
     limits: VehicleLimits,
     drive: Callable[[State, Point, float], Motion],
 ) -> Motion:
-    """Return `vehicle_path` with the straight drives that `drive(state, to, start)` returns."""
+    """Return `vehicle_path` with straight drives from `drive(state, to, start)`."""
     state, t = _state(current), float(start)
     pieces: list[Piece] = []
     for x, y, rotation in poses:
@@ -426,7 +426,7 @@ def through(
 
 
 class VehicleStops(Stops):
-    """How a vehicle stops at any instant of a motion, as fast as its limits let it."""
+    """Fastest stops of a vehicle within its limits."""
 
     limits: VehicleLimits
 
@@ -436,14 +436,14 @@ class VehicleStops(Stops):
 
 
 def stops_of(limits: VehicleLimits) -> VehicleStops:
-    """Return how a vehicle with these limits stops."""
+    """Return the stops of a vehicle with these limits."""
     stops = VehicleStops()
     stops.limits = limits
     return stops
 
 
 def _axis(speed: float, acceleration: float, jerk: float) -> AxisLimits:
-    """Return the limits of an axis; Ruckig fails at jerks that make no difference."""
+    """Return the limits of an axis. Ruckig fails for jerks that have no effect."""
     return AxisLimits(speed, acceleration, math.inf if jerk > _SUDDEN * acceleration else jerk)
 
 
@@ -469,7 +469,7 @@ def _body_axes(state: State, limits: VehicleLimits) -> list[AxisState]:
     c, s = math.cos(state.position[2]), math.sin(state.position[2])
     (vx, vy, turning), (ax, ay, spin) = state.velocity, state.acceleration
     ahead, aside = vx * c + vy * s, vy * c - vx * s
-    # The axes turn with the vehicle, so a part of the acceleration only turns the velocity.
+    # The axes turn with the vehicle, so part of the acceleration only changes the direction.
     pull, push = ax * c + ay * s + turning * aside, ay * c - ax * s - turning * ahead
     if not limits.holonomic:
         if abs(aside) > _SLIP:
@@ -477,15 +477,15 @@ def _body_axes(state: State, limits: VehicleLimits) -> list[AxisState]:
         aside = push = 0.0
     states = [(ahead, pull), (aside, push), (turning, spin)]
     return [
-        _within(AxisState(0.0, *given), axis, _SPLINE)
-        for given, axis in zip(states, _axes(limits), strict=True)
+        _within(AxisState(0.0, *state), axis, _SPLINE)
+        for state, axis in zip(states, _axes(limits), strict=True)
     ]
 
 
 def _within(state: AxisState, limits: AxisLimits, error: float = _ROUNDING) -> AxisState:
-    """Return a state without the acceleration that would end above the top speed by an `error`.
+    """Return a state without an acceleration that exceeds the top speed by at most `error`.
 
-    More than that is an acceleration for a higher top speed, which ends within the jerk limit.
+    A higher acceleration is that of a higher top speed, and ends within the jerk limit.
     """
     v, a, jerk = state.velocity, state.acceleration, limits.max_jerk
     if jerk == math.inf or v * a <= 0:

@@ -37,10 +37,10 @@ def swath_along(
     lead: Swath | None = None,
     since: float | None = None,
 ) -> Swath | None:
-    """Return where the `walk` along `corners` goes that keeps to `top_speed`, from `start` on.
+    """Return the swath of the `walk` along `corners` at `top_speed`, from `start` on.
 
-    It follows on the walk `lead`, if there is one, or on standing from `since` (seconds) on. None
-    where it can't come to rest, or slow down enough for a corner.
+    It follows the walk `lead`, or a rest from `since` (s) on. None if the person cannot come to
+    rest, or slow down enough for a corner.
     """
     return walks.walk_swath(
         flat([*corners]),
@@ -55,7 +55,7 @@ def swath_along(
 
 
 def motion_along(swath: Swath, heading: float) -> Motion:
-    """Return the motion of a walk: turned to where it goes, at first by `heading` (radians)."""
+    """Return the motion of a walk, turned to its direction, at first by `heading` (radians)."""
     return motion_of(walks.turned(swath.table, heading))
 
 
@@ -85,10 +85,10 @@ def first_conflict(one: Swath, other: Swath, least: float, begin: float) -> floa
 
 
 MAX_SPEED = 1.0
-"""m/s. A person's top speed where nothing else is said."""
+"""Default maximum speed of a person in m/s."""
 
 MAX_ACCELERATION = 2.5
-"""m/s². A person's acceleration where nothing else is said."""
+"""Default acceleration of a person in m/s²."""
 
 
 def walk(
@@ -195,7 +195,7 @@ def _started(
 
 @lru_cache
 def _check_limits(max_speed: float, max_acceleration: float) -> None:
-    """Raise `ValueError` for limits that make no sense; most people have the usual ones."""
+    """Raise `ValueError` for invalid limits. Most people have the default ones."""
     AxisLimits(max_speed, max_acceleration)
 
 
@@ -218,7 +218,7 @@ def stop_walking(motion: Motion, t: float, *, max_acceleration: float = MAX_ACCE
     """
     t = float(t)
     state = motion.state(t)
-    # v² / (2 a): on a straight line that is all it takes, and corners ahead were taken slower.
+    # v² / (2 a) suffices on a straight line, and the speed at corners ahead is lower.
     braking = state.speed**2 / (2 * max_acceleration * (1 - walks.HAIR))
     corners = walks.first_metres(remaining_path(motion, t), braking)
     if braking < walks.NOWHERE or len(corners) < 2:
@@ -291,14 +291,14 @@ def can_go_on(
 
 
 def _corners(points: ArrayLike) -> list[Corner]:
-    """Return `points` without repetitions and without those on the straight line between others."""
+    """Return `points` without repetitions and without points on a straight line between others."""
     if isinstance(points, list) and points:
         corners = walks.bends(points)
         if corners is not None:
             return corners
-    found = walks.bends([(x, y) for x, y in _checked(points).tolist()])
-    assert found is not None  # they are finite floats
-    return found
+    corners = walks.bends([(x, y) for x, y in _checked(points).tolist()])
+    assert corners is not None
+    return corners
 
 
 def _checked(points: ArrayLike) -> NDArray[np.float64]:

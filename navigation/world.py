@@ -23,10 +23,10 @@ from .kernels.numbers import numbers
 from .roadmap import HAIR, Roadmap
 
 _WIDER = 1.001
-"""Factor by which what bodies take from a radius is wider than it, for polygons around arcs."""
+"""Factor of a radius, so that it includes polygons around arcs."""
 
 _ROUNDING = 10 * TOLERANCE
-"""Metres. A disc that is this much too close to something counts as beside it."""
+"""Metres. Tolerance for a disc beside an obstacle."""
 
 
 class CollisionWorld:
@@ -75,14 +75,14 @@ class CollisionWorld:
         self.plan = plan
         minded = [gate for gate in plan.one_ways if gate.is_about("")] if gates is None else gates
         self.gates = Gates(minded)
-        """The one-way gates that are minded."""
+        """One-way gates that apply."""
         self.bottom = bottom
         self.top = plan.human.height if top is None else top
         if not self.bottom < self.top:
             raise UserError(f"heights must rise, found {self.bottom:g} … {self.top:g}")
         blocked = tuple(plan.blocked(self.bottom, self.top))
         self.floor, self.edges = ground.floor(plan.boundary, blocked)
-        """The free floor between the things that never move, one polygon or several; its edges."""
+        """Floor without obstacles, one polygon or several, and its edges."""
         self._bounds: tuple[float, float, float, float] = plan.boundary.bounds
         self._solid = ground.solid(self.floor, self._bounds)
         self._sweep = Sweep()
@@ -90,7 +90,7 @@ class CollisionWorld:
         self._there: tuple[Named[CollisionBody], MutableSequence[float]] | None = None
         self._agvs: dict[str, float] = {}
         self.changes = 0
-        """Number of times that a body came, moved or went."""
+        """Number of changes of bodies."""
         self._fixed_space: dict[float, FreeSpace] = {}
         self._roadmaps: dict[tuple[float, float], Roadmap] = {}
         self._free_space: dict[float, tuple[tuple[CollisionBody, ...], FreeSpace]] = {}
@@ -162,7 +162,7 @@ class CollisionWorld:
         self._put(name, shape, bottom, self.top if top is None else top)
 
     def remove(self, name: str) -> None:
-        """Remove the body called `name`; `KeyError` if there is none."""
+        """Remove the body called `name`. `KeyError` if there is none."""
         if name in self._agvs or name not in self._bodies:
             placed = ", ".join(n for n in self._bodies if n not in self._agvs) or "none"
             raise KeyError(f"no placed body is called {name!r} (there are: {placed})")
@@ -194,10 +194,10 @@ class CollisionWorld:
         floorplan.UserError
             See `place`.
         """
-        known = {*self._bodies, *(lane.name for lane in self.plan.lanes)}
+        names = {*self._bodies, *(lane.name for lane in self.plan.lanes)}
         for name in away:
-            if name not in known:
-                raise KeyError(f"no body is called {name!r}; {suggestion(name, sorted(known))}")
+            if name not in names:
+                raise KeyError(f"no body is called {name!r}; {suggestion(name, sorted(names))}")
         other = object.__new__(type(self))
         vars(other).update(vars(self))
         other._bodies = {name: b for name, b in self._bodies.items() if name not in away}
@@ -220,7 +220,7 @@ class CollisionWorld:
 
     @property
     def _standing(self) -> tuple[Named[CollisionBody], MutableSequence[float]]:
-        """The bodies and their bounds, put together once for as long as none moves."""
+        """Bodies and their bounds, cached until one moves."""
         if self._there is None:
             bodies = Named(self._bodies.values())
             self._there = bodies, numbers(bound for body in bodies for bound in body.bounds)
@@ -244,7 +244,7 @@ class CollisionWorld:
         self._there = None
         self.changes += 1
 
-    # The room there is
+    # Free space
 
     @property
     def walkable(self) -> shapely.Geometry:
@@ -254,19 +254,19 @@ class CollisionWorld:
     def free_space(self, radius: float) -> FreeSpace:
         """Return the free space of the centre of a disc of `radius` metres."""
         there = self.bodies
-        known = self._free_space.get(radius)
-        if known is not None and known[0] == there:
-            return known[1]
+        cached = self._free_space.get(radius)
+        if cached is not None and cached[0] == there:
+            return cached[1]
         fresh = ground.free_space(self.floor, radius, there)
         self._free_space[radius] = (there, fresh)
         return fresh
 
     def fixed_space(self, radius: float) -> FreeSpace:
         """Return the free space without bodies. It is computed once per radius."""
-        known = self._fixed_space.get(radius)
-        if known is None:
-            known = self._fixed_space[radius] = ground.fixed_space(self.floor, radius)
-        return known
+        space = self._fixed_space.get(radius)
+        if space is None:
+            space = self._fixed_space[radius] = ground.fixed_space(self.floor, radius)
+        return space
 
     def narrows(self, radius: float, abreast: int = 2) -> Narrows:
         """Return the narrow places of the floor, and 0.35 m around them.
@@ -285,11 +285,11 @@ class CollisionWorld:
         Its paths turn by at most `step` radians per waypoint. It is computed once per radius and
         step.
         """
-        known = self._roadmaps.get((radius, step))
-        if known is None:
-            known = ground.roadmap(self.floor, radius, step, self.gates.all)
-            self._roadmaps[radius, step] = known
-        return known
+        roadmap = self._roadmaps.get((radius, step))
+        if roadmap is None:
+            roadmap = ground.roadmap(self.floor, radius, step, self.gates.all)
+            self._roadmaps[radius, step] = roadmap
+        return roadmap
 
     # Queries
 
@@ -392,11 +392,11 @@ class CollisionWorld:
         inside = self.plan.boundary.contains(at)
         edge = float(shapely.distance(self.plan.boundary.exterior, at)) if inside else 0.0
         things = self.things()
-        with np.errstate(over="ignore"):  # as far away as it may be
+        with np.errstate(over="ignore"):
             gaps = shapely.distance([shape for _, shape in things], at)
-        found = [("boundary", edge)]
-        found += [(name, float(gap)) for (name, _), gap in zip(things, gaps, strict=True)]
-        return sorted(found, key=lambda named: named[1])
+        neighbours = [("boundary", edge)]
+        neighbours += [(name, float(gap)) for (name, _), gap in zip(things, gaps, strict=True)]
+        return sorted(neighbours, key=lambda named: named[1])
 
     def things(self) -> list[tuple[str, Polygon]]:
         """Return names and footprints of all obstacles and bodies."""
@@ -411,9 +411,8 @@ class CollisionWorld:
 
     def nearest_free(self, point: Point, radius: float) -> Point | None:
         """Return the nearest position with room for a disc of `radius` metres, or None."""
-        # Bodies that are neither at the point, nor at the nearest place without them and at the
-        # sides that this is on, nor between, leave all of that as it is: to cut them out would
-        # change nothing.
+        # Only bodies near the point, near its result without them, near the sides of that, or
+        # between can change the result. Add such bodies until none is missing.
         among: set[str] = set()
         while True:
             bodies = tuple(body for body in self.bodies if body.name in among)
@@ -461,12 +460,12 @@ class CollisionWorld:
                 body.clear_of(line) >= body.clear_of(at) - _ROUNDING for body in touched
             )
 
-        # So far out, none of them touches the disc any more, wherever it is among them now.
+        # Beyond this distance, none of them can touch the disc.
         reach = HAIR + sum(math.dist(b.bounds[:2], b.bounds[2:]) + 2 * radius for b in touched)
         exits = self.free_space(radius + HAIR).outward(point, reach)
-        found = [next(filter(clear, places), None) for places in exits]
+        nearest = [next(filter(clear, places), None) for places in exits]
         return sorted(
-            (place for place in found if place is not None),
+            (place for place in nearest if place is not None),
             key=lambda place: math.dist(point, place),
         )
 

@@ -1,4 +1,4 @@
-"""What happens: trials, their simulation, the referee, and what is left of a run.
+"""Trials, their simulation, the referee, and the results of a run.
 
 Names are imported when they are first used, so that the command answers `--help` without
 loading planners and geometry. They are listed in `__init__.pyi`.

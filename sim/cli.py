@@ -100,7 +100,7 @@ def main() -> None:
     # Pydantic looks for plugins in all that is installed, of which a command uses none.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # numpy's BLAS starts a thread for each core, which first of all waits for work in a loop. No
-    # array of ours is large enough for them.
+    # array of this program is large enough for them.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # a × that a terminal lacks is no failure

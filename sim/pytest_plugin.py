@@ -111,7 +111,7 @@ def pytest_pycollect_makeitem(collector: pytest.Module | pytest.Class, name: str
 def pytest_runtest_makereport(
     item: pytest.Item,
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Say in the report of a failed test what its trials came to."""
+    """Add the results of the trials to the report of a failed test."""
     report = yield
     failures = item.stash.get(_FAILURES, None)
     if failures is not None and failures.runs:
@@ -170,9 +170,9 @@ def run_trial(
 ) -> Callable[..., Run]:
     """Run a trial, `run_trial()`: the one of this test, another one, or one in a file.
 
-    A file is seen from the test's own, or a name is that of a built-in trial; either is varied as
-    the test's markers say, whereas a `Trial` is run as it is. If the test fails, the report has
-    what its runs came to, and where their replay pages are.
+    A file is relative to that of the test, and a name is that of a built-in trial. Both are varied
+    by the markers of the test. A `Trial` runs unchanged. If the test fails, the report has what its
+    runs came to, and where their replay pages are.
     """
 
     def run(chosen: Trial | str | Path = trial) -> Run:

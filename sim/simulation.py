@@ -61,11 +61,11 @@ if TYPE_CHECKING:
     from .safety.fields.guard import FieldGuard
 
 BY_COMMAND = "command"
-"""The reason for which a machine is held by command."""
+"""Reason of stops by command."""
 
 
 class Commander:
-    """Carries out commands on a stage, each at its time, and records each of them."""
+    """Carries out and records the commands of a stage at their times."""
 
     def __init__(self, stage: Stage, listener: Listener) -> None:
         self._stage = stage
@@ -110,8 +110,8 @@ class Commander:
             self._carry_out(command)
 
     def record(self, command: Command) -> None:
-        """Record a command that takes effect now. Calls of people are no events: their acts are."""
-        one, given = command.block, command.arguments
+        """Record a command that takes effect now. Calls of people are no events, but their acts."""
+        block, arguments = command.block, command.arguments
         self._listener.command(command)
         if command.person is not None:
             return
@@ -119,16 +119,16 @@ class Commander:
             Commanded(
                 send=command.send,
                 to=None if command.to is None else spot(self._stage.floorplan, command.to),
-                block=None if one is None else one.name,
-                footprint=None if one is None else [*one.footprint.exterior.coords[:-1]],
-                bottom=None if one is None else float(one.bottom),
-                top=None if one is None else float(one.top),
+                block=None if block is None else block.name,
+                footprint=None if block is None else [*block.footprint.exterior.coords[:-1]],
+                bottom=None if block is None else float(block.bottom),
+                top=None if block is None else float(block.top),
                 clear=command.clear,
                 hold=command.hold,
                 release=command.release,
                 call=command.call,
                 machine=command.machine,
-                arguments=None if given is None else [[*pair] for pair in given.items()],
+                arguments=None if arguments is None else [[*pair] for pair in arguments.items()],
             )
         )
 
@@ -161,7 +161,7 @@ class Commander:
 
 
 def schedule_blackouts(stage: Stage, blackouts: Iterable[Blackout]) -> None:
-    """Let the blackouts of a trial happen, each when its start lets it."""
+    """Schedule the blackouts of a trial."""
     for blackout in blackouts:
         stage.triggers.add(blackout.start, partial(_begin_blackout, stage, blackout))
 
@@ -189,10 +189,10 @@ def _sight_changed(stage: Stage, name: str) -> None:
 
 
 MOST_AT_ONCE, MOST_AT_ONCE_EACH = 3000, 100
-"""Number of events that may happen within a millisecond, and of those more for each body."""
+"""Maximum number of events within a millisecond: a base, and an addition for each body."""
 
 MOST_NAMED = 5
-"""Number of kinds of events that are named where simulated time stands still."""
+"""Number of kinds of events in the error about time that does not progress."""
 
 
 _Given = ParamSpec("_Given")
@@ -202,7 +202,7 @@ _Returned = TypeVar("_Returned")
 def _in_run(
     method: Callable[Concatenate[Simulation, _Given], _Returned],
 ) -> Callable[Concatenate[Simulation, _Given], _Returned]:
-    """Let a method use the modules of its run, and name the lines of errors in them."""
+    """Activate the modules of a run in a method, and add the lines of their errors to messages."""
 
     @wraps(method)
     def guarded(
@@ -287,7 +287,7 @@ class Simulation(InProgress):
         self.machines = self._stage.machines
         for name, model in models_of(trial).items():
             self._stage.add(made_by(model, name, self._stage))
-        # Before anybody's place is drawn: the floorplan knows where AGVs stand, and no other kind.
+        # Random starts of people must avoid machines, of which the floorplan contains only AGVs.
         self._stage.place_machines()
         check_own_events(trial)
         self.referee = Referee(self._stage)
@@ -594,7 +594,7 @@ class Simulation(InProgress):
         return guards
 
     def _end_with_jobs(self) -> None:
-        """Let the run end when all orders are handed in, where the gantry's jobs hand them in."""
+        """End the run after all orders are submitted, if jobs of the gantry submit them."""
         orders = [job for job in self.trial.gantry.jobs if job.kind == "submit"]
         if orders and self.trial.workload is None:
             last = Start(event="order_submitted", count=len(orders))
@@ -668,25 +668,25 @@ def run(trial: Trial, *listeners: Listener) -> Run:
 
 
 def _fastest(trial: Trial, walks: Mapping[str, RecordedWalk]) -> float:
-    """Return the highest speed (m/s) of people, those of the trial and anybody else."""
+    """Return the highest top speed of people in the trial and on the floor, m/s."""
     usual = trial.floorplan.human.max_speed
     speeds = [speed_of(entry, usual) for entry in trial.people]
     return max([usual, *speeds, *(walk.top_speed for walk in walks.values())])
 
 
 def _widest(trial: Trial) -> float:
-    """Return the largest radius (m) of people, those of the trial and anybody else."""
+    """Return the largest radius of people in the trial and on the floor, m."""
     return max(trial.floorplan.human.radius, *(entry.radius or 0.0 for entry in trial.people), 0.0)
 
 
 def _in_words(event: Event) -> str:
-    """Return the kind of an event, and who took part."""
+    """Return the kind of an event and its participants."""
     who = [str(event[key]) for key in ("person", "with", "by", "agv", "job") if key in event]
     return f"{event['kind']} ({', '.join(who)})" if who else str(event["kind"])
 
 
 class _Keeper(Listener):
-    """Keeps the events of a run."""
+    """Collects the events of a run."""
 
     def __init__(self, events: list[Event]) -> None:
         self._events = events
@@ -696,7 +696,7 @@ class _Keeper(Listener):
 
 
 class _Reactor(Listener):
-    """Lets events have their consequences, after every listener has been notified of them."""
+    """Triggers the consequences of events, after all other listeners were notified."""
 
     def __init__(self, triggers: Triggers) -> None:
         self._triggers = triggers

@@ -27,8 +27,8 @@ settings.register_profile("explore", max_examples=1000, derandomize=False, **ALW
 settings.register_profile("default", max_examples=30, derandomize=True, **ALWAYS)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
-# Hypothesis also tries the constants of whichever modules are loaded when a test begins, which
-# depends on the tests that ran before it in the same worker; there is no setting against it.
+# Hypothesis also tries constants of the modules that are loaded when a test begins. They depend on
+# the tests that ran before in the same worker, and no setting prevents it.
 with suppress(ImportError):
     from hypothesis.internal.conjecture import providers
 
@@ -49,7 +49,7 @@ notice_uncompiled()  # now, and not in the first test that runs a trial
 
 pytest_plugins = ["pytester"]
 if "floorwalker" not in entry_points(group="pytest11").names:
-    # The sources are used without being installed anew: pytest does not know the plugin yet.
+    # The sources are used without a new installation, so that pytest does not know the plugin yet.
     pytest_plugins.append("sim.pytest_plugin")
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -58,19 +58,19 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 
 def pytest_collection_finish():
-    """Let the collector leave alone what stays to the end: thousands of tests, and libraries."""
+    """Exclude thousands of tests and libraries, which stay to the end, from garbage collection."""
     gc.collect()
     gc.freeze()
 
 
 def pytest_sessionfinish():
-    """Give it back to the collector: what is left at the end, nanobind calls a leak."""
+    """Return them to the collector, because nanobind reports remaining objects as leaks."""
     gc.unfreeze()
 
 
 @pytest.fixture(autouse=True)
 def event_kinds():
-    """All kinds of events by name; what a test adds to them, or an example that it runs, ends."""
+    """Yield all kinds of events by name. Kinds added by a test are removed after it."""
     before = dict(EVENT_KINDS)
     yield EVENT_KINDS
     EVENT_KINDS.clear()
@@ -79,7 +79,7 @@ def event_kinds():
 
 @pytest.fixture(scope="session")
 def chromium():
-    """The path of Chromium or Chrome; skips where there is none."""
+    """Return the path of Chromium or Chrome, or skip the test."""
     path = installed_chromium()
     if path is None:
         pytest.skip("no Chromium on this machine")
@@ -88,7 +88,7 @@ def chromium():
 
 @pytest.fixture
 def floorwalker(capfd, monkeypatch):
-    """Runs the command here, in the folder `cwd`: a process of its own takes long to get ready."""
+    """Run the command in this process, in the folder `cwd`, because a new process starts slowly."""
 
     def called(*words, cwd="."):
         capfd.readouterr()

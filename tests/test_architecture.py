@@ -33,6 +33,7 @@ ROOMS = (
     ("trials", "views", "exports"),
     ("runs",),
     ("simulation",),
+    ("cell",),
     ("live", "studies", "testing"),
     ("bridge", "gym", "searches"),
     ("commands",),
@@ -195,7 +196,7 @@ def test_public_names_are_there(package):
 
 
 def printed_by(code: str) -> str:
-    """What a program prints in a process of its own."""
+    """Return the output of a program in a separate process."""
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True
     )

@@ -99,7 +99,7 @@ def test_the_readme_can_be_shown(built):
 
 @pytest.fixture
 def clean():
-    """The environment of somebody for whom the tested packages are nowhere in sight."""
+    """Environment variables with which the tested packages cannot be imported."""
     return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 
 

@@ -1,5 +1,6 @@
 """The documents are true: their examples run, their links lead somewhere."""
 
+import dataclasses
 import importlib
 import pkgutil
 import re
@@ -14,7 +15,7 @@ import bdi
 import floorplan
 import sim
 from floorplan.building import FloorplanSchema
-from floorplan.files.problems import form_keys, forms
+from floorplan.files.forms import fields_of, form_keys, forms
 from sim.studies.design import _StudyKeys as StudyKeys
 from sim.trials import feasibility
 from sim.trials.keys import TrialKeys
@@ -171,12 +172,22 @@ def test_the_reference_has_every_key(model):
     assert missing == set()
 
 
+def required(form):
+    """The keys of a form that have no default."""
+    if not dataclasses.is_dataclass(form):
+        return [name for name, info in form.model_fields.items() if info.is_required()]
+    needed = [key for key in fields_of(form) if key.default is dataclasses.MISSING]
+    inner = {key.composed.form for key in needed if key.composed}
+    names = [key.name for key in needed if not key.composed]
+    return [*names, *(name for part in inner for name in required(part))]
+
+
 def test_the_reference_marks_the_required_keys_of_machines():
     text = (ROOT / "docs" / "floorplan-formats.md").read_text(encoding="utf-8")
     rows = [row for row in text.splitlines() if "| required" in row]
     for key in ("agvs", "gantry"):
-        (part,) = forms(FloorplanSchema.model_fields[key].annotation)
-        needed = {f"{key}.{name}" for name, info in part.model_fields.items() if info.is_required()}
+        (part,) = forms(dict(form_keys(FloorplanSchema))[key])
+        needed = {f"{key}.{name}" for name in required(part)}
         told = {name for row in rows for name in re.findall(rf"`({key}\.\w+)[`.]", row)}
         assert told == needed
 

@@ -34,12 +34,12 @@ def value(name):
 
 
 def is_class(of):
-    """Return True for a class; on Python 3.10 `dict[str, Any]` says that it is one, too."""
+    """Return True for a class. On Python 3.10, `dict[str, Any]` also claims to be one."""
     return inspect.isclass(of) and get_origin(of) is None
 
 
 def own_docstring(of):
-    """A docstring that somebody wrote: dataclasses make one of their signature."""
+    """Return a written docstring. Dataclasses create one from their signature."""
     text = of.__doc__ or ""
     made = inspect.isclass(of) and text.startswith(f"{of.__name__}(")
     return "" if made else text.strip()
@@ -286,7 +286,7 @@ def test_worlds_say_why_they_are_not_copied(way):
 
 
 def completions(text):
-    """What IPython offers after `text`."""
+    """Return the completions of IPython after a text."""
     completer = IPCompleter(namespace={"sim": sim}, use_jedi=False)
     with provisionalcompleter():
         return {one.text for one in completer.completions(text, len(text))}
@@ -294,7 +294,7 @@ def completions(text):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_names_of_the_reference_are_those_that_are_loaded(package):
-    """Type checkers and the reference go by `__all__` in the stub, Python by its imports."""
+    """Type checkers and the reference use `__all__` of the stub, and Python its imports."""
     module = importlib.import_module(package)
     stub = ast.parse(Path(module.__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
     (listed,) = [node.value for node in stub.body if isinstance(node, ast.Assign)]

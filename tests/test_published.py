@@ -1,4 +1,4 @@
-"""What `nox -s published` makes again: all tables and pictures that no machine changes."""
+"""All tables and pictures that `nox -s published` recreates, the same on every machine."""
 
 import re
 import shutil

@@ -47,7 +47,7 @@ def test_the_commands_that_are_shown_do_what_they_should(page, trial, tmp_path, 
     shown = (TUTORIAL.parent / page).read_text(encoding="utf-8")
     lines = [line for line in shown.splitlines() if line.startswith("floorwalker ")]
     assert len(lines) > 5
-    if page == "tutorial.md":  # its first command stands behind the installation
+    if page == "tutorial.md":  # its first command follows the installation
         lines.insert(0, "floorwalker run")
     for line in lines:
         words = shlex.split(line.replace("another-run", "run").replace("run.mp4", "again.gif"))

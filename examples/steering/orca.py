@@ -261,7 +261,7 @@ def _program_3d(
 
 
 def _violated_alike(one: HalfPlane, other: HalfPlane) -> HalfPlane | None:
-    """Return the velocities that violate `other` at most as much as `one`; None if all do."""
+    """Return the velocities that violate `other` at most as much as `one`, or None if all do."""
     (ox, oy), (px, py) = one.normal, other.normal
     nx, ny = px - ox, py - oy
     length = math.sqrt(nx * nx + ny * ny)

@@ -136,7 +136,7 @@ def _decay(distance: np.ndarray, within: float) -> np.ndarray:
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
-    """Return the directions of vectors, shape (N, 2). That of a tiny vector is zero."""
+    """Return the directions of vectors, shape (N, 2). The direction of a tiny vector is zero."""
     length = lengths(vectors)
     known = length > TINY
     return np.where(known[:, None], vectors / np.where(known, length, 1.0)[:, None], 0.0)
@@ -145,5 +145,5 @@ def unit(vectors: np.ndarray) -> np.ndarray:
 def lengths(vectors: np.ndarray) -> np.ndarray:
     """Return the lengths of vectors, shape (..., 2)."""
     x, y = vectors[..., 0], vectors[..., 1]
-    # Unlike hypot, this is rounded alike on all machines.
+    # Unlike `hypot`, the result has the same bits on all machines.
     return np.asarray(np.sqrt(x * x + y * y))

@@ -1,4 +1,4 @@
-"""A gantry controller of one's own: begins nothing while somebody is near."""
+"""A custom gantry controller that begins no task while a person is near."""
 
 import math
 
@@ -7,7 +7,7 @@ NEAR = 7.0
 
 
 def polite(gantry):
-    """One task after the other, each begun only while nobody is near."""
+    """Carry out one task after the other. Begin each only while no person is near."""
     while (task := (yield gantry.next_task())) is not None:
         while any(math.dist(gantry.position[:2], p.at) < NEAR for p in (yield gantry.look())):
             yield gantry.wait(0.5)

@@ -8,16 +8,19 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
-from pydantic_core import CoreSchema
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationInfo, model_validator
+from pydantic_core import CoreSchema, PydanticCustomError
 from pydantic_core.core_schema import (
     bool_schema,
     float_schema,
     int_schema,
     no_info_after_validator_function,
+    no_info_before_validator_function,
     tuple_schema,
+    with_info_after_validator_function,
 )
 
+from .forms import composed, has_fields
 from .problems import UserError
 
 LARGEST = 1e10
@@ -77,8 +80,9 @@ def _checked_size(value: float) -> float:
     return value
 
 
-def _checked_angle(value: float) -> float:
-    if abs(value) > LARGEST_ANGLE:
+def _checked_angle(value: float, info: ValidationInfo) -> float:
+    # A rotated floor adds its rotation to the angles, and a recording has the sums.
+    if abs(value) > LARGEST_ANGLE and not has_fields(info.context):
         raise UserError(f"expected radians, found {value:g}: {value:g}° are {radians(value):.4f}")
     return value
 
@@ -98,14 +102,47 @@ class Reads:
         return dict(self._schema)
 
 
-class Judged:
-    """Annotation whose `fault` says why a value that was given in Python is out of range.
+class Expected:
+    """Annotation of the types that a value has in a file, with a `hint` for errors."""
 
-    It returns an empty text for values that can be. How a file is read stays as it is.
+    def __init__(self, hint: str, *types: type) -> None:
+        self._types = types
+        names: dict[type, str] = {
+            list: "a list",
+            tuple: "a list",
+            dict: "keys with values",
+            str: "text",
+        }
+        self._context = {
+            "forms": " or ".join(dict.fromkeys(names[one] for one in types)),
+            "hint": hint,
+        }
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_before_validator_function(self._of_type, handler(kind))
+
+    def _of_type(self, value: object) -> object:
+        if not isinstance(value, self._types):
+            raise PydanticCustomError("form", "expected {forms}; give {hint}", self._context)
+        return value
+
+
+class Fits:
+    """Annotation of a rule for a value, whether it is read from a file or given in Python.
+
+    `fault` returns the reason why a value does not fit, or an empty text. None always fits.
     """
 
     def __init__(self, fault: Callable[[Any], str]) -> None:
         self.fault = fault
+
+    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return no_info_after_validator_function(self._checked, handler(kind))
+
+    def _checked(self, value: Any) -> Any:
+        if value is not None and (fault := self.fault(value)):
+            raise UserError(fault)
+        return value
 
 
 _NUMBER = float_schema(strict=True, ge=-LARGEST, le=LARGEST, allow_inf_nan=False)
@@ -121,7 +158,7 @@ Positive = Annotated[
 ]
 """A field of a file: a number from 1e-6 to `LARGEST`."""
 
-Angle = Annotated[float, Reads(no_info_after_validator_function(_checked_angle, _NUMBER))]
+Angle = Annotated[float, Reads(with_info_after_validator_function(_checked_angle, _NUMBER))]
 """A field of a file: an angle in radians, of two turns at most."""
 
 NotNegative = Annotated[float, Reads(_NOT_NEGATIVE, time_fault)]
@@ -145,6 +182,12 @@ Pair = Annotated[tuple[float, float], Reads(_PAIR)]
 """A field of a file: two numbers from -`LARGEST` to `LARGEST`."""
 
 
+Position = Annotated[
+    tuple[float, float], Reads(_PAIR), Expected("a position [x, y] in metres", list, tuple)
+]
+"""A field of a file: a position (x, y) in metres."""
+
+
 def _rising(pair: tuple[float, float]) -> tuple[float, float]:
     if pair[0] >= pair[1]:
         raise UserError(f"must be [low, high] with low < high, found {list(pair)}")
@@ -155,7 +198,7 @@ Range = Annotated[tuple[float, float], Reads(no_info_after_validator_function(_r
 """A field of a file: [low, high] with low < high, from -`LARGEST` to `LARGEST`."""
 
 
-KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True)
+KEYS = ConfigDict(extra="forbid", str_strip_whitespace=True, arbitrary_types_allowed=True)
 """How a dataclass is read that is a part of a file: unknown keys are refused."""
 
 
@@ -188,6 +231,17 @@ class Keyed:
         """Shorten the representation. `dataclass` leaves one that is there already unchanged."""
         super().__init_subclass__()
         cls.__repr__ = brief  # type: ignore[method-assign]
+
+
+class ComposedKeys:
+    """Base of dataclasses with fields that a file gives by several keys: see `Composed`."""
+
+    __pydantic_config__: ClassVar[ConfigDict] = KEYS
+
+    @model_validator(mode="before")
+    @classmethod
+    def _compose(cls, keys: Any, info: ValidationInfo) -> Any:
+        return keys if has_fields(info.context) else composed(cls, keys)
 
 
 class Strictly(BaseModel):

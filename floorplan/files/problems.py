@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 import difflib
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeAlias, TypeVar, get_args, get_type_hints
+from typing import Any, TypeAlias, TypeVar
 
-from pydantic import BaseModel, GetCoreSchemaHandler, ValidationError
-from pydantic_core import CoreSchema
+from pydantic import ValidationError
+
+from .forms import keys_below
 
 _Error = TypeVar("_Error", bound="InputError")
 
@@ -143,6 +143,7 @@ EXPECTED = {
     "finite_number": "a finite number",
     "float_parsing": "a number",
     "float_type": "a number",
+    "form": "{forms}",
     "greater_than": "more than {gt:g}",
     "greater_than_equal": "at least {ge:g}",
     "int_type": "a whole number",
@@ -159,9 +160,6 @@ EXPECTED = {
 }
 """Expected values, by pydantic's name for the misfit. Patterns are those of names alone."""
 
-CALLED = "\0name"
-"""Key for the name of a thing, under which a file has its other keys. No file can contain it."""
-
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 MISSING = ("missing", "missing_argument")
 FORMS = (
@@ -169,6 +167,7 @@ FORMS = (
     "dataclass_type",
     "dict_type",
     "float_type",
+    "form",
     "int_type",
     "list_type",
     "literal_error",
@@ -177,16 +176,6 @@ FORMS = (
     "tuple_type",
 )
 """Misfits of a value that has not the form at all; where it may have several, others may fit."""
-
-
-class Written:
-    """Annotation that says in which `form` a file has a value, as a type that pydantic reads."""
-
-    def __init__(self, form: Any) -> None:
-        self.form = form
-
-    def __get_pydantic_core_schema__(self, kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return handler.generate_schema(self.form)
 
 
 def misfits(error: ValidationError, form: type, data: object) -> list[Fault]:
@@ -199,14 +188,16 @@ def misfits(error: ValidationError, form: type, data: object) -> list[Fault]:
         (_place(one["loc"], data, one["type"] in MISSING), dict(one))
         for one in error.errors(include_url=False)[:MOST_MISFITS]
     ]
-    nearer = {place[:k] for place, _ in found for k in range(len(place))}
-    nearer |= {place for place, one in found if one["type"] not in FORMS}
+    above = {place[:k] for place, _ in found for k in range(len(place))}
+    nearer = above | {place for place, one in found if one["type"] not in FORMS}
     others: dict[Place, list[str]] = {}
     for place, one in found:
         if one["type"] in FORMS and place not in nearer:
             others.setdefault(place, []).append(_expected(one))
     faults: dict[Fault, None] = {}
     for place, one in found:
+        if one["type"] == "value_error" and place in above:
+            continue  # keys may not fit together because one of them is misspelt
         if one["type"] not in FORMS:
             faults[_message(one, form), place] = None
         elif place in others:
@@ -245,7 +236,7 @@ def _message(misfit: dict[str, Any], form: type) -> str:
         return "is missing"
     if kind in UNKNOWN:
         *above, key = misfit["loc"]
-        known = _keys(form, above)
+        known = keys_below(form, above)
         return f"unknown key; {suggestion(str(key), known)}" if known else "unknown key"
     if kind == "value_error":
         return str(misfit["ctx"]["error"])
@@ -268,40 +259,5 @@ def _wrong_form(misfit: dict[str, Any], forms: Iterable[str]) -> str:
         message += " (to YAML 1e3 is text; write 1.0e+3 or 1000)"
     if last == EXPECTED["string_type"] and isinstance(found, bool):
         message += " (to YAML yes, no, on and off are true or false: put them in quotes)"
-    return f"{message}, found {shown(found)}"
-
-
-def _keys(form: type, above: Iterable[str | int]) -> list[str]:
-    """Return the keys that may stand below the keys `above` in a `form`, sorted."""
-    found = [form]
-    for part in above:
-        inner = [one for outer in found for one in forms(dict(form_keys(outer)).get(str(part)))]
-        found = inner or found
-    return sorted({key for one in found for key, _ in form_keys(one)})
-
-
-def form_keys(form: type) -> Iterator[tuple[str, Any]]:
-    """Yield the keys of a form, each with the type of its value."""
-    if issubclass(form, BaseModel):
-        for name, info in form.model_fields.items():
-            kind: Any = info.annotation
-            yield info.alias or name, Annotated[(kind, *info.metadata)] if info.metadata else kind
-    elif dataclasses.is_dataclass(form):
-        hints = get_type_hints(form, include_extras=True)
-        for field in dataclasses.fields(form):
-            marks = getattr(hints[field.name], "__metadata__", ())
-            alias = next(
-                (key for mark in marks if (key := getattr(mark, "alias", None))), field.name
-            )
-            if alias != CALLED:
-                yield alias, hints[field.name]
-
-
-def forms(kind: object) -> Iterator[type]:
-    """Yield the models and dataclasses in a type: those of a union, of a list's elements."""
-    if isinstance(kind, type) and (issubclass(kind, BaseModel) or dataclasses.is_dataclass(kind)):
-        yield kind
-    inner = get_args(kind)
-    written = [one.form for one in inner if isinstance(one, Written)]
-    for one in written or inner:
-        yield from forms(one)
+    hint = misfit.get("ctx", {}).get("hint")
+    return f"{message}, found {shown(found)}" + (f"; give {hint}" if hint else "")

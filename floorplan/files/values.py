@@ -13,6 +13,7 @@ from typing import (
     Any,
     Generic,
     Literal,
+    NamedTuple,
     Protocol,
     SupportsIndex,
     TypeVar,
@@ -27,8 +28,8 @@ import numpy as np
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from .fields import Judged, Keyed, Reads
-from .problems import Fault, field_name, shown, suggestion
+from .fields import Fits, Keyed, Reads
+from .problems import Fault, Place, field_name, shown, suggestion
 
 
 class _HasName(Protocol):
@@ -137,27 +138,50 @@ def require(value: object, kind: type, reader: str = "", name: str = "") -> None
 
 
 def require_fields(value: object) -> None:
-    """Check that the fields of `value`, a dataclass, and of those within it are of their types.
+    """Check that the fields of a dataclass, and of those within it, are of their types.
 
     `TypeError` says which is not. Lists and arrays count as tuples, whole numbers as floats.
     """
-    for message, place in _field_faults(value):
-        raise TypeError(f"{type(value).__name__}.{field_name(place)}: {message}")
+    for fault in _field_faults(value):
+        if fault.is_type:
+            name = field_name(fault.place)
+            raise TypeError(f"{type(value).__name__}.{name}: {fault.message}")
 
 
-def _field_faults(value: Any) -> Iterator[Fault]:
-    kept = getattr(value, "__dict__", {})
-    if SOUND in kept or _FIT in kept:
+def range_faults(value: object) -> Iterator[Fault]:
+    """Yield the values in a dataclass, and in the keyed ones within it, that are out of range.
+
+    The annotations of `floorplan.files.fields` have ranges, and `Literal` has options.
+    """
+    for fault in _field_faults(value):
+        if not fault.is_type:
+            yield fault.message, fault.place
+
+
+class _Misfit(NamedTuple):
+    """Value in a dataclass that is of another type, or out of range."""
+
+    message: str
+    place: Place
+    is_type: bool = True
+
+    def below(self, part: str | int) -> _Misfit:
+        return self._replace(place=(part, *self.place))
+
+
+def _field_faults(value: Any) -> Iterator[_Misfit]:
+    marks = getattr(value, "__dict__", {})
+    if SOUND in marks or _FIT in marks:
         return
     fit = True
     for name, hint in _fields(value.__class__):
-        held = getattr(value, name)
-        if held.__class__ is not hint or _fields(hint):
-            for message, rest in _faults(held, hint):
+        content = getattr(value, name)
+        if content.__class__ is not hint or _fields(hint):
+            for fault in _faults(content, hint):
                 fit = False
-                yield message, (name, *rest)
+                yield fault.below(name)
     if fit and _never_changes(value):
-        kept[_FIT] = True
+        marks[_FIT] = True
 
 
 def _never_changes(value: Any) -> bool:
@@ -174,46 +198,44 @@ def _never_changes(value: Any) -> bool:
 def _fields(kind: type) -> tuple[tuple[str, Any], ...]:
     """Return the fields that a dataclass is compared by, with their types.
 
-    All are Any where one of them is imported for type checkers only.
+    All are Any if one of them is imported for type checkers only.
     """
-    found = []
+    if not dataclasses.is_dataclass(kind):
+        return ()
     try:
-        hints = get_type_hints(kind)
+        hints = get_type_hints(kind, include_extras=True)
     except NameError:
         hints = {}
-    for field in dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ():
-        if not field.compare:
-            continue
+    compared = []
+    for field in dataclasses.fields(kind):
         hint = hints.get(field.name, Any)
         if get_origin(hint) is NamedField:
             hint = types.GenericAlias(tuple, (*get_args(hint), ...))
-        found.append((field.name, hint))
-    return tuple(found)
+        if field.compare:
+            compared.append((field.name, hint))
+    return tuple(compared)
 
 
-def _faults(value: object, hint: Any) -> Iterator[Fault]:
+def _faults(value: Any, hint: Any) -> Iterator[_Misfit]:
     origin = get_origin(hint)
     if origin is Annotated:
-        yield from _faults(value, get_args(hint)[0])
-        return
-    if origin in (Union, types.UnionType):
-        options = [option for option in get_args(hint) if option is not type(None)]
-        if value is None and len(options) < len(get_args(hint)):
-            return
-        found = [list(_faults(value, option)) for option in options]
-        if all(found):
-            wanted = " or ".join(map(_article, options))
-            misfit = f"expected {wanted}, found {shown(value)}", ()
-            # Of the right kind, but not right: its faults say more.
-            near = found
-            if len(found) > 1:
-                near = [f for o, f in zip(options, found, strict=True) if f[0] != _misfit(value, o)]
-            yield from near[0] if len(near) == 1 else [misfit]
+        inner, *marks = get_args(hint)
+        faults = [*_faults(value, inner)]
+        yield from faults
+        if value is not None and not any(fault.is_type for fault in faults):
+            rules = (Reads, Fits) if isinstance(value, Real) else (Fits,)
+            messages = (mark.fault(value) for mark in marks if isinstance(mark, rules))
+            yield from (_Misfit(message, (), False) for message in messages if message)
+    elif origin in (Union, types.UnionType):
+        yield from _union_faults(value, get_args(hint))
     elif hint is Any:
         return
     elif origin is Literal:
         if not isinstance(value, str):
             yield _misfit(value, hint)
+        elif value not in get_args(hint):
+            options = ", ".join(map(str, get_args(hint)))
+            yield _Misfit(f"must be one of {options}, not {value!r}", (), False)
     elif hint in _PLAIN:
         kind, _ = _PLAIN[hint]
         odd = isinstance(value, bool) and hint is not bool
@@ -226,71 +248,38 @@ def _faults(value: object, hint: Any) -> Iterator[Fault]:
             yield _misfit(value, hint)
             return
         for key, one in value.items():
-            for message, rest in _faults(one, get_args(hint)[1]):
-                yield message, (str(key), *rest)
-    # Python 3.10 takes list[str] for a type, which it then can't look for; its origin tells.
+            yield from (fault.below(str(key)) for fault in _faults(one, get_args(hint)[1]))
+    # Python 3.10 takes list[str] for a type, but isinstance does not accept it.
     elif origin is None and isinstance(hint, type) and not getattr(hint, "_is_protocol", False):
         if not isinstance(value, hint):
             yield _misfit(value, hint)
         elif dataclasses.is_dataclass(hint):
-            yield from _field_faults(value)
+            has_ranges = isinstance(value, Keyed)
+            yield from (fault for fault in _field_faults(value) if fault.is_type or has_ranges)
 
 
-def range_faults(value: object) -> Iterator[Fault]:
-    """Yield what in a dataclass, and in the keyed ones within it, its annotations exclude.
-
-    Fields of the types in `floorplan.files.fields` have ranges; of a `Literal` there are few.
-    """
-    kind: type = type(value)
-    for name, hint in _ranged_fields(kind):
-        for message, rest in _out_of_range(getattr(value, name), hint):
-            yield message, (name, *rest)
-
-
-@cache
-def _ranged_fields(kind: type) -> tuple[tuple[str, Any], ...]:
-    hints = get_type_hints(kind, include_extras=True)
-    fields = dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ()
-    found = ((field.name, hints[field.name]) for field in fields)
-    return tuple((name, hint) for name, hint in found if _has_range(hint))
-
-
-def _has_range(hint: Any) -> bool:
-    if isinstance(hint, Reads | Judged) or get_origin(hint) is Literal:
-        return True
-    if isinstance(hint, type) and issubclass(hint, Keyed):
-        return True
-    return any(map(_has_range, get_args(hint)))
-
-
-def _out_of_range(value: Any, hint: Any) -> Iterator[Fault]:
-    if value is None:
+def _union_faults(value: Any, options: tuple[Any, ...]) -> Iterator[_Misfit]:
+    """Yield the faults of the option that a value comes nearest to."""
+    if value is None and type(None) in options:
         return
-    inner = get_args(hint)
-    if get_origin(hint) is Annotated:
-        judges = Reads | Judged if isinstance(value, Real) else Judged
-        ranges = [one for one in inner[1:] if isinstance(one, judges)]
-        yield from ((fault, ()) for one in ranges if (fault := one.fault(value)))
-        yield from _out_of_range(value, inner[0])
-    elif get_origin(hint) in (Union, types.UnionType):
-        for option in inner:
-            yield from _out_of_range(value, option)
-    elif get_origin(hint) is Literal:
-        if value not in inner:
-            yield f"must be one of {', '.join(map(str, inner))}, not {value!r}", ()
-    elif isinstance(value, Mapping):
-        for key, one in value.items():
-            for message, rest in _out_of_range(one, inner[-1]):
-                yield message, (key, *rest)
-    elif get_origin(hint) is tuple and inner[-1] is Ellipsis:
-        for k, one in enumerate(value):
-            for message, rest in _out_of_range(one, inner[0]):
-                yield message, (k, *rest)
-    elif isinstance(value, Keyed) and type(value) is hint:
-        yield from range_faults(value)
+    options = tuple(option for option in options if option is not type(None))
+    faults = [[*_faults(value, option)] for option in options]
+    fit = [one for one in faults if not any(fault.is_type for fault in one)]
+    if fit:
+        yield from min(fit, key=len)
+        return
+    # A value of the right kind with faults inside says more than one of another kind.
+    near = faults
+    if len(options) > 1:
+        near = [f for o, f in zip(options, faults, strict=True) if f[0] != _misfit(value, o)]
+    if len(near) == 1:
+        yield from near[0]
+    else:
+        expected = " or ".join(map(_article, options))
+        yield _Misfit(f"expected {expected}, found {shown(value)}", ())
 
 
-def _tuple_faults(value: object, hint: Any) -> Iterator[Fault]:
+def _tuple_faults(value: Any, hint: Any) -> Iterator[_Misfit]:
     inner = get_args(hint)
     if isinstance(value, str) or not isinstance(value, Sequence | np.ndarray):
         yield _misfit(value, hint)
@@ -298,18 +287,20 @@ def _tuple_faults(value: object, hint: Any) -> Iterator[Fault]:
     if inner[-1] is Ellipsis:
         inner = inner[:1] * len(value)
     elif len(value) != len(inner):
-        yield f"expected {len(inner)} of them, found {len(value)}", ()
+        yield _Misfit(f"expected {len(inner)} of them, found {len(value)}", ())
         return
-    for k, (one, wanted) in enumerate(zip(value, inner, strict=True)):
-        for message, rest in _faults(one, wanted):
-            yield message, (k, *rest)
+    for k, (one, kind) in enumerate(zip(value, inner, strict=True)):
+        yield from (fault.below(k) for fault in _faults(one, kind))
 
 
-def _misfit(value: object, hint: Any) -> Fault:
-    return f"expected {_article(hint)}, found {shown(value)}", ()
+def _misfit(value: object, hint: Any) -> _Misfit:
+    return _Misfit(f"expected {_article(hint)}, found {shown(value)}", ())
 
 
 def _article(hint: Any) -> str:
+    """Return the name of a type with its article."""
+    if get_origin(hint) is Annotated:
+        return _article(get_args(hint)[0])
     if hint in _PLAIN:
         return _PLAIN[hint][1]
     if get_origin(hint) is Literal:

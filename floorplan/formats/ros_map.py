@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, Strict, model_validator
 from shapely.geometry import Polygon
 
-from ..building import ZoneSchema
+from ..building import MaskKeys
 from ..files.documents import Document, read_yaml, yaml_text
 from ..files.fields import SMALLEST, Angle, Number
 from ..files.problems import FloorplanError, UserError, shown
@@ -108,7 +108,7 @@ def _darkness(image: GreyImage, schema: RosMapSchema) -> NDArray[np.float64]:
 MOST_ZONES = 1_000
 
 
-def mask_zones(path: Path, name: str, rule: ZoneSchema) -> Iterator[Zone]:
+def mask_zones(path: Path, name: str, rule: MaskKeys) -> Iterator[Zone]:
     """Yield the zones of a mask of Nav2's keepout or speed filter, in metres.
 
     They are called `name`, and numbered if there are several. `FloorplanError` if there are none.
@@ -119,7 +119,7 @@ def mask_zones(path: Path, name: str, rule: ZoneSchema) -> Iterator[Zone]:
     values = _values(image, schema)[image.levels]
     if image.opaque is not None:
         values[~image.opaque] = -1
-    limits = {100: rule.max_speed}
+    limits = {100: rule.rule["max_speed"]}
     if rule.multiplier is not None:
         limits = {k: rule.base + rule.multiplier * k for k in np.unique(values).tolist() if k > 0}
     found: list[tuple[float | None, Polygon]] = []
@@ -135,13 +135,9 @@ def mask_zones(path: Path, name: str, rule: ZoneSchema) -> Iterator[Zone]:
         message = f"{schema.image} has {len(found):,} zones, expected 1 to {MOST_ZONES:,}"
         raise FloorplanError.of(path, message)
     for k, (limit, area) in enumerate(found, start=1):
-        yield Zone(
-            name=name if len(found) == 1 else f"{name}{k}",
-            area=area,
-            max_speed=limit,
-            forbidden=limit is None,
-            concerns=rule.concerns,
-        )
+        own = {"max_speed": limit, "forbidden": limit is None}
+        called = name if len(found) == 1 else f"{name}{k}"
+        yield Zone(name=called, area=area, **rule.rule | own)
 
 
 def _values(image: GreyImage, schema: RosMapSchema) -> NDArray[np.int_]:

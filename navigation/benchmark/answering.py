@@ -1,4 +1,4 @@
-"""Planners in one world, and their answers with the CPU time that these take."""
+"""Planners in one world, and their answers with CPU times."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class Answer:
     """Path of a planner and its costs, in seconds of CPU time."""
 
     points: Floats | None = None
-    """(N, 2) metres; None without a path."""
+    """(N, 2) metres, or None without a path."""
     reason: str = ""
-    """As of `PlanningError`; "failed" and the error if the planner itself failed."""
+    """Reason of `PlanningError`, or "failed" with the error of the planner."""
     planning: float = 0.0
     simplification: float = 0.0
     progress: tuple[Progress, ...] = ()
@@ -53,8 +53,8 @@ Ask = Callable[[Point, Point, int], Answer]
 """Function that returns the answer of a planner to a start and goal (metres) and a seed."""
 
 
-def known(planner: str | PlannerChoice) -> str:
-    """Return the name of `planner` in tables; `UserError` if it is unknown or not installed."""
+def table_name(planner: str | PlannerChoice) -> str:
+    """Return the name of `planner` in tables. `UserError` if it is unknown or not installed."""
     if isinstance(planner, str) and planner in PEERS:
         if not PEERS[planner].installed:
             raise UserError(f"{planner} is not installed: pip install {planner.lower()}")
@@ -84,7 +84,7 @@ def planner_in(
     own = PathPlanner(world, radius, planner=choice)
     own.prepare()
     # Checks of earlier planners on this floor are not counted, so they must not be reused either.
-    own.roadmap().asked.clear()
+    own.roadmap().verdicts.clear()
     return lambda: partial(_ask_own, own, math.inf if seconds is None else seconds)
 
 
@@ -96,7 +96,7 @@ def _ask_own(planner: PathPlanner, limit: float, start: Point, goal: Point, seed
     except PlanningError as why:
         return Answer(reason=why.reason, planning=watch.elapsed())
     taken = watch.elapsed()
-    watch.found(path.length)
+    watch.add(path.length)
     planning = min(watch.solved_after, taken)
     return Answer(
         points=path.points,
@@ -122,20 +122,20 @@ class _ProgressWatch(Watch):
         return time.process_time() - self._begin
 
     def iteration(self, planner: Any) -> bool:
-        """Record the planner's best cost, if it has one; see `Watch`."""
+        """Record the planner's best cost, if it has one: see `Watch`."""
         self._iterations += 1
         # OMPL's progress properties have the same value, but its binding cannot return them.
         if hasattr(planner, "bestCost"):
             cost = float(planner.bestCost().value())
             if cost > 0:
-                self.found(cost)
+                self.add(cost)
         return self.elapsed() > self._limit
 
     def solved(self) -> None:
-        """Record the time; see `Watch`."""
+        """Record the time: see `Watch`."""
         self.solved_after = self.elapsed()
 
-    def found(self, length: float) -> None:
+    def add(self, length: float) -> None:
         """Record a path of `length` metres, if it is the shortest so far."""
         if not self.progress or length < self.progress[-1].length:
             self.progress.append(Progress(self._iterations, self.elapsed(), length))
@@ -146,7 +146,7 @@ def _ask_peer(search: Search, start: Point, goal: Point, seed: int) -> Answer:
     begin = time.process_time()
     try:
         points = search(start, goal)
-    except Exception as why:  # a peer's own failure, whatever it is, is its answer
+    except Exception as why:  # any failure of a peer is its answer
         reason = f"failed: {type(why).__name__}"
         return Answer(reason=reason, planning=time.process_time() - begin)
     taken = time.process_time() - begin

@@ -1,4 +1,4 @@
-"""The planner benchmark: asks all planners the same questions, and evaluates their answers."""
+"""Planner benchmark: all planners answer the same questions, and the answers are evaluated."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from floorplan import Floorplan, Point, UserError
 
 from ..catalog import PlannerChoice
 from ..world import CollisionWorld
-from .answering import Answer, Ask, Progress, known, length_of, planner_in
+from .answering import Answer, Ask, Progress, length_of, planner_in, table_name
 from .questions import Question, drawn_questions, read_questions
 
 Floats = NDArray[np.float64]
 
 TOUCHES = 2e-3
-"""Metres. A path that violates the radius by more is wrong; floors of some peers are as inexact."""
+"""Metres. Maximum violation of the radius, because floors of some peers are as inexact."""
 
 _AT = 1e-6
 """Metres. Tolerance of the first and last point of a path."""
@@ -52,7 +52,7 @@ class Attempt:
     asked: Asked
     solved: bool
     reason: str
-    """Of no path: see `PlanningError`; "failed" if a peer failed."""
+    """Reason without a path: see `PlanningError`, or "failed" for a peer."""
     wrong: str
     """Empty, or "touches", "too long", "elsewhere" (does not connect start and goal), or "none"
     (denies an existing path)."""
@@ -62,9 +62,9 @@ class Attempt:
     scene_seconds: float = 0.0
     """CPU time of updating the planner after AGVs have moved."""
     memory: float = math.nan
-    """MB by which the process grew at its peak; NaN if unknown."""
+    """Growth of the process at its peak in MB, NaN if unknown."""
     length: float = math.nan
-    """Metres, like the following measures except `bends` and `turning`; NaN without a path."""
+    """Metres, as the following measures except `bends` and `turning`. NaN without a path."""
     clearance: float = math.nan
     """Minimum along the path, of its centre line."""
     bends: int = 0
@@ -76,7 +76,7 @@ class Attempt:
     """OMPL's definition, in 1/m²: see `ompl_smoothness`."""
     points: Floats | None
     progress: tuple[Progress, ...]
-    """Ever shorter paths of the search; the last one is the answer."""
+    """Shorter and shorter paths of the search. The last one is the answer."""
 
     @property
     def ratio(self) -> float:
@@ -90,9 +90,9 @@ class Attempt:
 
     @property
     def first_seconds(self) -> float:
-        """Seconds of CPU time until the first path, or the correct proof of none; otherwise inf.
+        """CPU time (s) until the first path, or the correct proof of none, otherwise inf.
 
-        With a limit of the length, a path counts as soon as it is known to keep the limit.
+        With a limit of the length, only paths within the limit count.
         """
         if not self.solved:
             return self.cpu_seconds if self.right else math.inf
@@ -110,7 +110,7 @@ class Attempt:
 
 
 def _over(length: float, best: float) -> float:
-    """Return the ratio of lengths; 1 for a start that is the goal."""
+    """Return the ratio of lengths, 1 if the start is the goal."""
     if best == 0:
         return math.nan if math.isnan(length) else 1.0
     return length / best
@@ -182,41 +182,41 @@ def benchmark(
     names = [plan.name for plan in plans]
     if twice := [name for name in names if names.count(name) > 1]:
         raise UserError(f"two floors are called {twice[0]!r}: their answers would be mixed up")
-    entries = {known(planner): planner for planner in planners}
-    found = []
+    entries = {table_name(planner): planner for planner in planners}
+    results = []
     for plan in plans:
         keep = plan.human.radius if radius is None else radius
         if questions is None:
-            asked = [*drawn_questions(plan, queries=queries or SEEDED, seed=seed, radius=keep)]
+            posed = [*drawn_questions(plan, queries=queries or SEEDED, seed=seed, radius=keep)]
         else:
-            asked = read_questions(questions, plan, radius=keep, queries=queries, seed=seed)
+            posed = read_questions(questions, plan, radius=keep, queries=queries, seed=seed)
         for name, planner in entries.items():
             world = CollisionWorld(plan)
             prepare = planner_in(planner, world, keep, iterations, seconds)
-            put = (
+            repeated = (
                 Asked(
                     **vars(question),
                     floorplan=plan.name,
                     planner=name,
                     query=number,
                     run=run,
-                    seed=seed + number + run * len(asked),
+                    seed=seed + number + run * len(posed),
                     longest=longest or math.inf,
                 )
-                for number, question in enumerate(asked)
+                for number, question in enumerate(posed)
                 for run in range(runs)
             )
-            for attempt in attempts(prepare, world, keep, put):
-                found.append(attempt)
+            for attempt in attempts(prepare, world, keep, repeated):
+                results.append(attempt)
                 if progress is not None:
                     progress(plan.name, name)
-    return found
+    return results
 
 
 def attempts(
     prepare: Callable[[], Ask], world: CollisionWorld, radius: float, questions: Iterator[Asked]
 ) -> Iterator[Attempt]:
-    """Yield the answers to `questions`; `prepare` is called after AGVs have moved."""
+    """Yield the answers to `questions`. `prepare` is called after AGVs have moved."""
     agvs = None
     for asked in questions:
         if asked.agvs != agvs:
@@ -236,7 +236,7 @@ def attempts(
 def evaluate(
     asked: Asked, answer: Answer, world: CollisionWorld, radius: float, **spent: float
 ) -> Attempt:
-    """Return `answer` with its measures in `world`; `spent` are further measures."""
+    """Return `answer` with its measures in `world`, and with `spent` as further measures."""
     points = _line(answer.points)
     measures: dict[str, Any] = {**spent}
     wrong = ""
@@ -312,8 +312,8 @@ def ompl_clearance(points: Floats, distance: Callable[[Point], float], radius: f
 def _start_of_peak() -> float:
     """Reset the peak of resident memory to its present value, and return that in MB.
 
-    NaN if the system is not Linux or forbids it. Memory that the allocator holds is not counted
-    again, so the first answers of a process grow more than later ones.
+    NaN if the system is not Linux or forbids it. Memory in the allocator does not count again, so
+    the first answers of a process grow more than later ones.
     """
     try:
         # Since Linux 4.0: see proc(5).
@@ -328,5 +328,5 @@ def _megabytes(field: str) -> float:
         status = Path("/proc/self/status").read_text(encoding="ascii")
     except OSError:
         return math.nan
-    found = re.search(rf"^{field}:\s+(\d+) kB", status, re.M)
-    return int(found[1]) / 1024 if found else math.nan
+    line = re.search(rf"^{field}:\s+(\d+) kB", status, re.M)
+    return int(line[1]) / 1024 if line else math.nan

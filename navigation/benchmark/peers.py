@@ -64,9 +64,9 @@ def _among_polygons(
 
     def inside(place: Point) -> tuple[int, Point]:
         """Return the index of the piece at `place`, and the nearest position in it."""
-        found = np.flatnonzero(shapely.intersects_xy(pieces, *place))
-        if len(found):
-            return int(found[0]), place
+        containing = np.flatnonzero(shapely.intersects_xy(pieces, *place))
+        if len(containing):
+            return int(containing[0]), place
         at = shapely.Point(place)
         nearest = int(np.argmin(shapely.distance(pieces, at)))
         x, y = shapely.shortest_line(pieces[nearest], at).coords[0]
@@ -86,7 +86,7 @@ def _jupedsim(piece: shapely.Polygon) -> Search:
 
 
 COARSENED = 0.002
-"""Metres. Error of extremitypathfinder's corners: it takes minutes to prepare finer ones."""
+"""Metres. Error of extremitypathfinder's corners, because finer ones take minutes to prepare."""
 
 
 def _coarsened(piece: shapely.Polygon) -> shapely.Polygon:
@@ -120,7 +120,7 @@ def _on_grid(
     low_x, low_y, high_x, high_y = world.plan.boundary.bounds
     xs = np.arange(low_x, high_x, CELL) + CELL / 2
     ys = np.arange(low_y, high_y, CELL) + CELL / 2
-    # Half a diagonal step away from this distance, the radius is still kept.
+    # At this distance, the middle of a diagonal step is still a radius away.
     keep = math.hypot(radius, CELL * math.sqrt(0.5))
     free = np.zeros((len(ys), len(xs)), bool)
     for piece in world.free_space(keep).pieces:
@@ -180,7 +180,7 @@ class RoadmapOfCorners:
         self._number: dict[Point, int] = {}
         low_x, low_y, high_x, high_y = world.plan.boundary.bounds
         self._floor = OmplFloor((low_x, low_y), (high_x, high_y), self._free)
-        # OMPL must let go before Python does, at exit as well.
+        # OMPL's objects must be released before Python's, at exit as well.
         self.release = weakref.finalize(self, self._floor.release)
         roadmap = world.roadmap(radius, COARSE)
         around = [roadmap.around(body)[:2].T for body in world.bodies]
@@ -206,13 +206,13 @@ class RoadmapOfCorners:
             with no_log():
                 # PRM searches in a second thread, which must not have to call Python.
                 planner.solve(ob.plannerNonTerminatingCondition())
-            # It adds start and goal. Where its thread got no time for 0.4 s, it also adds random
-            # samples, which depends on the machine.
+            # PRM adds start and goal. If its thread gets no time for 0.4 s, it also adds random
+            # samples. The samples depend on the machine, so repeat the search.
             if planner.milestoneCount() == len(samples) + 2:
                 return points_of(problem.getSolutionPath(), leave, arrive)
 
     def _free(self, a: Point, b: Point) -> bool:
-        """Return whether FCL finds the segment free; it is asked once between corner points."""
+        """Return whether the segment is free by FCL. Results between corner points are cached."""
         i, j = self._number.get(a), self._number.get(b)
         if i is None or j is None:
             return self._world.segment_free(a, b, self._keep)
@@ -259,14 +259,14 @@ class RoadmapOfCorners:
 
 
 class _Given(ob.ValidStateSampler):  # type: ignore[misc]
-    """Sampler that gives OMPL the samples that are left, one by one."""
+    """Sampler that gives OMPL the remaining samples, one by one."""
 
     def __init__(self, information: Any, left: Iterator[Point]) -> None:
         super().__init__(information)
         self._left = left
 
     def sample(self, state: Any) -> bool:
-        """Put the next sample into `state`; return False if none is left."""
+        """Put the next sample into `state`. Return False if none is left."""
         place = next(self._left, None)
         if place is not None:
             state[0], state[1] = place

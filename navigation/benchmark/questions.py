@@ -54,11 +54,11 @@ class Question:
     goal: Point
     agvs: Agvs = ()
     shortest: float = math.nan
-    """Metres of the shortest path: inf without a path, NaN if unknown. See `SHORTFALL`."""
+    """Length of the shortest path (m): inf without a path, NaN if unknown. See `SHORTFALL`."""
     listed: float = math.nan
-    """Metres that a scenario lists, otherwise NaN.
+    """Length in a scenario in metres, otherwise NaN.
 
-    It is the length of the shortest path over cells, with steps to the eight neighbours.
+    It is that of the shortest path over cells, with steps to the eight neighbours.
     """
 
 
@@ -86,8 +86,8 @@ def read_questions(
 ) -> list[Question]:
     """Return the questions of the file at `path` about `plan`, for a disc of `radius` metres.
 
-    `queries` limits their number: they are drawn by `seed`, in the order of the file.
-    `QuestionsError` lists all faults of the file, also starts and goals without room.
+    `queries` limits their number. They are drawn by `seed`, in the order of the file.
+    `QuestionsError` lists all faults of the file, including starts and goals that are not free.
     """
     reader = _QuestionsReader(plan)
     text = read_text(path, QuestionsError)
@@ -95,21 +95,21 @@ def read_questions(
         reader.read_scenario(text)
     else:
         reader.read_table(text)
-    if not reader.problems and not reader.found:
+    if not reader.problems and not reader.questions:
         raise QuestionsError.of(path, "asks no question")
     world = CollisionWorld(plan)
-    for line, question in reader.found:
+    for line, question in reader.questions:
         _move(world, question.agvs)
         for end, at in (("start", question.start), ("goal", question.goal)):
             if not world.free(at, radius):
                 reader.wrong(blocked_place(world, at, end, radius), line)
     if reader.problems:
         raise QuestionsError(str(path), sorted(reader.problems, key=lambda p: p.line or 0))
-    asked = [question for _, question in reader.found]
-    if queries is not None and queries < len(asked):
-        chosen = np.random.default_rng(seed).choice(len(asked), queries, replace=False)
-        asked = [asked[k] for k in sorted(chosen.tolist())]
-    return [*_with_lengths(asked, world, radius)]
+    questions = [question for _, question in reader.questions]
+    if queries is not None and queries < len(questions):
+        chosen = np.random.default_rng(seed).choice(len(questions), queries, replace=False)
+        questions = [questions[k] for k in sorted(chosen.tolist())]
+    return [*_with_lengths(questions, world, radius)]
 
 
 def map_of(path: Path) -> Path:
@@ -133,7 +133,7 @@ class _QuestionsReader:
 
     def __init__(self, plan: Floorplan) -> None:
         self.plan = plan
-        self.found: list[tuple[int, Question]] = []
+        self.questions: list[tuple[int, Question]] = []
         """Line and question."""
         self.problems: list[Problem] = []
 
@@ -161,8 +161,8 @@ class _QuestionsReader:
                 for lane in self.plan.lanes
             ]
             if len(self.problems) == before:
-                found = Question(start=(x0, y0), goal=(x1, y1), agvs=tuple(agvs))
-                self.found.append((line, found))
+                question = Question(start=(x0, y0), goal=(x1, y1), agvs=tuple(agvs))
+                self.questions.append((line, question))
         return None
 
     def _header_fault(self, header: Sequence[str]) -> str:
@@ -172,8 +172,8 @@ class _QuestionsReader:
                 return f"has no column {name}; the first line names x0, y0, x1, y1 and any AGVs"
         for name in header:
             if name not in columns:
-                known = suggestion(name, columns)
-                return f"{name!r} is no column, nor an AGV of {self.plan.name}; {known}"
+                hint = suggestion(name, columns)
+                return f"{name!r} is no column, nor an AGV of {self.plan.name}; {hint}"
         return "names a column twice" if len(set(header)) < len(header) else ""
 
     def _number(self, text: str, line: int, name: str = "") -> float:
@@ -205,7 +205,7 @@ class _QuestionsReader:
                     self._add_cells(line, words, values)
 
     def _add_cells(self, line: int, words: Sequence[str], values: Sequence[float]) -> None:
-        """Add cells as positions on `plan`, which is the whole map; y of cells points down."""
+        """Add cells as positions on `plan`, which is the whole map. y of cells points down."""
         width, height, x0, y0, x1, y1, optimal = values
         west, south, east, north = self.plan.boundary.bounds
         cell = (east - west) / width if width > 0 else 0.0
@@ -218,12 +218,12 @@ class _QuestionsReader:
             start, goal = (
                 (west + (x + 0.5) * cell, north - (y + 0.5) * cell) for x, y in ((x0, y0), (x1, y1))
             )
-            found = Question(start=start, goal=goal, listed=optimal * cell)
-            self.found.append((line, found))
+            question = Question(start=start, goal=goal, listed=optimal * cell)
+            self.questions.append((line, question))
 
 
 def _scenario_lines(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the lines after the version, each in words; names of maps may contain blanks."""
+    """Yield the words of each line after the version. Names of maps may contain blanks."""
     for number, line in enumerate(text.split("\n"), start=1):
         if line.strip() and not (number == 1 and line.split()[0] == "version"):
             yield number, line.rstrip().split("\t") if "\t" in line else line.split()
@@ -246,17 +246,17 @@ def _move(world: CollisionWorld, agvs: Agvs) -> None:
 def _paths(
     world: CollisionWorld, agvs: Agvs, radius: float, before: ShortestPaths | None
 ) -> ShortestPaths:
-    """Move the AGVs and return the shortest paths then; those `before` if there are no AGVs."""
+    """Move the AGVs and return the shortest paths, or those `before` if there are no AGVs."""
     _move(world, agvs)
     return before if before and not agvs else ShortestPaths(world.walkable, radius)
 
 
 def _with_lengths(
-    asked: Iterable[Question], world: CollisionWorld, radius: float
+    questions: Iterable[Question], world: CollisionWorld, radius: float
 ) -> Iterator[Question]:
     """Yield the questions with the lengths of their shortest paths."""
     paths: ShortestPaths | None = None
-    for agvs, group in itertools.groupby(asked, key=lambda question: question.agvs):
+    for agvs, group in itertools.groupby(questions, key=lambda question: question.agvs):
         paths = _paths(world, agvs, radius, paths)
         for question in group:
             yield replace(question, shortest=paths.length(question.start, question.goal))
@@ -268,15 +268,15 @@ def _ends(
     """Return two positions with room for the disc and a path between them."""
     low_x, low_y, high_x, high_y = world.plan.boundary.bounds
     pieces = [piece for piece in shapely.get_parts(paths.room) if piece.area > 0]
-    found: list[tuple[Point, int]] = []
+    drawn: list[tuple[Point, int]] = []
     for _ in range(_MOST_DRAWS):
         at = (float(rng.uniform(low_x, high_x)), float(rng.uniform(low_y, high_y)))
         if not world.free(at, radius + _SPARE_ROOM):
             continue
         (within,) = np.nonzero(shapely.intersects_xy(pieces, *at))
-        for other, piece in found:
+        for other, piece in drawn:
             if piece in within:
                 return other, at
-        found += [(at, int(piece)) for piece in within]
+        drawn += [(at, int(piece)) for piece in within]
     name = world.plan.name
     raise UserError(f"{name} has no two places for a radius of {radius:g} m with a path between")

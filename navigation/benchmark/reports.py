@@ -55,29 +55,29 @@ class Curve:
 def share(values: Sequence[float]) -> Estimate:
     """Return the mean of shares, each from 0 to 1, with Wilson's score interval.
 
-    E. B. Wilson, Probable inference, the law of succession, and statistical inference, Journal of
-    the American Statistical Association 22, 1927. Unlike the normal one it holds where all or none
-    succeed.
+    E. B. Wilson, "Probable inference, the law of succession, and statistical inference", Journal of
+    the American Statistical Association 22, 1927. Unlike the normal interval, it is valid if all or
+    none succeed.
     """
     n = len(values)
     if not n:
         return Estimate(math.nan, math.nan, math.nan)
     p = math.fsum(values) / n
-    # p (1 - p) is the variance of successes and failures, and the largest that any values from 0 to
-    # 1 with this mean can have (R. Bhatia and C. Davis, A better bound on the variance, American
-    # Mathematical Monthly 107, 2000): of shares between, the interval is rather too wide.
+    # p (1 - p) is the variance of successes and failures, and the maximum variance of any values
+    # from 0 to 1 with this mean (R. Bhatia and C. Davis, "A better bound on the variance", American
+    # Mathematical Monthly 107, 2000). For other shares the interval is wider than necessary.
     middle = (p + _Z**2 / (2 * n)) / (1 + _Z**2 / n)
     half = _Z / (1 + _Z**2 / n) * math.sqrt(p * (1 - p) / n + _Z**2 / (4 * n**2))
-    # Where all or none succeed the interval ends at p, but for rounding.
+    # If all or none succeed, the interval ends at p, apart from rounding.
     return Estimate(p, max(0.0, min(p, middle - half)), min(1.0, max(p, middle + half)))
 
 
 def median(values: Sequence[float]) -> Estimate:
     """Return the median, with the interval between two of the sorted values.
 
-    The number of values below the true median is binomial with n and 1/2 for any distribution:
-    H. A. David and H. N. Nagaraja, Order statistics, 3rd edition 2003, 7.1. Fewer than six values
-    give the interval from -inf to inf.
+    The number of values below the true median is binomial with n and 1/2 for any distribution
+    (H. A. David and H. N. Nagaraja, "Order statistics", 3rd edition 2003, 7.1). Fewer than six
+    values give the interval from -inf to inf.
     """
     if not len(values) or np.isnan(values).any():
         return Estimate(math.nan, math.nan, math.nan)
@@ -107,8 +107,8 @@ def cost_over_time(attempts: Sequence[Attempt]) -> Curve:
     """Return the median of the best length over the shortest length, over the CPU time.
 
     A question without a path so far counts as infinitely long, so that no planner gains by
-    answering only the easy ones: J. D. Gammell, M. P. Strub and V. N. Hartmann, Planner Developer
-    Tools (PDT), 2022. Questions that have no path are left out.
+    answering only the easy ones (J. D. Gammell, M. P. Strub and V. N. Hartmann, "Planner Developer
+    Tools (PDT)", 2022). Questions that have no path are left out.
     """
     attempts = [attempt for attempt in attempts if attempt.asked.shortest != math.inf]
     seconds = _sorted_times(one.cpu_seconds for a in attempts for one in a.progress)
@@ -132,7 +132,7 @@ def _sorted_times(times: Iterable[float]) -> Floats:
 
 
 def _ratios(attempt: Attempt, seconds: Floats) -> Floats:
-    """Return the best length over the shortest after each of `seconds`; infinite without one."""
+    """Return the best length over the shortest after each of `seconds`, infinite without one."""
     progress = attempt.progress if attempt.right else ()
     shortest = attempt.asked.shortest
     best = [math.inf, *(one.length / shortest if shortest else 1.0 for one in progress)]
@@ -147,10 +147,10 @@ def _curve(seconds: Floats, estimates: Sequence[Estimate]) -> Curve:
 
 @cache
 def _ranks(n: int) -> tuple[int, int]:
-    """Return the ranks (from 1) of the ends of the interval; 0 and n + 1 if there are too few."""
+    """Return the ranks (from 1) of the ends of the interval, or 0 and n + 1 for few values."""
     # The true median is below the value of rank k + 1 if at most k of the n values are below it.
-    # The lower end has the highest rank at which that has a probability of at most 2.5 %; the
-    # upper end mirrors it.
+    # The lower end has the highest rank at which that has a probability of at most 2.5 %. The upper
+    # end mirrors it.
     below = np.cumsum([math.comb(n, k) / 2**n for k in range(n)])
     low = int(np.searchsorted(below, (1 - CONFIDENCE) / 2, side="right"))
     return low, n + 1 - low
@@ -182,14 +182,14 @@ class PlannerRow:
     """Time before simplification."""
     simplification: float
     memory: float
-    """MB, the maximum by which the process grew in one answer."""
+    """Maximum growth of the process in one answer in MB."""
     length: Estimate
     ratio: Estimate
     """Length over the shortest length."""
     ratio_most: float
     """Maximum."""
     listed_ratio: Estimate
-    """Length over the length that a scenario lists; NaN without one."""
+    """Length over the length in a scenario, NaN without one."""
     clearance_least: float
     """Minimum."""
     turning: float
@@ -205,14 +205,14 @@ def summary(attempts: Sequence[Attempt]) -> list[PlannerRow]:
 
 def groups(attempts: Sequence[Attempt]) -> list[list[Attempt]]:
     """Return the attempts of each planner on each floor, in the order they were asked."""
-    found: dict[tuple[str, str], list[Attempt]] = {}
+    grouped: dict[tuple[str, str], list[Attempt]] = {}
     for attempt in attempts:
-        found.setdefault((attempt.asked.floorplan, attempt.asked.planner), []).append(attempt)
-    return list(found.values())
+        grouped.setdefault((attempt.asked.floorplan, attempt.asked.planner), []).append(attempt)
+    return list(grouped.values())
 
 
 def _row(group: Sequence[Attempt]) -> PlannerRow:
-    found = [attempt for attempt in group if attempt.solved]
+    solved = [attempt for attempt in group if attempt.solved]
     faults = Counter(attempt.wrong for attempt in group if attempt.wrong)
     right = by_question(group, [float(attempt.right) for attempt in group])
 
@@ -234,15 +234,15 @@ def _row(group: Sequence[Attempt]) -> PlannerRow:
         planning=typical("planning_seconds", group, 1000).value,
         simplification=typical("simplification_seconds", group, 1000).value,
         memory=float(max(attempt.memory for attempt in group)),
-        length=typical("length", found),
-        ratio=typical("ratio", found),
-        # Unknown if any is, like the median: the maximum of NaN and others is NaN in NumPy.
-        ratio_most=float(np.max([attempt.ratio for attempt in found])) if found else math.nan,
-        listed_ratio=typical("listed_ratio", found),
-        clearance_least=min([attempt.clearance for attempt in found], default=math.nan),
-        turning=typical("turning", found).value,
-        ompl_clearance=typical("ompl_clearance", found).value,
-        ompl_smoothness=typical("ompl_smoothness", found).value,
+        length=typical("length", solved),
+        ratio=typical("ratio", solved),
+        # Unknown if any is, as the median, because NumPy's maximum of NaN and others is NaN.
+        ratio_most=float(np.max([attempt.ratio for attempt in solved])) if solved else math.nan,
+        listed_ratio=typical("listed_ratio", solved),
+        clearance_least=min([attempt.clearance for attempt in solved], default=math.nan),
+        turning=typical("turning", solved).value,
+        ompl_clearance=typical("ompl_clearance", solved).value,
+        ompl_smoothness=typical("ompl_smoothness", solved).value,
     )
 
 
@@ -269,7 +269,7 @@ _ASKED = ("floorplan", "planner", "query", "run", "seed")
 
 
 def write_summary(rows: Sequence[PlannerRow], path: Path) -> None:
-    """Write every row as a line of `path`; the ends of intervals are in `_low` and `_high`."""
+    """Write every row as a line of `path`, with ends of intervals in `_low` and `_high`."""
     lines = []
     for row in rows:
         columns: dict[str, object] = {}

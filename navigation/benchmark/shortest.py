@@ -17,22 +17,22 @@ from numpy.typing import NDArray
 from floorplan import Point
 
 SIDES = 64
-"""Sides of the polygons that stand for discs."""
+"""Sides of the polygons that represent discs."""
 
 SHORTFALL = 1 - math.cos(math.pi / SIDES)
 """Share by which arcs may come out too short: 0.12 %."""
 
 _MARGIN = 1e-3
-"""Metres. Gaps that are no more than this wider than the disc count as closed."""
+"""Metres. Gaps that exceed the disc by at most this count as closed."""
 
 _EDGE = 1e-7
-"""Metres. How far links may leave the room, so that rounding does not cut those along its edges."""
+"""Metres. Margin of the room for links, so that rounding does not cut links along its edges."""
 
 _ROWS = 512
-"""Corners whose links are found together, to bound the memory."""
+"""Number of corners that are linked together, to limit memory."""
 
 MOST_CORNERS = 20_000
-"""Linking as many takes about a minute. Lengths on floors with more are unknown."""
+"""Maximum number of corners, which takes about a minute. On larger floors, lengths are unknown."""
 
 Floats = NDArray[np.float64]
 
@@ -47,8 +47,8 @@ class ShortestPaths:
         shapely.prepare(self._wide)
         shapely.prepare(self.room)
         self._corner, self._before, self._after = _corners(self.room)
-        known = len(self._corner) <= MOST_CORNERS
-        self._links = self._between_corners() if known else None
+        few = len(self._corner) <= MOST_CORNERS
+        self._links = self._between_corners() if few else None
 
     def length(self, start: Point, goal: Point) -> float:
         """Return the metres from `start` to `goal`: inf without a path, NaN if unknown."""
@@ -104,7 +104,7 @@ class ShortestPaths:
 
 
 def _shrunk(walkable: shapely.Geometry, radius: float) -> shapely.Geometry:
-    """Return `walkable` without what is nearer than `radius` to an edge, and without tight gaps."""
+    """Return `walkable` without the margin of `radius` metres at its edges, and tight gaps."""
     # Each edge is grown alone, because GEOS simplifies longer lines before it grows them.
     edges = [
         np.stack([points[:-1], points[1:]], axis=1)
@@ -112,30 +112,30 @@ def _shrunk(walkable: shapely.Geometry, radius: float) -> shapely.Geometry:
         for points in [shapely.get_coordinates(line)]
     ]
     grown = shapely.buffer(shapely.linestrings(np.concatenate(edges)), radius, quad_segs=SIDES // 4)
-    # What is lost when the room is shrunk by the margin and grown back is too narrow for a disc.
+    # Places that are lost when the room is shrunk by the margin and grown back are too narrow.
     wide = walkable.buffer(-radius - _MARGIN / 2, quad_segs=SIDES).buffer(_MARGIN)
     lost = walkable.buffer(-radius, quad_segs=SIDES).difference(wide).buffer(_MARGIN)
     return walkable.difference(shapely.union_all([*grown, lost]))
 
 
 def _corners(room: shapely.Geometry) -> tuple[Floats, Floats, Floats]:
-    """Return the corners that stick out into `room`, and the vectors to those on either side."""
-    found = []
+    """Return the convex corners of obstacles, and the vectors to the corners on either side."""
+    parts = []
     for polygon in shapely.get_parts(shapely.orient_polygons(room)):
         for ring in (polygon.exterior, *polygon.interiors):
             points = shapely.get_coordinates(ring)[:-1]
             before, after = np.roll(points, 1, 0) - points, np.roll(points, -1, 0) - points
             out = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] > 0
-            found.append(np.stack([points[out], before[out], after[out]]))
-    corner, before, after = np.concatenate([np.empty((3, 0, 2)), *found], axis=1)
+            parts.append(np.stack([points[out], before[out], after[out]]))
+    corner, before, after = np.concatenate([np.empty((3, 0, 2)), *parts], axis=1)
     return corner, before, after
 
 
 def _taut(along: Floats, before: Floats, after: Floats) -> NDArray[np.bool_]:
-    """Return whether a line along `along` leaves both sides of a corner on one side of it."""
-    # A shortest path is a taut string. It bends only at corners that stick out, and it comes and
-    # goes along lines that touch them there. All other links can be left out: the tangent graph of
-    # Y.-H. Liu and S. Arimoto, International Journal of Robotics Research 11, 1992.
+    """Return whether a line along `along` has both sides of a corner on one side of it."""
+    # A shortest path is taut. It bends only at convex corners of obstacles, along lines that touch
+    # them. All other links can be left out: the tangent graph of Y.-H. Liu and S. Arimoto,
+    # International Journal of Robotics Research 11, 1992.
     one = along[..., 0] * before[..., 1] - along[..., 1] * before[..., 0]
     other = along[..., 0] * after[..., 1] - along[..., 1] * after[..., 0]
     slack = 1e-9 * (1 + np.abs(along).sum(axis=-1))

@@ -1,9 +1,9 @@
-"""Hot loops over tables of numbers, compiled where the installation found a compiler.
+"""Inner loops over tables of numbers, compiled if the installation has a compiler.
 
-Each module here is Python that runs as it is. Cython compiles it, with the types that stand in the
-`.pxd` beside it, to the same results, to the last bit: no fused multiplications, and `norm` instead
-of `hypot`, of which C's and Python's differ. Tables are rows of structs by value, and `cubics` has
-the mathematics of motions. What the kernels compute is offered by the modules above.
+Each module is Python. Cython compiles it with the types in the `.pxd` of the same name. Results are
+the same to the last bit, without fused multiplications, and with `norm` instead of `hypot`, which
+differs between C and Python. Tables are rows of structs by value, and `cubics` has the mathematics
+of motions. Other packages use the modules above.
 """
 
 from . import encounter

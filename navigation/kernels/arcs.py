@@ -1,7 +1,7 @@
 """Arcs of vehicles: velocities along axes that turn with the vehicle, as cubics of time.
 
-Where the vehicle does not turn, the cubics are exact. Where it drives and turns at once, they are
-Hermite's between places and velocities on the arc, which are integrated by Gauss's rule.
+If the vehicle does not turn, the cubics are exact. If it drives and turns, they are Hermite's
+between places and velocities on the arc, which are integrated by Gauss's rule.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ if not cython.compiled:
     from .cubics import *
     from .pieces import between, merge_axes
 
-_ARC: float = 1e-5  # metres; the spline of an arc stays this close to it
-_HASTE: float = 1e-3  # m/s; largest error of the speed on an arc where the vehicle is slow,
+_ARC: float = 1e-5  # metres; maximum error of the spline of an arc
+_HASTE: float = 1e-3  # m/s; maximum error of the speed on an arc if the vehicle is slow,
 _LEAST_HASTE: float = 1e-6  # and at its top speed
-_SHARE: float = 0.9999  # of the top speeds, which a twist uses at most: arcs need fewer cubics
-_BEND: float = 0.5  # radians; a cubic of an arc turns by no more
+_SHARE: float = 0.9999  # maximum share of the top speeds for a twist, so that arcs need few cubics
+_BEND: float = 0.5  # radians; maximum turn within a cubic
 _CHANGE: float = sqrt(3.0) / 216
 _SHORTEST: float = 1e-12  # seconds; shorter phases are left out
 
-# Nodes of Gauss's rule from the middle of an interval of length 2 on, and their weights.
+# Positive nodes of Gauss's rule on an interval of length 2, and their weights.
 _NODE_1: float = 0.23861918608319693
 _NODE_2: float = 0.6612093864662645
 _NODE_3: float = 0.932469514203152
@@ -50,7 +50,7 @@ def twist_axis(
     """Return the phases of an axis that changes to a velocity, and stops after `seconds`.
 
     Its speed, acceleration and jerk are at most `top`, `rate` and `jerk`. A change of velocity is a
-    stop, seen from the target.
+    stop relative to the target.
     """
     table: Numbers = phase_room(7)
     row: Phases = phases(table)
@@ -95,7 +95,7 @@ def arc_table(
     start: float,
     top_speed: float,
 ) -> Numbers:
-    """Return the table of a vehicle whose axes ahead, aside and of turning have these phases.
+    """Return the table of a vehicle from the phases of its axes ahead, aside and of turning.
 
     It begins `since` seconds after the axes, at `x`, `y` and `rotation`, at the time `start`. The
     table is empty if the axes are at rest from then on.
@@ -141,9 +141,9 @@ def arc_table(
 
 
 def _driven(piece: PosePiece, part: PosePiece, low: float, high: float) -> PosePiece:
-    """Return the piece of a drive from `low` to `high` (seconds) in a part of constant jerks.
+    """Return the piece of a drive from `low` to `high` (s) within a part of constant jerks.
 
-    The place of `piece` is that at its begin, and its heading counts from the begin of the part.
+    The place of `piece` is that at its begin. Its heading is relative to the begin of the part.
     """
     heading: Cubic = piece.rotation
     if _rests(part.rotation):
@@ -160,7 +160,7 @@ def _driven(piece: PosePiece, part: PosePiece, low: float, high: float) -> PoseP
         )
     h: float = high - low
     middle: float = (low + high) / 2
-    # The nodes from the begin on, and the ends.
+    # The nodes, and the ends.
     n1: Position = _velocity(part, heading, middle - _NODE_3 * h / 2)
     n2: Position = _velocity(part, heading, middle - _NODE_2 * h / 2)
     n3: Position = _velocity(part, heading, middle - _NODE_1 * h / 2)
@@ -179,13 +179,13 @@ def _driven(piece: PosePiece, part: PosePiece, low: float, high: float) -> PoseP
 
 
 def _gauss(a: float, b: float, c: float, d: float, e: float, f: float) -> float:
-    """Return the integral from -1 to 1 of a function by its values at the nodes."""
+    """Return the integral of a function from -1 to 1 from its values at the nodes."""
     outer: float = _WEIGHT_3 * a + _WEIGHT_2 * b + _WEIGHT_1 * c
     return outer + _WEIGHT_1 * d + _WEIGHT_2 * e + _WEIGHT_3 * f
 
 
 def _hermite(p: float, v: float, w: float, h: float, step: float) -> Cubic:
-    """Return the cubic over h seconds from p to p + `step` with the velocities v and w there."""
+    """Return the cubic over h seconds from p to p + `step` with velocities v and w at the ends."""
     bend: float = 3 * step / (h * h) - (2 * v + w) / h
     twist: float = -2 * step / (h * h * h) + (v + w) / (h * h)
     return Cubic(p, v, bend, twist)
@@ -202,11 +202,11 @@ def _velocity(part: PosePiece, heading: Cubic, u: float) -> Position:
 
 
 def _cubics_of(part: PosePiece, top_speed: float) -> cython.Py_ssize_t:
-    """Return into how many cubics an arc is divided.
+    """Return the number of cubics for an arc.
 
-    Hermite's cubic over h seconds is off by h⁴ M / 384 at most, and its velocity by √3 h³ M / 216,
-    with M the greatest fourth derivative of the place (A. Quarteroni, R. Sacco and F. Saleri,
-    "Numerical Mathematics", 2nd edition 2007, 8.4). With the velocity U exp(i θ) in complex
+    The error of Hermite's cubic over h seconds is at most h⁴ M / 384, and that of its velocity √3
+    h³ M / 216, with M the maximum fourth derivative of the place (A. Quarteroni, R. Sacco and F.
+    Saleri, "Numerical Mathematics", 2nd edition 2007, 8.4). With the velocity U exp(i θ) in complex
     numbers, that is |3 i ω U'' + 3 i ω' U' + i ω'' U - 3 ω² U' - 3 ω ω' U - i ω³ U|, of which the
     real terms change the speed of a differential drive.
     """
@@ -216,10 +216,10 @@ def _cubics_of(part: PosePiece, top_speed: float) -> cython.Py_ssize_t:
     length: float = part.end - part.begin
     if (_rests(a) and _rests(b)) or _rests(w):
         return 1
-    speed: float = norm(_most(a, length), _most(b, length))
-    turn: float = _most(w, length)
-    pull: float = norm(_most_change(a, length), _most_change(b, length))
-    spin: float = _most_change(w, length)
+    speed: float = norm(_top_speed(a, length), _top_speed(b, length))
+    turn: float = _top_speed(w, length)
+    pull: float = norm(_top_acceleration(a, length), _top_acceleration(b, length))
+    spin: float = _top_acceleration(w, length)
     jerk: float = 6 * norm(a.j, b.j)
     twist: float = 6 * abs(w.j)
     along: float = 3 * turn * turn * pull + 3 * turn * spin * speed
@@ -234,8 +234,8 @@ def _cubics_of(part: PosePiece, top_speed: float) -> cython.Py_ssize_t:
         ),
         max(sqrt(sqrt(2 * (along + across) * turn * _CHANGE / haste)), turn / _BEND),
     )
-    found: cython.Py_ssize_t = int(ceil(length * per_second))
-    return max(found, 1)
+    count: cython.Py_ssize_t = int(ceil(length * per_second))
+    return max(count, 1)
 
 
 def _rests(c: Cubic) -> bool:
@@ -243,14 +243,14 @@ def _rests(c: Cubic) -> bool:
     return c.v == 0.0 and c.a == 0.0 and c.j == 0.0
 
 
-def _most(c: Cubic, length: float) -> float:
-    """Return the greatest speed of an axis in a stretch."""
-    most: float = max(abs(slope(c, 0.0)), abs(slope(c, length)))
+def _top_speed(c: Cubic, length: float) -> float:
+    """Return the maximum speed of an axis in a stretch."""
+    greatest: float = max(abs(slope(c, 0.0)), abs(slope(c, length)))
     if c.j != 0.0 and 0.0 < -c.a / (3 * c.j) < length:
-        most = max(most, abs(slope(c, -c.a / (3 * c.j))))
-    return most
+        greatest = max(greatest, abs(slope(c, -c.a / (3 * c.j))))
+    return greatest
 
 
-def _most_change(c: Cubic, length: float) -> float:
-    """Return the greatest acceleration of an axis in a stretch."""
+def _top_acceleration(c: Cubic, length: float) -> float:
+    """Return the maximum acceleration of an axis in a stretch."""
     return max(abs(second_slope(c, 0.0)), abs(second_slope(c, length)))

@@ -1,7 +1,7 @@
 """Fastest stops in closed form: of an axis, of a gantry on its axes, of an AGV on its lane.
 
-The profile of an axis has a limited acceleration and jerk: the double S of L. Biagiotti and C.
-Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4.
+The profile of an axis has a limited acceleration and jerk. It is the double S of L. Biagiotti and
+C. Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ if not cython.compiled:
     from .cubics import *
     from .pieces import instant, merge_axes, rest
 
-_STANDS: float = 1e-12  # m/s; an axis of less velocity and acceleration than these stands
+_STANDS: float = 1e-12  # m/s; an axis with less velocity and acceleration is at rest
 _EASES: float = 1e-7  # m/s²
 
 
 def stands(velocity: float, acceleration: float) -> bool:
-    """Return whether an axis is at rest but for rounding."""
+    """Return whether an axis is at rest, apart from rounding."""
     return abs(velocity) < _STANDS and abs(acceleration) < _EASES
 
 
@@ -35,11 +35,12 @@ def braking(
 ) -> Numbers:
     """Return the phases of the fastest stop of an axis.
 
-    Its acceleration is at most `top`, and changes by at most `jerk` in a second (inf: at once).
+    The acceleration is at most `top` and changes by at most `jerk` per second (inf: without limit).
 
-    Without an end to the acceleration, one at full jerk to a peak p and back to none is the fastest
-    change of velocity: by p² / j less what the acceleration b at the beginning has gained already,
-    b² / (2 j). Where p is more than `top`, it is kept at that for as long as the rest takes.
+    Without a limit of acceleration, the fastest change of velocity has full jerk up to a peak p and
+    back to 0. It changes the velocity by p² / j minus b² / (2 j), the part that the initial
+    acceleration b has gained before. If p exceeds `top`, the acceleration stays at `top` for the
+    remaining change.
     """
     table: Numbers = phase_room(3)
     here: Cubic = Cubic(position, velocity, 0.0, 0.0)
@@ -54,13 +55,13 @@ def braking(
         phases(table)[0] = Phase(abs(velocity) / top, here)
         phase_cut(table, 1)
         return table
-    # The velocity that is left once the acceleration has been brought to none.
+    # The velocity that remains after the acceleration is reduced to 0.
     left: float = velocity + acceleration * abs(acceleration) / (2 * jerk)
     sign = -1.0 if left > 0.0 else 1.0
-    speed: float = sign * velocity  # counted so that the acceleration has to go up
+    speed: float = sign * velocity  # with the sign for which the acceleration must rise
     slope: float = sign * acceleration
-    # From b up to p and down to none the velocity changes by (p² − b²) / (2 j) + p² / (2 j), which
-    # is to be what there is of it: p² = b² / 2 − v j.
+    # From b up to p and down to 0 the velocity changes by (p² − b²) / (2 j) + p² / (2 j). With the
+    # whole change −v, p² = b² / 2 − v j.
     square: float = slope * slope / 2 - speed * jerk
     peak: float = sqrt(square) if square > 0.0 else 0.0
     steady: float = 0.0
@@ -68,10 +69,10 @@ def braking(
     rising: float
     if peak > top:
         peak = top
-        # On the way to the limit, and the same again less the slope on the way down; what is left
-        # takes its time at the limit.
+        # The change up to the limit, and down from it. The rest of the change takes place at the
+        # limit.
         gained: float = (top * top - slope * slope) / (2 * jerk)
-        if slope > top:  # beyond its limit: that comes first
+        if slope > top:  # the acceleration first returns to its limit
             gained = -gained
             change = -jerk
         steady = (-speed - gained - top * top / (2 * jerk)) / top
@@ -95,7 +96,7 @@ def braking(
 
 
 class Stops:
-    """How a machine stops: as fast as it can."""
+    """Fastest stops of a machine."""
 
     def table(self, motion: Numbers, t: float) -> Numbers:
         """Return the table of the stop from a motion at `t` (seconds)."""
@@ -103,7 +104,7 @@ class Stops:
 
 
 class AxisStops(Stops):
-    """Each of three axes by itself; `limits` are acceleration and jerk of each."""
+    """Stops of three independent axes. `limits` are acceleration and jerk of each."""
 
     def __init__(self, limits: list[float]) -> None:
         self.limits = numbers(limits)
@@ -132,12 +133,12 @@ class AxisStops(Stops):
             ],
             t,
         )
-        # All axes stand: a motion has one piece at least, here of no length.
+        # If all axes stand, the motion has one piece without length.
         return table if len(table) > 0 else rest(t, t, x.p, y.p, r.p)
 
 
 class LaneStops(Stops):
-    """Along a lane from x, y in the direction c, s, at lane positions from `low` to `high` (m)."""
+    """Stops on a lane from (x, y) in direction (c, s), at positions from `low` to `high` (m)."""
 
     def __init__(
         self,

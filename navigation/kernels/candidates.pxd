@@ -28,7 +28,7 @@ cdef class Candidates:
     cdef Departure state
     cdef object slowed
     cdef Numbers walks, stood, ends, tops, corners, path
-    cdef Py_ssize_t count, row, blocker, many
+    cdef Py_ssize_t count, row, blocker, corner_count
     cdef CandidateWalk looked_at
     cdef list[Py_ssize_t] near
     cdef Swath sketch

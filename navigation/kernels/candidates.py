@@ -1,8 +1,8 @@
 """Candidate walks of a person among others: along a course, or beside it, from one state on.
 
-They are given in any order by what they lose, and drawn up from the least on until one is free, so
-that most of them never are: lazy evaluation as in lazy motion planning (R. Bohlin and L. E.
-Kavraki, "Path planning using lazy PRM", ICRA 2000).
+Candidates are added in any order with their loss. They are constructed in the order of their loss
+until one is free, so most of them never are. This is lazy evaluation as in lazy motion planning (R.
+Bohlin and L. E. Kavraki, "Path planning using lazy PRM", ICRA 2000).
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ if not cython.compiled:
     from .discs import covers, distance
     from .walks import bend_speed, draw_walk
 
-_BEFORE: float = 0.35  # metres before and after the place at which an aside is beside its course
-_RAMP: float = 1.2  # metres that it takes to come back, for each metre of a shift
+_BEFORE: float = 0.35  # metres before and after a place along which a shifted walk is parallel
+_RAMP: float = 1.2  # metres along the course for the return from each metre of a shift
 _HAIR: float = 1e-6
-_CLEAR: float = 2e-3  # metres; who is so much farther off is not met where one sets out
-_MORE: cython.Py_ssize_t = 32  # walks that there is room for at first, and more each time
-_STANDS: float = 1e-6  # m/s; slower than this is standing
+_CLEAR: float = 2e-3  # metres; people farther away than this are not in conflict at the start
+_MORE: cython.Py_ssize_t = 32  # capacity for walks at first, and each time it grows
+_STANDS: float = 1e-6  # m/s; slower people count as standing
 _NO_LENGTH: float = 1e-9  # metres
 
 Slowed = Callable[["Numbers", float, float], "Swath | None"]
 
 
 class Course:
-    """Polyline through `corners` (metres): places along it, and ways beside it."""
+    """Polyline through `corners` (metres), with places along it and paths beside it."""
 
     def __init__(self, corners: list[Place]) -> None:
         self.corners = flat(corners)
@@ -44,7 +44,7 @@ class Course:
         self.length = 0.0
         corner: Positions = positions_of(self.corners)
         leg: CourseLegs = course_legs(self.legs)
-        # A course of one corner leads nowhere, but has a direction.
+        # A course of one corner has no length, but needs a direction.
         last: CourseLeg = CourseLeg(0.0, 1.0, 0.0)
         leg[0] = last
         k: cython.Py_ssize_t
@@ -52,7 +52,7 @@ class Course:
             dx: float = corner[k + 1].x - corner[k].x
             dy: float = corner[k + 1].y - corner[k].y
             length: float = norm(dx, dy)
-            # Legs that are none have the direction of those before.
+            # Segments without a length have the direction of the previous one.
             if length > _NO_LENGTH:
                 last = CourseLeg(length, dx / length, dy / length)
             last = CourseLeg(length, last.c, last.s)
@@ -66,15 +66,15 @@ class Course:
 
     def come_to(self, length: float) -> CoursePlace:
         """Return the place after `length` metres of the course, and its direction just before."""
-        # At a corner there are two directions: a hair before it, it is that in which one comes.
+        # A corner has two directions. The one just before it is that of the arrival.
         before: CoursePlace = self.seek(max(length - _HAIR, 0.0))
         here: CoursePlace = self.seek(length)
         return CoursePlace(here.x, here.y, before.c, before.s, here.leg)
 
     def seek(self, length: float) -> CoursePlace:
-        """Return the place after `length` metres of the course, and the leg it is on.
+        """Return the place after `length` metres of the course, with the segment and its direction.
 
-        Also the direction of that leg. At its end, the leg is one that is not there.
+        At the end of the course, the index of the segment is one past the last.
         """
         corner: Positions = positions_of(self.corners)
         leg: CourseLegs = course_legs(self.legs)
@@ -93,9 +93,9 @@ class Course:
         return CoursePlace(x, y, on.c, on.s, k)
 
     def beside(self, along: float, side: float) -> Bypass:
-        """Return where a way bends that is `side` metres to the left after `along` metres."""
+        """Return the corners of a path that is `side` metres to the left after `along` metres."""
         here: CoursePlace = self.come_to(along)
-        # Off the course at a right angle, (-s, c) being to the left.
+        # Perpendicular to the course, with (-s, c) to the left.
         x: float = here.x - side * here.s
         y: float = here.y + side * here.c
         early: float = min(_BEFORE, along)
@@ -104,21 +104,21 @@ class Course:
         if along + _BEFORE >= self.length:
             goal: Position = positions_of(self.corners)[self.count - 1]
             return Bypass(off_x, off_y, goal.x, goal.y, goal.x, goal.y, -1)
-        # Back on the course farther on the wider the shift is, so that the turns are no sharper.
+        # A wider shift returns to the course later, so that the turns are no sharper.
         back: CoursePlace = self.seek(min(along + _BEFORE + _RAMP * abs(side), self.length))
         by_x: float = x + _BEFORE * here.c
         by_y: float = y + _BEFORE * here.s
         return Bypass(off_x, off_y, by_x, by_y, back.x, back.y, back.leg)
 
     def longer(self, along: float, side: float) -> float:
-        """Return how much longer such a way is (metres)."""
+        """Return the additional length (m) of such a path."""
         corner: Positions = positions_of(self.corners)
         way: Bypass = self.beside(along, side)
         total: float = norm(way.off_x - corner[0].x, way.off_y - corner[0].y)
         total += norm(way.by_x - way.off_x, way.by_y - way.off_y)
         if way.leg >= 0:
             total += norm(way.x - way.by_x, way.y - way.by_y)
-            # The rest of the leg that it comes back to, and all after that.
+            # The rest of the segment to which it returns, and all later ones.
             k: cython.Py_ssize_t = way.leg + 1
             if k < self.count:
                 total += norm(corner[k].x - way.x, corner[k].y - way.y)
@@ -127,7 +127,7 @@ class Course:
         return total - self.length
 
     def corners_beside(self, along: float, side: float, corners: Numbers) -> cython.Py_ssize_t:
-        """Set `corners` to those of such a way; return their number."""
+        """Set `corners` to those of such a path, and return their number."""
         course: Positions = positions_of(self.corners)
         corner: Positions = positions_of(corners)
         way: Bypass = self.beside(along, side)
@@ -146,10 +146,10 @@ class Course:
 
 
 class Departure:
-    """State from which walks set out at `begin` (seconds), at `speed` (m/s).
+    """State from which walks start at `begin` (s) with `speed` (m/s).
 
-    They come on the straight `leg` (along x and y, metres), and are no faster than `max_speed`
-    (m/s) and `acceleration` (m/s²). They set out `now`, unless they follow a `lead` first.
+    The person arrives on the straight `leg` (x, y in metres), and is limited to `max_speed` (m/s)
+    and `acceleration` (m/s²). Walks start `now`, or after a `lead` that precedes them.
     """
 
     def __init__(
@@ -173,7 +173,7 @@ class Departure:
         self.follows = len(self.lead) > 0
 
     def can_turn(self, dx: float, dy: float) -> bool:
-        """Return whether they may set out along d without slowing down first."""
+        """Return whether a walk can start in the direction d without slowing down first."""
         if self.speed < _STANDS:
             return True
         length: float = norm(dx, dy)
@@ -188,8 +188,8 @@ class Departure:
 class Candidates:
     """Walks of one person along a `course`, or beside it, from a state on.
 
-    Where limits of speed hold, walks are those that `slowed(corners, top_speed, delay)` makes; the
-    corners are x and y of each in turn. The one that was drawn up last is `taken`.
+    `slowed(corners, top_speed, delay)`, if there is one, constructs the walks within speed limits,
+    from x and y of each corner. `taken` is the walk that was constructed last.
     """
 
     def __init__(self, course: Course, state: Departure, slowed: Slowed | None = None) -> None:
@@ -205,33 +205,33 @@ class Candidates:
         self.ends = none
         nobody: list[cython.Py_ssize_t] = []
         self.near = nobody
-        # What is looked at is drawn up in the same room again and again.
+        # The buffers of candidates are reused.
         self.tops = room(1)
         self.corners = position_room(course.count + 4)
-        self.many = 0
+        self.corner_count = 0
         self.path = position_room(course.count + 4)
         self.sketch = Swath(room(0), room(4))
         self.taken = self.sketch
 
     def clear(self) -> None:
-        """Forget all that were added."""
+        """Remove all walks."""
         self.count = 0
         self.row = -1
         self.blocker = -1
 
     def add(self, loss: float, length: float, top_speed: float, delay: float) -> None:
-        """Add the walk along the first `length` metres of the course, which loses `loss` metres.
+        """Add the walk along the first `length` metres of the course with a loss of `loss` metres.
 
-        At up to `top_speed` (m/s), `delay` seconds later.
+        Its top speed is `top_speed` (m/s), and it starts `delay` seconds later.
         """
         self._add(CandidateWalk(loss, length, top_speed, delay, 0.0, 0.0))
 
     def add_aside(
         self, loss: float, length: float, top_speed: float, along: float, side: float
     ) -> None:
-        """Add the walk that is `side` metres to the left `along` metres on.
+        """Add the walk that is `side` metres to the left after `along` metres.
 
-        It loses what it is longer, and `loss` metres besides.
+        Its loss is its additional length plus `loss` metres.
         """
         loss += self.course.longer(along, side)
         self._add(CandidateWalk(loss, length, top_speed, 0.0, along, side))
@@ -244,9 +244,9 @@ class Candidates:
         return 0
 
     def draw_along(self, length: float, top_speed: float, delay: float) -> Swath | None:
-        """Draw up the walk along the first `length` metres of the course; None if it can't be.
+        """Return the walk along the first `length` metres of the course, or None if impossible.
 
-        At up to `top_speed` (m/s), and `delay` seconds later, who stands.
+        Its top speed is `top_speed` (m/s). A standing person starts `delay` seconds later.
         """
         self.looked_at = CandidateWalk(0.0, length, top_speed, delay, 0.0, 0.0)
         self._come_to()
@@ -256,9 +256,9 @@ class Candidates:
     def next_free(
         self, near: list[cython.Py_ssize_t], others: DiscMotions, own: float
     ) -> Swath | None:
-        """Return the next walk that meets nobody of `others` who is `near` (see `met`), or None.
+        """Return the next walk without a conflict with the people `near`, or None.
 
-        `own` is how far they keep from the bodies of others (metres).
+        `own` is the distance (m) to keep from the bodies of `others`.
         """
         while self._next():
             pieces: cython.Py_ssize_t = self._free(near, others, own)
@@ -267,9 +267,9 @@ class Candidates:
         return None
 
     def _next(self) -> bool:
-        """Come to the walk that loses least of those not looked at; False if there is none.
+        """Select the walk with the least loss among those not checked, or return False.
 
-        Those that one can't turn to are left out.
+        Walks that begin with too sharp a turn are skipped.
         """
         walk: CandidateWalks = candidates_of(self.walks)
         corner: Positions = positions_of(self.corners)
@@ -277,8 +277,8 @@ class Candidates:
             best: float = INFINITY
             k: cython.Py_ssize_t
             self.row = -1
-            # The next in order of loss, and of being added: a heap would cost more than it saves,
-            # as few are ever looked at.
+            # By loss, then in the order of adding. A heap would cost more than it saves, because
+            # few walks are checked.
             for k in range(self.count):
                 if walk[k].loss < best:
                     best = walk[k].loss
@@ -297,23 +297,23 @@ class Candidates:
                 return True
 
     def _come_to(self) -> cython.int:
-        """Set `corners` to those of the walk that is looked at."""
+        """Set `corners` to those of the selected walk."""
         w: CandidateWalk = self.looked_at
         if w.side == 0.0:
-            self.many = self.course.count
+            self.corner_count = self.course.count
             positions_put(self.corners, self.course.corners)
         else:
-            self.many = self.course.corners_beside(w.along, w.side, self.corners)
+            self.corner_count = self.course.corners_beside(w.along, w.side, self.corners)
         return 0
 
     def _free(
         self, near: list[cython.Py_ssize_t], others: DiscMotions, own: float
     ) -> cython.Py_ssize_t:
-        """Draw up the walk that is looked at; return its pieces, 0 if it meets anybody `near`."""
+        """Construct the selected walk. Return the number of its pieces, or 0 after a conflict."""
         count: cython.Py_ssize_t = self._cut()
         self._look_at(near, others, own)
-        # No table is drawn up for what can't be free, whenever they walk there: through somebody
-        # who stands, or to where somebody will stand in the end.
+        # A walk through a person who stands, or to the final place of another, has a conflict at
+        # any speed, so it needs no table.
         last: Position = positions_of(self.path)[count - 1]
         if _runs_into(self.path, count, self.stood) or covers(self.ends, last.x, last.y):
             return 0
@@ -321,7 +321,7 @@ class Candidates:
         if pieces == 0:
             return 0
         now: float = self.state.now
-        # Whoever was in the way of the last one is likely to be in the way of this one.
+        # Try the previous obstacle first, because successive candidates often meet the same person.
         k: cython.Py_ssize_t = self.blocker
         if k >= 0 and others.met(k, self.sketch, own, now, INFINITY) < INFINITY:
             return 0
@@ -336,12 +336,12 @@ class Candidates:
     def _look_at(
         self, near: list[cython.Py_ssize_t], others: DiscMotions, own: float
     ) -> cython.int:
-        """Set `stood` to who of those `near` stands for good, and `ends` to where others will.
+        """Set `stood` to circles around the standing people, and `ends` around final places.
 
-        Circles in which they are met. Those alone who are farther off than that where one sets out:
-        then every walk through there, or to there, meets them, whenever it is.
+        Only people who are farther away than the minimum distance at the start are included. A walk
+        through their circles always has a conflict with them.
         """
-        if near is self.near:  # looked at already
+        if near is self.near:
             return 0
         self.near = near
         self.blocker = -1
@@ -375,13 +375,13 @@ class Candidates:
         return 0
 
     def _cut(self) -> cython.Py_ssize_t:
-        """Set `path` to the first `length` metres of the corners; return how many there are."""
+        """Set `path` to the first `length` metres of the corners. Return the number of places."""
         corner: Positions = positions_of(self.corners)
         place: Positions = positions_of(self.path)
         length: float = self.looked_at.length
         place[0] = corner[0]
         k: cython.Py_ssize_t
-        for k in range(1, self.many):
+        for k in range(1, self.corner_count):
             before: Position = corner[k - 1]
             dx: float = corner[k].x - before.x
             dy: float = corner[k].y - before.y
@@ -394,13 +394,13 @@ class Candidates:
                 return k + 1
             place[k] = corner[k]
             length -= leg
-        return self.many
+        return self.corner_count
 
     def _draw(self, count: cython.Py_ssize_t) -> cython.Py_ssize_t:
-        """Sketch the walk along the first so many places of `path`; return its pieces, or 0."""
+        """Construct the walk along the first `count` places of `path`. Return its pieces, or 0."""
         state: Departure = self.state
         w: CandidateWalk = self.looked_at
-        # Only who stands can set out later.
+        # Only a standing person can start later.
         if w.delay != 0.0 and state.speed > _STANDS:
             return 0
         if self.slowed is not None:
@@ -421,14 +421,14 @@ class Candidates:
         return draw_walk(self.path, count, self.tops, pace, since, state.lead, table)
 
     def _take(self, pieces: cython.Py_ssize_t) -> Swath:
-        """Return the sketch of so many pieces, and keep it."""
+        """Return a copy of the sketch with its first `pieces` pieces."""
         table: Numbers = first_pieces(self.sketch.table, pieces)
         self.taken = Swath(table, row_of_box(boxes_of(self.sketch.box)[0]))
         return self.taken
 
 
 def _runs_into(path: Numbers, count: cython.Py_ssize_t, stood: Numbers) -> bool:
-    """Return whether the polyline of the first so many places comes into any circle."""
+    """Return whether the polyline of the first `count` places enters any circle."""
     place: Positions = positions_of(path)
     i: cython.Py_ssize_t
     k: cython.Py_ssize_t
@@ -441,7 +441,7 @@ def _runs_into(path: Numbers, count: cython.Py_ssize_t, stood: Numbers) -> bool:
             px: float = circle.x - place[k].x
             py: float = circle.y - place[k].y
             least: float = circle.radius
-            along: float = px * dx + py * dy  # the leg, times its length
+            along: float = px * dx + py * dy  # times the length of the segment
             if 0.0 < along < square:
                 across: float = px * dy - py * dx
                 if across * across < least * least * square:

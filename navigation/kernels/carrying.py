@@ -1,7 +1,7 @@
-"""Points that a body carries: beside its axis, they turn with it.
+"""Motions of points that a body carries beside its axis.
 
-Where the body turns, such a point is on an arc. Its cubics are Hermite's: place and velocity at
-both ends are those of the arc.
+If the body turns, such a point moves on an arc. Its cubics are Hermite's, with place and velocity
+of the arc at both ends.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if not cython.compiled:
 def carried(table: Numbers, ahead: float, aside: float, close: float) -> Numbers:
     """Return the table of a point `ahead` of a body's axis and `aside` to its left, in metres.
 
-    It stays within `close` metres of the arc.
+    Its error is at most `close` metres.
     """
     piece: PosePieces = poses(table)
     reach: float = norm(ahead, aside)
@@ -31,8 +31,8 @@ def carried(table: Numbers, ahead: float, aside: float, close: float) -> Numbers
     total: cython.Py_ssize_t = 0
     for k in range(pose_count(table)):
         total += parts_of(piece[k], reach, close)
-    found: Numbers = pose_room(total)
-    part: PosePieces = poses(found)
+    motion: Numbers = pose_room(total)
+    part: PosePieces = poses(motion)
     place: cython.Py_ssize_t = 0
     for k in range(pose_count(table)):
         whole: PosePiece = piece[k]
@@ -45,15 +45,15 @@ def carried(table: Numbers, ahead: float, aside: float, close: float) -> Numbers
             part[place] = _carried_part(whole, step * n, begin, end, ahead, aside)
             place += 1
             begin = end
-    return found
+    return motion
 
 
 def parts_of(piece: PosePiece, reach: float, close: float) -> cython.Py_ssize_t:
-    """Return into how many cubics the arc of a piece with a radius of `reach` metres is divided.
+    """Return the number of cubics for the arc of a piece with a radius of `reach` metres.
 
-    Hermite's cubic over h seconds is off by h⁴ M / 384 at most, with M the greatest fourth
+    The error of Hermite's cubic over h seconds is at most h⁴ M / 384, with M the maximum fourth
     derivative (A. Quarteroni, R. Sacco and F. Saleri, "Numerical Mathematics", 2nd edition 2007,
-    8.4). That of exp(i θ) is at most ω⁴ + 6 ω² α + 3 α² + 4 ω j with the derivatives of θ.
+    8.4). For exp(i θ), M is at most ω⁴ + 6 ω² α + 3 α² + 4 ω j with the derivatives of θ.
     """
     h: float = piece.end - piece.begin
     v: float = abs(piece.rotation.v)
@@ -62,8 +62,8 @@ def parts_of(piece: PosePiece, reach: float, close: float) -> cython.Py_ssize_t:
     rate: float = v + h * (2 * a + h * 3 * j)
     bend: float = 2 * a + 6 * j * h
     square: float = rate * rate
-    most: float = square * square + 6 * square * bend + 3 * bend * bend + 24 * rate * j
-    parts: float = h * sqrt(sqrt(reach * most / (384 * close)))
+    limit: float = square * square + 6 * square * bend + 3 * bend * bend + 24 * rate * j
+    parts: float = h * sqrt(sqrt(reach * limit / (384 * close)))
     count: cython.Py_ssize_t = int(parts)
     return max(count + 1 if parts > count else count, 1)
 
@@ -71,7 +71,7 @@ def parts_of(piece: PosePiece, reach: float, close: float) -> cython.Py_ssize_t:
 def _carried_part(
     whole: PosePiece, low: float, begin: float, end: float, ahead: float, aside: float
 ) -> PosePiece:
-    """Return a part of a piece, `low` seconds after the begin of that, for a point beside it."""
+    """Return the part of a piece from `low` seconds after its begin, for a point beside it."""
     x: Cubic = shift(whole.x, low)
     y: Cubic = shift(whole.y, low)
     turn: Cubic = shift(whole.rotation, low)
@@ -103,7 +103,7 @@ def _carried_part(
 
 
 def _beside(rotation: float, ahead: float, aside: float) -> Position:
-    """Return where a point is from the axis of a body that is turned by `rotation` (radians)."""
+    """Return the place of a point relative to the axis of a body with a `rotation` (radians)."""
     c: float = cos(rotation)
     s: float = sin(rotation)
     return Position(ahead * c - aside * s, ahead * s + aside * c)

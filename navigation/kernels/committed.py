@@ -1,4 +1,4 @@
-"""Committed motions of discs on a floor, where they head, and motions that some change together."""
+"""Committed motions of discs on a floor, their directions, and joint changes of several motions."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ if not cython.compiled:
     from .cubics import *
     from .discs import within_bounds
 
-_SLOW: float = 0.05  # m/s; the direction of whoever is slower is not that of their velocity
-_THERE: float = 1e-6  # metres; nearer than this is there
+_SLOW: float = 0.05  # m/s; the velocity of slower people gives no direction
+_THERE: float = 1e-6  # metres within which a place counts as reached
 
 
 class CommittedMotions(DiscMotions):
     """Motions to which discs are committed.
 
-    Of each that is `bound` for somewhere, `onward` has the next corner of its route, which is
-    infinite where there is none (metres).
+    `bound` marks the discs that have a route, and `onward` has the next corner of each route
+    (metres), or infinity.
     """
 
     def __init__(self, gap: float) -> None:
@@ -32,35 +32,35 @@ class CommittedMotions(DiscMotions):
         self.bound = bytearray()
         self.onward: Numbers = room(0)
         self.widest = 0.0
-        """The greatest radius, metres."""
+        """Maximum radius in metres."""
 
     def add(self, swath: Swath, radius: float, counted: float = INFINITY) -> None:
-        """Add a disc that is bound for nowhere."""
+        """Add a disc without a route."""
         DiscMotions.add(self, swath, radius, counted)
         self.widest = max(self.widest, radius)
         self.bound.append(0)
         self.onward.extend((INFINITY, INFINITY))
 
     def send(self, k: cython.Py_ssize_t, bound: bool, x: float, y: float) -> None:
-        """Let the k-th be bound for somewhere or not, by x, y first."""
+        """Set whether the k-th disc has a route, and its next corner."""
         self.bound[k] = bound
         positions_of(self.onward)[k] = Position(x, y)
 
     def near(
         self, box: Numbers, around: float, but: cython.Py_ssize_t = -1
     ) -> list[cython.Py_ssize_t]:
-        """Return who, `but` one, may come so near to bounds with their bodies (metres): indices.
+        """Return the indices of discs, without `but`, whose bodies may come within `around` metres.
 
-        As wide as the widest there is: bounds are those of centres.
+        `box` has bounds of centres, so the largest radius is added.
         """
         return within_bounds(self.boxes, box, around + self.widest + 2 * self.gap, but)
 
     def rests(self, k: cython.Py_ssize_t) -> float:
-        """Return from when on the k-th stands for good, seconds."""
+        """Return the time (s) from which the k-th disc stays at rest."""
         return self.end(k).begin
 
     def end(self, k: cython.Py_ssize_t) -> PlanarPiece:
-        """Return the final rest of the k-th."""
+        """Return the final piece of the k-th motion, at rest."""
         table: Numbers = self.tables[k]
         return planar(table)[planar_count(table) - 1]
 
@@ -70,16 +70,16 @@ class CommittedMotions(DiscMotions):
         row: cython.Py_ssize_t = planar_from(table, 0, t)
         piece: PlanarPiece = planar(table)[row]
         u: float = max(t - piece.begin, 0.0)
-        # Who has come to rest is where their walk ended, to the last bit.
+        # A disc at rest is where its walk ended, to the last bit.
         if piece.end == INFINITY and row > 0:
             piece = planar(table)[row - 1]
             u = piece.end - piece.begin
         return Position(value(piece.x, u), value(piece.y, u))
 
     def heading(self, k: cython.Py_ssize_t, t: float) -> Position:
-        """Return the unit vector of where the k-th walks at `t` (seconds), or would walk on.
+        """Return the unit vector of the motion of the k-th disc at `t` (s), or of its route.
 
-        0, 0 for who rests.
+        (0, 0) for a person at rest.
         """
         table: Numbers = self.tables[k]
         piece: PlanarPiece = planar(table)[planar_from(table, 0, t)]
@@ -101,58 +101,60 @@ class CommittedMotions(DiscMotions):
         return Position(dx / away, dy / away)
 
     def cosine(self, k: cython.Py_ssize_t, t: float, c: float, s: float) -> float:
-        """Return the cosine between c, s and where the k-th walks, or would; 0 for who rests."""
+        """Return the cosine between (c, s) and the heading of the k-th disc, or 0 at rest."""
         way: Position = self.heading(k, t)
         return way.x * c + way.y * s
 
     def between(self, i: cython.Py_ssize_t, k: cython.Py_ssize_t, t: float) -> float:
-        """Return the cosine between where the i-th and the k-th walk at `t`, or would walk on.
+        """Return the cosine between the headings of the i-th and the k-th disc at `t`.
 
-        0 if either rests.
+        0 if either is at rest.
         """
         way: Position = self.heading(i, t)
         return self.cosine(k, t, way.x, way.y)
 
-    def standing(self, me: int, box: Numbers, around: float, now: float) -> Numbers:
-        """Return who stands for good `now` (seconds), so near to bounds, but the `me`-th.
+    def standing(self, person: int, box: Numbers, around: float, now: float) -> Numbers:
+        """Return circles around the people who stay at rest `now` (s) within `around` metres.
 
-        Rows of circles, which the `me`-th has to stay out of (metres).
+        They are rows of centres and radii (metres), outside of which `person` must stay.
         """
-        there: list[cython.Py_ssize_t] = self._resting(me, box, around, now)
-        found: Numbers = circle_room(len(there))
+        there: list[cython.Py_ssize_t] = self._resting(person, box, around, now)
+        circles: Numbers = circle_room(len(there))
         radii: Doubles = at(self.radii)
         i: cython.Py_ssize_t
         for i in range(len(there)):
             end: PlanarPiece = self.end(there[i])
-            radius: float = radii[me] + radii[there[i]] + self.gap
-            circles_of(found)[i] = Circle(end.x.p, end.y.p, radius)
-        return found
+            radius: float = radii[person] + radii[there[i]] + self.gap
+            circles_of(circles)[i] = Circle(end.x.p, end.y.p, radius)
+        return circles
 
     def _resting(
-        self, me: cython.Py_ssize_t, box: Numbers, around: float, now: float
+        self, person: cython.Py_ssize_t, box: Numbers, around: float, now: float
     ) -> list[cython.Py_ssize_t]:
-        found: list[cython.Py_ssize_t] = []
+        resting: list[cython.Py_ssize_t] = []
         i: cython.Py_ssize_t
-        near: list[cython.Py_ssize_t] = self.near(box, around, me)
+        near: list[cython.Py_ssize_t] = self.near(box, around, person)
         for i in range(len(near)):
             k: cython.Py_ssize_t = near[i]
             if self.rests(k) <= now:
-                found.append(k)
-        return found
+                resting.append(k)
+        return resting
 
-    def encloses(self, me: int, other: int, x: float, y: float, around: float, now: float) -> bool:
-        """Return whether the `other` is one of those who stand around x, y (metres) `now`.
+    def encloses(
+        self, person: int, other: int, x: float, y: float, around: float, now: float
+    ) -> bool:
+        """Return whether `other` belongs to the ring of people who stand around (x, y) `now`.
 
-        From there a ring grows from neighbour to neighbour through gaps that are too narrow for the
-        `me`-th, as far as `around`.
+        The ring grows from neighbour to neighbour through gaps that are too narrow for `person`, up
+        to `around` metres.
         """
         place: Numbers = numbers((x, y, x, y))
-        left: list[cython.Py_ssize_t] = self._resting(me, place, around, now)
-        ring: Numbers = circle_room(len(left) + 1)  # of those who are to be left
+        left: list[cython.Py_ssize_t] = self._resting(person, place, around, now)
+        ring: Numbers = circle_room(len(left) + 1)  # stack of members without examined neighbours
         circle: Circles = circles_of(ring)
         radii: Doubles = at(self.radii)
-        width: float = 2 * (radii[me] + self.gap)
-        circle[0] = Circle(x, y, -radii[me])
+        width: float = 2 * (radii[person] + self.gap)
+        circle[0] = Circle(x, y, -radii[person])
         last: cython.Py_ssize_t = 0
         i: cython.Py_ssize_t
         while last >= 0:
@@ -174,9 +176,9 @@ class CommittedMotions(DiscMotions):
 
 
 class Movers(DiscMotions):
-    """Those on a `floor` who move from `now` on (seconds) other than they are committed to.
+    """Drafts of new motions from `now` (s) on, checked against all committed motions of a `floor`.
 
-    In the order in which they were added, with their `indices` on the floor.
+    `indices` are the numbers of the movers on the floor, in the order of adding.
     """
 
     def __init__(self, floor: CommittedMotions, now: float) -> None:
@@ -187,13 +189,13 @@ class Movers(DiscMotions):
         self.among = bytearray(len(floor.radii))
 
     def move(self, k: cython.Py_ssize_t, swath: Swath) -> None:
-        """Let the k-th on the floor move so."""
+        """Add a draft of a motion of the k-th disc on the floor."""
         self.add(swath, at(self.floor.radii)[k])
         self.indices.append(k)
         self.among[k] = 1
 
     def keep(self, count: cython.Py_ssize_t) -> None:
-        """Keep the first so many; the others are not to move after all."""
+        """Remove all drafts after the first `count`."""
         i: cython.Py_ssize_t
         for i in range(count, len(self.radii)):
             self.among[self.indices[i]] = 0
@@ -201,12 +203,12 @@ class Movers(DiscMotions):
         self.shorten(count)
 
     def own(self, k: cython.Py_ssize_t) -> float:
-        """Return how far the k-th on the floor keeps from the bodies of others (metres)."""
+        """Return the distance (m) of the k-th disc on the floor from the bodies of others."""
         own: float = at(self.floor.radii)[k] + self.gap
         return own
 
     def meet(self, k: cython.Py_ssize_t, swath: Swath) -> bool:
-        """Return whether the k-th, who goes like this, would come too close to another of them."""
+        """Return whether the motion `swath` of the k-th disc has a conflict with another draft."""
         i: cython.Py_ssize_t
         for i in range(len(self.radii)):
             if self.indices[i] != k and self.meets(i, swath, self.own(k)):
@@ -214,20 +216,17 @@ class Movers(DiscMotions):
         return False
 
     def meets(self, i: cython.Py_ssize_t, swath: Swath, own: float) -> bool:
-        """Return whether one who keeps `own` metres meets the i-th of them."""
+        """Return whether a motion that keeps `own` metres has a conflict with the i-th draft."""
         return self.met(i, swath, own, self.now, INFINITY) < INFINITY
 
     def first_hit(self, i: cython.Py_ssize_t) -> cython.Py_ssize_t:
-        """Return whom the i-th of them would meet first of all others but these; -1 for nobody."""
+        """Return the first disc without a draft that the i-th draft conflicts with, or -1."""
         return self.first_other(self.indices[i], self.swath_of(i))
 
     def first_other(self, k: cython.Py_ssize_t, swath: Swath) -> cython.Py_ssize_t:
-        """Return whom the k-th, who goes like this, would meet first of all others but these.
-
-        -1 for nobody.
-        """
+        """Return the first disc without a draft that `swath` of the k-th conflicts with, or -1."""
         before: cython.int = self.among[k]
         self.among[k] = 1
-        found: cython.Py_ssize_t = self.floor.first_but(self.among, swath, self.own(k), self.now)
+        first: cython.Py_ssize_t = self.floor.first_but(self.among, swath, self.own(k), self.now)
         self.among[k] = before
-        return found
+        return first

@@ -1,7 +1,7 @@
 """First contact and parting of two outlines that move and turn with their bodies.
 
 An outline is a row of edges. In the frame of the other body, an edge stays during an interval
-within the hull of its ends at both instants, but for a drift of second order. Convex sets are apart
+within the hull of its ends at both times, apart from a drift of second order. Convex sets are apart
 if the normal of one of their sides separates them. Undecided intervals are halved, the earlier half
 first: see `encounter` for the method.
 """
@@ -22,9 +22,9 @@ if not cython.compiled:
     from .encounter import Encounter
     from .fields import distance_to_edge, edge_passes, side_of
 
-_RESOLUTION: float = 1e-9  # seconds; what is undecided for less is a contact
-_STEP: float = 1e-5  # seconds between two looks at a distance, at least
-_NEARLY: float = 0.999  # share of the distance at which two have parted
+_RESOLUTION: float = 1e-9  # seconds; shorter undecided intervals count as a contact
+_STEP: float = 1e-5  # seconds; minimum time between two evaluations of a distance
+_NEARLY: float = 0.999  # share of the distance at which two bodies have parted
 
 
 def places(table: Numbers, begin: float) -> tuple[float, float, float, float]:
@@ -52,8 +52,8 @@ def places(table: Numbers, begin: float) -> tuple[float, float, float, float]:
 class OutlineSearch:
     """Search for contacts of the outline of a machine with that of another body.
 
-    Both are rows of edges (metres). With `outside`, the other body covers all that is not within
-    its outline. The encounters have the machine as such, and the other body as the person.
+    Both are rows of edges (metres). With `outside`, the other body covers everything outside of its
+    outline. The other body is the person of the encounters.
     """
 
     def __init__(self, edges: Numbers, others: Numbers, outside: bool) -> None:
@@ -68,7 +68,7 @@ class OutlineSearch:
             self.reach = max(self.reach, norm(e.ax, e.ay), norm(e.bx, e.by))
 
     def first(self, encounter: Encounter, begin: float, end: float) -> float:
-        """Return when the outlines first touch (seconds), or infinity."""
+        """Return the time of the first contact of the outlines (s), or infinity."""
         encounter.come_to(begin)
         while encounter.next_interval(end):
             while self.may_touch(encounter, encounter.lower, encounter.upper):
@@ -77,7 +77,7 @@ class OutlineSearch:
         return INFINITY
 
     def parting(self, encounter: Encounter, begin: float, end: float, gap: float) -> float:
-        """Return when the bodies are first `gap` metres apart (seconds), or infinity."""
+        """Return the first time at which the bodies are `gap` metres apart (s), or infinity."""
         encounter.come_to(begin)
         while encounter.next_stretch(end):
             t: float = encounter.begin
@@ -88,7 +88,7 @@ class OutlineSearch:
                     return t
                 if rate == 0.0 or t >= encounter.end:
                     break
-                # A distance does not grow faster than the bodies move.
+                # A distance grows no faster than the bodies move.
                 t = min(t + max((gap - apart) / rate, _STEP), encounter.end)
         return INFINITY
 
@@ -114,24 +114,24 @@ class OutlineSearch:
         """Return the distance of the bodies at `t` (seconds), 0 if they overlap."""
         self.sweep(encounter, t, t)
         chord: Edges = edges_of(self.chords)
-        found: float = INFINITY
+        least: float = INFINITY
         inside: cython.bint
         i: cython.Py_ssize_t
         k: cython.Py_ssize_t
         for k in range(edge_count(self.edges)):
-            mine: Edge = Edge(
+            own: Edge = Edge(
                 chord[2 * k].ax, chord[2 * k].ay, chord[2 * k + 1].ax, chord[2 * k + 1].ay
             )
             inside = self.outside
             for i in range(edge_count(self.others)):
                 e: Edge = edges_of(self.others)[i]
-                if edge_passes(mine.ax, mine.ay, e):
+                if edge_passes(own.ax, own.ay, e):
                     inside = not inside
-                found = min(
-                    found,
-                    0.0 if crosses(mine, e) else INFINITY,
-                    distance_to_edge(mine.ax, mine.ay, e),
-                    distance_to_edge(e.ax, e.ay, mine),
+                least = min(
+                    least,
+                    0.0 if crosses(own, e) else INFINITY,
+                    distance_to_edge(own.ax, own.ay, e),
+                    distance_to_edge(e.ax, e.ay, own),
                 )
             if inside:
                 return 0.0
@@ -146,7 +146,7 @@ class OutlineSearch:
                     inside = not inside
             if inside:
                 return 0.0
-        return found
+        return least
 
     def may_touch(self, encounter: Encounter, begin: float, end: float) -> bool:
         """Return whether the outlines may touch in an interval of the stretch."""
@@ -171,9 +171,9 @@ class OutlineSearch:
         return False
 
     def sweep(self, encounter: Encounter, begin: float, end: float) -> SweepDrift:
-        """Put the chords of the ends of all edges into a row; return how far they leave these.
+        """Set `chords` to those of the ends of all edges, and return the drift from them.
 
-        That is in the frame of the other body, in an interval of the stretch.
+        Both are in the frame of the other body, for an interval of the stretch.
         """
         h: float = end - begin
         u: float = begin - encounter.begin
@@ -206,13 +206,13 @@ class OutlineSearch:
                 qx + after.x * ahead - after.y * aside,
                 qy + after.y * ahead + after.x * aside,
             )
-        # A path leaves its chord by h² / 8 times its second derivative.
+        # The deviation of a path from its chord is h² / 8 times its second derivative.
         spin_rate: float = abs(2 * turn.a) + 6 * h * abs(turn.j)
         spin: float = abs(turn.v) + h * spin_rate
         bend: float = self.reach * (spin_rate + spin * spin)
         if frame.v == 0.0 and frame.a == 0.0 and frame.j == 0.0:
-            # A cubic leaves its chord by 3/4 of what its control points do: a straight path not at
-            # all to the side.
+            # The deviation of a cubic is 3/4 of that of its control points, so a straight path has
+            # none to the side.
             first: Position = Position(-(x.a + x.j * h) * h * h / 4, -(y.a + y.j * h) * h * h / 4)
             last: Position = Position(first.x - x.j * h * h * h / 4, first.y - y.j * h * h * h / 4)
             return SweepDrift(
@@ -233,7 +233,7 @@ class OutlineSearch:
 
 
 def crosses(e: Edge, f: Edge) -> bool:
-    """Return whether two edges cross. Those that only touch do not."""
+    """Return whether two edges cross. Edges that only touch do not."""
     return (
         side_of(e.ax, e.ay, f) * side_of(e.bx, e.by, f) < 0.0
         and side_of(f.ax, f.ay, e) * side_of(f.bx, f.by, e) < 0.0
@@ -241,7 +241,7 @@ def crosses(e: Edge, f: Edge) -> bool:
 
 
 def is_apart(one: Edge, other: Edge, e: Edge, drift: SweepDrift) -> bool:
-    """Return whether an edge is apart from the hull of two chords, with their drift."""
+    """Return whether an edge is apart from the hull of two chords with their drift."""
     return (
         separates(1.0, 0.0, one, other, e, drift)
         or separates(0.0, 1.0, one, other, e, drift)

@@ -1,7 +1,7 @@
 """Mathematics of motions: values, slopes, shifts, differences and bounds of cubics of time.
 
-Compiled kernels take all this from `cubics.pxd`, because Cython inlines across modules only what
-stands in declarations. The two files say the same, to the last bit.
+Compiled kernels use `cubics.pxd` instead, because Cython inlines across modules only functions in
+declarations. Both files must agree to the last bit.
 
 Bounds of a cubic are those of its control points in Bernstein form (R. T. Farouki, "The Bernstein
 polynomial basis: a centennial retrospective", Computer Aided Geometric Design 29, 2012).
@@ -15,12 +15,12 @@ from .tables import *
 
 
 def end_of(table: Numbers) -> float:
-    """Return when the last piece of a table of x, y and rotation ends (seconds)."""
+    """Return the end of the last piece of a table of x, y and rotation (seconds)."""
     return poses(table)[pose_count(table) - 1].end
 
 
 def planar_from(table: Numbers, k: int, t: float) -> int:
-    """Return the first piece from the k-th on that is not over at `t` (seconds)."""
+    """Return the first piece from the k-th on that ends after `t` (seconds)."""
     while planar(table)[k].end <= t:
         k += 1
     return k
@@ -37,7 +37,7 @@ def value(c: Cubic, u: float) -> float:
 
 
 def gain(c: Cubic, u: float) -> float:
-    """Return by how much a cubic changes from 0 to u."""
+    """Return the change of a cubic from 0 to u."""
     return u * (c.v + u * (c.a + u * c.j))
 
 
@@ -52,7 +52,7 @@ def second_slope(c: Cubic, u: float) -> float:
 
 
 def shift(c: Cubic, u: float) -> Cubic:
-    """Return the same cubic counted from u: its Taylor coefficients there."""
+    """Return the same cubic relative to u: its Taylor coefficients there."""
     return Cubic(value(c, u), slope(c, u), c.a + u * 3 * c.j, c.j)
 
 
@@ -62,7 +62,7 @@ def minus(c: Cubic, d: Cubic) -> Cubic:
 
 
 def norm(x: float, y: float) -> float:
-    """Return the length of a vector; `hypot` of C and Python differ in the last bit."""
+    """Return the length of a vector. `hypot` of C and Python differ in the last bit."""
     return sqrt(x * x + y * y)
 
 
@@ -72,29 +72,29 @@ def along(x: float, c: float, way: Cubic) -> Cubic:
 
 
 def position_at(table: Numbers, t: float) -> Position:
-    """Return where a point with a table of x and y is at `t` (seconds); at first before it."""
+    """Return the place at `t` (s) of a point with a table of x and y, or its first place."""
     piece = planar(table)[planar_from(table, 0, t)]
     u = max(t - piece.begin, 0.0)
     return Position(value(piece.x, u), value(piece.y, u))
 
 
 def rest_piece(t: float, x: float, y: float) -> PlanarPiece:
-    """Return a rest for good at `x`, `y` (metres) from `t` (seconds) on."""
+    """Return a final rest at (x, y) in metres from `t` (seconds) on."""
     return PlanarPiece(t, INFINITY, constant(x), constant(y))
 
 
 def ahead_of(here: CoursePlace, x: float, y: float) -> float:
-    """Return how far a place is ahead, in the direction at `here` (metres)."""
+    """Return the distance of a place ahead in the direction at `here` (metres)."""
     return (x - here.x) * here.c + (y - here.y) * here.s
 
 
 def left_of(here: CoursePlace, x: float, y: float) -> float:
-    """Return how far a place is to the left of the direction at `here` (metres)."""
+    """Return the distance of a place to the left of the direction at `here` (metres)."""
     return (y - here.y) * here.c - (x - here.x) * here.s
 
 
 def sweep_along(e: Edge) -> SweptSegment:
-    """Return the sweep along a segment, of no direction where it has no length."""
+    """Return the sweep along a segment, without a direction if the length is 0."""
     dx, dy = e.bx - e.ax, e.by - e.ay
     length = norm(dx, dy)
     if length > 0.0:
@@ -103,7 +103,7 @@ def sweep_along(e: Edge) -> SweptSegment:
 
 
 def speed_at(x: Cubic, y: Cubic, u: float) -> float:
-    """Return the speed at u of a point with these coordinates."""
+    """Return the speed of a point with these coordinates at u."""
     return norm(slope(x, u), slope(y, u))
 
 
@@ -118,21 +118,21 @@ def is_at_rest(x: Cubic, y: Cubic) -> bool:
 
 
 def deviation(x: Cubic, y: Cubic, half: float) -> float:
-    """Bound the distance from the tangent at 0 of a point, for all |u| <= half."""
+    """Bound the distance of a point from its tangent at 0 for |u| <= half."""
     return half * half * (norm(x.a, y.a) + half * norm(x.j, y.j))
 
 
-def held(begin: float, end: float, t: float) -> float:
+def elapsed(begin: float, end: float, t: float) -> float:
     """Return the time since `begin` at `t`, limited to the interval."""
     return min(max(t, begin), end) - begin
 
 
 def range_of(c: Cubic, u: float) -> Range:
-    """Return bounds of a cubic from 0 to u; exact for a quadratic that is monotonic."""
+    """Return bounds of a cubic from 0 to u, exact for a monotonic quadratic."""
     last = value(c, u)
     low = min(c.p, last)
     high = max(c.p, last)
-    # A quadratic turns back where its slope changes sign between the two ends.
+    # A quadratic turns back if its slope changes sign between both ends.
     if c.j != 0.0 or (c.a != 0.0 and c.v * (c.v + 2 * c.a * u) < 0.0):
         third: float = u * c.v / 3
         one: float = c.p + third
@@ -168,7 +168,7 @@ def box_around(row: Numbers, count: int) -> BoundingBox:
 
 
 def are_within(a: BoundingBox, b: BoundingBox, least: float) -> bool:
-    """Return whether two boxes are nearer to each other than `least` along both axes."""
+    """Return whether two boxes are nearer than `least` along both axes."""
     return (
         a.low_x - b.high_x < least
         and b.low_x - a.high_x < least

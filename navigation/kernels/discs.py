@@ -6,10 +6,9 @@ subdivision as in S. Redon, A. Kheddar and S. Coquillart, "Fast continuous colli
 between rigid bodies", Computer Graphics Forum 21, 2002). Motions are tables of `PlanarPiece`. The
 last piece is the final rest, and never ends.
 
-Closest pairs are pruned by the bounds of their centres (sweep and prune, J. D. Cohen et al.,
-"I-COLLIDE", 1995) and by conservative advancement: two discs that are far apart stay apart for as
-many times as their speeds allow (B. Mirtich, "Impulse-based dynamic simulation of rigid body
-systems", 1996).
+Pairs are pruned by the bounds of their centres (sweep and prune, J. D. Cohen et al., "I-COLLIDE",
+1995) and by conservative advancement: two discs that are far apart stay apart for as many times as
+their speeds permit (B. Mirtich, "Impulse-based dynamic simulation of rigid body systems", 1996).
 """
 
 from __future__ import annotations
@@ -22,22 +21,23 @@ else:
     from . import uncompiled as cython
 
 from .numbers import numbers
+from .results import NearestDiscs
 
 if not cython.compiled:
     from math import sqrt
 
     from .cubics import *
 
-_RESOLUTION: float = 1e-4  # seconds; what is undecided when it is shorter counts as a conflict
-_JUST_NOW: float = 1e-3  # seconds; a disc that is too close so soon is so already
-_ROUNDING: float = 1e-6  # of the number of times that a pair can't meet
-_TOUCH: float = 1e-9  # metres; nearer discs have the same distance but for rounding
+_RESOLUTION: float = 1e-4  # seconds; shorter undecided intervals count as a conflict
+_JUST_NOW: float = 1e-3  # seconds; a conflict this soon counts as present from the begin
+_ROUNDING: float = 1e-6  # of the number of times at which a pair cannot meet
+_TOUCH: float = 1e-9  # metres; smaller differences of distance are rounding
 
 
 class Swath:
-    """Floor that the centre of a disc takes from an instant on: the `table` of its motion.
+    """Floor that the centre of a disc sweeps from a time on, by the `table` of its motion.
 
-    And the `box` that bounds it: least x and y, greatest x and y (metres).
+    `box` has its bounds: minimum x and y, maximum x and y (metres).
     """
 
     def __init__(self, table: Numbers, box: Numbers) -> None:
@@ -51,22 +51,22 @@ class Swath:
 
     @property
     def place(self) -> tuple[float, float]:
-        """Where it comes to rest (metres)."""
+        """Final place (metres)."""
         last: PlanarPiece = planar(self.table)[planar_count(self.table) - 1]
         return (last.x.p, last.y.p)
 
     @property
     def walk(self) -> Numbers:
-        """Its table without the final rest."""
+        """Table without the final rest."""
         return first_pieces(self.table, planar_count(self.table) - 1)
 
     def gone(self, since: float, t: float) -> float:
-        """Return the metres that a walk along straight legs goes from `since` to `t` (seconds)."""
+        """Return the length (m) of a walk along straight segments from `since` to `t` (s)."""
         return distance_travelled(self.table, since, t)
 
 
 def swept(pieces: Numbers, begin: float, since: float, x: float, y: float) -> Swath:
-    """Return the swath from `begin` on (seconds) of a motion that rests at `x`, `y` from `since`.
+    """Return the swath from `begin` (s) on of a motion that rests at (x, y) from `since` on.
 
     `pieces` is its table with rotations.
     """
@@ -90,10 +90,10 @@ def swept(pieces: Numbers, begin: float, since: float, x: float, y: float) -> Sw
 
 
 class DiscMotions:
-    """Motions of discs by their indices: `tables`, their bounds `boxes`, and `radii` (metres).
+    """Motions of discs by index: `tables`, their bounds `boxes`, and `radii` (metres).
 
-    Two discs keep `gap` metres between them. Each is in the way of another until its of `counted`
-    (seconds) after the other has come to rest.
+    Two discs keep `gap` metres between them. A disc is in the way of another until its value of
+    `counted` (s) after the other has come to rest.
     """
 
     def __init__(self, gap: float) -> None:
@@ -111,28 +111,28 @@ class DiscMotions:
         self.counted.append(counted)
 
     def change(self, k: cython.Py_ssize_t, swath: Swath) -> None:
-        """Replace the motion of the k-th."""
+        """Replace the motion of the k-th disc."""
         self.tables[k] = swath.table
         boxes_of(self.boxes)[k] = boxes_of(swath.box)[0]
 
     def shorten(self, count: cython.Py_ssize_t) -> None:
-        """Remove all but the first so many."""
+        """Remove all discs after the first `count`."""
         del self.tables[count:]
         del self.radii[count:]
         del self.counted[count:]
         box_cut(self.boxes, count)
 
     def swath_of(self, k: cython.Py_ssize_t) -> Swath:
-        """Return the swath of the k-th."""
+        """Return the swath of the k-th disc."""
         return Swath(self.tables[k], row_of_box(boxes_of(self.boxes)[k]))
 
     def met(
         self, k: cython.Py_ssize_t, ahead: Swath, own: float, begin: float, until: float
     ) -> float:
-        """Return when a disc first meets the k-th, from `begin` to `until`; infinite if never.
+        """Return the first time from `begin` to `until` of a conflict with the k-th disc.
 
-        Its motion is `ahead`, and it keeps `own` metres from the bodies of others. Discs that are
-        closer already meet when they come closer still.
+        The motion `ahead` keeps `own` metres from the bodies of others. Discs that are too close
+        already have a conflict when they come closer still. The result is infinity without one.
         """
         least: float = own + at(self.radii)[k]
         if not are_within(boxes_of(ahead.box)[0], boxes_of(self.boxes)[k], least):
@@ -142,7 +142,7 @@ class DiscMotions:
             until = min(until, rests_from(ahead.table) + at(self.counted)[k])
         t: float = first_conflict(ahead.table, other, least, begin, until)
         if t <= begin + _JUST_NOW:
-            # They are too close to begin with: then what counts is coming closer than they are.
+            # The discs are too close already, so a conflict is a distance below the present one.
             apart: float = distance(ahead.table, other, begin)
             if apart < least + _JUST_NOW:
                 t = first_conflict(ahead.table, other, min(least, apart - 1e-9), begin, until)
@@ -152,7 +152,7 @@ class DiscMotions:
     def first_meeting(
         self, near: list[cython.Py_ssize_t], ahead: Swath, own: float, begin: float
     ) -> Meeting:
-        """Return the first conflict with those `near`; see `met`."""
+        """Return the first conflict with the discs `near`: see `met`."""
         first: Meeting = Meeting(-1, INFINITY)
         i: cython.Py_ssize_t
         for i in range(len(near)):
@@ -164,16 +164,16 @@ class DiscMotions:
     def first_met(
         self, near: list[cython.Py_ssize_t], ahead: Swath, own: float, begin: float
     ) -> tuple[int, float]:
-        """Return who of those `near` is met first, -1 for nobody, and when; see `met`."""
+        """Return the index of the first of the discs `near` in conflict, or -1, and the time."""
         first: Meeting = self.first_meeting(near, ahead, own, begin)
-        return first.who, first.t
+        return first.person, first.t
 
     def first_but(
         self, apart: bytearray, ahead: Swath, own: float, begin: float
     ) -> cython.Py_ssize_t:
-        """Return who is met first of all but those `apart`, or -1; see `met`.
+        """Return the index of the first disc in conflict that is not `apart`, or -1: see `met`.
 
-        `apart` has a byte for each, 0 for who counts.
+        `apart` has a byte for each disc.
         """
         first: Meeting = Meeting(-1, INFINITY)
         box: BoundingBox = boxes_of(ahead.box)[0]
@@ -185,15 +185,15 @@ class DiscMotions:
                 t: float = self.met(k, ahead, own, begin, first.t)
                 if t < first.t:
                     first = Meeting(k, t)
-        return first.who
+        return first.person
 
 
 class DiscWindow:
-    """Centres of discs at the times of a window, which are numbered through all windows.
+    """Centres of discs at the times of a window. Times are numbered through all windows.
 
-    `tables` are the motions of the centres, `radii` in metres. From one time to the next a disc
-    moves no farther than its of `steps` (metres), except in its `jumps`: the numbers of the times
-    after which it is put elsewhere, in order.
+    `tables` are the motions of the centres, `radii` in metres. Between consecutive times a disc
+    moves at most its value of `steps` (metres), except in its `jumps`: the sorted indices of the
+    times after which its place changes without a motion.
     """
 
     def __init__(
@@ -216,9 +216,9 @@ class DiscWindow:
         self.boxes: Numbers = room(4 * len(tables))
 
     def see(self, first: cython.Py_ssize_t, times: list[float]) -> None:
-        """Come to a window: its `times` (seconds), and the number of the first.
+        """Advance to a window with `times` (seconds), of which the first has the index `first`.
 
-        Windows follow each other, or begin again at 0.
+        Windows follow each other, or start again at 0.
         """
         if first == 0:
             self.rows = [0] * len(self.tables)
@@ -252,10 +252,10 @@ class DiscWindow:
         n: cython.Py_ssize_t = i * len(self.times) + k - self.first
         return self.xs[n], self.ys[n]
 
-    def nearest(self, best: float) -> tuple[int, int, int, float]:
-        """Return which two are nearest at any of the times, at which, and their distance.
+    def nearest(self, best: float) -> NearestDiscs:
+        """Return the nearest two discs at any time of the window.
 
-        That is `best` where no two are nearer. The earliest of several.
+        The first of several minima counts. The distance is `best` if no pair is nearer.
         """
         end: cython.Py_ssize_t = self.first + len(self.times)
         when: cython.Py_ssize_t = self.first
@@ -276,27 +276,26 @@ class DiscWindow:
                         one = i
                         two = j
                     k += self._passed(i, j, k, gap - best, end)
-        found: tuple[int, int, int, float] = (one, two, when, best)
-        return found
+        return NearestDiscs(one, two, when, best)
 
     def nearer_between(self, best: float) -> list[tuple[int, int, int]]:
-        """Return which two come nearer than `best` metres, and after which time."""
+        """Return pairs of discs that come nearer than `best` metres, and the time before that."""
         last: cython.Py_ssize_t = self.first + len(self.times) - 1
-        found: list[tuple[int, int, int]] = []
+        near: list[tuple[int, int, int]] = []
         i: cython.Py_ssize_t
         j: cython.Py_ssize_t
         for i in range(len(self.tables)):
             for j in range(i + 1, len(self.tables)):
                 step: float = at(self.steps)[i] + at(self.steps)[j]
-                # Between two times each is within a step of where it is at one of them.
+                # Between two times, each disc is within a step of one of its two places.
                 if self._between(i, j) - 2 * step > best:
                     continue
                 k: cython.Py_ssize_t = self.first
                 while k < last:
                     gap: float = self._gap(i, j, k)
                     passed: cython.Py_ssize_t = self._passed(i, j, k, gap - best, last)
-                    # Between two times at distances p and q a pair that comes closer by v at most
-                    # is never nearer than (p + q - v) / 2. No speed bounds a jump.
+                    # With distances p and q at both times, and an approach by at most v between
+                    # them, a pair is never nearer than (p + q - v) / 2. Jumps have no bound.
                     if passed == 1 and (
                         (gap + self._gap(i, j, k + 1) - step) / 2 < best
                         or self._next_jump(i, k, last) == k
@@ -310,9 +309,9 @@ class DiscWindow:
                         row: cython.Py_ssize_t = max(planar_at(one, begin), 0)
                         other: cython.Py_ssize_t = max(planar_at(two, begin), 0)
                         if conflict_from(one, two, least, begin, end, row, other) <= end:
-                            found.append((i, j, k))
+                            near.append((i, j, k))
                     k += passed
-        return found
+        return near
 
     def _between(self, i: cython.Py_ssize_t, j: cython.Py_ssize_t) -> float:
         """Return the distance between two discs by the bounds of their centres, metres."""
@@ -339,21 +338,21 @@ class DiscWindow:
         spare: float,
         end: cython.Py_ssize_t,
     ) -> cython.Py_ssize_t:
-        """Return after how many times two may have come nearer by `spare` metres, one at least."""
+        """Return the number of times, at least 1, until a pair may be nearer by `spare` metres."""
         step: float = at(self.steps)[i] + at(self.steps)[j]
         if spare < 2 * step:
             return 1
         passed: cython.Py_ssize_t = end
         if spare < step * end:
             passed = int(spare / step - _ROUNDING)
-        # Up to the next jump of either, and over that one alone.
+        # Up to the next jump of either disc, and only one time across it.
         jump: cython.Py_ssize_t = min(self._next_jump(i, k, end), self._next_jump(j, k, end))
         return max(min(passed, jump - k), 1)
 
     def _next_jump(
         self, i: cython.Py_ssize_t, k: cython.Py_ssize_t, end: cython.Py_ssize_t
     ) -> cython.Py_ssize_t:
-        """Return the first jump of a disc from the k-th time on; `end` if there is none."""
+        """Return the first jump of a disc from the k-th time on, or `end`."""
         jumps: Numbers = self.jumps[i]
         jump: Doubles = at(jumps)
         n: cython.Py_ssize_t
@@ -366,16 +365,16 @@ class DiscWindow:
 def within_bounds(
     boxes: Numbers, box: Numbers, margin: float, but: cython.Py_ssize_t = -1
 ) -> list[cython.Py_ssize_t]:
-    """Return the indices of the `boxes`, `but` one, that overlap a box with a margin (metres)."""
+    """Return the indices of the `boxes` without `but` that overlap `box` with a margin (m)."""
     a: BoundingBox = boxes_of(box)[0]
     a = BoundingBox(a.low_x - margin, a.low_y - margin, a.high_x + margin, a.high_y + margin)
-    found: list[cython.Py_ssize_t] = []
+    overlapping: list[cython.Py_ssize_t] = []
     other: Boxes = boxes_of(boxes)
     k: cython.Py_ssize_t
     for k in range(box_count(boxes)):
         if k != but and are_within(a, other[k], 0.0):
-            found.append(k)  # noqa: PERF401
-    return found
+            overlapping.append(k)  # noqa: PERF401
+    return overlapping
 
 
 def covers(circles: Numbers, x: float, y: float) -> bool:
@@ -397,7 +396,7 @@ def rests_from(table: Numbers) -> float:
 
 
 def distance_travelled(table: Numbers, since: float, t: float) -> float:
-    """Return the metres that a walk along straight legs covers from `since` to `t` (seconds)."""
+    """Return the length (m) of a walk along straight segments from `since` to `t` (s)."""
     total: float = 0.0
     row: PlanarPieces = planar(table)
     k: cython.Py_ssize_t
@@ -405,23 +404,23 @@ def distance_travelled(table: Numbers, since: float, t: float) -> float:
         p: PlanarPiece = row[k]
         if since <= p.begin < t:
             u: float = (p.end if p.end < t else t) - p.begin
-            # On a straight leg a walk never turns back, so that the chord is the path.
+            # On a straight segment a walk never turns back, so that the chord is the path.
             total += norm(gain(p.x, u), gain(p.y, u))
     return total
 
 
 def distance(one: Numbers, other: Numbers, t: float) -> float:
-    """Return the distance of two centres at `t` (seconds), metres."""
+    """Return the distance (m) of two centres at `t` (s)."""
     a: Position = position_at(one, t)
     b: Position = position_at(other, t)
     return norm(a.x - b.x, a.y - b.y)
 
 
 def first_conflict(one: Numbers, other: Numbers, least: float, begin: float, until: float) -> float:
-    """Return the first time from `begin` to `until` at which two are nearer than `least`.
+    """Return the first time from `begin` to `until` (s) at which two are nearer than `least` (m).
 
-    Seconds and metres; infinite if there is none. Both tables reach back to `begin`. No conflict is
-    missed. A false one is found only where the two stay within rounding of `least`.
+    It is infinite without a conflict. Both tables reach back to `begin`. No conflict is missed.
+    False ones are possible only if the distance stays within rounding of `least`.
     """
     return conflict_from(one, other, least, begin, until, 0, 0)
 
@@ -435,7 +434,7 @@ def conflict_from(
     i: cython.Py_ssize_t,
     j: cython.Py_ssize_t,
 ) -> float:
-    """Return what `first_conflict` does for tables whose pieces before i and j are over."""
+    """Return the first conflict of tables whose pieces before i and j are over."""
     ones: PlanarPieces = planar(one)
     others: PlanarPieces = planar(other)
     i = planar_from(one, i, begin)
@@ -452,11 +451,11 @@ def conflict_from(
         if end == INFINITY:
             return t if x.p * x.p + y.p * y.p < least * least else INFINITY
         duration: float = end - t
-        # Cheapest first: the bounds along the axes decide most intervals.
+        # The bounds along the axes are cheapest and decide most intervals.
         if not _is_apart(x, duration, least) and not _is_apart(y, duration, least):
-            found: float = _first_within(x, y, duration, least)
-            if found >= 0.0:
-                return t + found
+            entry: float = _first_within(x, y, duration, least)
+            if entry >= 0.0:
+                return t + entry
         t = end
         if a.end <= t:
             i += 1
@@ -474,12 +473,12 @@ def _is_apart(c: Cubic, duration: float, least: float) -> bool:
 
 
 def _first_within(x: Cubic, y: Cubic, duration: float, least: float) -> float:
-    """Return the first u from 0 to `duration` at which x, y is within `least` of 0, 0; or -1.
+    """Return the first u in [0, `duration`] at which (x, y) is within `least` of the origin, or -1.
 
     Subdivision: the distance along the tangent at the middle of an interval is convex, and the
-    point stays within `deviation` of the tangent. Undecided intervals are halved, and the one
-    examined is the k-th of its `width`. The shortest count as a conflict unless the two move apart,
-    because no interval decides about a person who leaves from exactly the least distance.
+    point stays within `deviation` of the tangent. Undecided intervals are halved. The current one
+    is the k-th of its `width`. The shortest count as a conflict unless the two move apart, because
+    no interval decides about a person who leaves from exactly the minimum distance.
     """
     straight: cython.bint = is_straight(x, y)
     width: float = duration
@@ -497,7 +496,7 @@ def _first_within(x: Cubic, y: Cubic, duration: float, least: float) -> float:
                 near = _least_on_leaving(shift(x, since), shift(y, since), width)
         if near >= least:
             k += 1
-            # The next interval to the right of the halving: as wide as it may be again.
+            # Continue with the widest interval that begins at this end.
             while k % 2 == 0:
                 k //= 2
                 width *= 2
@@ -513,16 +512,16 @@ def _first_within(x: Cubic, y: Cubic, duration: float, least: float) -> float:
 
 
 def _least_on_leaving(x: Cubic, y: Cubic, width: float) -> float:
-    """Bound the distance of x, y from 0, 0 for `width` seconds; exact if it increases.
+    """Bound the distance of (x, y) from the origin for `width` seconds, exactly if it increases.
 
-    That is the Bernstein bound of the component along the direction at the beginning.
+    This is the Bernstein bound of the component along the initial direction.
     """
     away: float = norm(x.p, y.p)
     if away == 0.0:
         return 0.0
     nx: float = x.p / away
     ny: float = y.p / away
-    # The control points' distances from the beginning.
+    # Distances of the control points from the initial place.
     one: float = width * (nx * x.v + ny * y.v)
     two: float = width * width * (nx * x.a + ny * y.a)
     three: float = width * width * width * (nx * x.j + ny * y.j)
@@ -531,9 +530,9 @@ def _least_on_leaving(x: Cubic, y: Cubic, width: float) -> float:
 
 
 def _entry(x: Cubic, y: Cubic, duration: float, least: float) -> float:
-    """Return the first u from 0 to `duration` at which a straight line enters a disc about 0, 0."""
-    # The roots of a u² + 2 b u + c; the first is c / (√(b² − a c) − b), with b < 0 where the two
-    # come closer: a sum of what is positive, so that nothing cancels.
+    """Return the first u from 0 to `duration` at which a line enters a disc around the origin."""
+    # The roots of a u² + 2 b u + c. The first is c / (√(b² − a c) − b), and b < 0 on approach, so
+    # that the denominator is a sum of positive terms without cancellation.
     c: float = x.p * x.p + y.p * y.p - least * least
     if c <= 0.0:
         return 0.0

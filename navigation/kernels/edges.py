@@ -2,7 +2,7 @@
 
 Edges are found in a uniform grid (J. Amanatides and A. Woo, "A fast voxel traversal algorithm for
 ray tracing", Eurographics 1987), and a place is inside by the parity of a ray's crossings.
-Edges are rows of numbers as those of `Edge`.
+Edges are rows of `Edge`.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from .numbers import Place, flat
 if not cython.compiled:
     from .cubics import *
 
-_WIDER: float = 1.001  # of a radius: rounding hides no cell beside a sweep
-_LATELY: cython.Py_ssize_t = 4  # edges that are remembered
-_LOOKED_AT: cython.Py_ssize_t = 4  # corners of a route that are looked at
-_LEVEL: float = 1e-3  # of a cell's width; segments that rise less are taken as level
+_WIDER: float = 1.001  # factor of a radius, so that rounding skips no cell beside a sweep
+_LATELY: cython.Py_ssize_t = 4  # number of cached edges
+_LOOKED_AT: cython.Py_ssize_t = 4  # number of corners of a route that are tested
+_LEVEL: float = 1e-3  # of a cell's width; segments that rise less count as level
 
 
 class Grid:
-    """Edges by the square cells of `width` metres that they come into."""
+    """Edges by the square cells of `width` metres that they enter."""
 
     def __init__(self, edges: Numbers, width: float) -> None:
         box: BoundingBox = box_around(edges, position_count(edges))
@@ -53,7 +53,7 @@ class Grid:
         """Return whether an edge is nearer than `radius` (metres) to the segment from a to b."""
         edge: Edge = Edge(ax, ay, bx, by)
         sweep: SweptSegment = sweep_along(edge)
-        # What was in the way of the last segments is often in the way of the next, too.
+        # The edges in the way of the last segments are often in the way of the next one.
         if _first_near(self.lately, sweep, radius) >= 0:
             return True
         margin: float = radius * _WIDER
@@ -63,8 +63,7 @@ class Grid:
         for row in range(self._low_row(edge, margin), self._high_row(edge, margin) + 1):
             span: CellWindow = self._span(row, edge, margin)
             for column in range(span.column, span.column + span.columns):
-                # An edge stands in all the cells that it comes into: to look at one twice does no
-                # harm.
+                # An edge is in all cells that it enters, so it may be tested twice.
                 edges: Numbers = self.cells[row * self.columns + column]
                 if len(edges) > 0:
                     k = _first_near(edges, sweep, radius)
@@ -74,19 +73,19 @@ class Grid:
         return False
 
     def _remember(self, edge: Edge) -> cython.int:
-        """Put an edge before those that are remembered."""
+        """Insert an edge before the cached ones."""
         last: Numbers = self.lately
         count: cython.Py_ssize_t = min(edge_count(last) + 1, _LATELY)
         self.lately = edge_room(count)
-        kept: Edges = edges_of(self.lately)
-        kept[0] = edge
+        latest: Edges = edges_of(self.lately)
+        latest[0] = edge
         k: cython.Py_ssize_t
         for k in range(1, count):
-            kept[k] = edges_of(last)[k - 1]
+            latest[k] = edges_of(last)[k - 1]
         return 0
 
     def inside(self, x: float, y: float) -> bool:
-        """Return whether a place is within the edges: a ray from there crosses an odd number."""
+        """Return whether a place is within the edges: a ray crosses an odd number of them."""
         odd: bool = False
         row: cython.Py_ssize_t = self._row(y)
         column: cython.Py_ssize_t
@@ -97,32 +96,32 @@ class Grid:
                 e: Edge = edges_of(edges)[k]
                 if (e.ay > y) != (e.by > y):
                     crossing: float = e.ax + (y - e.ay) / (e.by - e.ay) * (e.bx - e.ax)
-                    # An edge is in all cells that it comes into, and counts in that one.
+                    # An edge is in all cells that it enters, and counts in the crossing's cell.
                     if crossing > x and self._column(crossing) == column:
                         odd = not odd
         return odd
 
     def _column(self, x: float) -> int:
-        """Return the column of cells that `x` is in, or the one nearest to it."""
+        """Return the column of cells nearest to `x`."""
         return int(min(max((x - self.low_x) / self.width, 0.0), self.columns - 1.0))
 
     def _row(self, y: float) -> int:
-        """Return the row of cells that `y` is in, or the one nearest to it."""
+        """Return the row of cells nearest to `y`."""
         return int(min(max((y - self.low_y) / self.width, 0.0), self.rows - 1.0))
 
     def _low_row(self, e: Edge, margin: float) -> int:
-        """Return the lowest row of cells that an edge with a margin comes into."""
+        """Return the lowest row of cells that an edge with a margin enters."""
         return self._row(min(e.ay, e.by) - margin)
 
     def _high_row(self, e: Edge, margin: float) -> int:
-        """Return the highest row of cells that an edge with a margin comes into."""
+        """Return the highest row of cells that an edge with a margin enters."""
         return self._row(max(e.ay, e.by) + margin)
 
     def _span(self, row: cython.Py_ssize_t, e: Edge, margin: float) -> CellWindow:
-        """Return the cells of a row that a sweep may come into.
+        """Return the cells of a row that a sweep may enter.
 
-        An edge in the row that is near the segment is near a point of it whose y is no farther
-        than `margin` from the row, and in the columns within `margin` of that point.
+        An edge in the row that is near the segment is near a point of it whose y is at most
+        `margin` from the row, and in the columns within `margin` of that point.
         """
         low: float = e.ax
         high: float = e.bx
@@ -134,21 +133,21 @@ class Grid:
             high = e.ax + slope * (min(max(top, min(e.ay, e.by)), max(e.ay, e.by)) - e.ay)
         if low > high:
             low, high = high, low
-        most: float = self.columns - 1.0
+        limit: float = self.columns - 1.0
         first: cython.Py_ssize_t = int(
-            min(max((low - margin - self.low_x) / self.width, 0.0), most)
+            min(max((low - margin - self.low_x) / self.width, 0.0), limit)
         )
         last: cython.Py_ssize_t = int(
-            min(max((high + margin - self.low_x) / self.width, 0.0), most)
+            min(max((high + margin - self.low_x) / self.width, 0.0), limit)
         )
         return CellWindow(first, row, last - first + 1, 1)
 
 
 class Room:
-    """The room that a floor and bodies leave for a disc of `radius` metres.
+    """Free room for a disc of `radius` metres on a floor among bodies.
 
-    Each of `bodies` are the edges of one, and its rounding: metres by which it is larger all round.
-    `gates` are lines as for `back_through`, which a segment must not go back through.
+    `bodies` are pairs of edges and rounding, the width (m) of a margin around the edges. `gates`
+    are lines that a segment must not cross backwards: see `back_through`.
     """
 
     def __init__(
@@ -169,11 +168,11 @@ class Room:
             self.radii.append(radius + rounding)
 
     def holds(self, x: float, y: float) -> bool:
-        """Return whether there is room for the disc at a place."""
+        """Return whether the disc is free at a place."""
         return self.floor.inside(x, y) and self.clear(x, y, x, y, True)
 
     def clear(self, ax: float, ay: float, bx: float, by: float, floor: bool) -> bool:
-        """Return whether there is room on the segment from a, where there is, to b.
+        """Return whether the disc is free on the segment from a, where it is free, to b.
 
         The floor and its gates count if `floor` is true.
         """
@@ -196,10 +195,10 @@ class Room:
 
 
 class Legs:
-    """Segments on a floor along which there is room for a disc of `radius` metres, or is none.
+    """Test of segments on a floor for a disc of `radius` metres.
 
-    That is decided by the edges of its `walls`, but where a segment comes into the `bounds` of
-    something else, least x and y and greatest x and y of each: then `ask(a, b)` decides.
+    The edges of `walls` decide. If a segment enters one of the `bounds` of other bodies (minimum x
+    and y, maximum x and y of each), `ask(a, b)` decides.
     """
 
     def __init__(self, walls: Grid, radius: float, ask: Callable[[Place, Place], bool]) -> None:
@@ -213,7 +212,7 @@ class Legs:
         return self.walls.touched(ax, ay, bx, by, self.radius)
 
     def free(self, ax: float, ay: float, bx: float, by: float) -> bool:
-        """Return whether there is room on the segment from a, where there is, to b."""
+        """Return whether the disc is free on the segment from a, where it is free, to b."""
         if self.meets_wall(ax, ay, bx, by):
             return False
         box: Boxes = boxes_of(self.bounds)
@@ -224,9 +223,9 @@ class Legs:
         return True
 
     def farthest(self, x: float, y: float, route: list[Place]) -> cython.Py_ssize_t:
-        """Return the index of the farthest corner of a route that is seen from x, y; -1 for none.
+        """Return the index of the farthest corner of a route that is visible from (x, y), or -1.
 
-        Of the first few: a straight line to it is shorter than the bends before it.
+        Only the first corners are tested. A straight line replaces the bends before the corner.
         """
         k: cython.Py_ssize_t
         for k in range(min(len(route), _LOOKED_AT) - 1, -1, -1):
@@ -238,9 +237,9 @@ class Legs:
     def farthest_round(
         self, x: float, y: float, route: list[Place], places: Numbers, width: float
     ) -> cython.Py_ssize_t:
-        """Return what `farthest` does where all of the way from there keeps off some `places`.
+        """Return the result of `farthest` if the path from there avoids `places`, otherwise -1.
 
-        By `width` metres; x and y of each in turn, twice. -1 where it doesn't.
+        The distance is `width` metres. `places` has x and y of each in turn, twice.
         """
         k: cython.Py_ssize_t
         i: cython.Py_ssize_t
@@ -262,12 +261,12 @@ class Legs:
 
 
 def come_into(bounds: Numbers, route: list[Place], radius: float) -> list[tuple[int, int]]:
-    """Return which bounds a disc of `radius` metres comes into on which segments of a `route`.
+    """Return which segments of a `route` enter which bounds with a disc of `radius` metres.
 
-    `bounds` are least x and y and greatest x and y of each; the result has the index of the
+    `bounds` are minimum x and y, maximum x and y of each. The result has pairs of the index of the
     segment and that of the bounds.
     """
-    found: list[tuple[int, int]] = []
+    pairs: list[tuple[int, int]] = []
     count: cython.Py_ssize_t = box_count(bounds)
     box: Boxes = boxes_of(bounds)
     ax: float
@@ -281,16 +280,16 @@ def come_into(bounds: Numbers, route: list[Place], radius: float) -> list[tuple[
         bx, by = route[i + 1]
         for k in range(count):
             if _comes_into(box[k], ax, ay, bx, by, radius):
-                found.append((i, k))  # noqa: PERF401
-    return found
+                pairs.append((i, k))  # noqa: PERF401
+    return pairs
 
 
 def _comes_into(
     box: BoundingBox, ax: float, ay: float, bx: float, by: float, radius: float
 ) -> bool:
-    """Return whether a disc comes into a box on the segment from a to b.
+    """Return whether a disc enters a box on the segment from a to b.
 
-    A segment whose ends are both beyond one side of the box is beyond it as a whole.
+    If both ends of a segment are beyond the same side of the box, the whole segment is.
     """
     low_x: float = box.low_x - radius
     low_y: float = box.low_y - radius
@@ -305,14 +304,14 @@ def _comes_into(
 
 
 def back_through(line: Numbers, ax: float, ay: float, bx: float, by: float) -> bool:
-    """Return whether the segment from a to b crosses a line from its far side back.
+    """Return whether the segment from a to b crosses a line backwards.
 
-    `line` has x and y of both ends, and of the direction in which it may be crossed.
+    `line` has x and y of both ends, and of the direction in which crossing is allowed.
     """
     gate: GateLine = gates_of(line)[0]
     here: float = (ax - gate.ax) * gate.nx + (ay - gate.ay) * gate.ny
     there: float = (bx - gate.ax) * gate.nx + (by - gate.ay) * gate.ny
-    # The line itself is its far side, as `Gates` has it: to end on it is to have passed.
+    # A position on the line is on the far side, as in `Gates`.
     if here < 0.0 or there >= 0.0:
         return False
     share: float = here / (here - there)
@@ -325,21 +324,18 @@ def back_through(line: Numbers, ax: float, ay: float, bx: float, by: float) -> b
 
 
 def legs_of(course: list[Place]) -> Numbers:
-    """Return the legs of a `course` as edges."""
-    found: Numbers = edge_room(max(len(course) - 1, 0))
+    """Return the segments of a `course` as edges."""
+    legs: Numbers = edge_room(max(len(course) - 1, 0))
     corners: Numbers = flat(course)
     corner: Positions = positions_of(corners)
     k: cython.Py_ssize_t
     for k in range(len(course) - 1):
-        edges_of(found)[k] = Edge(corner[k].x, corner[k].y, corner[k + 1].x, corner[k + 1].y)
-    return found
+        edges_of(legs)[k] = Edge(corner[k].x, corner[k].y, corner[k + 1].x, corner[k + 1].y)
+    return legs
 
 
 def touches(edges: Numbers, ax: float, ay: float, bx: float, by: float, radius: float) -> bool:
-    """Return whether one of `edges` is nearer than `radius` (metres) to a segment.
-
-    It leads from `ax`, `ay` to `bx`, `by`.
-    """
+    """Return whether one of `edges` is nearer than `radius` (metres) to the segment from a to b."""
     near: bool = _first_near(edges, sweep_along(Edge(ax, ay, bx, by)), radius) >= 0
     return near
 
@@ -351,7 +347,7 @@ def _first_near(edges: Numbers, sweep: SweptSegment, radius: float) -> cython.Py
     edge: Edges = edges_of(edges)
     k: cython.Py_ssize_t
     for k in range(edge_count(edges)):
-        # Along and across the segment, from a:
+        # Coordinates along and across the segment, from a.
         px: float = edge[k].ax - sweep.x
         py: float = edge[k].ay - sweep.y
         qx: float = edge[k].bx - sweep.x
@@ -362,13 +358,12 @@ def _first_near(edges: Numbers, sweep: SweptSegment, radius: float) -> cython.Py
             continue
         h: float = py * sweep.c - px * sweep.s
         i: float = qy * sweep.c - qx * sweep.s
-        # Both ends are on the same side, and too far from the line: so is all that is between them.
+        # If both ends are too far from the line on the same side, so is the whole edge.
         if length > 0.0 and ((h >= radius and i >= radius) or (h <= -radius and i <= -radius)):
             continue
-        # The nearest two points are an end of one of them and a point of the other, but where the
-        # two cross.
+        # The nearest points include an end of one of them, unless the two cross.
         if h * i < 0.0:
-            # Where the edge crosses the line on which the segment lies, in metres along it.
+            # The position along the segment at which the edge crosses its line.
             crossing: float = p + (q - p) * h / (h - i)
             if 0.0 <= crossing <= length:
                 return k
@@ -383,7 +378,7 @@ def _first_near(edges: Numbers, sweep: SweptSegment, radius: float) -> cython.Py
 
 
 def _square(px: float, py: float, sweep: SweptSegment) -> float:
-    """Return the square of the distance of p, counted from a, from a segment."""
+    """Return the squared distance of p, relative to a, from a segment."""
     u: float = 0.0
     if sweep.length > 0.0:
         u = (px * sweep.dx + py * sweep.dy) / (sweep.length * sweep.length)
@@ -394,7 +389,7 @@ def _square(px: float, py: float, sweep: SweptSegment) -> float:
 
 
 def _square_to(px: float, py: float, qx: float, qy: float, x: float, y: float) -> float:
-    """Return the square of the distance of a point from the edge from p to q."""
+    """Return the squared distance of a point from the edge from p to q."""
     dx: float = qx - px
     dy: float = qy - py
     square: float = dx * dx + dy * dy

@@ -1,11 +1,12 @@
-"""Bounds on the distance of two motions, and on how fast it shrinks, over intervals of time.
+"""Bounds on the distance of two motions, and on its rate, over intervals of time.
 
-Distances are those of places, or between the surfaces of a person and of a machine that turns.
+Distances are between centres, or between the surfaces of a person and of a machine that turns.
 
-The distance is bounded to third order by its Taylor model about the middle of an interval: exact
-for the tangents, which are convex, and with a bound of the rest. Undecided intervals are halved, so
-that nothing is missed: interval subdivision as in S. Redon, A. Kheddar and S. Coquillart, "Fast
-continuous collision detection between rigid bodies", Computer Graphics Forum 21, 2002.
+The distance is bounded to third order by its Taylor model about the middle of an interval. It is
+exact for the tangents, which are convex, with a bound of the remainder. Undecided intervals are
+halved, so that nothing is missed (interval subdivision as in S. Redon, A. Kheddar and S.
+Coquillart, "Fast continuous collision detection between rigid bodies", Computer Graphics Forum 21,
+2002).
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ..enclosure import Bounds, Enclosure
 from .numbers import numbers
+from .results import Bounds, DistanceBounds, Enclosure
 
 if TYPE_CHECKING:
     import cython
@@ -28,17 +29,17 @@ if not cython.compiled:
     from .odometer import Odometer, enclosure_of, speed_along
 
 _NONE: Numbers = room(0)
-_SOME: cython.Py_ssize_t = 64  # ends of intervals, to begin with
-_SURFACE_ROUNDING: float = 1e-12  # metres by which distances between surfaces may be off
-_NEAR: float = 1e-9  # metres; nearer than this, the direction to the other is mostly rounding
+_SOME: cython.Py_ssize_t = 64  # initial room for ends of intervals
+_SURFACE_ROUNDING: float = 1e-12  # metres; rounding of distances between surfaces
+_NEAR: float = 1e-9  # metres; at smaller distances the direction to the other is mostly rounding
 
 
 class Gauge:
-    """Measures between a person, an upright cylinder, and one part of a machine, in its frame.
+    """Distance of a person, an upright cylinder, from one part of a machine, in its frame.
 
     The part's footprint is a rectangle of half lengths `along` and `across` about the machine's
-    axis, grown by `rounding`: a box has no rounding, a cylinder no lengths. `height` is the gap
-    between the heights of the two. All in metres.
+    axis, grown by `rounding`. A box has no rounding, a cylinder no lengths. `height` is the gap
+    between the heights of the two. All values are in metres.
     """
 
     def __init__(
@@ -55,7 +56,7 @@ class Gauge:
     def nearest(self, x: float, y: float) -> NearestPoint:
         """Return the point of the footprint nearest to (x, y).
 
-        Within the footprint its distance is 0, and the point means nothing.
+        Within the footprint the distance is 0 and the point is undefined.
         """
         px: float = min(max(x, -self.along), self.along)
         py: float = min(max(y, -self.across), self.across)
@@ -64,8 +65,7 @@ class Gauge:
         gap: float = norm(dx, dy)
         away: float = max(gap - self.rounding, 0.0)
         if gap > 0.0:
-            # The nearest point of the rounded footprint is on the same line, farther out by the
-            # rounding.
+            # The nearest point of the rounded footprint is farther out on the same line.
             px += dx * (self.rounding / gap)
             py += dy * (self.rounding / gap)
         return NearestPoint(px, py, away, self.over(away))
@@ -77,45 +77,43 @@ class Gauge:
     def distances(self, c: RelativeMotion, slope: float, curve: float) -> Range:
         """Bound distance − `slope` u − `curve` u² / 2 for all times u of a relative motion.
 
-        The lower bound is that of a plane that separates the two at the middle: one that keeps its
-        normal, or one that turns with the machine (better beside a wall that turns). Along the
-        normal, the person and the corners of the footprint move at a known rate. The upper bound is
-        the distance from the person to the part's point that is nearest at the middle and moves
-        with it. Both are off by second order in `half`.
+        The lower bound is that of a plane that separates the two at the middle. The plane keeps its
+        normal, or turns with the machine, which is better beside a turning wall. Along the normal,
+        the person and the corners of the footprint move at a known rate. The upper bound is the
+        distance from the person to the point of the part that is nearest at the middle. The errors
+        of both are of second order in `half`.
         """
         half: float = c.half
         nearest: NearestPoint = self.nearest(c.x, c.y)
         away: float = nearest.away
         farthest: float = self.reach + self.rounding
-        # |exp(iθ) − 1 − iθ| ≤ θ² / 2: a point that turns by θ leaves its tangent by so much of its
-        # radius; `twist` is the part of θ that the steady spin leaves out.
+        # |exp(iθ) − 1 − iθ| ≤ θ² / 2 bounds the deviation from the tangent of a point that turns
+        # by θ, relative to its radius. `twist` is the part of θ not due to the steady spin.
         turned: float = c.twist + c.swing * c.swing / 2
         moved: float = norm(c.vx, c.vy) * half + c.bend
         if away == 0.0:
-            # Within the footprint there is no plane between the two; only the heights keep them
-            # apart.
+            # Within the footprint only the heights separate the two.
             around: float = (abs(slope) + abs(curve) / 2 * half) * half
             return Range(self.height - around, self.over(moved + farthest * c.swing) + around)
         dx: float = c.x - nearest.x
         dy: float = c.y - nearest.y
-        # How far the person gets from the part's point in half the interval: the point itself goes
-        # at spin × (−y, x).
+        # Motion of the person relative to the part's point in half the interval. The point moves at
+        # spin × (−y, x).
         wx: float = (c.vx + c.spin * nearest.y) * half
         wy: float = (c.vy - c.spin * nearest.x) * half
         rise: float = slope * half
         bow: float = abs(curve) / 2 * half * half
         bent: float = c.bend + farthest * turned
-        # `over` is convex and does not fall, so along a straight line it is greatest at an end.
+        # `over` is convex and never decreases, so on a straight line its maximum is at an end.
         after: float = self.over(norm(dx + wx, dy + wy) + bent) - rise
         before: float = self.over(norm(dx - wx, dy - wy) + bent) + rise
         high: float = max(after, before) + bow
         low: float = nearest.distance - abs(rise) - bow
         if away <= self.radius:
-            # One is above the other: the distance is the height, which never changes.
+            # One is above the other, so the distance is the height.
             return Range(low if slope or curve else max(low, self.height), high)
-        # The plane's normal leans: `level` is its share along the floor, height / distance the
-        # rest. What lies along it is counted without the height and the two radii, which are added
-        # below.
+        # The plane's normal is inclined, with a horizontal share of `level` and a vertical one of
+        # height / distance. The terms of the height and the two radii are added below.
         level: float = (away - self.radius) / nearest.distance
         nx: float = dx / away * level
         ny: float = dy / away * level
@@ -124,7 +122,7 @@ class Gauge:
         middle: float = INFINITY
         corner: Positions = positions_of(self.corners)
         k: cython.Py_ssize_t
-        # A footprint reaches farthest along a normal at one of its corners, whichever way it turns.
+        # The farthest point of a footprint along a normal is always one of its corners.
         for k in range(position_count(self.corners)):
             cx: float = corner[k].x
             cy: float = corner[k].y
@@ -134,8 +132,8 @@ class Gauge:
         low -= abs(nx * c.ax + ny * c.ay - curve / 2) * half * half
         low -= level * (c.jolt + self.reach * turned)
         if c.swing > 0.0 and self.reach > 0.0:
-            # The same with a normal that turns along: then the corners rest, and it is the person
-            # who is carried round, with what they move meanwhile.
+            # The same with a normal that turns with the machine. In its frame the corners rest, and
+            # the person rotates in addition to the own motion.
             turning: float = middle - bow
             turning -= abs(towards + c.spin * (nx * c.y - ny * c.x)) * half
             turning -= level * (
@@ -147,9 +145,9 @@ class Gauge:
 
 
 class PolygonGauge(Gauge):
-    """The same for a part whose footprint is a convex polygon: x, y of its `corners`, in metres.
+    """Distance of a person from a part whose footprint is a convex polygon.
 
-    They are counterclockwise, from the machine's axis along its heading and across it.
+    `corners` has x and y of each in turn, counterclockwise, in the frame of the machine (metres).
     """
 
     def __init__(self, radius: float, height: float, corners: list[float]) -> None:
@@ -161,7 +159,7 @@ class PolygonGauge(Gauge):
             self.reach = max(self.reach, norm(corner[k].x, corner[k].y))
 
     def nearest(self, x: float, y: float) -> NearestPoint:
-        found: NearestPoint = NearestPoint(x, y, INFINITY, 0.0)
+        point: NearestPoint = NearestPoint(x, y, INFINITY, 0.0)
         corner: Positions = positions_of(self.corners)
         count: cython.Py_ssize_t = position_count(self.corners)
         k: cython.Py_ssize_t
@@ -180,17 +178,17 @@ class PolygonGauge(Gauge):
             px: float = a.x + share * along_x
             py: float = a.y + share * along_y
             away: float = norm(x - px, y - py)
-            if away < found.away:
-                found = NearestPoint(px, py, away, 0.0)
-        if found.away == INFINITY:
+            if away < point.away:
+                point = NearestPoint(px, py, away, 0.0)
+        if point.away == INFINITY:
             return NearestPoint(x, y, 0.0, self.over(0.0))
-        return NearestPoint(found.x, found.y, found.away, self.over(found.away))
+        return NearestPoint(point.x, point.y, point.away, self.over(point.away))
 
 
 class Follower:
-    """A body on its motion: at rest before it, on one piece after another, at rest after it.
+    """Body that follows a motion, at rest before and after it.
 
-    Its coordinates are cubics counted from the time at which it was `entered`.
+    Its coordinates are cubics relative to the time at which the current piece was `entered`.
     """
 
     def __init__(self, table: Numbers) -> None:
@@ -201,7 +199,7 @@ class Follower:
         self.x = self.y = self.rotation = constant(0.0)
 
     def seek(self, t: float) -> cython.int:
-        """Come to the piece at `t`."""
+        """Move to the piece at `t`."""
         first: float = poses(self.table)[0].begin
         self.since = t
         if t < first:
@@ -213,7 +211,7 @@ class Follower:
         return self.go_on()
 
     def go_on(self) -> cython.int:
-        """Come to the next piece. Those of no length are left out: no velocity for no time."""
+        """Move to the next piece. Pieces without duration are skipped."""
         while True:
             self.row += 1
             if self.row >= self.rows:
@@ -231,7 +229,7 @@ class Follower:
                 return 0
 
     def enter(self, t: float) -> cython.int:
-        """Count from `t`, within the piece."""
+        """Set the coordinates relative to `t`, a time within the piece."""
         piece: PosePiece = poses(self.table)[min(max(self.row, 0), self.rows - 1)]
         u: float = 0.0
         if self.row >= self.rows:
@@ -256,7 +254,7 @@ class Follower:
         speed: float = norm(x.v, y.v)
         if is_straight(x, y):
             return Range(speed, speed)
-        # The coefficients are half the acceleration and a sixth of the jerk.
+        # The coefficients are half of the acceleration and a sixth of the jerk.
         slack: float = half * 2 * norm(x.a, y.a)
         slack += half * half * 3 * norm(x.j, y.j)
         return Range(0.0 if slack > speed else speed - slack, speed + slack)
@@ -266,7 +264,7 @@ class Follower:
         half: float = (end - begin) / 2
         turn: Cubic = shift(self.rotation, begin - self.entered + half)
         rate: float = abs(turn.v)
-        # The coefficients are half the acceleration and a sixth of the jerk.
+        # The coefficients are half of the acceleration and a sixth of the jerk.
         slack: float = half * (2 * abs(turn.a) + half * 3 * abs(turn.j))
         return Range(max(rate - slack, 0.0), rate + slack)
 
@@ -278,7 +276,7 @@ class Follower:
 
 
 def nearest_surface(gauges: list[Gauge], x: float, y: float) -> float:
-    """Return the distance between surfaces of a person at (x, y), seen by the machine (metres)."""
+    """Return the distance between surfaces for a person at (x, y) in the machine's frame (m)."""
     least: float = INFINITY
     gauge: Gauge
     for gauge in gauges:
@@ -287,7 +285,7 @@ def nearest_surface(gauges: list[Gauge], x: float, y: float) -> float:
 
 
 class Tabled(Protocol):
-    """A motion, or a part of one: what has a table of pieces."""
+    """Motion, or part of a motion, with a table of pieces."""
 
     @property
     def table(self) -> Numbers: ...
@@ -325,7 +323,7 @@ class Encounter:
         self.left = 0
 
     def come_to(self, begin: float) -> cython.int:
-        """Come to the time `begin`, before the first stretch."""
+        """Move to the time `begin`, before the first stretch."""
         self.started = False
         self.left = 0
         self.begin = self.end = begin
@@ -334,7 +332,7 @@ class Encounter:
         return 0
 
     def next_stretch(self, end: float) -> cython.bint:
-        """Enter the next stretch, until `end` at most, or return that there is none."""
+        """Enter the next stretch, which ends by `end`. Return False if there is none."""
         person: Follower = self.person
         machine: Follower = self.machine
         t: float = self.end
@@ -350,15 +348,15 @@ class Encounter:
         self.end = min(person.end, machine.end, end)
         person.enter(t)
         machine.enter(t)
-        # Both count from the same instant now, so the relative position is one cubic as well.
+        # Both are relative to the same time now, so their difference is a cubic as well.
         self.x = minus(machine.x, person.x)
         self.y = minus(machine.y, person.y)
         return True
 
     def next_interval(self, end: float) -> cython.bint:
-        """Come to the next interval, from `lower` to `upper`, or return that there is none.
+        """Move to the next interval, from `lower` to `upper`. Return False if there is none.
 
-        That is what is left of those that were halved, or the next stretch.
+        It is the later part of a divided interval, or the next stretch.
         """
         if self.left > 0:
             self.left -= 1
@@ -372,20 +370,20 @@ class Encounter:
         return True
 
     def halve(self) -> cython.bint:
-        """Leave the later half of the interval for later, or return that it is too short."""
+        """Postpone the later half of the interval. Return False if it is too short."""
         return self.divide(0.5)
 
     def divide(self, share: float) -> cython.bint:
-        """Leave what comes after a share of the interval for later, as `halve` does."""
+        """Postpone the part after a share of the interval. Return False if it is too short."""
         lower: float = self.lower
         upper: float = self.upper
         middle: float = lower + (upper - lower) * share
         if not lower < middle < upper:
             return False
-        # Each of those that are left begins where the one before it ends.
+        # Each postponed interval begins at the end of the one before it.
         left: cython.Py_ssize_t = self.left
         if left == len(self.ends):
-            # A row of its own: the one to begin with is that of all encounters.
+            # A new row, because all encounters share the initial one.
             ends: Numbers = room(max(2 * left, _SOME))
             put(at(ends), 0, at(self.ends), 0, left)
             self.ends = ends
@@ -401,21 +399,21 @@ class Encounter:
         """
         half: float = (end - begin) / 2
         middle: float = begin - self.begin + half
-        found: Closest
+        bounds: Closest
         if self.gauges:
             apart: Range = self._between_surfaces(middle, half, slope, curve)
-            found = Closest(apart.low, apart.high, 0.0)
+            bounds = Closest(apart.low, apart.high, 0.0)
         else:
-            found = self._between_centres(middle, half, slope, curve)
-        t: float = self.begin + middle + found.t
-        return Closest(found.low, found.high, begin if t < begin else end if t > end else t)
+            bounds = self._between_centres(middle, half, slope, curve)
+        t: float = self.begin + middle + bounds.t
+        return Closest(bounds.low, bounds.high, begin if t < begin else end if t > end else t)
 
     def _between_centres(self, u: float, half: float, slope: float, curve: float) -> Closest:
-        """See `closest`, about the time u since the stretch began, from which its t counts.
+        """See `closest`, relative to the time u since the begin of the stretch.
 
-        About the middle the relative position is r + v u + (a/2) u² + (j/6) u³. What |r + v u| −
-        slope u may be is known exactly, for it is convex; the rest of the position can't be longer
-        than (a/2) h² + (j/6) h³.
+        About the middle the relative position is r + v u + (a/2) u² + (j/6) u³. The bounds of |r +
+        v u| − slope u are exact, because it is convex. The remainder is at most (a/2) h² + (j/6)
+        h³.
         """
         x: Cubic = shift(self.x, u)
         y: Cubic = shift(self.y, u)
@@ -423,7 +421,7 @@ class Encounter:
             return Closest(norm(x.p, y.p), norm(x.p, y.p), 0.0)
         t: float = _lowest_on_line(x, y, half, slope) if slope else nearest_on_line(x, y, half)
         near: float = norm(x.p + x.v * t, y.p + y.v * t)
-        # A convex function is greatest at an end.
+        # The maximum of a convex function is at an end.
         before: float = norm(x.p - x.v * half, y.p - y.v * half)
         after: float = norm(x.p + x.v * half, y.p + y.v * half)
         bend: float
@@ -435,17 +433,17 @@ class Encounter:
         return Closest(max(near - bend, 0.0), max(before, after) + bend, t)
 
     def _between_surfaces(self, u: float, half: float, slope: float, curve: float) -> Range:
-        """See `closest`. Exact to second order in `half`, so it converges as fast."""
+        """See `closest`. The bounds are exact to second order in `half`."""
         x: Cubic = shift(self.x, u)
         y: Cubic = shift(self.y, u)
         turn: Cubic = shift(self.machine.rotation, u)
         c: float = cos(turn.p)
         s: float = sin(turn.p)
-        # The coefficients are half the acceleration and a sixth of the jerk, so these are the
-        # lengths of the terms of second and third order.
+        # The coefficients are half of the acceleration and a sixth of the jerk, so these bound the
+        # terms of second and third order.
         jolt: float = half * half * half * norm(x.j, y.j)
         twist: float = half * half * (abs(turn.a) + half * abs(turn.j))
-        # The person as the machine sees them at the middle: the world turned back by its rotation.
+        # The person in the frame of the machine at the middle.
         person: RelativeMotion = RelativeMotion(
             -(c * x.p + s * y.p),
             s * x.p - c * y.p,
@@ -473,11 +471,11 @@ class Encounter:
         return Range(low, high)
 
     def approach(self, begin: float, end: float) -> Range:
-        """Bound the rate of half the squared distance of the places, m²/s."""
+        """Bound the rate of half the squared distance of the centres (m²/s)."""
         h: float = (end - begin) / 2
         x: Cubic = shift(self.x, begin - self.begin + h)
         y: Cubic = shift(self.y, begin - self.begin + h)
-        # r·v as a polynomial about the middle: its terms one by one, by their greatest size.
+        # r·v as a polynomial about the middle, with the maximum of each term.
         rate: float = x.p * x.v + y.p * y.v
         slack: float = h * (
             abs(x.v * x.v + y.v * y.v + 2 * (x.p * x.a + y.p * y.a))
@@ -529,14 +527,13 @@ class Encounter:
 
     def apart(
         self, begin: float, end: float, slope: float = 0.0, curve: float = 0.0
-    ) -> tuple[float, float, float]:
+    ) -> DistanceBounds:
         """Return bounds on distance − `slope` u − `curve` u² / 2, u from the interval's middle.
 
-        Slope (m/s) and curve (m/s²) are derivatives of a required distance. The third value is a
-        time near the minimum.
+        Slope (m/s) and curve (m/s²) are derivatives of a required distance.
         """
         apart: Closest = self.closest(begin, end, slope, curve)
-        return apart.low, apart.high, apart.t
+        return DistanceBounds(apart.low, apart.high, apart.t)
 
     def human_speed(self, begin: float, end: float) -> Enclosure:
         """Return the human's speed in m/s over an interval within this time span."""
@@ -548,14 +545,14 @@ class Encounter:
 
 
 def _lowest_on_line(x: Cubic, y: Cubic, half: float, slope: float) -> float:
-    """Return the u, |u| <= half, at which the tangent's distance from 0, 0 less slope u is least.
+    """Return the u, |u| <= half, that minimizes the tangent's distance from the origin − slope u.
 
-    With d the distance of the line r + v u from 0, √(d² + v² (u − u₀)²) − slope u is least where
-    v² (u − u₀) is slope times the root: u − u₀ = d slope / (v √(v² − slope²)).
+    With d the distance of the line r + v u from the origin, √(d² + v² (u − u₀)²) − slope u has its
+    minimum where v² (u − u₀) is slope times the root: u − u₀ = d slope / (v √(v² − slope²)).
     """
     square: float = x.v * x.v + y.v * y.v
     if square <= slope * slope:
-        # No speed along the line makes up for the slope: it falls, or rises, all the time.
+        # The slope exceeds the speed along the line, so the difference is monotonic.
         return copysign(half, slope)
     u: float = -(x.p * x.v + y.p * y.v) / square
     u += abs(x.p * y.v - y.p * x.v) / square * (slope / sqrt(square - slope * slope))
@@ -563,23 +560,22 @@ def _lowest_on_line(x: Cubic, y: Cubic, half: float, slope: float) -> float:
 
 
 def _deviation_of_distance(x: Cubic, y: Cubic, half: float, curve: float) -> float:
-    """Bound the deviation of distance − curve u² / 2 from that along a line: of third order.
+    """Bound the deviation of distance − curve u² / 2 from that along a line, to third order.
 
-    With n the direction of r, that is (n·a − curve) u² / 2 + (n·j/6) u³, and in addition what is
-    due to n turning, and to the part of the deviation across n.
+    With n the direction of r, it is (n·a − curve) u² / 2 + (n·j/6) u³, plus terms due to the
+    rotation of n and to the deviation across n.
     """
     bend: float = deviation(x, y, half)
     # Moving the end of a vector by `bend` changes its length by no more than that.
     whole: float = bend + abs(curve) / 2 * half * half
     away: float = norm(x.p, y.p)
-    # On the line r + v u nothing is nearer than this, so n turns by |r × v| h / nearest² at most:
-    # r × v is the same for all u, and the rate at which n turns is r × v over the distance's
-    # square.
+    # `nearest` bounds the distance on the line r + v u. The rate at which n turns is r × v over the
+    # squared distance, and r × v is constant, so n turns by at most |r × v| h / nearest².
     nearest: float = away - norm(x.v, y.v) * half
     if nearest < _NEAR:
         return whole
     along: float = abs((x.p * x.a + y.p * y.a) / away - curve / 2)
     along += abs(x.p * x.j + y.p * y.j) / away * half
     turn: float = abs(x.p * y.v - y.p * x.v) * half / (nearest * nearest)
-    # √(p² + q²) exceeds p by q² / (2 p) at most: that is the share of a displacement q across n.
+    # √(p² + q²) exceeds p by at most q² / (2 p), the effect of a displacement q across n.
     return min(along * half * half + bend * (turn + bend / (2 * nearest)), whole)

@@ -1,10 +1,10 @@
-"""When a person's disc touches a field of a machine, and which of its field sets then applies.
+"""Contacts of a person's disc with a field of a machine, and switches of its field sets.
 
 A field is a polygon that moves and turns with the machine. In the frame of the machine, the
 person's centre stays within a bound of second order of its tangent at the middle of an interval,
 and the distances of a tangent from the edges of the polygon are exact. Undecided intervals are
-halved, the earlier half first: see `encounter` for the method. Switches of sets are found the same
-way, with bounds of the velocity in the frame of the machine.
+halved, the earlier half first: see `encounter` for the method. Switches of sets are found in the
+same way, with bounds of the velocity in the frame of the machine.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import cython
 
-    from ..motion import Motion
+    from .encounter import Tabled
 else:
     from . import uncompiled as cython
 
@@ -24,28 +24,28 @@ if not cython.compiled:
     from .cubics import *
     from .encounter import Encounter, Follower
 
-_RESOLUTION: float = 1e-9  # seconds; a change within a shorter interval counts as at its begin
-_TOUCH: float = 1e-10  # metres; a contact of less depth may count as none
-_POINT: float = 1e-9  # metres; the radius of a person is at least this
-_ASIDE: float = 1e-3  # share of an interval that is left on either side of a root
-_LEAST_SHARE: float = 0.02  # of an interval that is divided
+_RESOLUTION: float = 1e-9  # seconds; a change within a shorter interval counts at its begin
+_TOUCH: float = 1e-10  # metres; shallower contacts may be ignored
+_POINT: float = 1e-9  # metres; minimum radius of a person
+_ASIDE: float = 1e-3  # share of an interval on either side of a root when it is divided
+_LEAST_SHARE: float = 0.02  # minimum share when an interval is divided
 _NEVER: cython.int = 0
 _PERHAPS: cython.int = 1
 _ALWAYS: cython.int = 2
 
 
 class FieldSwitches:
-    """Choice of a field set by velocity: `sets` are rows of `FieldSpeeds`, the first fit counts."""
+    """Choice of a field set by velocity: the first of `sets` (rows of `FieldSpeeds`) that fits."""
 
     def __init__(self, sets: Numbers) -> None:
         self.sets = sets
 
-    def switches(self, machine: Motion, begin: float, end: float) -> list[tuple[float, int]]:
-        """Return when another set begins to apply, and its number, from `begin` to `end` (seconds).
+    def switches(self, machine: Tabled, begin: float, end: float) -> list[tuple[float, int]]:
+        """Return the times (s) from `begin` to `end` at which a set begins to apply, and its index.
 
-        The number is -1 where no set applies. The first of them is at `begin`.
+        The first time is `begin`. The index is -1 if no set applies.
         """
-        found: list[tuple[float, int]] = []
+        changes: list[tuple[float, int]] = []
         bounds: Encounter = Encounter(machine, machine)
         bounds.come_to(begin)
         while bounds.next_interval(end):
@@ -56,12 +56,12 @@ class FieldSwitches:
                 else:
                     middle: float = bounds.lower + (bounds.upper - bounds.lower) / 2
                     k = self.applying(bounds.machine, middle, middle)
-            if not found or found[len(found) - 1][1] != k:
-                found.append((bounds.lower, k))
-        return found
+            if not changes or changes[len(changes) - 1][1] != k:
+                changes.append((bounds.lower, k))
+        return changes
 
     def applying(self, machine: Follower, lower: float, upper: float) -> cython.Py_ssize_t:
-        """Return the set that applies throughout an interval, -1 if none does, -2 if undecided."""
+        """Return the set that applies throughout an interval, -1 for none, -2 if undecided."""
         now: BodyVelocity = velocity_over(machine, lower, upper)
         k: cython.Py_ssize_t
         for k in range(field_count(self.sets)):
@@ -76,7 +76,7 @@ def within_reach(
 ) -> tuple[float, float]:
     """Return a time span outside of which two places are farther apart than `reach` (metres).
 
-    It begins and ends with pieces of the motions. If there is none, its end is before its begin.
+    It begins and ends with pieces of the motions. If it is empty, its end is before its begin.
     """
     since: float = end
     until: float = begin - 1.0
@@ -90,7 +90,7 @@ def within_reach(
 
 
 class FieldSearch:
-    """Search for the contacts of discs with a polygon, of which `edges` are all edges (metres)."""
+    """Search for the contacts of discs with a polygon, by all its `edges` (metres)."""
 
     def __init__(self, edges: Numbers) -> None:
         self.edges = edges
@@ -103,14 +103,14 @@ class FieldSearch:
     def spans(
         self, encounter: Encounter, radius: float, begin: float, end: float, first: bool
     ) -> list[tuple[float, float]]:
-        """Return begin and end of each contact of a disc about the person, seconds.
+        """Return begin and end of each contact of a disc around the person (s).
 
-        `first` is whether the first contact is all that is needed: its end is then wrong.
+        With `first`, the search ends at the first contact, whose end is then undefined.
         """
-        found: list[tuple[float, float]] = []
+        spans: list[tuple[float, float]] = []
         inside: cython.bint = False
         since: float = begin
-        # The touch of a point is decided as that of a disc which is deeper than `_TOUCH`.
+        # A point is treated as a disc of a radius above `_TOUCH`.
         radius = max(radius, _POINT)
         encounter.come_to(begin)
         while encounter.next_interval(end):
@@ -127,11 +127,11 @@ class FieldSearch:
                 if first:
                     break
             elif touch.state == _NEVER and inside:
-                found.append((since, encounter.lower))
+                spans.append((since, encounter.lower))
                 inside = False
         if inside:
-            found.append((since, end))
-        return found
+            spans.append((since, end))
+        return spans
 
     def touched(self, encounter: Encounter, radius: float, so_far: bool) -> FieldTouch:
         """Return whether the disc touches the polygon in the interval of an encounter."""
@@ -142,10 +142,10 @@ class FieldSearch:
         return self.nearby(path, radius, so_far)
 
     def nearby(self, path: FramePath, radius: float, so_far: bool) -> FieldTouch:
-        """Return whether a disc touches the polygon on a path. `so_far` decides a doubtful touch.
+        """Return whether a disc touches the polygon on a path. `so_far` decides a doubtful contact.
 
         The disc touches if its centre is within the polygon, or within its radius of an edge. The
-        distance from an edge is convex along a line, so it is greatest at an end.
+        distance from an edge is convex along a line, so its maximum is at an end.
         """
         tangent: Edge = path.tangent
         bend: float = path.bend
@@ -177,7 +177,7 @@ class FieldSearch:
                 low = min(low, distance_to_edge(e.bx, e.by, tangent))
                 before = min(before, first)
                 after = min(after, last)
-        # Beyond the bend no edge is crossed, so the whole path is on one side.
+        # The path stays within the bend. If no edge is nearer, the whole path is on one side.
         if (inside and low > bend) or high + bend <= radius + (_TOUCH if so_far else 0.0):
             return FieldTouch(_ALWAYS, 0.5)
         if half == 0.0 and bend == 0.0:
@@ -198,13 +198,13 @@ def velocity_over(body: Follower, begin: float, end: float) -> BodyVelocity:
     s: float = sin(turn.p)
     ahead: float = c * x.v + s * y.v
     aside: float = c * y.v - s * x.v
-    # The coefficients are half the acceleration and a sixth of the jerk.
+    # The coefficients are half of the acceleration and a sixth of the jerk.
     jerk: float = 6 * norm(x.j, y.j)
     acceleration: float = 2 * norm(x.a, y.a) + half * jerk
     speed: float = norm(x.v, y.v) + half * acceleration
     spin_rate: float = 2 * abs(turn.a) + 6 * half * abs(turn.j)
     spin: float = abs(turn.v) + half * spin_rate
-    # The second derivative of R(-θ) v: the frame turns back what the velocity gains.
+    # The second derivative of R(-θ) v, including the rotation of the frame.
     curve: float = jerk + 2 * spin * acceleration + (spin_rate + spin * spin) * speed
     return BodyVelocity(
         ahead,
@@ -219,7 +219,7 @@ def velocity_over(body: Follower, begin: float, end: float) -> BodyVelocity:
 
 
 def within(value: float, slack: float, low: float, high: float) -> cython.int:
-    """Return whether a number within `slack` of `value` is in a range."""
+    """Return whether a number within `slack` of `value` is in a range, as a state."""
     if value + slack < low or value - slack > high:
         return _NEVER
     return _ALWAYS if value - slack >= low and value + slack <= high else _PERHAPS
@@ -252,7 +252,7 @@ def fit_direction(speeds: FieldSpeeds, now: BodyVelocity) -> cython.int:
     """Return whether a velocity is in the directions of a set: between two rays."""
     after: cython.int = left_of_ray(now, speeds.ax, speeds.ay, speeds.tolerance)
     before: cython.int = left_of_ray(now, -speeds.bx, -speeds.by, speeds.tolerance)
-    # Directions of more than half a turn are all but those between the rays the other way.
+    # Directions of more than half a turn are the complement of those between the opposite rays.
     return max(after, before) if speeds.directed == 2.0 else min(after, before)
 
 
@@ -265,7 +265,7 @@ def path_over(encounter: Encounter, begin: float, end: float) -> FramePath:
     turn: Cubic = shift(encounter.machine.rotation, u)
     c: float = cos(turn.p)
     s: float = sin(turn.p)
-    # The encounter has the place of the machine as the person sees it; this is the reverse.
+    # The encounter has the place of the machine relative to the person, so signs are reversed.
     px: float = -(c * x.p + s * y.p)
     py: float = s * x.p - c * y.p
     vx: float = -(c * x.v + s * y.v) + turn.v * py
@@ -296,12 +296,12 @@ def distance_to_edge(x: float, y: float, e: Edge) -> float:
 
 
 def side_of(x: float, y: float, e: Edge) -> float:
-    """Return twice the area of the triangle of an edge and a place: above 0 on its left."""
+    """Return twice the signed area of the triangle of an edge and a place, positive on its left."""
     return (e.bx - e.ax) * (y - e.ay) - (e.by - e.ay) * (x - e.ax)
 
 
 def cross(e: Edge, f: Edge) -> cython.bint:
-    """Return whether two segments cross or touch. Of those on one line the answer means nothing."""
+    """Return whether two segments cross or touch. The result is undefined for collinear ones."""
     return (
         side_of(e.ax, e.ay, f) * side_of(e.bx, e.by, f) <= 0.0
         and side_of(f.ax, f.ay, e) * side_of(f.bx, f.by, e) <= 0.0
@@ -309,14 +309,14 @@ def cross(e: Edge, f: Edge) -> cython.bint:
 
 
 def edge_passes(x: float, y: float, e: Edge) -> cython.bint:
-    """Return whether the ray from a place along x crosses an edge: even-odd rule."""
+    """Return whether the ray from a place along x crosses an edge (even-odd rule)."""
     return (e.ay > y) != (e.by > y) and (side_of(x, y, e) > 0.0) == (e.by > e.ay)
 
 
 def cut_beside(before: float, after: float, bend: float) -> float:
-    """Return the share of an interval at which to divide it: just before or after a root.
+    """Return the share at which to divide an interval: just before or after a root.
 
-    The root is that of the line from one value to another, and less than `bend` from the line.
+    The root is less than `bend` from that of the line through both values.
     """
     if (before > 0.0) == (after > 0.0) or before == INFINITY or after == INFINITY:
         return 0.5

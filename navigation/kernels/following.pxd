@@ -11,13 +11,13 @@ cdef class ChoiceParameters:
     cdef readonly Numbers detours, widths, paces, delays, parts, files
 
 cdef class Passer:
-    cdef Py_ssize_t me
+    cdef Py_ssize_t index
     cdef double top_speed, radius, comfort, time_gap, foresight, usual
 
 cdef class CarFollowing:
     cdef CommittedMotions motions
-    cdef Passer who
-    cdef ChoiceParameters given
+    cdef Passer walker
+    cdef ChoiceParameters parameters
     cdef Leader leader(self, list[Py_ssize_t] near, double t, CoursePlace here) except *
     cdef double speed_at(self, list[Py_ssize_t] near, double t, CoursePlace here) except? -1
     cdef Py_ssize_t followed(

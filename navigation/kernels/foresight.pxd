@@ -10,18 +10,18 @@ from navigation.kernels.grid cimport Cells
 cdef double _STANDS, _HAIR, _HARDLY, _BEYOND
 
 cdef class TrajectoryChoice:
-    cdef ChoiceParameters given
+    cdef ChoiceParameters parameters
     cdef Candidates walks
     cdef Departure state
     cdef CommittedMotions motions
-    cdef Passer who
+    cdef Passer walker
     cdef CarFollowing following
     cdef Cells narrow
     cdef Legs legs
     cdef readonly bint inside
     cdef readonly double reach, stop
     cdef double own
-    cdef bytearray known
+    cdef bytearray checked
     cdef Swath wished
     cdef readonly Numbers seen
     cdef readonly list[Py_ssize_t] near

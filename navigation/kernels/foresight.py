@@ -1,10 +1,10 @@
 """Choice among candidate motions of one person, by the committed motions of the others.
 
-A candidate is free if it has no conflict with any of them. Candidates are proposed with their loss
-in metres and drawn up in this order, until one is free: a search among sampled trajectories with
-the earliest exit (T. M. Howard, C. J. Green, A. Kelly and D. Ferguson, "State space sampling of
-feasible motions for high-performance mobile robot navigation in complex environments", Journal of
-Field Robotics 25, 2008).
+A candidate is free if it has no conflict with any committed motion. Candidates have a loss in
+metres, and are constructed in this order until one is free. This is a search among sampled
+trajectories with the earliest exit (T. M. Howard, C. J. Green, A. Kelly and D. Ferguson, "State
+space sampling of feasible motions for high-performance mobile robot navigation in complex
+environments", Journal of Field Robotics 25, 2008).
 """
 
 from __future__ import annotations
@@ -30,42 +30,42 @@ if not cython.compiled:
     from .cubics import *
     from .discs import distance_travelled
 
-_STANDS: float = 1e-6  # m/s; slower than this is standing
-_HAIR: float = 1e-3  # metres; nobody is met by who passes them so much farther off
-_HARDLY: float = 0.02  # metres; a shift of no more is none
-_BEYOND: float = 0.5  # metres; how much farther than the foresight walks beside a course lead
+_STANDS: float = 1e-6  # m/s; slower people count as standing
+_HAIR: float = 1e-3  # metres beyond the minimum distance at which people pass without a conflict
+_HARDLY: float = 0.02  # metres; smaller lateral shifts are ignored
+_BEYOND: float = 0.5  # metres by which walks beside a course are longer than the foresight
 
 
 class TrajectoryChoice:
-    """Choice of a person among others on a floor, with committed `motions`, between `walks`.
+    """Choice of a person (`walker`) among candidate `walks` and the `motions` of all people.
 
-    `narrow` says where it is narrow for who is there already, `narrow_outside` for who is not,
-    `legs` where there are no walls.
+    `narrow` has the narrow places for a person who is inside of one, `narrow_outside` for others.
+    `legs` tests segments for walls.
     """
 
     def __init__(
         self,
         walks: Candidates,
         motions: CommittedMotions,
-        who: Passer,
+        walker: Passer,
         narrow: Cells,
         narrow_outside: Cells,
         legs: Legs,
-        given: ChoiceParameters,
+        parameters: ChoiceParameters,
     ) -> None:
-        self.given = given
+        self.parameters = parameters
         self.walks = walks
         self.state = walks.state
         self.motions = motions
-        self.who = who
-        self.own = who.radius + motions.gap
-        self.following = CarFollowing(motions, who, given)
+        self.walker = walker
+        self.own = walker.radius + motions.gap
+        self.following = CarFollowing(motions, walker, parameters)
         self.legs = legs
         start: Position = positions_of(walks.course.corners)[0]
         self.inside = narrow_outside.has(start.x, start.y)
         self.narrow = narrow if self.inside else narrow_outside
-        self.known = bytearray(int(given.farthest / given.stride) + 3)
-        self.reach = who.top_speed * who.foresight
+        self.checked = bytearray(int(parameters.farthest / parameters.stride) + 3)
+        self.reach = walker.top_speed * walker.foresight
         self.stop = self.stop_beyond(self.reach)
         self.seen = room(4)
         nobody: list[cython.Py_ssize_t] = []
@@ -75,12 +75,12 @@ class TrajectoryChoice:
         self.wished = Swath(self.seen, self.seen)
 
     def wish(self) -> Swath | None:
-        """Draw up the walk that they would take if nobody were there; None if they can't.
+        """Return the walk that the person prefers without others, or None if it is impossible.
 
-        It stops after `stop` metres: as far as they look ahead, their `reach`, and on to the end of
-        a narrow place.
+        It ends after `stop` metres, which is the `reach` of the foresight, extended to the end of a
+        narrow place.
         """
-        wished: Swath | None = self.walks.draw_along(self.stop, self.who.top_speed, 0.0)
+        wished: Swath | None = self.walks.draw_along(self.stop, self.walker.top_speed, 0.0)
         if wished is not None:
             self.wished = wished
         return wished
@@ -88,182 +88,184 @@ class TrajectoryChoice:
     # Narrow places
 
     def stop_beyond(self, length: float) -> float:
-        """Return the first length along the course, from `length` metres on, for a stop.
+        """Return the first length along the course from `length` on (m) at which a stop is allowed.
 
-        Nobody stops in a narrow place of their own will, but at their goal.
+        People stop in a narrow place only at their goal.
         """
         whole: float = self.walks.course.length
-        while length < min(whole, self.given.farthest):
+        while length < min(whole, self.parameters.farthest):
             if not self.is_narrow(length):
                 return length
-            length += self.given.stride
+            length += self.parameters.stride
         return whole
 
     def stop_before(self, length: float) -> float:
-        """Return the last length along the course, up to `length` metres, for a stop."""
+        """Return the last length along the course up to `length` (m) at which a stop is allowed."""
         while length > 0.0 and self.is_narrow(length):
-            length -= self.given.stride
+            length -= self.parameters.stride
         return max(length, 0.0)
 
     def is_narrow(self, length: float) -> bool:
         """Return whether the course is in a narrow place after `length` metres."""
-        # On a grid of lengths, so that the same place is asked for once and not once for each walk.
-        stride: float = self.given.stride
+        # Lengths are rounded to a grid, so that each place is queried once for all walks.
+        stride: float = self.parameters.stride
         k: cython.Py_ssize_t = int(ceil(length / stride))
-        if k * stride > min(self.walks.course.length, self.given.farthest) + stride:
+        if k * stride > min(self.walks.course.length, self.parameters.farthest) + stride:
             return False
-        if self.known[k] == 0:
+        if self.checked[k] == 0:
             here: CoursePlace = self.walks.course.come_to(k * stride)
-            self.known[k] = 2 if self.narrow.has(here.x, here.y) else 1
-        found: bool = self.known[k] == 2
-        return found
+            self.checked[k] = 2 if self.narrow.has(here.x, here.y) else 1
+        narrow: bool = self.checked[k] == 2
+        return narrow
 
     # The others
 
     def look(self) -> tuple[int, float]:
-        """See those who may come near the walk that they wish for, or beside it.
+        """Find the people who may come near the preferred walk, and the first conflict.
 
-        Return whom they would meet first, -1 for nobody, and when (seconds).
+        Return the index of the first person in conflict, or -1, and the time of the conflict (s).
         """
-        self._see(self.given.looks_around)
+        self._see(self.parameters.looks_around)
         self.hit = self._first_met(self.own)
-        return self.hit.who, self.hit.t
+        return self.hit.person, self.hit.t
 
     def _see(self, around: float) -> cython.int:
-        """See those who may come into bounds so far around that walk (metres).
+        """Set `near` to the people who may come within `around` metres of the preferred walk.
 
-        They are `near` then, and the bounds are those `seen`.
+        `seen` are the bounds of the search.
         """
         b: BoundingBox = boxes_of(self.wished.box)[0]
         self.seen = row_of_box(
             BoundingBox(b.low_x - around, b.low_y - around, b.high_x + around, b.high_y + around)
         )
-        self.near = self.motions.near(self.seen, self.who.radius + self.who.comfort, self.who.me)
+        self.near = self.motions.near(
+            self.seen, self.walker.radius + self.walker.comfort, self.walker.index
+        )
         return 0
 
     def _first_met(self, own: float) -> Meeting:
-        """Return whom they would meet first who keep so far from others."""
+        """Return the first conflict at a distance of `own` metres from the bodies of others."""
         return self.motions.first_meeting(self.near, self.wished, own, self.state.now)
 
     # The choice
 
     def first_free(self) -> Swath | None:
-        """Return the free walk that loses least: aside, slower, shorter, or later.
+        """Return the free walk with the least loss, or None.
 
-        That is the one they wish for if nobody is near it; None if there is none.
+        Candidates shift aside, slow down, stop earlier or start later. The preferred walk is the
+        result if no other person is near it.
         """
-        near: Meeting = self._first_met(self.own + self.who.comfort)
+        near: Meeting = self._first_met(self.own + self.walker.comfort)
         walks: Candidates = self.walks
         self.ahead = self.following.leader(self.near, self.state.begin, walks.course.come_to(0.0))
-        if near.who < 0 and self.ahead.who < 0:
+        if near.person < 0 and self.ahead.person < 0:
             return self.wished
         walks.clear()
         hit: Meeting = self.hit
-        if near.who < 0 or hit.who < 0:
+        if near.person < 0 or hit.person < 0:
             return self._keep_distance(near)
         motions: CommittedMotions = self.motions
-        # Who walks the same way leaves the place where they would be met: slowing down is enough.
-        # Past who comes the other way, or stands, one has to get.
-        same: float = motions.between(self.who.me, hit.who, self.state.now)
-        follows: cython.bint = same > self.given.alike
+        # A person in the same direction leaves the place of the conflict, so slowing down suffices.
+        # A person who stands or comes the other way must be passed.
+        same: float = motions.between(self.walker.index, hit.person, self.state.now)
+        follows: cython.bint = same > self.parameters.alike
         if not follows:
             self.ahead = Leader(-1, 0.0, 0.0)
-        at_rest: cython.bint = hit.t >= motions.rests(hit.who)
+        at_rest: cython.bint = hit.t >= motions.rests(hit.person)
         self._propose_slower_later_shorter(hit.t, at_rest, follows)
-        opposed: cython.bint = not follows and motions.bound[hit.who] != 0 and not self.inside
+        opposed: cython.bint = not follows and motions.bound[hit.person] != 0 and not self.inside
         self._propose_past(near, opposed)
-        if near.who != hit.who:
+        if near.person != hit.person:
             self._propose_past(hit, opposed)
-        found: Swath | None = self._next_free()
-        # Only who stands, and before nobody who walks on, tries wide detours: they cost the most.
-        if found is None and self.state.speed < _STANDS and not follows:
-            self._see(self.given.widest)
+        walk: Swath | None = self._next_free()
+        # Wide detours cost most. Only standing people try them, and not behind a walking person.
+        if walk is None and self.state.speed < _STANDS and not follows:
+            self._see(self.parameters.widest)
             walks.clear()
             along: float = self._level_with(hit).along
             length: float = self.reach + _BEYOND
-            self._add_asides(self.given.detours, length, self.who.top_speed, along)
-            found = self._next_free()
-        return found
+            self._add_asides(self.parameters.detours, length, self.walker.top_speed, along)
+            walk = self._next_free()
+        return walk
 
     def _keep_distance(self, near: Meeting) -> Swath | None:
-        """Choose where nobody is in the way: the wish, or a walk farther from others than it is."""
+        """Return the preferred walk, or one with more distance from others, without a conflict."""
         walks: Candidates = self.walks
         ahead: Leader = self.ahead
-        brush: float = 0.0 if near.who < 0 else self.given.brush
-        if ahead.who < 0:
-            walks.add(brush, self.stop, self.who.top_speed, 0.0)
+        brush: float = 0.0 if near.person < 0 else self.parameters.brush
+        if ahead.person < 0:
+            walks.add(brush, self.stop, self.walker.top_speed, 0.0)
         else:
-            # The share of their top speed that following costs them.
-            loses: float = 1.0 - max(ahead.speed, ahead.walks_on) / self.who.top_speed
+            # Share of the top speed that following costs.
+            loses: float = 1.0 - max(ahead.speed, ahead.walks_on) / self.walker.top_speed
             walks.add(brush + max(loses, 0.0) * self.reach, self.stop, ahead.speed, 0.0)
-            self._propose_past(Meeting(ahead.who, self.state.begin), False)
-        if near.who >= 0:
+            self._propose_past(Meeting(ahead.person, self.state.begin), False)
+        if near.person >= 0:
             self._propose_past(near, False)
-        found: Swath | None = self._next_free()
-        return self.wished if found is None or (ahead.who < 0 and walks.row == 0) else found
+        walk: Swath | None = self._next_free()
+        return self.wished if walk is None or (ahead.person < 0 and walks.row == 0) else walk
 
     def _propose_slower_later_shorter(
         self, hit_at: float, at_rest: bool, follows: bool
     ) -> cython.int:
         """Add walks along the course that are slower, later, or end before the conflict.
 
-        That is at `hit_at` (seconds), `at_rest` if the other stands by then; who `follows` goes the
-        same way as they do.
+        The conflict is at `hit_at` (s). With `at_rest`, the other person is at rest then. With
+        `follows`, both walk in the same direction.
         """
         walks: Candidates = self.walks
-        given: ChoiceParameters = self.given
+        parameters: ChoiceParameters = self.parameters
         speed: float = self.state.speed
         stands: cython.bint = speed < _STANDS
-        is_behind: cython.bint = self.ahead.who >= 0
-        fastest: float = self.who.top_speed
+        is_behind: cython.bint = self.ahead.person >= 0
+        fastest: float = self.walker.top_speed
         top: float = self.ahead.speed if is_behind else fastest
         whole: float = min(self.reach, walks.course.length)
         i: cython.Py_ssize_t
-        if not at_rest:  # else it would be as much in the way later on
-            for i in range(len(given.paces)):
-                pace: float = at(given.paces)[i]
+        if not at_rest:  # a standing person is also in the way later
+            for i in range(len(parameters.paces)):
+                pace: float = at(parameters.paces)[i]
                 walks.add((1 - pace * top / fastest) * whole, self.stop, pace * top, 0.0)
             if stands:
-                for i in range(len(given.delays)):
-                    delay: float = at(given.delays)[i]
+                for i in range(len(parameters.delays)):
+                    delay: float = at(parameters.delays)[i]
                     walks.add(delay * top, self.stop, top, delay)
-        # In a single file all come as near as their time gap lets them, and then slow down: a stop
-        # behind somebody who is about to walk on loses less than it seems.
+        # In a single file, people come as near as their time gap allows and then slow down. A stop
+        # behind a person who is about to walk on costs less than it seems.
         phantom: cython.bint = follows and (at_rest or (is_behind and self.is_narrow(0.0)))
-        share: float = given.phantom if phantom else 1.0
-        # v² / (2 a), the shortest stop there is, and a little more against rounding.
+        share: float = parameters.phantom if phantom else 1.0
+        # v² / (2 a) is the shortest stop, enlarged against rounding.
         braking: float = speed * speed / (2 * self.state.acceleration) * 1.001
         ahead: float = distance_travelled(self.wished.table, self.state.begin, hit_at)
-        asked: cython.bint = False
+        checked: cython.bint = False
         goes_in: cython.bint = False
         length: float
-        for i in range(len(given.parts)):
-            length = at(given.parts)[i] * ahead
+        for i in range(len(parameters.parts)):
+            length = at(parameters.parts)[i] * ahead
             if self.is_narrow(length):
-                if not asked:
-                    asked = True
+                if not checked:
+                    checked = True
                     goes_in = self._may_go_in(length, follows)
                 if not goes_in:
                     length = self.stop_before(length)
-            if length >= (given.shortest if stands else braking):
+            if length >= (parameters.shortest if stands else braking):
                 walks.add(share * max(whole - length, 0.0), length, top, 0.0)
         if not stands:
             walks.add(share * max(whole - braking, 0.0), braking, top, 0.0)
-            if is_behind and self.ahead.speed + given.faster < fastest:
+            if is_behind and self.ahead.speed + parameters.faster < fastest:
                 self._propose_files()
         return 0
 
     def _may_go_in(self, length: float, follows: bool) -> bool:
-        """Return whether they may stop in a narrow place, after `length` metres of their course.
+        """Return whether a stop in a narrow place after `length` metres of the course is allowed.
 
-        Only against nobody who comes, else two files would go in from either end behind those who
-        come out, and meet inside: who is in it already, or follows somebody who leaves it the same
-        way.
+        The person must be inside already, or follow a person who leaves in the same direction, and
+        no person may come the other way. Otherwise files from both ends would meet inside.
         """
         return (self.is_narrow(0.0) or follows) and not self._is_opposed(length)
 
     def _is_opposed(self, length: float) -> bool:
-        """Return whether somebody in a narrow place ahead comes, `length` metres on."""
+        """Return whether a person in a narrow place `length` metres ahead comes the other way."""
         motions: CommittedMotions = self.motions
         t: float = self.state.begin
         there: CoursePlace = self.walks.course.come_to(length)
@@ -275,7 +277,7 @@ class TrajectoryChoice:
             other: Position = motions.place(k, t)
             if (
                 ahead_of(here, other.x, other.y) > 0.0
-                and abs(left_of(there, other.x, other.y)) < self.given.closes_up
+                and abs(left_of(there, other.x, other.y)) < self.parameters.closes_up
                 and motions.cosine(k, t, there.c, there.s) < 0.0
             ):
                 end: Position = motions.place(k, motions.rests(k))
@@ -284,58 +286,57 @@ class TrajectoryChoice:
         return False
 
     def _propose_files(self) -> cython.int:
-        """Add walks to a place beside the file of who follows, where they come on faster.
+        """Add walks to a place beside the leader's file where the person can walk faster.
 
-        So a crowd takes up all the width that there is, but where others need it to come the other
-        way.
+        A crowd thus uses the whole width, except where others need it for the other direction.
         """
         if self.inside:
             return 0
-        given: ChoiceParameters = self.given
+        parameters: ChoiceParameters = self.parameters
         here: CoursePlace = self.walks.course.come_to(0.0)
         i: cython.Py_ssize_t
-        for i in range(2 * len(given.files)):
-            usual: float = self.who.usual if i % 2 == 0 else -self.who.usual
-            side: float = at(given.files)[i // 2] * usual
+        for i in range(2 * len(parameters.files)):
+            usual: float = self.walker.usual if i % 2 == 0 else -self.walker.usual
+            side: float = at(parameters.files)[i // 2] * usual
             x: float = here.x - side * here.s
             y: float = here.y + side * here.c
             beside: CoursePlace = CoursePlace(x, y, here.c, here.s, 0)
             speed: float = self.following.speed_at(self.near, self.state.begin, beside)
-            along: float = given.beside_after * speed * self.who.foresight
-            if speed >= self.ahead.speed + given.faster and along < self.walks.course.length:
+            along: float = parameters.beside_after * speed * self.walker.foresight
+            if speed >= self.ahead.speed + parameters.faster and along < self.walks.course.length:
                 self._add_aside(side, along, speed, along)
         return 0
 
     def _propose_past(self, other: Meeting, opposed: bool) -> cython.int:
-        """Add the walks that pass another, who is met then, on either side.
+        """Add the walks that pass the person of a conflict, on either side, closely and wider.
 
-        Just past the other, and a little wider. Who is `opposed` may also stop beside the other:
-        past the first of many there seldom is room for all that they look ahead.
+        With `opposed`, walks that end beside the other are added too, because the full reach is
+        seldom free behind the first of many people.
         """
         level: FrenetPlace = self._level_with(other)
-        # Just past them at the comfort distance, then at the least one; to either side.
-        needed: float = self.who.radius + at(self.motions.radii)[other.who] + self.motions.gap
-        wide: float = needed + self.who.comfort
+        # At the comfort distance, then at the minimum distance, to either side.
+        needed: float = self.walker.radius + at(self.motions.radii)[other.person] + self.motions.gap
+        wide: float = needed + self.walker.comfort
         sides: Numbers = numbers(
             (
                 level.left - wide,
                 level.left + wide,
                 level.left - needed - _HAIR,
                 level.left + needed + _HAIR,
-                *self.given.widths,
+                *self.parameters.widths,
             )
         )
-        top: float = self.who.top_speed
+        top: float = self.walker.top_speed
         self._add_asides(sides, self.reach + _BEYOND, top, level.along)
         if opposed:
             cut(sides, 2)
-            self._add_asides(sides, level.along + self.given.past, top, level.along)
+            self._add_asides(sides, level.along + self.parameters.past, top, level.along)
         return 0
 
     def _add_asides(
         self, sides: Numbers, length: float, top_speed: float, along: float
     ) -> cython.int:
-        """Add the walks on several `sides`, each once."""
+        """Add the walk on each of several `sides` once."""
         side: Doubles = at(sides)
         i: cython.Py_ssize_t
         j: cython.Py_ssize_t
@@ -348,53 +349,53 @@ class TrajectoryChoice:
         return 0
 
     def _add_aside(self, side: float, length: float, top_speed: float, along: float) -> cython.int:
-        """Add the walk that is `side` metres to the left, but for the widest and for hardly any.
+        """Add the walk that is `side` metres to the left, unless the shift is tiny or too wide.
 
-        On the other side than the usual one it loses more.
+        The unusual side has an additional loss.
         """
-        if _HARDLY < abs(side) <= self.given.widest:
-            extra: float = self.given.other_side if side * self.who.usual < 0.0 else 0.0
+        if _HARDLY < abs(side) <= self.parameters.widest:
+            extra: float = self.parameters.other_side if side * self.walker.usual < 0.0 else 0.0
             self.walks.add_aside(extra, length, top_speed, along, side)
         return 0
 
     def _level_with(self, other: Meeting) -> FrenetPlace:
-        """Return where on the course they are level with another, who is met then."""
+        """Return the place on the course level with the person of a conflict at that time."""
         before: float = distance_travelled(self.wished.table, self.state.begin, other.t)
         here: CoursePlace = self.walks.course.come_to(before)
-        there: Position = self.motions.place(other.who, other.t)
+        there: Position = self.motions.place(other.person, other.t)
         along: float = before + max(ahead_of(here, there.x, there.y), 0.0)
         return FrenetPlace(along, left_of(here, there.x, there.y))
 
     def _next_free(self) -> Swath | None:
-        """Return the walk that loses least of those that are free, or None."""
+        """Return the free walk with the least loss, or None."""
         while True:
-            found: Swath | None = self.walks.next_free(self.near, self.motions, self.own)
-            if found is None or self._has_room():
-                return found
+            walk: Swath | None = self.walks.next_free(self.near, self.motions, self.own)
+            if walk is None or self._has_room():
+                return walk
 
     def aside(self, along: float, side: float, near: list[cython.Py_ssize_t]) -> Swath | None:
-        """Draw up a walk `side` metres to the left after `along` metres of the course.
+        """Return the walk `side` metres to the left after `along` metres of the course.
 
-        None if it is not free, of walls and of those `near`.
+        None if it has a conflict with a wall or with the people `near`.
         """
         walks: Candidates = self.walks
         walks.clear()
-        walks.add_aside(0.0, self.reach + _BEYOND, self.who.top_speed, along, side)
-        found: Swath | None = walks.next_free(near, self.motions, self.own)
-        return found if found is not None and self._has_room() else None
+        walks.add_aside(0.0, self.reach + _BEYOND, self.walker.top_speed, along, side)
+        walk: Swath | None = walks.next_free(near, self.motions, self.own)
+        return walk if walk is not None and self._has_room() else None
 
     def _has_room(self) -> bool:
-        """Return whether there are no walls in the way of the walk that was looked at last.
+        """Return whether the last walk that was checked is free of walls.
 
-        To be asked after others were looked at: that is quicker.
+        The check of people comes first because it is faster.
         """
         walks: Candidates = self.walks
         if walks.looked_at.side == 0.0:
             return True
         corner: Positions = positions_of(walks.corners)
         k: cython.Py_ssize_t
-        # The shift is in the first three legs; all that comes after is the course, which is free.
-        for k in range(min(walks.many, 4) - 1):
+        # Only the first three segments leave the course, which is free.
+        for k in range(min(walks.corner_count, 4) - 1):
             if not self.legs.free(corner[k].x, corner[k].y, corner[k + 1].x, corner[k + 1].y):
                 return False
         return True

@@ -10,14 +10,14 @@ cdef double _SPARE
 cdef class Cells:
     cdef double width
     cdef object whole, within
-    cdef dict known
+    cdef dict cached
     cpdef bint has(self, double x, double y) except -1
 
 cdef class WaysRound:
     cdef double width, around
     cdef object chunk
     cdef dict chunks
-    cdef Py_ssize_t most
+    cdef Py_ssize_t limit
     cdef CellWindow _span(self, double ax, double ay, double bx, double by) noexcept
     cdef bytearray _blocked(self, CellWindow window)
     cdef bytes _chunk(self, Py_ssize_t i, Py_ssize_t j)

@@ -1,8 +1,8 @@
-"""Cells of a floor: what an area covers, and shortest paths round discs that stand on it.
+"""Grid of square cells: cached coverage by an area, and shortest paths around standing discs.
 
-Paths lead over cells, by A* (P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the
-heuristic determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics
-4, 1968), and then as straight as there is room.
+Paths are found by A* (P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic
+determination of minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4, 1968),
+and then straightened as far as there is room.
 """
 
 from __future__ import annotations
@@ -27,29 +27,29 @@ if not cython.compiled:
 
 
 SOME: int = 2
-"""Answer for a cell that an area covers in part."""
+"""Coverage of a cell that an area covers in part."""
 
-# Whole numbers, so that costs go into buckets; 7 / 5 is √2 but for 1 %.
+# Whole numbers, so that costs can index buckets. 7 / 5 is √2 within 1 %.
 _STRAIGHT: cython.Py_ssize_t = 5  # cost of a step to a neighbour, and of one across a corner
 _ACROSS: cython.Py_ssize_t = 7
-_BUCKETS: cython.Py_ssize_t = 15  # a step changes cost and estimate together by less than this
+_BUCKETS: cython.Py_ssize_t = 15  # a step changes cost plus estimate by less than this
 
 _SOME: cython.Py_ssize_t = SOME
-_FAR: cython.Py_ssize_t = 1 << 20  # cells; no floor is so wide
+_FAR: cython.Py_ssize_t = 1 << 20  # cells; wider than any floor
 
 CHUNK = 64
-"""Cells of a side of the squares that are known to be blocked or not at a time."""
+"""Number of cells per side of the squares in which blocked cells are cached."""
 
 _CHUNK: cython.Py_ssize_t = CHUNK
-_LEAPS: list[cython.Py_ssize_t] = [64, 32, 16, 8, 4, 2, 1]  # cells that are tried to be left out
-_SPARE: float = 0.02  # metres; the middles of cells are as much farther from the discs
+_LEAPS: list[cython.Py_ssize_t] = [64, 32, 16, 8, 4, 2, 1]  # cells to skip, longest first
+_SPARE: float = 0.02  # metres; additional distance of cell centres from the discs
 
 
 class Cells:
-    """Square cells of `width` metres, and an area: whether a place is in it.
+    """Square cells of `width` metres that cache which places are in an area.
 
-    `whole(column, row)` is asked once for each cell that a place is in: 1 if all of it is in the
-    area, 0 if none is, `SOME` if some is; then `within(x, y)` is asked for the place.
+    `whole(column, row)` is called once per cell. It returns 1 if the cell is in the area, 0 if it
+    is outside, and `SOME` if it is in both. Then `within(x, y)` decides each place.
     """
 
     def __init__(
@@ -61,51 +61,51 @@ class Cells:
         self.width = width
         self.whole = whole
         self.within = within
-        self.known: dict[int, int] = {}
+        self.cached: dict[int, int] = {}
 
     def has(self, x: float, y: float) -> bool:
         """Return whether a place (metres) is in the area."""
         column: cython.Py_ssize_t = int(floor(x / self.width))
         row: cython.Py_ssize_t = int(floor(y / self.width))
         cell: cython.Py_ssize_t = column * _FAR + row
-        found: cython.Py_ssize_t = self.known.get(cell, -1)
-        if found < 0:
-            found = self.whole(column, row)
-            self.known[cell] = found
-        if found == _SOME:
+        coverage: cython.Py_ssize_t = self.cached.get(cell, -1)
+        if coverage < 0:
+            coverage = self.whole(column, row)
+            self.cached[cell] = coverage
+        if coverage == _SOME:
             return bool(self.within(x, y))
-        covered: bool = found == 1
+        covered: bool = coverage == 1
         return covered
 
 
 class WaysRound:
-    """Ways over a floor in square cells of `width` metres, of which `most` are looked at.
+    """Search for paths in square cells of `width` metres, in windows of at most `limit` cells.
 
-    As far as `around` metres around both ends. `chunk(i, j)` is asked once for each square of
-    `CHUNK` cells a side: a byte for each of them, row by row, 1 for those that are blocked.
+    A window extends `around` metres beyond both ends. `chunk(i, j)` is called once per square of
+    `CHUNK` × `CHUNK` cells. It returns a byte per cell, row by row, 1 for blocked cells.
     """
 
     def __init__(
         self,
         width: float,
         around: float,
-        most: cython.Py_ssize_t,
+        limit: cython.Py_ssize_t,
         chunk: Callable[[int, int], bytes],
     ) -> None:
         self.width = width
         self.around = around
-        self.most = most
+        self.limit = limit
         self.chunk = chunk
         self.chunks: dict[tuple[int, int], bytes] = {}
 
     def forget(self) -> None:
-        """Ask again for each chunk: the floor has changed."""
+        """Clear the cache after a change of the floor."""
         self.chunks = {}
 
     def path(self, a: Place, b: Place, discs: Numbers, legs: Legs) -> list[Place]:
-        """Return a path from a to b round `discs` along free `legs`; empty if none is found.
+        """Return a path from a to b around `discs` along free `legs`, empty if there is none.
 
-        Both ends are included. `discs` are rows as those of `Circle`.
+        Both ends are included. `discs` are rows of `Circle`.
         """
         ax: float = a[0]
         ay: float = a[1]
@@ -113,11 +113,11 @@ class WaysRound:
         by: float = b[1]
         column: cython.Py_ssize_t = int(floor(bx / self.width))
         row: cython.Py_ssize_t = int(floor(by / self.width))
-        # Most who look in vain have somebody at their goal.
+        # Most failing searches have a person at their goal.
         if covers(discs, (column + 0.5) * self.width, (row + 0.5) * self.width):
             return []
         window: CellWindow = self._span(ax, ay, bx, by)
-        if window.columns * window.rows > self.most:
+        if window.columns * window.rows > self.limit:
             return []
         blocked: bytearray = self._blocked(window)
         corner = window.column * self.width, window.row * self.width
@@ -144,7 +144,7 @@ class WaysRound:
         return _straightened(places, discs, legs)
 
     def _span(self, ax: float, ay: float, bx: float, by: float) -> CellWindow:
-        """Return the window of cells in which a path from a to b is looked for."""
+        """Return the window of cells for a search from a to b."""
         column: cython.Py_ssize_t = int(floor((min(ax, bx) - self.around) / self.width))
         row: cython.Py_ssize_t = int(floor((min(ay, by) - self.around) / self.width))
         right: cython.Py_ssize_t = int(floor((max(ax, bx) + self.around) / self.width))
@@ -154,9 +154,9 @@ class WaysRound:
     def _blocked(self, window: CellWindow) -> bytearray:
         """Return for each cell of the window whether it is blocked.
 
-        Those around its edge are, so that the search need not ask whether a cell has neighbours.
+        Cells at the edge are blocked, so that the search need not test whether neighbours exist.
         """
-        found: bytearray = bytearray(b"\1") * (window.rows * window.columns)
+        blocked: bytearray = bytearray(b"\1") * (window.rows * window.columns)
         left: cython.Py_ssize_t = window.column + 1
         right: cython.Py_ssize_t = window.column + window.columns - 1
         bottom: cython.Py_ssize_t = window.row + 1
@@ -174,10 +174,10 @@ class WaysRound:
                     o: cython.Py_ssize_t = (row - window.row) * window.columns
                     o += left - window.column
                     c: cython.Py_ssize_t = (row - j * _CHUNK) * _CHUNK + left - i * _CHUNK
-                    found[o : o + width] = chunk[c : c + width]
+                    blocked[o : o + width] = chunk[c : c + width]
                     row += 1
             left = beyond
-        return found
+        return blocked
 
     def _chunk(self, i: cython.Py_ssize_t, j: cython.Py_ssize_t) -> bytes:
         if (i, j) not in self.chunks:
@@ -186,7 +186,7 @@ class WaysRound:
 
 
 def _straightened(places: Numbers, discs: Numbers, legs: Legs) -> list[Place]:
-    """Return a path along places without those that a straight line can leave out; or []."""
+    """Return a path along places without those that a straight line can skip, or []."""
     place: Positions = positions_of(places)
     ends: Numbers = middles(discs)
     least: float = 0.0
@@ -194,39 +194,39 @@ def _straightened(places: Numbers, discs: Numbers, legs: Legs) -> list[Place]:
     for i in range(circle_count(discs)):
         least = max(least, circles_of(discs)[i].radius)
     here: Position = place[0]
-    kept: list[Place] = [(here.x, here.y)]
+    path: list[Place] = [(here.x, here.y)]
     k: cython.Py_ssize_t = 0
     last: cython.Py_ssize_t = position_count(places) - 1
     while k < last:
-        # Cells zigzag: as many are left out as can be, by halving leaps from the farthest.
+        # Paths over cells zigzag, so skip as many places as possible, halving from the farthest.
         before: cython.Py_ssize_t = k
-        tried: cython.Py_ssize_t = -1
+        previous: cython.Py_ssize_t = -1
         for i in range(len(_LEAPS)):
             end: cython.Py_ssize_t = min(k + _LEAPS[i], last)
-            if end == tried:
+            if end == previous:
                 continue
-            tried = end
+            previous = end
             to: Position = place[end]
             if not touches(ends, here.x, here.y, to.x, to.y, least) and legs.free(
                 here.x, here.y, to.x, to.y
             ):
-                kept.append((to.x, to.y))
+                path.append((to.x, to.y))
                 here = to
                 k = end
                 break
         if k == before:
             return []
-    return kept
+    return path
 
 
 def _wider(discs: Numbers) -> Numbers:
-    """Return `discs` for the middles of cells, which are farther off."""
-    found: Numbers = circle_room(circle_count(discs))
+    """Return `discs` with a larger radius for tests of cell centres."""
+    wider: Numbers = circle_room(circle_count(discs))
     k: cython.Py_ssize_t
     for k in range(circle_count(discs)):
         disc: Circle = circles_of(discs)[k]
-        circles_of(found)[k] = Circle(disc.x, disc.y, disc.radius + _SPARE)
-    return found
+        circles_of(wider)[k] = Circle(disc.x, disc.y, disc.radius + _SPARE)
+    return wider
 
 
 def _chunk_of(cell: cython.Py_ssize_t) -> cython.Py_ssize_t:
@@ -237,10 +237,10 @@ def _chunk_of(cell: cython.Py_ssize_t) -> cython.Py_ssize_t:
 def block_discs(
     blocked: bytearray, columns: cython.Py_ssize_t, corner: Place, width: float, discs: Numbers
 ) -> cython.int:
-    """Block the cells of a grid whose middle is in one of `discs` (rows as those of `Circle`).
+    """Block the cells of a grid whose centre is in one of `discs` (rows of `Circle`).
 
-    `blocked` and `columns` are as for `grid_path`; the cells are `width` metres wide, and the
-    `corner` is that of the first.
+    `blocked` and `columns` are as for `grid_path`. The cells are `width` metres wide, and `corner`
+    is the lower left corner of the first.
     """
     rows: cython.Py_ssize_t = len(blocked) // columns
     low_x: float = corner[0]
@@ -253,7 +253,7 @@ def block_discs(
         x: float = (disc.x - low_x) / width - 0.5
         y: float = (disc.y - low_y) / width - 0.5
         reach: float = disc.radius / width
-        # One cell more on either side than can be within reach; whole numbers are cut towards 0.
+        # One cell more on either side than within reach, because conversion truncates towards 0.
         left: cython.Py_ssize_t = int(max(x - reach, 0.0))
         right: cython.Py_ssize_t = int(min(max(x + reach + 2.0, 0.0), columns * 1.0))
         bottom: cython.Py_ssize_t = int(max(y - reach, 0.0))
@@ -268,13 +268,13 @@ def block_discs(
 
 
 def middles(discs: Numbers) -> Numbers:
-    """Return the middles of `discs` as edges of no length (see `edges`)."""
-    found: Numbers = edge_room(circle_count(discs))
+    """Return the centres of `discs` as edges without length (see `edges`)."""
+    edges: Numbers = edge_room(circle_count(discs))
     k: cython.Py_ssize_t
     for k in range(circle_count(discs)):
         disc: Circle = circles_of(discs)[k]
-        edges_of(found)[k] = Edge(disc.x, disc.y, disc.x, disc.y)
-    return found
+        edges_of(edges)[k] = Edge(disc.x, disc.y, disc.x, disc.y)
+    return edges
 
 
 def grid_path(
@@ -283,17 +283,17 @@ def grid_path(
     start: cython.Py_ssize_t,
     goal: cython.Py_ssize_t,
 ) -> list[int]:
-    """Return the cells of a shortest path from `start` to `goal`, both included; [] without one.
+    """Return the cells of a shortest path from `start` to `goal`, both included, or [].
 
-    `blocked` has a byte for each cell, row by row, `columns` in each; those around the edge are all
-    blocked. A step across a corner needs both cells beside it. The queue of A* is one of buckets
-    of whole costs (R. Dial, "Algorithm 360", Communications of the ACM 12, 1969).
+    `blocked` has a byte for each cell, row by row, `columns` in each. All cells at the edge must be
+    blocked. A diagonal step needs both cells beside it. The queue of A* consists of buckets of
+    whole costs (R. Dial, "Algorithm 360", Communications of the ACM 12, 1969).
     """
     count: cython.Py_ssize_t = len(blocked)
     k: cython.Py_ssize_t
     unseen: cython.Py_ssize_t = 100 * count
-    # Each bucket is a stack: its top, and for each cell which are above and below it. Of each cell
-    # the cost, the cell before it, and the two of its stack.
+    # Each bucket is a stack with a top, linked by the cells above and below each cell. `costs` and
+    # `came` have the cost of each cell and its predecessor.
     rows: list[Wholes] = [whole(-1, count) for _ in range(4)]
     row: Wholes = whole(-1, _BUCKETS)
     tops: Ints = ints(row)
@@ -308,7 +308,7 @@ def grid_path(
     tops[level % _BUCKETS] = start
     empty: cython.Py_ssize_t = 0
     while empty < _BUCKETS:
-        # Of equal estimates the last one found: towards the goal, not across all that are as good.
+        # Among equal estimates, the last one added leads towards the goal.
         bucket: cython.Py_ssize_t = level % _BUCKETS
         cell: cython.Py_ssize_t = tops[bucket]
         if cell < 0:
@@ -320,12 +320,12 @@ def grid_path(
         if below[cell] >= 0:
             above[below[cell]] = -1
         if cell == goal:
-            found: list[int] = []
+            path: list[int] = []
             while cell >= 0:
-                found.append(cell)
+                path.append(cell)
                 cell = came[cell]
-            found.reverse()
-            return found
+            path.reverse()
+            return path
         cost: cython.Py_ssize_t = costs[cell]
         for k in range(8):
             across: cython.Py_ssize_t = 0
@@ -348,7 +348,7 @@ def grid_path(
                 dearer = cost + _ACROSS
             if dearer < costs[other]:
                 estimate: cython.Py_ssize_t = _estimate(other, goal, columns)
-                if costs[other] < unseen:  # it changes from one bucket to another
+                if costs[other] < unseen:  # remove the cell from its bucket
                     if above[other] < 0:
                         tops[(costs[other] + estimate) % _BUCKETS] = below[other]
                     else:
@@ -369,9 +369,9 @@ def grid_path(
 def _estimate(
     cell: cython.Py_ssize_t, goal: cython.Py_ssize_t, columns: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
-    """Return the cost from a cell to the goal, were nothing blocked."""
-    # Diagonal until level with the goal, then straight: never more than the true cost, and a step
-    # changes it by no more than the step's cost, so no cell is opened twice.
+    """Return the cost from a cell to the goal without blocked cells."""
+    # Diagonal until level with the goal, then straight. This is a lower bound of the cost, and a
+    # step changes it by at most the step's cost, so no cell is expanded twice.
     dx: cython.Py_ssize_t = cell % columns - goal % columns
     dy: cython.Py_ssize_t = cell // columns - goal // columns
     if dx < 0:

@@ -8,6 +8,8 @@ cdef class LawEvaluator:
     cdef double distance(self, double human, double robot) except? -1
     cdef TaylorModel require(self, Encounter encounter, double begin, double end) except *
 
+cpdef LawEvaluator evaluator_of(object law)
+
 cdef class LinearLaw(LawEvaluator):
     cdef double human, robot, stopping, intrusion
 

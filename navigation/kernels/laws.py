@@ -1,4 +1,4 @@
-"""Separation laws: what they require at two speeds, and over an interval of an encounter.
+"""Evaluation of separation laws at two speeds, and over an interval of an encounter.
 
 Over an interval the required distance is a Taylor model (see `odometer`). The linear law is that of
 speed and separation monitoring in ISO/TS 15066, 5.5.4.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..enclosure import Enclosure
+from .results import Enclosure
 
 if TYPE_CHECKING:
     import cython
@@ -22,10 +22,10 @@ if not cython.compiled:
 
 
 class LawEvaluator:
-    """A separation law: `distance` from two speeds, `require` of an encounter.
+    """Separation law with `distance` for two speeds, and `require` for an encounter.
 
-    `of_speeds` is False where two speeds are not all it asks for, and `steady` True where not even
-    they matter; `source` is named in messages.
+    `of_speeds` is true if the law depends on two speeds alone, and `steady` if it depends on
+    neither. Messages name `source`.
     """
 
     def __init__(self, of_speeds: bool, source: Any = None, *, steady: bool = False) -> None:
@@ -42,6 +42,39 @@ class LawEvaluator:
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
         """Return the required distance over an interval."""
         return enclosure_of(self.require(encounter, begin, end))
+
+
+def evaluator_of(law: Any) -> LawEvaluator:
+    """Return the evaluator of a law.
+
+    Raises
+    ------
+    ValueError
+        If a custom law has no method for it, or decreases with a speed.
+    """
+    if isinstance(law, LawEvaluator):
+        return law
+    if hasattr(law, "evaluator"):
+        evaluator: LawEvaluator = law.evaluator()
+        return evaluator
+    return PythonLaw(law, hasattr(law, "distance"), hasattr(law, "required"))
+
+
+def require_sense(law: Any) -> None:
+    """Raise `ValueError` if a law decreases with a speed. Only a few speeds are tested."""
+    least: Any = None
+    for human, robot in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 1.0)):
+        metres = law.distance(human, robot)
+        if least is None:
+            least = metres
+        # NaN fails this comparison too, also with itself.
+        if not metres >= least:
+            raise ValueError(
+                f"{law!r} asks for {metres} m at speeds of {human:g} (human) and"
+                f" {robot:g} m/s (robot), but for {least} m at lower ones;"
+                " a law must not ask for less when speeds grow"
+            )
+        least = metres
 
 
 class LinearLaw(LawEvaluator):
@@ -72,7 +105,7 @@ class LinearLaw(LawEvaluator):
 
 
 class PathIntegralLaw(LawEvaluator):
-    """The integral form (`navigation.IntegralLaw`); `stopping` is negative where it is braking."""
+    """Integral form (`navigation.IntegralLaw`). A negative `stopping` means linear braking."""
 
     def __init__(self, t1: float, t2: float, stopping: float, allowance: float) -> None:
         super().__init__(False)
@@ -118,8 +151,7 @@ class ScaledLaw(LawEvaluator):
     def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
         whole: TaylorModel = self.law.require(encounter, begin, end)
         around: float = radius_of(whole, (end - begin) / 2)
-        # The cap bends the figure. Where it is out of reach nothing changes; else two bounds
-        # remain.
+        # Where the cap is in reach, the requirement is no Taylor model, and only two bounds remain.
         if whole.value + around <= self.cap:
             return TaylorModel(
                 whole.value * self.factor,
@@ -133,11 +165,15 @@ class ScaledLaw(LawEvaluator):
 
 
 class PythonLaw(LawEvaluator):
-    """A law that is written in Python: `source` has a method `distance`, `required` or both."""
+    """Law in Python: `source` has a method `distance` (`of_speeds`), `required` or both."""
 
     def __init__(self, source: Any, of_speeds: bool, of_motions: bool) -> None:
         super().__init__(of_speeds, source)
         self.of_motions = of_motions
+        if not (of_speeds or of_motions):
+            raise ValueError(f"a law has a method distance or required, {source!r} has neither")
+        if of_speeds:
+            require_sense(source)
 
     def distance(self, human: float, robot: float) -> float:
         return float(self.source.distance(human, robot))
@@ -148,8 +184,8 @@ class PythonLaw(LawEvaluator):
             return TaylorModel(required.value, required.slope, required.slack, required.curve)
         human: Range = encounter.person.speeds(begin, end)
         robot: Range = encounter.machine.speeds(begin, end)
-        # A law of two speeds must not ask for less when they grow (`TooClose` checks it), so its
-        # bounds are those of the speeds.
+        # A law of two speeds does not decrease with either, so the bounds of the speeds give its
+        # bounds.
         low: float = self.distance(human.low, robot.low)
         high: float = self.distance(human.high, robot.high)
         return TaylorModel((low + high) / 2, 0.0, (high - low) / 2, 0.0)

@@ -1,10 +1,10 @@
-"""Until when a machine may follow a motion, if it is to keep its distance from people by stopping.
+"""Time until which a machine may follow a motion, if it avoids people by stopping.
 
-Of a person seen at a place no more is known than their top speed: a disc about it that grows. A
-motion is safe as long as the machine could stop from it at any time before it is too close, as in
-the passive motion safety of inevitable collision states (S. Bouraine, T. Fraichard and H. Salhi,
-"Provably safe navigation for mobile robots with limited field-of-views in dynamic environments",
-Autonomous Robots 32, 2012). People are rows of numbers as those of `SeenPerson`.
+Only the top speed of a person is known, so a growing disc contains the person. A motion is safe as
+long as the machine could stop from it at any time before it is too close. This is the passive
+motion safety of inevitable collision states (S. Bouraine, T. Fraichard and H. Salhi, "Provably safe
+navigation for mobile robots with limited field-of-views in dynamic environments", Autonomous Robots
+32, 2012). People are rows of `SeenPerson`.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ if not cython.compiled:
 
 
 class Towards(LawEvaluator):
-    """What `law` requires if a person walks straight at the machine, of their distance at `since`.
+    """Requirement of `law` if a person walks straight at the machine, from the distance at `since`.
 
-    It is `fixed` metres where that is not less than 0; `margin` metres are kept in addition.
+    A `fixed` distance (m) of at least 0 replaces that of the law, and `margin` metres are added.
     """
 
     def __init__(
@@ -49,8 +49,8 @@ class Towards(LawEvaluator):
     def require(self, encounter: Encounter, begin: float, end: float) -> TaylorModel:
         half: float = (end - begin) / 2
         walked: float = self.speed * (begin + half - self.since)
-        # Straight towards the machine the distance shrinks by the top speed, which is the same as a
-        # person who stands and a requirement that grows by it.
+        # The distance to a person who walks straight at the machine shrinks by the top speed. A
+        # standing person and a requirement that grows at this rate are equivalent.
         if self.fixed >= 0.0:
             return TaylorModel(walked + self.fixed, self.speed, 0.0, 0.0)
         pace: TaylorModel = encounter.machine.speed_over(begin, end)
@@ -63,7 +63,7 @@ class Towards(LawEvaluator):
 
 
 class MotionSpan:
-    """A part of a motion, from `begin` to `end` (seconds): its ends, and a bound of its speed."""
+    """Part of a motion from `begin` to `end` (s), with its ends and a bound of its speed."""
 
     def __init__(self, table: Numbers, begin: float, end: float) -> None:
         self.table = table
@@ -82,10 +82,10 @@ class MotionSpan:
 
 
 class Lookout:
-    """The test for a machine to which `law` applies; `margin` metres are kept in addition.
+    """Stopping test for a machine with a `law`, which keeps `margin` metres in addition.
 
-    Instants are found to `resolution` seconds. Distances are those of places, or between the
-    surfaces of `gauges`.
+    Times are exact to `resolution` seconds. Distances are between centres, or between the surfaces
+    of `gauges`.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Lookout:
         gauges: list[Gauge],
     ) -> None:
         self.gauges = gauges
-        # No surface is farther from its body's place than this, both together.
+        # Upper bound of the distance of both surfaces from their axes together.
         self.around = 0.0
         gauge: Gauge
         for gauge in gauges:
@@ -108,10 +108,10 @@ class Lookout:
     def safe_until(
         self, motion: Numbers, stops: Stops, people: list[float], now: float, least: float
     ) -> tuple[float, int]:
-        """Return an instant until which `motion` may be followed, and the row of who ends it.
+        """Return the time until which `motion` is safe, and the row of the person who limits it.
 
-        It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
-        The row is -1 if no person ends it before the end of the motion.
+        The search doubles the duration, beginning with `least` seconds. The result is `now` if that
+        is not safe, and the row is -1 if no person limits the motion.
         """
         finish: float = end_of(motion)
         row: Numbers = numbers(people)
@@ -120,7 +120,7 @@ class Lookout:
         k: cython.Py_ssize_t
         if not people or now >= finish:
             return finish, -1
-        # Mostly everybody is far away, and one bound for the whole motion says so.
+        # Mostly all people are far away, which one bound for the whole motion proves.
         whole: MotionSpan = MotionSpan(motion, now, finish)
         near: cython.bint = False
         for k in range(count):
@@ -132,9 +132,9 @@ class Lookout:
         while until < finish:
             then: float = min(now + ahead, finish)
             on: MotionSpan = MotionSpan(motion, until, then)
-            # Safe until `then` and safe through the stop from there: one may decide anew at that
-            # time. Doubling asks for as many stops as the logarithm of the time, and finds at least
-            # half of it.
+            # The motion is safe until `then`, and the stop from there too, so the machine may
+            # replan at that time. Doubling needs a logarithmic number of stops, and the result is
+            # at least half of the safe duration.
             stop: Numbers = stops.table(motion, then)
             stopping: MotionSpan = MotionSpan(stop, then, end_of(stop))
             for k in range(count):
@@ -147,9 +147,9 @@ class Lookout:
     def lacking(
         self, motion: Numbers, stops: Stops, people: list[float], now: float, least: float
     ) -> float:
-        """Return the metres that the first of `people` is too close, whatever comes.
+        """Return the distance (m) by which the first of `people` is too close.
 
-        That is after `least` seconds of the motion, or at the end of the stop from there.
+        It is evaluated after `least` seconds of the motion and at the end of the stop from there.
         """
         then: float = min(now + least, end_of(motion))
         on: MotionSpan = MotionSpan(motion, now, then)
@@ -160,20 +160,20 @@ class Lookout:
         return -min(self.spare(first, on, now), self.spare(first, stopping, now))
 
     def required(self, person: SeenPerson, speed: float) -> float:
-        """Return the metres to keep from a person at their top speed, and at the machine's."""
+        """Return the required distance (m) at a person's top speed and the machine's `speed`."""
         if person.fixed >= 0.0:
             return person.fixed
         return self.law.distance(person.top_speed, speed) + self.margin
 
     def hinders(self, person: SeenPerson, on: MotionSpan, since: float) -> cython.bint:
-        """Return whether a person, seen at `since`, may come too close on a part."""
-        # Two cheap answers first: too close at the end, or out of reach all the while. Only what
-        # lies between is searched for in continuous time.
+        """Return whether a person, seen at `since`, may come too close during a part."""
+        # First two cheap tests: too close at the end, or out of reach. Only otherwise a search in
+        # continuous time decides.
         if self.spare(person, on, since) < 0.0:
             return True
         if not self.in_reach(person, on, since):
             return False
-        # A motion of no length rests where it is.
+        # A motion without a length is at rest.
         there: Numbers = rest(0.0, 0.0, person.x, person.y, 0.0)
         still: MotionSpan = MotionSpan(there, since, since)
         law: Towards = Towards(self.law, person.top_speed, since, person.fixed, self.margin)
@@ -183,14 +183,14 @@ class Lookout:
         return watch.change() is not None
 
     def in_reach(self, person: SeenPerson, on: MotionSpan, since: float) -> cython.bint:
-        """Return whether the two may come too close on a part, whatever they do on the way."""
+        """Return whether the two may come too close during a part on any path of the person."""
         walked: float = person.top_speed * (on.end - since)
         reach: float = on.fastest * (on.end - on.begin) + walked
         reach += self.required(person, on.fastest) + self.around
         return norm(person.x - on.x, person.y - on.y) < reach
 
     def spare(self, person: SeenPerson, on: MotionSpan, since: float) -> float:
-        """Return the metres left at the end of a part beyond the required distance there."""
+        """Return the distance (m) at the end of a part less the required distance there."""
         required: float = self.required(person, on.last_speed)
         required += person.top_speed * (on.end - since)
         dx: float = person.x - on.last_x
@@ -211,10 +211,10 @@ def nearest_on(
     step: float,
     horizon: float,
 ) -> float:
-    """Return the least distance of a `motion`, a table, to `people`; infinity without any.
+    """Return the minimum distance of a `motion` (table) from `people`, infinity without people.
 
-    It is looked for each `step` seconds from `begin` to `end`, and at `end`. Of each of the people
-    there are x, y (metres) and their velocity (m/s) at `now`; they keep it for `horizon` seconds.
+    It is sampled every `step` seconds from `begin` to `end`, and at `end`. People are rows of x, y
+    (m) and velocity (m/s) at `now`, which they keep for `horizon` seconds.
     """
     row: Numbers = numbers(people)
     least: float = INFINITY
@@ -247,12 +247,12 @@ def most_remote(
     lag: float,
     enough: float,
 ) -> int:
-    """Return the number of the place on whose path `people` stay farthest from a machine.
+    """Return the index of the place on whose path `people` stay farthest from a machine.
 
-    `places` has x and y (metres) of each in turn, of the machine's own first; that is the answer,
-    too, where nobody comes nearer than `enough` to it. The machine goes straight at its `top`
-    speed, `lag` seconds late. Of the people there are x, y (metres) and their velocity (m/s), which
-    they keep for `horizon` seconds; it is looked where they are at `glances`, seconds from now.
+    `places` has x and y (m) of each, beginning with the machine's own place. The result is 0 if
+    no person comes nearer than `enough` to that place. The machine drives straight at `top` speed
+    after `lag` seconds. People are rows of x, y (m) and velocity (m/s), which they keep for
+    `horizon` seconds. Distances are sampled at `glances` (seconds from now).
     """
     row: Numbers = numbers(people)
     place_row: Numbers = numbers(places)

@@ -1,9 +1,9 @@
 """Links between the bends of a floor, found by triangular expansion.
 
-A straight line leaves a triangle through one of its sides. So what is visible from a place, within
-a wedge of directions, is found triangle by triangle: each side that the wedge meets narrows it, and
-leads to the next triangle. See F. Bungiu, M. Hemmer, J. Hershberger, K. Huang and A. Kröller,
-"Efficient computation of visibility polygons", EuroCG 2014.
+A straight line leaves a triangle through one of its sides. The region that is visible from a place
+within a wedge of directions is thus found triangle by triangle. Each side that the wedge meets
+narrows it, and leads to the next triangle. See F. Bungiu, M. Hemmer, J. Hershberger, K. Huang and
+A. Kröller, "Efficient computation of visibility polygons", EuroCG 2014.
 """
 
 from __future__ import annotations
@@ -25,19 +25,18 @@ if not cython.compiled:
     from .cubics import *
     from .edges import Grid, back_through
 
-_SLACK: float = 1e-9  # of a metre and of a line's length; so far a line may enter a corner
-_WIDER: float = 1e-7  # radians; wedges are so much wider: too much is looked at, never too little
-_ROUNDING: float = 1e-8  # metres; and wider by so much for what is near
+_SLACK: float = 1e-9  # of a metre and of a line's length; depth to which a line may enter a corner
+_WIDER: float = 1e-7  # radians; margin of wedges, so that no link is missed
+_ROUNDING: float = 1e-8  # metres; additional margin for near places
 
 
 class Network:
-    """Links between the `bends` of a floor (rows as those of `Bend`) for discs of `radius` metres.
+    """Links between the `bends` of a floor (rows of `Bend`) for discs of `radius` metres.
 
-    The triangles have `portals` (rows as those of `Portal`, in the order of the triangles that they
-    lead off), those of triangle t from `first_portal[t]` on. Bend k is in `triangle[k]`. A link
-    keeps `radius` metres off the `walls`, and does not go back through `gates` (see
-    `back_through`). Links are found when they are first asked for. They then take 16 bytes each,
-    and 64 for each bend.
+    `portals` are rows of `Portal`, sorted by the triangles that they leave. Rows of triangle t
+    begin at `first_portal[t]`. Bend k is in `triangle[k]`. A link is at least `radius` metres from
+    the `walls`, and does not cross `gates` backwards (see `back_through`). Links are found on
+    demand, and need 16 bytes each and 64 per bend.
     """
 
     def __init__(
@@ -68,41 +67,41 @@ class Network:
         self.depth = 0
 
     def links_of(self, bend: cython.Py_ssize_t) -> Numbers:
-        """Return where the links of a bend lead, and their lengths in metres, in turn."""
-        known: Numbers | None = self.links[bend]
-        if known is None:
-            known = self.links[bend] = self._linked(bend)
-        return known
+        """Return the bends to which a bend has links, and the lengths of these (m), in turn."""
+        links: Numbers | None = self.links[bend]
+        if links is None:
+            links = self.links[bend] = self._linked(bend)
+        return links
 
     def _linked(self, here: cython.Py_ssize_t) -> Numbers:
-        """Find the links of a bend, in the order of where they lead."""
-        seen: list[cython.Py_ssize_t] = self._seen(here)
-        found: Numbers = link_room(len(seen))
+        """Find the links of a bend, sorted by the bends to which they lead."""
+        visible: list[cython.Py_ssize_t] = self._seen(here)
+        links: Numbers = link_room(len(visible))
         bend: Bends = bends_of(self.bends)
         a: Bend = bend[here]
         count: cython.Py_ssize_t = 0
         to: cython.Py_ssize_t
-        for to in sorted(set(seen)):
+        for to in sorted(set(visible)):
             b: Bend = bend[to]
             if self._clear(here, to) and self._allowed(a, b):
-                link_rows(found)[count] = Link(to, dist((a.x, a.y), (b.x, b.y)))
+                link_rows(links)[count] = Link(to, dist((a.x, a.y), (b.x, b.y)))
                 count += 1
-        link_cut(found, count)
-        return found
+        link_cut(links, count)
+        return links
 
     def _clear(self, here: cython.Py_ssize_t, to: cython.Py_ssize_t) -> bool:
-        """Return whether the walls leave room between two bends."""
+        """Return whether the line between two bends is free of walls."""
         back: Numbers | None = self.links[to]
         if back is not None and len(self.gates) == 0:
             return _leads(back, here)
-        # A line is looked at in the same direction from either end: links go both ways.
+        # Links go both ways, so test the line in the same direction from either end.
         bend: Bends = bends_of(self.bends)
         a: Bend = bend[min(here, to)]
         b: Bend = bend[max(here, to)]
         return not self.walls.touched(a.x, a.y, b.x, b.y, self.radius)
 
     def _allowed(self, a: Bend, b: Bend) -> bool:
-        """Return whether no gate keeps a path from a to b."""
+        """Return whether no gate blocks a path from a to b."""
         k: cython.Py_ssize_t
         for k in range(len(self.gates)):
             if back_through(self.gates[k], a.x, a.y, b.x, b.y):
@@ -110,29 +109,29 @@ class Network:
         return True
 
     def _seen(self, here: cython.Py_ssize_t) -> list[cython.Py_ssize_t]:
-        """Return the bends that a path through a bend may go on to, and some that are hidden.
+        """Return the bends to which a taut path through a bend may continue, and some others.
 
-        Some come twice.
+        Some occur twice.
         """
-        found: list[cython.Py_ssize_t] = []
+        visible: list[cython.Py_ssize_t] = []
         bend: Bend = bends_of(self.bends)[here]
-        # A taut path goes on between the directions before and after the bend, or their opposites.
+        # A taut path continues between the directions before and after the bend, or opposite ones.
         clockwise: Wedge = Wedge(bend.after_x, bend.after_y, bend.before_x, bend.before_y)
-        self._expand(here, clockwise, found)
+        self._expand(here, clockwise, visible)
         other: Wedge = Wedge(-bend.after_x, -bend.after_y, -bend.before_x, -bend.before_y)
-        self._expand(here, other, found)
-        return found
+        self._expand(here, other, visible)
+        return visible
 
     def _expand(
-        self, here: cython.Py_ssize_t, wedge: Wedge, found: list[cython.Py_ssize_t]
+        self, here: cython.Py_ssize_t, wedge: Wedge, visible: list[cython.Py_ssize_t]
     ) -> cython.int:
-        """Add what is seen from a bend within a wedge to what was `found`."""
+        """Add the bends that are visible from a bend within a wedge."""
         bend: Bend = bends_of(self.bends)[here]
         triangle: cython.Py_ssize_t = self.triangle[here]
         came: cython.Py_ssize_t = -1
         self.depth = 0
         while True:
-            self._take(triangle, wedge, bend, found)
+            self._take(triangle, wedge, bend, visible)
             self._leave(triangle, came, wedge, bend)
             if self.depth == 0:
                 return 0
@@ -144,9 +143,13 @@ class Network:
             triangle = int(portal.onto)
 
     def _take(
-        self, triangle: cython.Py_ssize_t, wedge: Wedge, here: Bend, found: list[cython.Py_ssize_t]
+        self,
+        triangle: cython.Py_ssize_t,
+        wedge: Wedge,
+        here: Bend,
+        visible: list[cython.Py_ssize_t],
     ) -> cython.int:
-        """Add the bends in a triangle to which a line from a bend grazes at both ends."""
+        """Add the bends in a triangle for which a line from a bend grazes both corners."""
         bend: Bends = bends_of(self.within)
         k: cython.Py_ssize_t
         for k in range(self.first_bend[triangle], self.first_bend[triangle + 1]):
@@ -159,26 +162,26 @@ class Network:
                 and _has(wedge, dx, dy)
                 and (dx != 0.0 or dy != 0.0)
             ):
-                found.append(self.order[k])
+                visible.append(self.order[k])
         return 0
 
     def _leave(
         self, triangle: cython.Py_ssize_t, came: cython.Py_ssize_t, wedge: Wedge, here: Bend
     ) -> cython.int:
-        """Let each portal of a triangle wait that a wedge meets, but for the one it came by."""
+        """Queue the portals of a triangle that a wedge meets, except that of the arrival."""
         portal: Portals = portals_of(self.portals)
         k: cython.Py_ssize_t
         for k in range(self.first_portal[triangle], self.first_portal[triangle + 1]):
             if portal[k].onto != came:
                 seen: Wedge = _from(here, portal[k])
-                # Portals that are seen from behind would lead round a corner, and never end.
+                # Portals that are visible from behind would lead around a corner, and never end.
                 ahead: cython.bint = came < 0 or _faces(seen)
                 if ahead and _meet(wedge, seen):
                     self._push(k, _both(wedge, seen))
         return 0
 
     def _push(self, portal: cython.Py_ssize_t, wedge: Wedge) -> cython.int:
-        """Let a portal wait, with the wedge that leads through it."""
+        """Queue a portal with the wedge that leads through it."""
         waiting_grow(self.waiting, self.depth + 1)
         waiting_of(self.waiting)[self.depth] = WaitingPortal(portal, wedge)
         self.depth += 1
@@ -186,16 +189,16 @@ class Network:
 
 
 def _leads(links: Numbers, to: cython.Py_ssize_t) -> bool:
-    """Return whether one of the links of a bend leads to another."""
+    """Return whether one of the links leads to a bend."""
     k: cython.Py_ssize_t = 0
     while k < link_count(links) and link_rows(links)[k].to != to:
         k += 1
-    found: bool = k < link_count(links)
-    return found
+    leads: bool = k < link_count(links)
+    return leads
 
 
 def _from(place: Bend, portal: Portal) -> Wedge:
-    """Return the wedge in which a portal is seen from a place."""
+    """Return the wedge in which a portal is visible from a place."""
     return Wedge(
         portal.right_x - place.x,
         portal.right_y - place.y,
@@ -205,7 +208,7 @@ def _from(place: Bend, portal: Portal) -> Wedge:
 
 
 def _faces(seen: Wedge) -> bool:
-    """Return whether a portal is seen from its front, and not edge-on."""
+    """Return whether a portal is visible from its front, and not edge-on."""
     return seen.right_x * seen.left_y - seen.right_y * seen.left_x > 0.0
 
 
@@ -216,9 +219,9 @@ def _meet(wedge: Wedge, other: Wedge) -> bool:
 
 
 def _has(wedge: Wedge, dx: float, dy: float) -> bool:
-    """Return whether a wedge contains a direction, or nearly."""
+    """Return whether a wedge contains a direction, with a margin."""
     return (
-        # Opposites of the directions of a narrow wedge are between its sides, too.
+        # Both sides have the opposite directions of a narrow wedge between them, too.
         (
             wedge.right_x * dx + wedge.right_y * dy >= 0.0
             or wedge.left_x * dx + wedge.left_y * dy >= 0.0
@@ -229,7 +232,7 @@ def _has(wedge: Wedge, dx: float, dy: float) -> bool:
 
 
 def _slack(dx: float, dy: float, px: float, py: float) -> float:
-    """Return by how much the cross product of d and p may be off 0 for directions that agree."""
+    """Return the maximum cross product of d and p for directions that agree."""
     d: float = abs(dx) + abs(dy)
     p: float = abs(px) + abs(py)
     return _WIDER * d * p + _ROUNDING * (d + p)
@@ -253,7 +256,7 @@ def _both(wedge: Wedge, other: Wedge) -> Wedge:
 def fits(bend: Bend, dx: float, dy: float) -> bool:
     """Return whether a line along d only grazes the corner at a bend.
 
-    A shortest path bends only where it grazes. All other lines would enter the grown corner.
+    Shortest paths bend only where they graze. All other lines would enter the grown corner.
     """
     slack: float = _SLACK * (1.0 + abs(dx) + abs(dy))
     entering: float = bend.before_x * dy - bend.before_y * dx

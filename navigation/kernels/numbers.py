@@ -1,8 +1,8 @@
 """Rows of numbers, from which all tables of the kernels are made.
 
 If the kernels are compiled, a row is an array of doubles, and `at` returns a pointer. The pointer
-is valid until the array changes its length, so it is taken where it is needed and never stored.
-Otherwise a row is a list, and `at` returns the list itself.
+is invalid after the array changes its length, so it must not be stored. Otherwise a row is a list,
+and `at` returns the list itself.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ if not cython.compiled:
     Ints: TypeAlias = MutableSequence[int]
 
     def at(row: Numbers) -> Doubles:
-        """Return what reads and writes a row of numbers by their indices."""
+        """Return a view of a row of numbers for access by index."""
         return row
 
     def ints(row: Wholes) -> Ints:
-        """Return what reads and writes a row of whole numbers by their indices."""
+        """Return a view of a row of whole numbers for access by index."""
         return row
 
     def cut(row: Numbers, count: int) -> None:
@@ -48,17 +48,17 @@ if not cython.compiled:
         del row[count:]
 
     def grow(row: Numbers, count: int) -> None:
-        """Lengthen a row to at least `count` numbers; new ones are to be set."""
+        """Lengthen a row to at least `count` numbers. New ones are undefined."""
         row.extend([0.0] * (count - len(row)))
 
     def put(
         row: Doubles, o: cython.Py_ssize_t, other: Doubles, p: cython.Py_ssize_t, count: int
     ) -> None:
-        """Copy `count` numbers of another row from `p` on to a row from `o` on."""
+        """Copy `count` numbers of another row from `p` on into a row from `o` on."""
         row[o : o + count] = other[p : p + count]
 
     def room(count: int) -> Numbers:
-        """Return a row of `count` numbers, which are to be set."""
+        """Return a row of `count` undefined numbers."""
         return [0.0] * count
 else:
     from cython.cimports.cpython.array import clone
@@ -85,20 +85,20 @@ def row_at(
 
 
 def whole(value: cython.int, count: cython.Py_ssize_t) -> Wholes:
-    """Return a row of whole numbers that are all `value`."""
-    found: Wholes = array("i", [value]) * count
-    return found
+    """Return a row of `count` whole numbers that all equal `value`."""
+    row: Wholes = array("i", [value]) * count
+    return row
 
 
 def part(row: Numbers, begin: cython.Py_ssize_t, count: cython.Py_ssize_t) -> Numbers:
     """Return a copy of `row[begin:begin + count]`."""
-    found: Numbers = room(count)
-    put(at(found), 0, at(row), begin, count)
-    return found
+    copy: Numbers = room(count)
+    put(at(copy), 0, at(row), begin, count)
+    return copy
 
 
 def numbers(values: Iterable[float]) -> Numbers:
-    """Return some `values` as the numbers that kernels read: tables, bounds, edges, and discs."""
+    """Return `values` as a row of numbers for kernels."""
     return array("d", values) if cython.compiled else [*map(float, values)]
 
 
@@ -108,10 +108,10 @@ def numbers_of(values: NDArray[np.float64]) -> Numbers:
 
 
 def flat(places: list[Place]) -> Numbers:
-    """Return x and y of each of some `places` in turn."""
-    found: Numbers = room(2 * len(places))
-    a: Doubles = at(found)
+    """Return x and y of `places` in turn."""
+    row: Numbers = room(2 * len(places))
+    a: Doubles = at(row)
     k: cython.Py_ssize_t
     for k in range(len(places)):
         a[2 * k], a[2 * k + 1] = places[k]
-    return found
+    return row

@@ -8,16 +8,14 @@ Mathematics 4, 2003). Lengths are integrated by Gauss-Legendre quadrature.
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ..enclosure import Enclosure
-from ..polynomials import NODES_8, WEIGHTS_8, smooth_cuts
 from .numbers import numbers
+from .results import Enclosure
+from .smoothness import NODES_8, WEIGHTS_8, smooth_cuts
 
 if TYPE_CHECKING:
     import cython
-
-    from ..motion import Motion
 else:
     from . import uncompiled as cython
 
@@ -25,20 +23,20 @@ if not cython.compiled:
     from .cubics import *
 
     def radius_of(model: TaylorModel, half: float) -> float:
-        """Return by how much a number may differ from its value within `half` seconds."""
+        """Return the maximum difference from the value within `half` seconds."""
         return (abs(model.slope) + abs(model.curve) * half / 2) * half + model.slack
 
 
-# Nodes from 0 to 2, so that half a length times a node is a place from 0 to that length.
+# Nodes from 0 to 2, so that half a length times a node is a position from 0 to that length.
 _NODES: Numbers = numbers([1.0 + node for node in NODES_8])
 _WEIGHTS: Numbers = numbers(WEIGHTS_8)
 
 _STRETCHES = "_stretches"
-"""Key under which a motion caches its stretches, because laws that look ahead often need them."""
+"""Key under which a motion caches its stretches, because predictive laws often need them."""
 
 
 def enclosure_of(model: TaylorModel) -> Enclosure:
-    """Return a model as the object that custom laws use."""
+    """Return a model as an object for custom laws."""
     return Enclosure(value=model.value, slope=model.slope, slack=model.slack, curve=model.curve)
 
 
@@ -67,7 +65,7 @@ def speed_along(piece: PosePiece, begin: float, end: float) -> TaylorModel:
         across += half * half / 2 * abs(ax * jy - ay * jx)
         ratio: float = across / least
         bend: float = (ratio * ratio / least + jerk) * half * half / 2
-        # Near a standstill the second derivative has no useful bound; the first has one.
+        # Near a standstill only the first derivative has a useful bound.
         if bend < change:
             return TaylorModel(pace, (x.v * ax + y.v * ay) / pace, bend, 0.0)
     return TaylorModel(pace, 0.0, change, 0.0)
@@ -76,7 +74,7 @@ def speed_along(piece: PosePiece, begin: float, end: float) -> TaylorModel:
 class Odometer:
     """Path length and speed of a motion at any time. Jumps add no length."""
 
-    def __init__(self, motion: Motion) -> None:
+    def __init__(self, motion: Any) -> None:
         self.motion = motion
         self.table = motion.table
         self.stretches: Numbers = room(0)
@@ -88,11 +86,11 @@ class Odometer:
         return enclosure_of(self.length_ahead(begin, end, seconds))
 
     def speed(self, begin: float, end: float) -> Enclosure:
-        """Return the speed (m/s) from `begin` to `end`; at a change, the one after it."""
+        """Return the speed (m/s) from `begin` to `end`. At a jump, it is the speed after it."""
         return enclosure_of(speed_over(self.table, begin, end))
 
     def reading(self, t: float) -> float:
-        """Return the length of the path up to `t` (seconds), metres; exact to 1e-12 of it."""
+        """Return the length of the path up to `t` (s) in metres, with a relative error of 1e-12."""
         if len(self.stretches) == 0:
             self.stretches, self.before, self.total = smooth_stretches(self.motion)
         if t >= end_of(self.table):
@@ -111,9 +109,9 @@ class Odometer:
         ahead: float = self.reading(middle + seconds) - self.reading(middle)
         if half == 0.0:
             return TaylorModel(ahead, 0.0, 0.0, 0.0)
-        # Its derivative is the speed at the far end less that at the near one. Its second
-        # derivative, then, is the difference of the two slopes, and what both are uncertain of adds
-        # up over half the interval.
+        # The derivative is the speed at the far end less that at the near end. The second
+        # derivative is the difference of both slopes. Both uncertainties add up over half of the
+        # interval.
         near: TaylorModel = speed_over(self.table, begin, end)
         far: TaylorModel = speed_over(self.table, begin + seconds, end + seconds)
         slack: float = (far.slack + near.slack) * half
@@ -121,7 +119,7 @@ class Odometer:
 
 
 def speed_over(table: Numbers, begin: float, end: float) -> TaylorModel:
-    """Return the speed of a motion over an interval; at a change, the one after it."""
+    """Return the speed of a motion over an interval. At a jump, it is the speed after it."""
     row: PosePieces = poses(table)
     start: float = row[0].begin
     finish: float = end_of(table)
@@ -130,7 +128,7 @@ def speed_over(table: Numbers, begin: float, end: float) -> TaylorModel:
     k: cython.Py_ssize_t = pose_at(table, begin)
     if k >= 0 and end <= row[k].end:
         return speed_along(row[k], begin, end)
-    # Over several pieces the speed may jump: its least and its most are all that holds.
+    # Over several pieces the speed may jump, so only its bounds are known.
     low: float = INFINITY
     high: float = 0.0
     if begin < start or end > finish:
@@ -149,7 +147,7 @@ def speed_over(table: Numbers, begin: float, end: float) -> TaylorModel:
     return TaylorModel((low + high) / 2, 0.0, (high - low) / 2, 0.0)
 
 
-def smooth_stretches(motion: Motion) -> tuple[Numbers, Numbers, float]:
+def smooth_stretches(motion: Any) -> tuple[Numbers, Numbers, float]:
     """Return stretches in which speed is smooth, the lengths before each, and the whole length."""
     cache = vars(motion)
     if _STRETCHES not in cache:
@@ -168,8 +166,8 @@ def smooth_stretches(motion: Motion) -> tuple[Numbers, Numbers, float]:
                 before.append(total)
                 total += length(table, len(before) - 1, w - u)
         cache[_STRETCHES] = table, before, total
-    found: tuple[Numbers, Numbers, float] = cache[_STRETCHES]
-    return found
+    stretches: tuple[Numbers, Numbers, float] = cache[_STRETCHES]
+    return stretches
 
 
 def length(stretches: Numbers, k: cython.Py_ssize_t, u: float) -> float:
@@ -177,7 +175,7 @@ def length(stretches: Numbers, k: cython.Py_ssize_t, u: float) -> float:
     stretch: PlanarPiece = planar(stretches)[k]
     if is_straight(stretch.x, stretch.y):
         return norm(stretch.x.v, stretch.y.v) * u
-    # Stretches are cut so that eight nodes are enough: see `smooth_cuts`.
+    # Stretches are short enough for eight nodes: see `smooth_cuts`.
     half: float = u / 2
     total: float = 0.0
     nodes: Doubles = at(_NODES)

@@ -15,4 +15,4 @@ cdef PosePiece _rest_at(PosePiece piece, double begin, double end) noexcept
 
 cdef class Pack:
     cdef readonly Py_ssize_t count
-    cdef Numbers kept, last
+    cdef Numbers packed, last

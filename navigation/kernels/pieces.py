@@ -1,4 +1,4 @@
-"""Motions as tables: states at a time, parts, continuity, and axes with phases of their own."""
+"""Motions as tables: states at a time, parts, continuity, and axes with separate phases."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if not cython.compiled:
 Triple = tuple[float, float, float]
 
 _WIDTH: cython.Py_ssize_t = POSE_WIDTH
-_SHORTEST: float = 1e-12  # seconds; nothing changes its course for less
+_SHORTEST: float = 1e-12  # seconds; shorter differences between ends of phases are rounding
 
 
 def state(table: Numbers, t: float) -> tuple[Triple, Triple, Triple]:
-    """Return position, velocity and acceleration of a motion at `t` (seconds), held within it."""
+    """Return position, velocity and acceleration of a motion at `t` (s), limited to its span."""
     row: PosePieces = poses(table)
     moving: cython.bint = row[0].begin <= t < end_of(table)
     return evaluate(table, max(pose_at(table, t), 0), t, moving)
@@ -33,12 +33,12 @@ def state(table: Numbers, t: float) -> tuple[Triple, Triple, Triple]:
 def evaluate(
     table: Numbers, row: cython.Py_ssize_t, t: float, moving: bool
 ) -> tuple[Triple, Triple, Triple]:
-    """Return position, velocity and acceleration of a piece at `t`, held within it."""
+    """Return position, velocity and acceleration of a piece at `t`, limited to its span."""
     piece: PosePiece = poses(table)[row]
     x: Cubic = piece.x
     y: Cubic = piece.y
     r: Cubic = piece.rotation
-    u: float = held(piece.begin, piece.end, t)
+    u: float = elapsed(piece.begin, piece.end, t)
     position = value(x, u), value(y, u), value(r, u)
     if not moving:
         return position, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -47,20 +47,20 @@ def evaluate(
 
 
 def instant(table: Numbers, t: float) -> PosePiece:
-    """Return the piece of a motion from `t` (seconds) on; a rest before and after the motion."""
+    """Return the piece of a motion from `t` (s) on, or a rest before and after the motion."""
     piece: PosePiece = poses(table)[max(pose_at(table, t), 0)]
     if not poses(table)[0].begin <= t < end_of(table):
         return _rest_at(piece, t, t)
-    u: float = held(piece.begin, piece.end, t)
+    u: float = elapsed(piece.begin, piece.end, t)
     return PosePiece(t, piece.end, shift(piece.x, u), shift(piece.y, u), shift(piece.rotation, u))
 
 
 def breaks(table: Numbers, tolerance: float) -> list[int]:
-    """Return the pieces that end before they begin, or do not continue the one before them.
+    """Return the pieces that end before they begin, or do not continue the previous one.
 
-    A piece continues another that ends when it begins, and at most `tolerance` metres from there.
+    A piece must begin when the previous one ends, and at most `tolerance` metres from its end.
     """
-    found: list[int] = []
+    broken: list[int] = []
     row: PosePieces = poses(table)
     k: cython.Py_ssize_t
     for k in range(pose_count(table)):
@@ -68,8 +68,8 @@ def breaks(table: Numbers, tolerance: float) -> list[int]:
         if p.end < p.begin or (
             k > 0 and (row[k - 1].end != p.begin or _gap(row[k - 1], p) > tolerance)
         ):
-            found.append(k)
-    return found
+            broken.append(k)
+    return broken
 
 
 def _gap(piece: PosePiece, after: PosePiece) -> float:
@@ -96,7 +96,7 @@ def phases_of(
 ) -> Numbers:
     """Return the phases of an axis from position, velocity and acceleration on.
 
-    Without a jerk limit the acceleration jumps between phases; position and velocity don't.
+    Without a jerk limit, only the acceleration jumps between phases.
     """
     table: Numbers = phase_room(max(len(durations), 1))
     row: Phases = phases(table)
@@ -117,25 +117,25 @@ def phases_of(
 
 
 def scaled(table: Numbers, begin: float, share: float) -> Numbers:
-    """Return the phases of an axis that moves by a share of another's, from `begin` on."""
-    found: Numbers = phase_room(phase_count(table))
+    """Return the phases of an axis that moves from `begin` on by a share of another's motion."""
+    phases_of_share: Numbers = phase_room(phase_count(table))
     k: cython.Py_ssize_t
     for k in range(phase_count(table)):
         phase: Phase = phases(table)[k]
-        phases(found)[k] = Phase(phase.duration, along(begin, share, phase.c))
-    return found
+        phases(phases_of_share)[k] = Phase(phase.duration, along(begin, share, phase.c))
+    return phases_of_share
 
 
 def merge_axes(axes: list[Numbers], start: float) -> Numbers:
-    """Return the table of a motion from `start` on whose three axes have phases of their own.
+    """Return the table of a motion from `start` on of three axes with separate phases.
 
-    An axis is at rest after its last phase. The motion is cut where one of them changes.
+    An axis is at rest after its last phase. The motion is divided where an axis changes.
     """
     axis: cython.Py_ssize_t
-    most: cython.Py_ssize_t = 0
+    limit: cython.Py_ssize_t = 0
     for axis in range(3):
-        most += phase_count(axes[axis])
-    table: Numbers = pose_room(most)  # one of the axes changes at the end of every piece
+        limit += phase_count(axes[axis])
+    table: Numbers = pose_room(limit)  # an axis changes at the end of every piece
     count: cython.Py_ssize_t = 0
     now: list[cython.Py_ssize_t] = [0, 0, 0]
     begins: Numbers = room(3)
@@ -144,7 +144,7 @@ def merge_axes(axes: list[Numbers], start: float) -> Numbers:
     begin: float = start
     lower: float = 0.0
     while True:
-        # The next change after `lower` is the end of a phase that one of the axes is in then.
+        # The next change after `lower` is the earliest end of a current phase.
         upper: float = INFINITY
         for axis in range(3):
             phase: Phases = phases(axes[axis])
@@ -159,8 +159,8 @@ def merge_axes(axes: list[Numbers], start: float) -> Numbers:
         if upper == INFINITY:
             pose_cut(table, count)
             return table
-        # Axes that end together do so but for rounding: a sliver goes to the next piece, which
-        # begins where the last one ended.
+        # Axes that end together differ by rounding. The next piece absorbs such a sliver, because
+        # it begins where the last one ended.
         if upper - lower >= _SHORTEST or count == 0:
             poses(table)[count] = PosePiece(
                 begin,
@@ -175,7 +175,7 @@ def merge_axes(axes: list[Numbers], start: float) -> Numbers:
 
 
 def _axis_from(table: Numbers, k: cython.Py_ssize_t, u: float) -> Cubic:
-    """Return the cubic of an axis from `u` seconds into its k-th phase on, or of its final rest."""
+    """Return the cubic of an axis from `u` seconds after the begin of a phase, or of its rest."""
     if k < phase_count(table):
         return shift(phases(table)[k].c, u)
     last: Phase = phases(table)[k - 1]
@@ -185,7 +185,7 @@ def _axis_from(table: Numbers, k: cython.Py_ssize_t, u: float) -> Cubic:
 def walked_and_stood(table: Numbers, since: float, until: float) -> tuple[float, float]:
     """Return the length of a walk from `since` on (m), and its time at rest until `until` (s).
 
-    The pieces of its `table` are straight and never turn back: each is as long as its chord.
+    Its pieces are straight and never turn back, so each is as long as its chord.
     """
     walked: float = 0.0
     stood: float = 0.0
@@ -207,27 +207,27 @@ def walked_and_stood(table: Numbers, since: float, until: float) -> tuple[float,
 
 
 class Pack:
-    """Pieces without what says nothing: which numbers of each are there, as bits, and those.
+    """Compressed pieces: a bit mask of the numbers that are stored, and these numbers.
 
-    Half of the numbers of a walk are 0, and a piece begins when the one before it ends. A negative
-    zero is none: it stays what it is.
+    A begin equal to the previous end and zeros are left out, which is half of a walk. A negative
+    zero is stored.
     """
 
     def __init__(self) -> None:
         self.count = 0
-        self.kept = array("d")
+        self.packed = array("d")
         self.last: Numbers = room(0)
 
     def add(self, table: Numbers, begin: float, end: float, tolerance: float) -> bool:
-        """Add a motion from `begin` to `end` (seconds), as `between` has it.
+        """Add a motion from `begin` to `end` (s): see `between`.
 
-        Return whether it begins farther than `tolerance` metres from where the last one ended.
+        Return whether it begins farther than `tolerance` metres from the last end.
         """
         before: Numbers = self.last
         after: Numbers = between(table, begin, end)
-        kept: Numbers = room(len(after) + pose_count(after))
+        packed: Numbers = room(len(after) + pose_count(after))
         a: Doubles = at(after)
-        b: Doubles = at(kept)
+        b: Doubles = at(packed)
         last: cython.Py_ssize_t = pose_count(before) - 1
         ended: float = poses(before)[last].end if last >= 0 else 0.0
         i: cython.Py_ssize_t = 0
@@ -247,17 +247,17 @@ class Pack:
                 j += 1
             b[bits] = mask
             ended = poses(after)[piece].end
-        cut(kept, i)
-        self.kept.extend(kept)
+        cut(packed, i)
+        self.packed.extend(packed)
         self.count += pose_count(after)
         self.last = after
         return last >= 0 and _gap(poses(before)[last], poses(after)[0]) > tolerance
 
     def pieces(self) -> Numbers:
-        """Return the table of all that was added."""
+        """Return the table of all motions."""
         table: Numbers = pose_room(self.count)
         a: Doubles = at(table)
-        b: Doubles = at(self.kept)
+        b: Doubles = at(self.packed)
         ended: float = 0.0
         i: cython.Py_ssize_t = 0
         j: cython.Py_ssize_t = 0
@@ -277,16 +277,16 @@ class Pack:
 
 
 def between(table: Numbers, begin: float, end: float) -> Numbers:
-    """Return the table of a motion from `begin` to `end` (seconds), rests included."""
+    """Return the table of a motion from `begin` to `end` (s), rests included."""
     row: PosePieces = poses(table)
     rows: cython.Py_ssize_t = pose_count(table)
-    found: Numbers = pose_room(rows + 2)
-    kept: PosePieces = poses(found)
+    motion: Numbers = pose_room(rows + 2)
+    pieces: PosePieces = poses(motion)
     count: cython.Py_ssize_t = 0
     last: float = end_of(table)
     k: cython.Py_ssize_t
     if begin < row[0].begin:
-        kept[0] = _rest_at(row[0], begin, min(row[0].begin, end))
+        pieces[0] = _rest_at(row[0], begin, min(row[0].begin, end))
         count = 1
     for k in range(rows):
         p: PosePiece = row[k]
@@ -297,23 +297,23 @@ def between(table: Numbers, begin: float, end: float) -> Numbers:
         if begin > p.begin:
             u: float = begin - p.begin
             p = PosePiece(begin, p.end, shift(p.x, u), shift(p.y, u), shift(p.rotation, u))
-        kept[count] = PosePiece(p.begin, min(end, p.end), p.x, p.y, p.rotation)
+        pieces[count] = PosePiece(p.begin, min(end, p.end), p.x, p.y, p.rotation)
         count += 1
     if end > last or count == 0:
-        # After its end a motion rests; the last piece that has begun says where.
+        # After its end, a motion rests where the last piece that has begun ends.
         since: float = max(begin, last) if end > last else begin
         k = rows - 1
         while k > 0 and row[k].begin > since:
             k -= 1
-        kept[count] = _rest_at(row[k], since, end)
+        pieces[count] = _rest_at(row[k], since, end)
         count += 1
-    pose_cut(found, count)
-    return found
+    pose_cut(motion, count)
+    return motion
 
 
 def _rest_at(piece: PosePiece, begin: float, end: float) -> PosePiece:
-    """Return a rest from `begin` to `end` where a piece is at `begin`, held within it."""
-    u: float = held(piece.begin, piece.end, begin)
+    """Return a rest from `begin` to `end` at the place of a piece at `begin`."""
+    u: float = elapsed(piece.begin, piece.end, begin)
     return PosePiece(
         begin,
         end,
@@ -331,13 +331,13 @@ def along_legs(
     rate: float,
     start: float,
 ) -> Numbers:
-    """Return the table of the fastest walk through `corners` .
+    """Return the table of the fastest walk through `corners`.
 
-    It has the given speed at each of them (m/s), `top` at most, and speeds up and slows down at
-    `rate` (m/s²); `lengths` are those of the legs (metres), and it begins at `start` (seconds). Its
+    It has the given speed at each of them (m/s), at most `top` between them, and changes speed at
+    `rate` (m/s²). `lengths` are those of the segments (m), and it begins at `start` (s). Its
     rotation is the heading.
     """
-    table: Numbers = pose_room(3 * len(lengths))  # a leg has three phases at most
+    table: Numbers = pose_room(3 * len(lengths))
     row: PosePieces = poses(table)
     places: Numbers = flat(corners)
     corner: Positions = positions_of(places)
@@ -352,8 +352,8 @@ def along_legs(
         length: float = lengths[k]
         first: float = speeds[k]
         last: float = speeds[k + 1]
-        # Speed squared changes by 2 · rate · metres: up to the peak and down to the last speed take
-        # the leg whole where (2 p² − first² − last²) / (2 · rate) is its length.
+        # Speed squared changes by 2 · rate · metres. Up to the peak and down to the last speed fill
+        # the segment if (2 p² − first² − last²) / (2 · rate) is its length.
         peak: float = min(top, sqrt((first * first + last * last) / 2 + rate * length))
         peak = max(peak, last)
         change: float = copysign(rate, peak - first)

@@ -1,8 +1,8 @@
-"""Retreats: walks of somebody who steps aside, off the course of another, among all others.
+"""Retreats: walks of a person who steps aside, off the course of another, among all others.
 
-Places to retreat to are tried in a given order, as in the depth-first search of prioritised
-planning with pushes (B. de Wilde, A. W. ter Mors and C. Witteveen, "Push and rotate: a complete
-multi-agent pathfinding algorithm", Journal of Artificial Intelligence Research 51, 2014).
+Places are tried in a given order, as in the depth-first search of prioritised planning with pushes
+(B. de Wilde, A. W. ter Mors and C. Witteveen, "Push and rotate: a complete multi-agent pathfinding
+algorithm", Journal of Artificial Intelligence Research 51, 2014).
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from .committed import Movers
 from .discs import Swath
 from .edges import Legs, legs_of
 from .numbers import Place, flat
+from .results import Retreat
 
 if not cython.compiled:
     from .cubics import *
@@ -27,22 +28,21 @@ if not cython.compiled:
     from .walks import draw_walk
 
 _HAIR: float = 1e-6  # metres, for rounding
-_JUST_NOW: float = 2e-3  # metres; at least what `met` takes for too close already
+_JUST_NOW: float = 2e-3  # metres; at least the tolerance of `met` for an initial conflict
 
 
 class Retreats:
-    """Walks of the `me`-th on a floor, from rest, along a path and on to one of several places.
+    """Walks of a person, from rest, along a path and on to one of several places.
 
-    They begin when the `movers` do, after a `lead` if there is one, meet none of these, even
-    with `margin` metres more between them, are `width` metres off a `course`, at `top_speed` and
-    never faster than `max_speed` (m/s), with this `acceleration` (m/s²), and from the end of the
-    path on clear of the walls of `legs`.
+    They start with the drafts of `movers` and meet none of them, with `margin` metres in addition.
+    The places are `width` metres off the polyline `course`, and the last segment is free of walls
+    by `legs`. Speeds are in m/s, at most `top_speed` and `max_speed`. A `lead` precedes the walks.
     """
 
     def __init__(
         self,
         movers: Movers,
-        me: int,
+        person: int,
         course: list[Place],
         width: float,
         legs: Legs,
@@ -53,7 +53,7 @@ class Retreats:
         margin: float = 0.0,
     ) -> None:
         self.movers = movers
-        self.me = me
+        self.person = person
         self.course = legs_of(course)
         self.width = width
         self.legs = legs
@@ -61,64 +61,64 @@ class Retreats:
         at(self.tops)[0] = top_speed
         start: float = movers.now if lead is None else lead.rests
         self.pace = SpeedLimits(start, 0.0, max_speed, acceleration)
-        self.own = movers.own(me) + margin
+        self.own = movers.own(person) + margin
         none: Numbers = room(0)
         self.lead = none if lead is None else lead.walk
         self.before = none if lead is None else lead.table
         self.box = none if lead is None else lead.box
-        # What is looked at is drawn up in the same room again and again.
+        # The buffers of walks are reused.
         self.corners = none
         self.sketch = Swath(room(0), room(4))
         self.places = none
-        self.k = -1
+        self.index = -1
         self.last = -1
         self.stood = none
 
     def look(self, path: list[Place], places: Numbers) -> None:
-        """Look from now on for walks along `path`, and on to one of the `places`.
+        """Start a search for walks along `path` and on to one of the `places`.
 
-        `places` has x and y of each in turn, from the end of the path (metres). Who steps aside
-        stands where all paths begin.
+        `places` has x and y of each, relative to the end of the path (m). The person stands at the
+        begin of all paths.
         """
-        self.corners = flat([*path, path[0]])  # the last one is to be set
+        self.corners = flat([*path, path[0]])  # the last one is set for each place
         self.places = places
-        self.k = -1
+        self.index = -1
         if self.last < 0:
             self._note_ends()
             self.last = 0
 
     def next(
         self,
-        most: cython.Py_ssize_t,
+        limit: cython.Py_ssize_t,
         fit: Callable[[float, float, Swath], Swath | None] | None,
         refusing: bytearray,
-    ) -> tuple[Swath | None, int, int, int]:
-        """Come to the next walk that may be taken, None if there is none.
+    ) -> Retreat:
+        """Return the next possible walk.
 
-        Return it, the number of its place, who is met first of those who don't move (-1 for
-        nobody), and how many were tried, `most` at most. `fit`, if there is one, returns of a place
-        and the walk to it the one that is taken instead, or None if one may not walk there. A walk
-        that meets first who is `refusing` is tried, and not taken.
+        The walk is None, and the index -1, if there is none among the next `limit` walks. The
+        obstacle is the index of the first person without a draft in the way, or -1. Walks with an
+        obstacle that is `refusing` count as trials only. `fit(x, y, walk)`, if there is one,
+        replaces the walk to a place, or rejects it by None.
         """
         end: Position = positions_of(self.corners)[position_count(self.corners) - 2]
         tried: cython.Py_ssize_t = 0
-        while tried < most:
+        while tried < limit:
             walk: Swath | None = self._come(end)
             if walk is None:
                 break
             if fit is not None:
-                to: Position = positions_of(self.places)[self.k]
+                to: Position = positions_of(self.places)[self.index]
                 walk = fit(end.x + to.x, end.y + to.y, walk)
                 if walk is None:
                     continue
             tried += 1
-            hit: cython.Py_ssize_t = self.movers.first_other(self.me, walk)
+            hit: cython.Py_ssize_t = self.movers.first_other(self.person, walk)
             if hit < 0 or not refusing[hit]:
-                return walk, self.k, hit, tried
-        return None, -1, -1, tried
+                return Retreat(walk, self.index, hit, tried)
+        return Retreat(None, -1, -1, tried)
 
     def _note_ends(self) -> cython.int:
-        """Note the circles in which those who are moving come to stand."""
+        """Set `stood` to the circles in which the movers stop."""
         here: Numbers = self.before
         if len(here) == 0:
             start: Position = positions_of(self.corners)[0]
@@ -131,7 +131,7 @@ class Retreats:
             table: Numbers = movers.tables[i]
             end: PlanarPiece = planar(table)[planar_count(table) - 1]
             least: float = self.own + at(movers.radii)[i]
-            # As `met`: who is too close already is met by coming closer still.
+            # As in `met`: a person who is too close already must not come closer.
             apart: float = distance(here, table, movers.now)
             if apart < least + _JUST_NOW:
                 least = min(least, apart)
@@ -139,16 +139,15 @@ class Retreats:
         return 0
 
     def _come(self, end: Position) -> Swath | None:
-        """Come to the next place whose walk meets no wall and nobody moving; None for none."""
+        """Advance to the next retreat whose walk is free of walls and movers, or return None."""
         corner: Positions = positions_of(self.corners)
         count: cython.Py_ssize_t = position_count(self.corners)
-        while self.k + 1 < position_count(self.places):
-            self.k += 1
-            to: Position = positions_of(self.places)[self.k]
+        while self.index + 1 < position_count(self.places):
+            self.index += 1
+            to: Position = positions_of(self.places)[self.index]
             x: float = end.x + to.x
             y: float = end.y + to.y
-            # No table is drawn up for what can't be fit: whoever stands there for good in the end
-            # is met, at the latest then.
+            # A place where a mover stops is never free, so its walk needs no table.
             if (
                 touches(self.course, x, y, x, y, self.width)
                 or covers(self.stood, x, y)
@@ -164,13 +163,13 @@ class Retreats:
             pieces: cython.Py_ssize_t = draw_walk(
                 self.corners, count, self.tops, self.pace, self.pace.start, self.lead, table
             )
-            # Whoever was in the way of the last one is likely to be in the way of this one.
+            # Try the previous obstacle first, because successive walks often meet the same person.
             if pieces > 0 and not self._meets_any():
                 return Swath(first_pieces(table, pieces), row_of_box(box))
         return None
 
     def _meets_any(self) -> bool:
-        """Return whether the walk meets anybody who is moving: `last`, then, who is asked first."""
+        """Return whether the walk meets a mover. `last` is the mover to try first."""
         count: cython.Py_ssize_t = circle_count(self.stood)
         if count == 0:
             return False

@@ -1,4 +1,4 @@
-"""A* over the bends of a floor and of the bodies on it, whose links are asked for when taken.
+"""A* over the bends of a floor and of the bodies on it. Links are tested when they are expanded.
 
 See P. E. Hart, N. J. Nilsson and B. Raphael, "A formal basis for the heuristic determination of
 minimum cost paths", IEEE Transactions on Systems Science and Cybernetics 4 (1968).
@@ -24,13 +24,13 @@ if not cython.compiled:
     from .edges import Room
     from .network import Network, fits
 
-_SOME: cython.Py_ssize_t = 256  # entries, at first
-_LONG: cython.Py_ssize_t = 256  # places that a search reaches before it asks if it is hopeless
-_BESIDE: float = 1.01  # of a bend's reach; nearer places may see a bend that they do not graze
+_SOME: cython.Py_ssize_t = 256  # initial number of entries
+_LONG: cython.Py_ssize_t = 256  # places that a search reaches before it asks for a proof of failure
+_BESIDE: float = 1.01  # of a bend's reach; nearer places may see a bend without grazing it
 
 
 class Heap:
-    """Entries of a search, the least first.
+    """Entries of a search, smallest first.
 
     A binary heap (J. W. J. Williams, "Algorithm 232: Heapsort", Communications of the ACM 7, 1964).
     """
@@ -52,11 +52,11 @@ class Heap:
         return self._rise(self.count - 1, entry)
 
     def pop(self) -> SearchEntry:
-        """Remove the least entry, and return it."""
+        """Remove and return the smallest entry."""
         row: Entries = entries_of(self.entries)
         least: SearchEntry = row[0]
         self.count -= 1
-        # The lesser children move up to the bottom, as the last entry is seldom a small one.
+        # Move the smaller children up to the bottom, because the last entry is seldom small.
         last: cython.Py_ssize_t = self.count
         place: cython.Py_ssize_t = 0
         child: cython.Py_ssize_t = 1
@@ -70,7 +70,7 @@ class Heap:
         return least
 
     def _rise(self, place: cython.Py_ssize_t, entry: SearchEntry) -> cython.int:
-        """Put an entry where it belongs on the path from `place` up to the top."""
+        """Insert an entry on the path from `place` up to the top."""
         row: Entries = entries_of(self.entries)
         while place > 0:
             above: cython.Py_ssize_t = (place - 1) // 2
@@ -83,7 +83,7 @@ class Heap:
 
 
 def _precedes(entry: SearchEntry, other: SearchEntry) -> bool:
-    """Return whether an entry is less than another."""
+    """Return whether an entry is smaller than another."""
     if entry.bound != other.bound:
         return entry.bound < other.bound
     if entry.so_far != other.so_far:
@@ -94,11 +94,11 @@ def _precedes(entry: SearchEntry, other: SearchEntry) -> bool:
 
 
 class Search:
-    """A search for the shortest path from one place to another, then from others to others.
+    """Search for shortest paths between two places, for several queries.
 
-    Places are the bends of the `floor` (columns as those of `Bend`), those of bodies, the start and
-    the goal, with numbers in that order. `network` has the links between the floor's bends, on
-    which the floor leaves room.
+    Places are the bends of the `floor` (columns of `Bend`), those of bodies, the start and the
+    goal, numbered in this order. `network` has the links between the floor's bends that are free of
+    walls.
     """
 
     def __init__(self, floor: NDArray[np.float64], network: Network) -> None:
@@ -107,8 +107,8 @@ class Search:
         self.start = self.goal = self.fixed
         self.queue = Heap()
         self.bends = numbers_of(floor.T)
-        # What is known of each place. `sure` is the shortest length by which a place is known to be
-        # reached, though not yet taken from the queue. Nothing longer need be queued for it.
+        # `sure` is the shortest length of a queued path to a place that is free for certain. Longer
+        # ones need not be queued.
         self.best: Numbers = room(0)
         self.sure: Numbers = room(0)
         self.before: Numbers = room(0)
@@ -123,11 +123,11 @@ class Search:
         refused: set[tuple[Place, Place]],
         hopeless: Callable[[Place, Place], bool],
     ) -> list[Place] | None:
-        """Return the places of the shortest path, or None.
+        """Return the places of the shortest path from `start` to `goal`, or None.
 
-        It leads from `start` to `goal`; `parts` are the bends of bodies. Links that are not the
-        floor's are asked of `room`; those `refused` count for none, and the straight line only if
-        it is `straight`. A long search asks once whether it is `hopeless`, and ends if so.
+        `parts` are the bends of bodies. `room` decides about links that are not the floor's.
+        `refused` are links that are excluded. The straight line is used only if `straight`. A long
+        search calls `hopeless` once, and ends if the result is true.
         """
         self._lay_out(start, goal, parts)
         self.straight = straight
@@ -135,8 +135,8 @@ class Search:
         self.alone = len(parts) == 0 and len(refused) == 0
         self.refused = set()
         if refused:
-            number = {self._place(k): k for k in range(self.goal + 1)}
-            self.refused = {(number[a], number[b]) for a, b in refused if {a, b} <= number.keys()}
+            index = {self._place(k): k for k in range(self.goal + 1)}
+            self.refused = {(index[a], index[b]) for a, b in refused if {a, b} <= index.keys()}
         queue: Heap = self.queue
         best: Doubles = at(self.best)
         sure: Doubles = at(self.sure)
@@ -158,12 +158,12 @@ class Search:
                 so_far = entry.so_far
                 here = entry.here
                 there = entry.there
-                # Straight distance never falls by more than a link is long, so the first to reach a
-                # place is the shortest, and later ones to it are left where they lie in the queue.
+                # The heuristic is consistent, so the first path to a place is the shortest. Later
+                # ones are skipped when they are taken from the queue.
                 if so_far >= best[there] or so_far > sure[there]:
                     continue
-                # Most links are never taken: only one that is, is looked at (the laziness of R.
-                # Bohlin and L. E. Kavraki, "Path planning using lazy PRM", ICRA 2000).
+                # Most links are never expanded. Test only those that are: the laziness of R.
+                # Bohlin and L. E. Kavraki, "Path planning using lazy PRM", ICRA 2000.
                 if (here < self.fixed and there < self.fixed) or self._clear(here, there, True):
                     break
             best[there] = so_far
@@ -199,7 +199,7 @@ class Search:
         return 0
 
     def _leave(self, here: cython.Py_ssize_t, so_far: float) -> cython.int:
-        """Queue all that a path of length `so_far` may go on to from a place."""
+        """Queue all links from a place at the end of a path of length `so_far`."""
         k: cython.Py_ssize_t
         length: float
         first: cython.Py_ssize_t = 0
@@ -219,7 +219,7 @@ class Search:
         if here == self.start:
             if self.straight:
                 self._push(here, self.goal, so_far, length)
-        # Nearer than where the path touches the arc, the direction from a bend says nothing yet.
+        # Nearer than where the path touches the arc, the direction from a bend is undefined.
         elif length <= bend.reach * _BESIDE or fits(bend, dx, dy):
             self._push(here, self.goal, so_far, length)
         return 0
@@ -244,7 +244,7 @@ class Search:
     def _push(
         self, here: cython.Py_ssize_t, to: cython.Py_ssize_t, so_far: float, length: float
     ) -> cython.int:
-        """Queue a link; whether it is clear is asked when it is taken."""
+        """Queue a link, which is tested when it is expanded."""
         then: float = so_far + length
         if then < at(self.best)[to] and then <= at(self.sure)[to]:
             self.queue.push(SearchEntry(then + self._bound(to), then, here, to))
@@ -253,7 +253,7 @@ class Search:
     def _push_known(
         self, here: cython.Py_ssize_t, to: cython.Py_ssize_t, so_far: float, length: float
     ) -> cython.int:
-        """Queue a link of the floor, unless it is blocked or others are shorter."""
+        """Queue a link of the floor, unless it is blocked or another path is shorter."""
         then: float = so_far + length
         if then >= at(self.best)[to] or then > at(self.sure)[to]:
             return 0
@@ -269,7 +269,7 @@ class Search:
         return norm(goal.x - here.x, goal.y - here.y)
 
     def _clear(self, here: cython.Py_ssize_t, to: cython.Py_ssize_t, floor: bool) -> bool:
-        """Return whether there is room on a link; the floor counts if `floor` is true."""
+        """Return whether a link is free. The floor counts if `floor` is true."""
         if len(self.refused) > 0 and (here, to) in self.refused:
             return False
         a: Bend = bends_of(self.bends)[here]

@@ -1,12 +1,12 @@
 """Tables of structs: rows of numbers of which each kind has a fixed width.
 
-This module alone knows which number of a row is which. Compiled kernels take all this from
-`tables.pxd`, where structs are C's and a view of a table is a pointer to its first struct. Here a
-struct is a named tuple, and `Rows` makes it of its numbers. The two files say the same.
+Only this module knows the order of the numbers of a struct. Compiled kernels use `tables.pxd`
+instead, in which structs are those of C, and a view of a table is a pointer to its first struct.
+Here a struct is a named tuple, which `Rows` makes from its numbers. Both files must agree.
 
-Motions are tables too, one piece after another: begin and end (seconds), then the four coefficients
-of the cubic of each coordinate, counted from the begin. A `PlanarPiece` has x and y (metres); a
-`PosePiece` has a rotation (radians) in addition.
+Motions are tables of pieces: begin and end (seconds), then the four coefficients of the cubic of
+each coordinate, relative to the begin. A `PlanarPiece` has x and y (metres). A `PosePiece` has a
+rotation (radians) in addition.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ Row = TypeVar("Row", bound=tuple[object, ...])
 
 
 class Rows(Generic[Row]):
-    """Structs in a row of numbers, of `width` numbers each, from the one at `o` on.
+    """Structs of `width` numbers each in a row of numbers, from the offset `o` on.
 
-    `kind` makes one of its numbers. Structs in structs are laid out in turn.
+    `kind` makes a struct of its numbers. Nested structs are stored in turn.
     """
 
     def __init__(self, row: Numbers, kind: Callable[..., Row], width: int, o: int = 0) -> None:
@@ -50,22 +50,22 @@ def _numbers(struct: tuple[object, ...]) -> Iterator[float]:
 
 
 def _view(kind: Callable[..., Row], width: int) -> Callable[[Numbers], Rows[Row]]:
-    """Return what views a table as structs of a kind."""
+    """Return a function that views a table as structs of a kind."""
     return lambda row: Rows(row, kind, width)
 
 
 def _count(width: int) -> Callable[[Numbers], int]:
-    """Return what counts the structs of a table."""
+    """Return a function that counts the structs of a table."""
     return lambda row: len(row) // width
 
 
 def _room(width: int) -> Callable[[int], Numbers]:
-    """Return what makes a table of so many structs, which are to be set."""
+    """Return a function that makes a table for a number of structs."""
     return lambda count: room(width * count)
 
 
 def _cut(width: int) -> Callable[[Numbers, int], None]:
-    """Return what shortens a table to its first structs."""
+    """Return a function that shortens a table to its first structs."""
     return lambda row, count: cut(row, width * count)
 
 
@@ -91,7 +91,7 @@ class PlanarPiece(NamedTuple):
 
 
 class PosePiece(NamedTuple):
-    """Piece of the motion of a body: as `PlanarPiece`, and its rotation (radians)."""
+    """Piece of the motion of a body: a `PlanarPiece` with a rotation (radians)."""
 
     begin: float
     end: float
@@ -108,7 +108,7 @@ class Phase(NamedTuple):
 
 
 class PathLeg(NamedTuple):
-    """Leg of a path: start (metres), direction, length (metres), and two speeds (m/s).
+    """Segment of a path: start (metres), direction, length (metres), and two speeds (m/s).
 
     `top` is the top speed on it, `first` the highest speed at its start.
     """
@@ -123,7 +123,7 @@ class PathLeg(NamedTuple):
 
 
 class SpeedLimits(NamedTuple):
-    """When a person starts (seconds), how fast (m/s), and how fast they may become (m/s, m/s²)."""
+    """Start of a walk (s), its initial speed (m/s), and its limits (m/s, m/s²)."""
 
     start: float
     initial_speed: float
@@ -156,13 +156,13 @@ phases, phase_count, phase_room, phase_cut = _view(_phase, 5), _count(5), _room(
 
 
 def pose_at(table: Numbers, t: float) -> int:
-    """Return the last piece of a table that begins by `t` (seconds); -1 if none does."""
+    """Return the last piece of a table that begins by `t` (s), or -1."""
     k: int = row_at(table, pose_count(table), POSE_WIDTH, t)
     return k
 
 
 def planar_at(table: Numbers, t: float) -> int:
-    """Return the last piece of a table that begins by `t` (seconds); -1 if none does."""
+    """Return the last piece of a table that begins by `t` (s), or -1."""
     k: int = row_at(table, planar_count(table), PLANAR_WIDTH, t)
     return k
 
@@ -170,7 +170,7 @@ def planar_at(table: Numbers, t: float) -> int:
 def is_pose_finite(table: Numbers, k: int) -> bool:
     """Return whether the k-th piece of a table of x, y and rotation is finite."""
     total = sum(table[POSE_WIDTH * k : POSE_WIDTH * (k + 1)])
-    return total - total == 0.0  # one number that is not makes the sum one
+    return total - total == 0.0  # the sum is finite only if all numbers are
 
 
 def first_pieces(table: Numbers, count: int) -> Numbers:
@@ -184,7 +184,7 @@ def planar_put(table: Numbers, first: Numbers) -> None:
 
 
 def planar_space(table: Numbers, pieces: int, legs: int) -> PathLegs:
-    """Lengthen a table to so many pieces, and return the room for `legs` behind them."""
+    """Lengthen a table to a number of pieces, and return the room for `legs` behind them."""
     grow(table, PLANAR_WIDTH * pieces + 7 * legs)
     return Rows(table, PathLeg, 7, PLANAR_WIDTH * pieces)
 
@@ -217,7 +217,7 @@ class Edge(NamedTuple):
 
 
 class SweptSegment(NamedTuple):
-    """Segment from x, y along d, its direction and its length (metres)."""
+    """Segment from (x, y) along d, with its direction and length (metres)."""
 
     x: float
     y: float
@@ -245,7 +245,7 @@ class BoundingBox(NamedTuple):
 
 
 class GateLine(NamedTuple):
-    """Line from a to b (metres), and the direction in which it may be crossed."""
+    """Line from a to b (metres), and the direction in which crossing is allowed."""
 
     ax: float
     ay: float
@@ -256,7 +256,7 @@ class GateLine(NamedTuple):
 
 
 class CellWindow(NamedTuple):
-    """Rectangle of cells: its first column and row, and the number of both."""
+    """Rectangle of cells: its first column and row, and the number of each."""
 
     column: int
     row: int
@@ -296,7 +296,7 @@ def row_of_box(box: BoundingBox) -> Numbers:
 
 
 class CoursePlace(NamedTuple):
-    """Place on a course (metres), the direction there, and the number of the leg."""
+    """Place on a course (metres), the direction there, and the index of the segment."""
 
     x: float
     y: float
@@ -306,7 +306,7 @@ class CoursePlace(NamedTuple):
 
 
 class CourseLeg(NamedTuple):
-    """Length (metres) and direction of a leg of a course."""
+    """Length (metres) and direction of a segment of a course."""
 
     length: float
     c: float
@@ -314,9 +314,9 @@ class CourseLeg(NamedTuple):
 
 
 class Bypass(NamedTuple):
-    """Where a walk beside a course leaves it, is beside it, and is back, on which leg (metres).
+    """Places at which a walk leaves a course, is beside it, and returns, with the segment (metres).
 
-    The leg is -1 where the walk ends beside the course.
+    The index of the segment is -1 if the walk ends beside the course.
     """
 
     off_x: float
@@ -329,9 +329,9 @@ class Bypass(NamedTuple):
 
 
 class CandidateWalk(NamedTuple):
-    """Walk along a course that loses `loss` metres: its length (metres), top speed, and delay (s).
+    """Walk along a course: its loss and length (metres), top speed (m/s), and delay (s).
 
-    `side` metres to the left of the course `along` metres on, if that is not 0.
+    If `side` is not 0, the walk is `side` metres to the left after `along` metres of the course.
     """
 
     loss: float
@@ -343,23 +343,23 @@ class CandidateWalk(NamedTuple):
 
 
 class FrenetPlace(NamedTuple):
-    """Place beside a course: how far along it, and how far to its left (metres)."""
+    """Place beside a course: the distances along it and to its left (metres)."""
 
     along: float
     left: float
 
 
 class Meeting(NamedTuple):
-    """First conflict: with whom, -1 for nobody, and when (seconds)."""
+    """First conflict: the index of the person, or -1, and the time (seconds)."""
 
-    who: int
+    person: int
     t: float
 
 
 class Leader(NamedTuple):
-    """Person who is followed, -1 for nobody: the speed behind them, and theirs (m/s)."""
+    """Index of a leader, or -1, with the speed behind the leader and the leader's own (m/s)."""
 
-    who: int
+    person: int
     speed: float
     walks_on: float
 
@@ -372,7 +372,7 @@ candidates_of, candidate_count = _view(CandidateWalk, 6), _count(6)
 
 
 def candidates_grow(row: Numbers, count: int) -> None:
-    """Lengthen a table to at least so many candidates; new ones are to be set."""
+    """Lengthen a table to at least `count` candidates."""
     grow(row, 6 * count)
 
 
@@ -389,7 +389,7 @@ class Wedge(NamedTuple):
 
 
 class Portal(NamedTuple):
-    """Side through which one triangle leads to another, by their numbers; ends in metres."""
+    """Side between two triangles, by their numbers, from `off` to `onto`. Ends are in metres."""
 
     right_x: float
     right_y: float
@@ -400,7 +400,7 @@ class Portal(NamedTuple):
 
 
 class WaitingPortal(NamedTuple):
-    """Portal that waits, by its number, and the wedge that leads through it."""
+    """Portal in the queue, by its number, and the wedge that leads through it."""
 
     portal: float
     wedge: Wedge
@@ -422,7 +422,7 @@ class Bend(NamedTuple):
 
 
 class Link(NamedTuple):
-    """Bend to which a link leads, by its number, and its length (metres)."""
+    """Number of the bend to which a link leads, and the length of the link (metres)."""
 
     to: float
     length: float
@@ -454,12 +454,12 @@ entries_of, entry_count, entry_room = _view(SearchEntry, 4), _count(4), _room(4)
 
 
 def waiting_grow(row: Numbers, count: int) -> None:
-    """Lengthen a table to at least so many portals that wait."""
+    """Lengthen a table to at least `count` portals."""
     grow(row, 5 * count)
 
 
 def entries_grow(row: Numbers, count: int) -> None:
-    """Lengthen a table to at least so many entries."""
+    """Lengthen a table to at least `count` entries."""
     grow(row, 4 * count)
 
 
@@ -469,7 +469,7 @@ def entries_grow(row: Numbers, count: int) -> None:
 class TaylorModel(NamedTuple):
     """Number that changes over an interval: within `slack` of value + slope u + curve u² / 2.
 
-    u is the time from the middle of the interval (`navigation.Enclosure`).
+    u is the time since the middle of the interval (`navigation.Enclosure`).
     """
 
     value: float
@@ -496,12 +496,12 @@ class NearestPoint(NamedTuple):
 
 
 class RelativeMotion(NamedTuple):
-    """Motion of a person in the frame that a machine has at the middle of an interval.
+    """Motion of a person in the frame of a machine at the middle of an interval.
 
-    Place, velocity and half the acceleration, and how fast the machine turns. For `half` seconds
-    before and after, the person stays within `bend` (m) of place and velocity, and within `jolt` if
-    the acceleration counts too; the machine stays within `twist` (rad) and turns by no more than
-    `swing`.
+    It has the place, the velocity and half the acceleration of the person, and the turn rate of the
+    machine. For `half` seconds before and after the middle, the person stays within `bend` (m) of
+    the tangent, and within `jolt` (m) of the parabola. The machine stays within `twist` (rad) of a
+    constant turn rate, and turns by at most `swing`.
     """
 
     x: float
@@ -519,16 +519,16 @@ class RelativeMotion(NamedTuple):
 
 
 class FramePath(NamedTuple):
-    """Path of a person in the frame of a machine: within `bend` (metres) of a tangent."""
+    """Path of a person in the frame of a machine, within `bend` (metres) of a tangent."""
 
     tangent: Edge
     bend: float
 
 
 class FieldTouch(NamedTuple):
-    """Whether a disc touches a field on a path: never, perhaps or always.
+    """Contact of a disc with a field on a path: never, perhaps or always.
 
-    If perhaps, the path is divided at the share `cut`.
+    In the second case, the path is divided at the share `cut`.
     """
 
     state: int
@@ -536,9 +536,9 @@ class FieldTouch(NamedTuple):
 
 
 class SweepDrift(NamedTuple):
-    """How far paths leave their chords in an interval (metres).
+    """Distance of paths from their chords in an interval (metres).
 
-    That is by a mean of 0, a and b, and to any side by `bend` in addition.
+    It is a mean of 0, a and b, and at most `bend` in any direction in addition.
     """
 
     ax: float
@@ -552,7 +552,7 @@ class BodyVelocity(NamedTuple):
     """Velocity of a body in its own frame over an interval: forwards and to the left (m/s).
 
     For `half` seconds before and after the middle, both stay within `bend` of the value there and
-    their rates (m/s²); the turn rate (rad/s) stays within `turn_slack`.
+    their rates (m/s²). The turn rate (rad/s) stays within `turn_slack`.
     """
 
     ahead: float
@@ -585,10 +585,10 @@ class FieldSpeeds(NamedTuple):
 
 
 class SeenPerson(NamedTuple):
-    """Person as a machine sees them: place (metres), top speed (m/s), and a fixed distance.
+    """Person in the view of a machine: place (metres), top speed (m/s), and a fixed distance.
 
-    That is what a law that looks ahead requires (metres), or less than 0 where it depends on the
-    machine's speed.
+    The fixed distance (metres) is that of a predictive law. It is negative if the law depends on
+    the machine's speed.
     """
 
     x: float
@@ -598,7 +598,7 @@ class SeenPerson(NamedTuple):
 
 
 class MovingPerson(NamedTuple):
-    """Person whose velocity is seen: place (metres) and velocity (m/s)."""
+    """Person with a known velocity: place (metres) and velocity (m/s)."""
 
     x: float
     y: float

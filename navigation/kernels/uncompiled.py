@@ -1,6 +1,6 @@
-"""What the kernels name `cython` where they are not compiled.
+"""Replacement for the module `cython` in kernels that are not compiled.
 
-Importing Cython itself would take longer than all else here, and it need not be installed.
+Importing Cython takes long, and it need not be installed.
 """
 
 compiled = False

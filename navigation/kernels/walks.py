@@ -3,7 +3,7 @@
 Speeds follow from a backward and a forward pass over the corners, as in time-optimal path tracking
 (J. E. Bobrow, S. Dubowsky and J. S. Gibson, "Time-optimal control of robotic manipulators along
 specified paths", International Journal of Robotics Research 4, 1985). A walk among others has a
-top speed on each leg, and one acceleration for speeding up and slowing down.
+top speed on each segment, and one acceleration for speeding up and slowing down.
 """
 
 from __future__ import annotations
@@ -22,21 +22,20 @@ if not cython.compiled:
     from .cubics import *
     from .discs import Swath
 
-# Of `dist`, `hypot` and `pow`, Python's are taken: compilers' may have other last bits.
+# `dist`, `hypot` and `pow` are Python's, because those of compilers may have other last bits.
 
 NOWHERE = 1e-9
-"""Metres (or radians, of moves). Shorter legs and moves are none."""
+"""Length in metres (or angle in radians) of the shortest segments and moves."""
 
 DEVIATION = 0.05
-"""Metres. How far a rounded corner may leave the path."""
+"""Maximum distance of a rounded corner from the path in metres."""
 
 HAIR = 1e-6
-"""Speeds are planned with this share less of the acceleration, so that rounding can't make a
-profile infeasible."""
+"""Share of the acceleration in reserve, so that rounding cannot make a profile infeasible."""
 
-_STANDS: float = 1e-9  # m/s
-_STRAIGHT: float = 1e-6  # sine of a turn that is none
-_PHASES: cython.Py_ssize_t = 4  # of a leg among others, at most
+_STANDS: float = 1e-9  # m/s; slower people count as standing
+_STRAIGHT: float = 1e-6  # sine of the largest turn that counts as none
+_PHASES: cython.Py_ssize_t = 4  # maximum number of phases per segment
 _NO_SPEED: float = 1e-9  # m/s
 _ROUNDING: float = 1e-12  # of a cosine
 
@@ -48,9 +47,9 @@ Corner = tuple[float, float]
 
 
 def bends(points: list[Corner]) -> list[Corner] | None:
-    """Return `points` without repetitions and without those on the straight line between others.
+    """Return `points` without repetitions and without points on a straight line between others.
 
-    None where they are not tuples of two finite floats throughout.
+    None if a point is not a tuple of two finite floats.
     """
     corners: list[Corner] = []
     n: cython.Py_ssize_t = 0
@@ -68,15 +67,15 @@ def bends(points: list[Corner]) -> list[Corner] | None:
 
 
 def distinct(points: list[Corner], least: float) -> list[Corner]:
-    """Return `points` without those within `least` metres of the one before or of the last."""
+    """Return `points` without those within `least` metres of the previous or of the last one."""
     goal: Corner = points[len(points) - 1]
-    kept: list[Corner] = [points[0]]
+    apart: list[Corner] = [points[0]]
     k: cython.Py_ssize_t
     for k in range(1, len(points) - 1):
-        if _apart(kept[len(kept) - 1], points[k], least) and _apart(points[k], goal, least):
-            kept.append(points[k])
-    kept.append(goal)
-    return kept
+        if _apart(apart[len(apart) - 1], points[k], least) and _apart(points[k], goal, least):
+            apart.append(points[k])
+    apart.append(goal)
+    return apart
 
 
 def _apart(a: Corner, b: Corner, least: float) -> bool:
@@ -86,7 +85,7 @@ def _apart(a: Corner, b: Corner, least: float) -> bool:
 
 
 def is_place(point: object) -> TypeGuard[Corner]:
-    """Return whether `point` is a tuple of two finite floats, as most places are."""
+    """Return whether `point` is a tuple of two finite floats."""
     if not isinstance(point, tuple) or len(point) != 2:
         return False
     x, y = point
@@ -102,7 +101,7 @@ def _straight(a: Corner, b: Corner, c: Corner) -> bool:
 
 
 def lengths_of(corners: list[Corner]) -> list[float]:
-    """Return the lengths of the legs between corners (metres)."""
+    """Return the lengths of the segments between corners (metres)."""
     return [dist(corners[k], corners[k + 1]) for k in range(len(corners) - 1)]
 
 
@@ -117,8 +116,8 @@ def corner_speed(before: Corner, corner: Corner, after: Corner, acceleration: fl
         return INFINITY
     if turn > pi - 1e-9:
         return 0.0
-    # An arc of radius r inside a corner leaves it by r (1 / cos(turn / 2) − 1), and takes r
-    # tan(turn / 2) of both legs; 1 − cos φ is 2 sin² (φ / 2), which loses nothing for small φ.
+    # An arc of radius r inside a corner leaves it by r (1 / cos(turn / 2) − 1), and uses r
+    # tan(turn / 2) of both segments. 1 − cos φ is 2 sin² (φ / 2), which is exact for small φ.
     by_deviation: float = _DEVIATION * cos(turn / 2) / (2 * pow(sin(turn / 4), 2))
     by_length: float = min(hypot(ux, uy), hypot(wx, wy)) / 2 / tan(turn / 2)
     return sqrt(acceleration * min(by_deviation, by_length))
@@ -131,9 +130,9 @@ def corner_speeds(
     acceleration: float,
     initial_speed: float,
 ) -> list[float]:
-    """Return the speed at every corner: as fast as its own limit and the acceleration allow.
+    """Return the speed at every corner, within its own limit and the acceleration.
 
-    None at all where the path is too short to slow down from the initial speed.
+    The list is empty if the path is too short to slow down from the initial speed.
     """
     speeds: list[float] = [initial_speed]
     k: cython.Py_ssize_t
@@ -142,7 +141,7 @@ def corner_speeds(
         speeds.append(min(top, max_speed))
     speeds.append(0.0)
     gain: float = 2 * acceleration * (1 - _HAIR)
-    # Backwards for slowing down, forwards for speeding up; together the fastest that is feasible.
+    # Backwards for slowing down, forwards for speeding up. Together they give the maximum.
     for k in range(len(lengths) - 1, -1, -1):
         speeds[k] = min(speeds[k], sqrt(pow(speeds[k + 1], 2) + gain * lengths[k]))
     if speeds[0] < initial_speed * (1 - _HAIR):
@@ -153,7 +152,7 @@ def corner_speeds(
 
 
 def ends_after(table: Numbers, t: float) -> list[Corner]:
-    """Return where the pieces of a motion end that are not over at `t` (seconds)."""
+    """Return the ends of those pieces of a motion that last beyond `t` (s)."""
     ends: list[Corner] = []
     k: cython.Py_ssize_t
     for k in range(pose_count(table)):
@@ -167,7 +166,7 @@ def ends_after(table: Numbers, t: float) -> list[Corner]:
 def leg_before(
     table: Numbers, since: float, t: float, before_x: float, before_y: float
 ) -> tuple[float, float]:
-    """Return the straight leg on which a body comes to where it is at `t` (s); see `leg_to`."""
+    """Return the straight segment on which a body arrives at its place at `t` (s): see `leg_to`."""
     row: PosePieces = poses(table)
     k: cython.Py_ssize_t = pose_count(table) - 1
     while k > 0 and row[k].begin >= t:
@@ -201,14 +200,14 @@ def leg_before(
 
 
 def _same_way(wx: float, wy: float, vx: float, vy: float) -> bool:
-    """Return whether two velocities, or legs, have the same direction."""
+    """Return whether two velocities, or segments, have the same direction."""
     along: float = wx * vx + wy * vy
     return along > 0.0 and abs(wx * vy - wy * vx) <= _STRAIGHT * along
 
 
 def first_metres(corners: list[Corner], length: float) -> list[Corner]:
-    """Return the first `length` metres of a path, or all of it; right to a billionth."""
-    kept: list[Corner] = [corners[0]]
+    """Return the first `length` metres of a path, or all of it, with an error of at most 1e-9 m."""
+    path: list[Corner] = [corners[0]]
     k: cython.Py_ssize_t
     for k in range(len(corners) - 1):
         a: Corner = corners[k]
@@ -216,23 +215,23 @@ def first_metres(corners: list[Corner], length: float) -> list[Corner]:
         leg: float = dist(a, b)
         if leg >= length + _NOWHERE:
             share: float = length / leg
-            kept.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
+            path.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
             break
-        kept.append(b)
+        path.append(b)
         length -= leg
         if length <= _NOWHERE:
             break
-    return kept
+    return path
 
 
 def braking(corners: list[Corner], lengths: list[float], speed: float, start: float) -> Numbers:
-    """Return the table of braking from `speed` (m/s) at `start` (s), all along `corners`.
+    """Return the table of braking from `speed` (m/s) at `start` (s) along all of `corners`.
 
-    At one deceleration, from the first to a rest at the last. `lengths` are those of the legs.
+    The deceleration is constant, and the end is at rest. `lengths` are those of the segments.
     """
     table: Numbers = pose_room(len(lengths))
     left: float = sum(lengths)
-    # What the legs' rounded lengths leave: it comes to rest at their end, neither before nor after.
+    # From the rounded lengths, so that the motion ends exactly at the last corner.
     deceleration: float = pow(speed, 2) / (2 * left)
     k: cython.Py_ssize_t
     for k in range(len(lengths)):
@@ -268,13 +267,13 @@ def walk_swath(
     acceleration: float,
     lead: Swath | None,
 ) -> Swath | None:
-    """Return where a walk along `corners` goes (x and y of each in turn) from `start` on.
+    """Return the swath of a walk along `corners` (x and y of each in turn) from `start` on.
 
-    It sets out at `initial_speed` along the first leg, keeps to each leg's speed of `tops`, or to
-    the only one, as soon as `acceleration` lets it, and ends in a rest for good; corners are taken
-    as `walk` takes them, and never faster than `max_speed`. It follows on the walk of a `lead`, and
-    on a rest if that is over, or else `since`, before the start. None where it can't come to rest,
-    or slow down enough for a corner.
+    It begins at `initial_speed` along the first segment, and ends at rest. `tops` has the top speed
+    of each segment, or one for all, which is reached as soon as `acceleration` permits. Corners are
+    those of `walk`, and the speed is at most `max_speed`. The walk follows that of a `lead` and a
+    rest, or a rest from `since` on. The result is None if the person cannot come to rest or slow
+    down enough for a corner.
     """
     pace: SpeedLimits = SpeedLimits(start, initial_speed, max_speed, acceleration)
     before: Numbers = room(0)
@@ -301,13 +300,13 @@ def draw_walk(
     lead: Numbers,
     table: Numbers,
 ) -> cython.Py_ssize_t:
-    """Draw up the walk along the first `count` corners; return its number of pieces, or 0.
+    """Write the walk along the first `count` corners. Return its number of pieces, or 0.
 
-    They are at the beginning of `table`, which is made longer where it is too short. `lead` is the
-    table of a walk without its final rest; see `walk_swath` for the rest.
+    They are at the beginning of `table`, which grows if it is too short. `lead` is the table of a
+    walk without its final rest. See `walk_swath` for the other arguments.
     """
     k: cython.Py_ssize_t = planar_count(lead)
-    # The legs are noted behind all pieces that there may be.
+    # The segments are stored behind the maximum number of pieces.
     leg: PathLegs = planar_space(table, k + _PHASES * count + 2, count + 1)
     row: PlanarPieces = planar(table)
     corner: Positions = positions_of(corners)
@@ -322,7 +321,7 @@ def draw_walk(
     u: float = pace.initial_speed
     i: cython.Py_ssize_t
     for i in range(legs):
-        # Forwards: nor faster than one can have become. Both together are the fastest.
+        # Forwards: no faster than the acceleration permits.
         w: float = min(leg[i + 1].first, sqrt(u * u + 2 * pace.acceleration * leg[i].length))
         k = _walk(row, k, leg[i], u, w, pace.acceleration)
         u = w
@@ -333,7 +332,7 @@ def draw_walk(
 def _plan(
     corner: Positions, count: cython.Py_ssize_t, tops: Numbers, pace: SpeedLimits, leg: PathLegs
 ) -> cython.Py_ssize_t:
-    """Note the legs of a walk; return how many there are, 0 if there is no such walk."""
+    """Write the segments of a walk. Return their number, or 0 if there is no such walk."""
     top_of: Doubles = at(tops)
     each: cython.Py_ssize_t = 1 if len(tops) > 1 else 0
     gain: float = 2 * pace.acceleration
@@ -357,8 +356,8 @@ def _plan(
         dy /= length
         cap: float = pace.initial_speed
         if legs > 0:
-            # One who sets out too fast for a leg can't be asked for less than what braking leaves
-            # there.
+            # If the initial speed is too high for a segment, the limit there is the speed that
+            # remains after braking.
             square: float = pace.initial_speed * pace.initial_speed - gain * walked
             slowed: float = sqrt(max(square, 0.0))
             cap = min(pace.max_speed, max(min(top, top_of[k * each]), slowed))
@@ -372,7 +371,7 @@ def _plan(
         legs += 1
     if legs == 0:
         return 0
-    # Backwards: nowhere faster than what lets one slow down for all that comes.
+    # Backwards: slow enough for all limits that follow.
     after: float = 0.0
     leg[legs] = PathLeg(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, after)
     for k in range(legs - 1, -1, -1):
@@ -383,12 +382,12 @@ def _plan(
 
 
 def turned(table: Numbers, heading: float) -> Numbers:
-    """Return the table of the motion along a walk: turned to where it goes, final rest left out.
+    """Return the motion along a walk, turned to its direction, without the final rest.
 
-    Until it goes anywhere it is turned by `heading` (radians).
+    Its rotation is `heading` (radians) until it moves.
     """
     count: cython.Py_ssize_t = planar_count(table) - 1
-    found: Numbers = pose_room(count)
+    motion: Numbers = pose_room(count)
     k: cython.Py_ssize_t
     for k in range(count):
         p: PlanarPiece = planar(table)[k]
@@ -396,15 +395,15 @@ def turned(table: Numbers, heading: float) -> Numbers:
             heading = atan2(p.y.v, p.x.v)
         elif p.x.a != 0.0 or p.y.a != 0.0:
             heading = atan2(p.y.a, p.x.a)
-        poses(found)[k] = PosePiece(p.begin, p.end, p.x, p.y, constant(heading))
-    return found
+        poses(motion)[k] = PosePiece(p.begin, p.end, p.x, p.y, constant(heading))
+    return motion
 
 
 def bend_speed(cosine: float, shorter: float, acceleration: float) -> float:
-    """Return the speed (m/s) of a turn between two legs, of which one is `shorter` (metres).
+    """Return the speed (m/s) of a turn between two segments, the shorter of `shorter` metres.
 
     `cosine` is that of the turn. This is `corner_speed` without an angle: cos(φ / 2) and tan(φ / 2)
-    follow from cos φ, which is at hand here. The last bits differ.
+    follow from cos φ, which the caller has. The last bits differ.
     """
     half: float = sqrt(max((1 + cosine) / 2, 0.0))  # the cosine of half the turn
     if half > 1.0 - _ROUNDING:
@@ -422,9 +421,9 @@ def _walk(
     w: float,
     acceleration: float,
 ) -> cython.Py_ssize_t:
-    """Add the pieces of a leg from speed `u` to `w` from the k-th on; return which comes next.
+    """Add the pieces of a segment from speed `u` to `w` from row k on. Return the next row.
 
-    That one has its begin already, before and after.
+    The begin of the next row is always set.
     """
     top: float = leg.top
     walked: float = 0.0
@@ -437,7 +436,7 @@ def _walk(
     if level > top:
         top = level
     left: float = max(leg.length - walked, 0.0)
-    # Up to the peak and down again on what is left of the leg, if its top speed allows.
+    # Up to the peak and down again on the rest of the segment, if the top speed permits.
     peak: float = sqrt(max((2 * acceleration * left + u * u + w * w) / 2, 0.0))
     peak = max(max(min(peak, top), u), w)
     rising: float = (peak - u) / acceleration
@@ -454,9 +453,9 @@ def _walk(
 def _add_phase(
     row: PlanarPieces, k: cython.Py_ssize_t, leg: PathLeg, duration: float, way: Cubic
 ) -> cython.Py_ssize_t:
-    """Add a phase as the k-th piece, as `_walk`, if it lasts; return which comes next.
+    """Add a phase as the k-th piece if its duration is positive. Return the next row.
 
-    `way` is the distance along the leg.
+    `way` is the distance along the segment. See `_walk`.
     """
     begin: float = row[k].begin
     end: float = begin + duration

@@ -1,7 +1,7 @@
 from libc.math cimport cos, sin
 from navigation.kernels.cubics cimport *
 from navigation.kernels.encounter cimport Encounter
-from navigation.kernels.laws cimport LawEvaluator
+from navigation.kernels.laws cimport LawEvaluator, evaluator_of
 
 cdef int UNDECIDED
 cdef double _ROUNDING, _SURE
@@ -51,8 +51,8 @@ cdef class ChangeSearch:
     cdef KernelCondition condition
     cdef Encounter encounter
     cdef double end, resolution
-    cdef bint held, over
+    cdef bint holding, over
 
 cdef double next_change(
-    KernelCondition condition, Encounter encounter, double end, double resolution, bint held
+    KernelCondition condition, Encounter encounter, double end, double resolution, bint holding
 ) except? -1

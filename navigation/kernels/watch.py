@@ -6,16 +6,10 @@ Analysis", 1966). The least margin is found by branch and bound over the same in
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
-from ..separation import kernel_of, require_sense
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     import cython
-
-    from ..condition import Condition
-    from ..encounter import Box
-    from ..separation import AnyLaw
 else:
     from . import uncompiled as cython
 
@@ -24,19 +18,57 @@ if not cython.compiled:
 
     from .cubics import *
     from .encounter import Encounter
-    from .laws import LawEvaluator
+    from .laws import LawEvaluator, evaluator_of
 
 UNDECIDED: cython.int = -1
 
 STANDING_SPEED = 0.01
 """m/s. A machine that is no faster counts as standing where a rule asks for one that moves."""
 
-_ROUNDING: float = 1e-11  # metres; laws that look ahead are not sure of less: it is no violation
-_SURE: float = 1e-12  # metres; so that rounding can't leave a tie undecided
+_ROUNDING: float = 1e-11  # metres; smaller violations of predictive laws are rounding
+_SURE: float = 1e-12  # metres; difference of two limits, so that a tie is always decided
+
+
+class Condition(Protocol):
+    """Interface of conditions on the motions of a person and a machine.
+
+    Conditions combine as `~condition` and `condition & other`.
+    """
+
+    def holds(self, encounter: Encounter, begin: float, end: float) -> bool | None:
+        """Evaluate the condition over an interval.
+
+        Parameters
+        ----------
+        encounter : Encounter
+            Bounds on the two motions.
+        begin, end : float
+            Interval within the encounter in seconds.
+
+        Returns
+        -------
+        bool or None
+            True if the condition holds throughout, False if it holds nowhere, None if undecided. It
+            must be decided if `begin` equals `end`.
+        """
+        ...
+
+
+class UprightBox(Protocol):
+    """Interface of `navigation.Box`."""
+
+    @property
+    def length(self) -> float: ...
+    @property
+    def width(self) -> float: ...
+
+    def is_level_with(self, other: Any) -> bool:
+        """Return whether the heights of both boxes overlap."""
+        ...
 
 
 class KernelCondition:
-    """A condition that the kernel decides. Those of the same kind and values are equal."""
+    """Condition of the kernel. Conditions of one kind with the same values are equal."""
 
     __match_args__: tuple[str, ...] = ()
 
@@ -78,8 +110,8 @@ class KernelCondition:
 def in_kernel(condition: Condition) -> KernelCondition:
     """Return a condition as the kernel evaluates it."""
     if getattr(type(condition), "holds", None) is KernelCondition.holds:
-        known: KernelCondition = condition  # type: ignore[assignment]
-        return known
+        kernel: KernelCondition = condition  # type: ignore[assignment]
+        return kernel
     return CustomCondition(condition)
 
 
@@ -99,11 +131,9 @@ class TooClose(KernelCondition):
 
     __match_args__ = ("law",)
 
-    def __init__(self, law: AnyLaw) -> None:
-        if not isinstance(law, LawEvaluator):
-            require_sense(law)
+    def __init__(self, law: Any) -> None:
         self.law = law
-        self.evaluator = kernel_of(law)
+        self.evaluator = evaluator_of(law)
 
     def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         law: LawEvaluator = self.evaluator
@@ -115,18 +145,18 @@ class TooClose(KernelCondition):
         if not law.steady:
             human = encounter.person.speeds(begin, end)
             robot = encounter.machine.speeds(begin, end)
-        most: float = law.distance(human.high, robot.high)
-        # The second limit is below the first, so that rounding can't leave a tie undecided.
-        if apart.low + encounter.slack >= most:
+        highest: float = law.distance(human.high, robot.high)
+        # The second limit is below the first, so that a tie is always decided.
+        if apart.low + encounter.slack >= highest:
             return 0
-        least: float = law.distance(human.low, robot.low)
-        if apart.high + encounter.slack / 2 < least:
+        lowest: float = law.distance(human.low, robot.low)
+        if apart.high + encounter.slack / 2 < lowest:
             return 1
-        # Written so that NaN, which compares with nothing, is refused as well.
-        if not least <= most:
+        # Written so that NaN, for which all comparisons are false, is an error too.
+        if not lowest <= highest:
             raise ValueError(
-                f"{law.source} requires {least} m at speeds of {human.low:g} and"
-                f" {robot.low:g} m/s, but {most} m at {human.high:g} and {robot.high:g} m/s;"
+                f"{law.source} requires {lowest} m at speeds of {human.low:g} and"
+                f" {robot.low:g} m/s, but {highest} m at {human.high:g} and {robot.high:g} m/s;"
                 " a law must not ask for less when speeds grow"
             )
         return UNDECIDED
@@ -248,7 +278,7 @@ class Overlapping(KernelCondition):
 
     __match_args__ = ("one", "other", "depth")
 
-    def __init__(self, one: Box, other: Box, depth: float = 0.0) -> None:
+    def __init__(self, one: UprightBox, other: UprightBox, depth: float = 0.0) -> None:
         if not depth >= 0.0:
             raise ValueError(f"boxes can't overlap by more than {depth} m")
         self.one = one
@@ -258,7 +288,7 @@ class Overlapping(KernelCondition):
         self.across = one.width / 2
         self.other_along = other.length / 2
         self.other_across = other.width / 2
-        # Boxes above each other overlap by nothing, however near they are along the floor.
+        # Boxes at different heights never overlap.
         self.limit = depth if one.is_level_with(other) else INFINITY
         self.reach = norm(self.along, self.across)
         self.other_reach = norm(self.other_along, self.other_across)
@@ -266,8 +296,7 @@ class Overlapping(KernelCondition):
     def decide(self, encounter: Encounter, begin: float, end: float) -> cython.int:
         half: float = (end - begin) / 2
         u: float = begin - encounter.begin + half
-        # About the middle, the other's place from the one, its velocity, half its acceleration and
-        # a sixth of its jerk.
+        # Relative motion about the middle of the interval.
         x: Cubic = shift(encounter.x, u)
         y: Cubic = shift(encounter.y, u)
         turn: Cubic = shift(encounter.person.rotation, u)
@@ -278,7 +307,7 @@ class Overlapping(KernelCondition):
         s: float = sin(turn.p)
         other_c: float = cos(other_turn.p)
         other_s: float = sin(other_turn.p)
-        # How far apart they are at least throughout, and at most, along the best of the normals.
+        # Bounds of the distance throughout the interval, along the best of the normals.
         low: float = -INFINITY
         high: float = -INFINITY
         normal: cython.Py_ssize_t
@@ -297,11 +326,11 @@ class Overlapping(KernelCondition):
             )
             low = max(low, apart - moved)
             high = max(high, apart + moved)
-        # The normals of the least stay where they are while the corners turn.
+        # For the lower bound the normals are fixed while the corners turn.
         low -= self.reach * swing + self.other_reach * other_swing
         if low >= -self.limit - _SURE:
             return 0
-        # Those of the most turn with the bodies, which are no farther from each other than this.
+        # For the upper bound the normals turn with the bodies, whose distance is at most `away`.
         if swing > 0.0 or other_swing > 0.0:
             away: float = norm(x.p, y.p) + half * norm(x.v, y.v) + deviation(x, y, half)
             high += (away + self.reach + self.other_reach) * (swing + other_swing)
@@ -309,7 +338,7 @@ class Overlapping(KernelCondition):
 
 
 def swing_of(turn: Cubic, half: float) -> float:
-    """Bound the angle by which a body turns within `half` seconds, from that at 0."""
+    """Bound the angle by which a body turns within `half` seconds."""
     return gain(Cubic(0.0, abs(turn.v), abs(turn.a), abs(turn.j)), half)
 
 
@@ -362,7 +391,7 @@ class CustomCondition(KernelCondition):
 
 
 class ChangeSearch:
-    """Finds the instants at which a condition begins and ceases to hold, one after another.
+    """Search for the times at which a condition begins and ceases to hold, in order.
 
     Undecided intervals are halved, left half first, until they are no longer than `resolution`.
     """
@@ -379,19 +408,21 @@ class ChangeSearch:
         self.encounter = encounter
         self.end = end
         self.resolution = resolution
-        self.held = False
+        self.holding = False
         self.over = False
         encounter.come_to(begin)
 
     def change(self) -> float | None:
-        """Return the next instant at which the condition begins or ceases to hold, seconds."""
+        """Return the next time (s) at which the condition begins or ceases to hold, or None."""
         if self.over:
             return None
-        t: float = next_change(self.condition, self.encounter, self.end, self.resolution, self.held)
+        t: float = next_change(
+            self.condition, self.encounter, self.end, self.resolution, self.holding
+        )
         if t == INFINITY:
             self.over = True
-            return self.end if self.held else None
-        self.held = not self.held
+            return self.end if self.holding else None
+        self.holding = not self.holding
         return t
 
 
@@ -400,13 +431,13 @@ def next_change(
     encounter: Encounter,
     end: float,
     resolution: float,
-    held: cython.bint,
+    holding: cython.bint,
 ) -> float:
-    """Return the next instant at which a condition that was `held` or not changes; or infinity."""
+    """Return the next time at which a condition changes, or infinity. `holding`: its state now."""
     t: float
     upper: float
     holds: cython.int
-    # Left halves come first, and stretches in turn, so what is found first is the earliest.
+    # Left halves come first, and stretches in order, so the first change is the earliest.
     while encounter.next_interval(end):
         t = encounter.lower
         upper = encounter.upper
@@ -415,15 +446,15 @@ def next_change(
             upper = encounter.upper
             holds = condition.decide(encounter, t, upper)
         if holds < 0:
-            # Too short to cut: its two ends stand for it. What holds at neither, and for less
-            # than the resolution, is let pass; `RESOLUTION` in `monitor` says so.
+            # Too short to divide, so both ends decide. A condition that holds only between them is
+            # ignored: see `RESOLUTION` in `monitor`.
             holds = condition.decide(encounter, t, t)
             if holds != 1:
                 holds = 0
                 if condition.decide(encounter, upper, upper) == 1:
                     t = upper
                     holds = 1
-        if (holds == 1) != held:
+        if (holds == 1) != holding:
             return t
     return INFINITY
 
@@ -431,30 +462,29 @@ def next_change(
 def least(
     law: LawEvaluator | None, encounter: Encounter, begin: float, end: float, tolerance: float
 ) -> tuple[float, float]:
-    """Return the first instant at which distance − required is least (seconds), and how much.
+    """Return the time (s) of the minimum of distance − required, and the minimum (m).
 
-    Without a law nothing is required. Exact to `tolerance` metres.
+    Without a law it is that of the distance. The minimum is exact to `tolerance` metres.
     """
     best: float = INFINITY
     when: float = 0.0
     k: cython.Py_ssize_t
     encounter.come_to(begin)
     while encounter.next_interval(end):
-        # Branch and bound: what can't be better than the best so far by the tolerance is not
-        # halved.
+        # Branch and bound: halve only intervals that may improve the best value by the tolerance.
         while True:
             lower: float = encounter.lower
             upper: float = encounter.upper
             margin: Closest = margin_over(law, encounter, lower, upper)
             if margin.low >= best - tolerance:
                 break
-            # Only NaN differs from itself, and no comparison with it would ever end the search.
+            # Only NaN differs from itself. Comparisons with it would never end the search.
             if (margin.low + margin.high) != (margin.low + margin.high):
                 raise ValueError(f"the law asks for no finite distance from {lower} s to {upper} s")
             for k in range(3):
                 t: float = lower if k == 0 else margin.t if k == 1 else upper
                 at_once: Closest = margin_over(law, encounter, t, t)
-                # The first of several that are equal but for rounding is kept.
+                # Among minima that differ only by rounding, the first counts.
                 if at_once.low < best - 1e-12:
                     when = t
                     best = at_once.low

@@ -38,6 +38,30 @@ class ServiceError(UserError):
     """A service that is not there, or that could not do what it was asked for."""
 
 
+FIRST_RETRY, LAST_RETRY = 0.5, 5.0
+"""Seconds of real time before a lost connection is tried again: at first, and at most."""
+
+
+async def connected_to(url: str) -> ClientConnection:
+    """Return a websocket to a server. `ConnectError` says why that fails."""
+    logger = logging.getLogger(f"{__name__}.websockets")
+    logger.addHandler(logging.NullHandler())
+    logger.propagate = False
+    try:
+        return await connect(
+            url,
+            open_timeout=_OPEN_WITHIN,
+            max_size=_LONGEST_FRAME,
+            compression=None,
+            logger=logger,
+        )
+    except InvalidURI:
+        raise ConnectError(f"{url} is not an address; one looks like ws://host:9090") from None
+    except (OSError, InvalidHandshake, EOFError) as why:
+        reason = getattr(why, "strerror", None) or str(why) or "no answer"
+        raise ConnectError(f"can't connect to {url}: {reason}") from None
+
+
 Heard = Callable[[dict[str, Any]], None]
 
 
@@ -58,25 +82,8 @@ class RosbridgeConnection:
         self._outgoing: asyncio.Queue[str] = asyncio.Queue()
 
     async def __aenter__(self) -> RosbridgeConnection:
-        """Connect; `ConnectError` says why that fails."""
-        logger = logging.getLogger(f"{__name__}.websockets")
-        logger.addHandler(logging.NullHandler())
-        logger.propagate = False
-        try:
-            self._socket = await connect(
-                self.url,
-                open_timeout=_OPEN_WITHIN,
-                max_size=_LONGEST_FRAME,
-                compression=None,
-                logger=logger,
-            )
-        except InvalidURI:
-            raise ConnectError(
-                f"{self.url} is not an address; one looks like ws://host:9090"
-            ) from None
-        except (OSError, InvalidHandshake, EOFError) as why:
-            reason = getattr(why, "strerror", None) or str(why) or "no answer"
-            raise ConnectError(f"can't connect to {self.url}: {reason}") from None
+        """Connect. `ConnectError` says why that fails."""
+        self._socket = await connected_to(self.url)
         self._reading = asyncio.create_task(self._read(self._socket))
         self._writing = asyncio.create_task(self._write(self._socket))
         return self

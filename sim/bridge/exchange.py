@@ -11,6 +11,7 @@ from typing import Any
 from floorplan import UserError
 from floorplan.files.problems import suggestion
 
+from ..cell import CellCommand, CellTask, Rejected
 from . import protocol
 from .client import ADVERTISED, Client, Subscription
 from .messages import (
@@ -39,15 +40,25 @@ class RefusedError(UserError):
 Values = dict[str, Any]
 """The fields of a message, a request or an answer by their names."""
 
-Heard = Callable[[Values], None]
-"""Takes a message that a client published; may raise `RefusedError`."""
+Heard = Callable[[Values, str], None]
+"""Takes a message and the name of the client that published it. It may raise `RefusedError`."""
 
 Answer = Values | Coroutine[Any, Any, Values]
 Serve = Callable[[Client, Values], Answer]
 """Answers a request of a client; may raise `RefusedError`."""
 
-Admit = Callable[[str], None]
-"""Admits a command, by its name, at the present time; may raise `RefusedError`."""
+
+def take(topic: str, port: CellCommand | CellTask, value: Any, source: str) -> Any:
+    """Pass a value from a topic to a command or task of the cell, and return the running task.
+
+    `RefusedError` names the topic and the value if it is rejected.
+    """
+    try:
+        if isinstance(port, CellTask):
+            return port.start(value, source)
+        port.take(value, source)
+    except Rejected as why:
+        raise RefusedError(str(why.named(topic))) from None
 
 
 @dataclass(eq=False)
@@ -192,7 +203,10 @@ class Exchange:
             near = suggestion(publish.topic, [t.name for t in self.topics.values() if t.is_open])
             raise RefusedError(f"no topic is called {publish.topic!r}; advertise it first ({near})")
         self._require_open(topic)
-        message = conform(topic.type, publish.msg)
+        try:
+            message = conform(topic.type, publish.msg)
+        except MessageError as why:
+            raise MessageError(f"{topic.name}: {why}") from None
         text = protocol.publication(topic.name, message)
         if len(text) > protocol.LONGEST_MESSAGE:
             raise RefusedError(
@@ -201,7 +215,7 @@ class Exchange:
             )
         self._add_publisher(topic, client)
         if topic.heard is not None:
-            topic.heard(message)
+            topic.heard(message, client.name)
         self._spread(topic, text)
 
     def _subscribe(self, client: Client, request: protocol.Subscribe) -> None:
@@ -327,8 +341,8 @@ class Exchange:
         client.outbox.reply(protocol.encode(response), request.fragment_size)
 
 
-_ARRAY, _SINGLE = 0, -1
-"""Lengths in rosapi_msgs/TypeDef: an array of any length, no array."""
+_SINGLE = -1
+"""Length of no array in rosapi_msgs/TypeDef. Arrays of any length have the length 0."""
 
 _US = "/floorwalker"
 """The name of this node."""
@@ -397,7 +411,7 @@ def _details(type: str) -> Values:
         if name in MESSAGES and name not in found:
             found.append(name)
             fields = MESSAGES[name].fields.values()
-            wanted += [kind.removesuffix("[]") for kind in fields if "/" in kind]
+            wanted += [kind.partition("[")[0] for kind in fields if "/" in kind]
     return {"typedefs": [_definition(MESSAGES[name]) for name in found]}
 
 
@@ -406,8 +420,10 @@ def _definition(type_: MessageType) -> Values:
     return {
         "type": type_.name,
         "fieldnames": list(type_.fields),
-        "fieldtypes": [kind.removesuffix("[]") for kind in types],
-        "fieldarraylen": [_ARRAY if kind.endswith("[]") else _SINGLE for kind in types],
+        "fieldtypes": [kind.partition("[")[0] for kind in types],
+        "fieldarraylen": [
+            int(kind[:-1].partition("[")[2] or 0) if "[" in kind else _SINGLE for kind in types
+        ],
         "examples": [],
         "constnames": [],
         "constvalues": [],

@@ -1,14 +1,14 @@
 """ROS messages: types, validation, and states of the workcell as messages.
 
 The types are written as in .msg files: one line a type, its fields in their order. They are from
-std_msgs, geometry_msgs, sensor_msgs, trajectory_msgs, tf2_msgs, rosgraph_msgs, builtin_interfaces
-and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_msgs of the ARIAC 2023 competition.
+std_msgs, geometry_msgs, nav_msgs, sensor_msgs, trajectory_msgs, tf2_msgs, rosgraph_msgs,
+builtin_interfaces and std_srvs of ROS 2, from rosapi_msgs, and from the ariac_msgs of ARIAC 2023.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from floorplan.files.problems import suggestion
 from navigation.machines import lane_state
 from navigation.motion import State
 
+from ..cell.trajectories import JOINTS, joint_values, pose_of as pose_of
 from ..core.body import Body
 from ..core.entries import AssemblyTask, KittingTask, Order, PartType
 
@@ -34,9 +35,15 @@ geometry_msgs/Point: float64 x, float64 y, float64 z
 geometry_msgs/Vector3: float64 x, float64 y, float64 z
 geometry_msgs/Quaternion: float64 x, float64 y, float64 z, float64 w
 geometry_msgs/Pose: geometry_msgs/Point position, geometry_msgs/Quaternion orientation
+geometry_msgs/PoseArray: std_msgs/Header header, geometry_msgs/Pose[] poses
 geometry_msgs/PoseStamped: std_msgs/Header header, geometry_msgs/Pose pose
 geometry_msgs/Transform: geometry_msgs/Vector3 translation, geometry_msgs/Quaternion rotation
 geometry_msgs/TransformStamped: std_msgs/Header header, string child_frame_id, geometry_msgs/Transform transform
+geometry_msgs/PoseWithCovariance: geometry_msgs/Pose pose, float64[36] covariance
+geometry_msgs/TwistWithCovariance: geometry_msgs/Twist twist, float64[36] covariance
+geometry_msgs/TwistStamped: std_msgs/Header header, geometry_msgs/Twist twist
+nav_msgs/Odometry: std_msgs/Header header, string child_frame_id, geometry_msgs/PoseWithCovariance pose, geometry_msgs/TwistWithCovariance twist
+sensor_msgs/LaserScan: std_msgs/Header header, float32 angle_min, float32 angle_max, float32 angle_increment, float32 time_increment, float32 scan_time, float32 range_min, float32 range_max, float32[] ranges, float32[] intensities
 geometry_msgs/Twist: geometry_msgs/Vector3 linear, geometry_msgs/Vector3 angular
 tf2_msgs/TFMessage: geometry_msgs/TransformStamped[] transforms
 sensor_msgs/JointState: std_msgs/Header header, string[] name, float64[] position, float64[] velocity, float64[] effort
@@ -129,10 +136,12 @@ def conform(type_: MessageType, message: Any, place: str = "") -> dict[str, Any]
 
 
 def _field(type_: str, value: Any, place: str) -> Any:
-    if type_.endswith("[]"):
-        inner = type_.removesuffix("[]")
-        if not isinstance(value, list):
-            raise MessageError(f"{place} should be a list of {inner}, not {_shown(value)}")
+    if type_.endswith("]"):
+        inner, _, count = type_[:-1].partition("[")
+        if not isinstance(value, list) or (count and len(value) != int(count)):
+            raise MessageError(
+                f"{place} should be a list of {f'{count} {inner}'.strip()}, not {_shown(value)}"
+            )
         if len(value) > _LONGEST_ARRAY:
             raise MessageError(
                 f"{place} has {len(value)} elements; {_LONGEST_ARRAY} is the maximum"
@@ -155,7 +164,7 @@ def _number(type_: str, value: int | float, place: str) -> int | float:
         except OverflowError:
             number = math.inf
         if not math.isfinite(number):
-            raise MessageError(f"{place} is not a finite number")
+            raise MessageError(f"{place} is not a finite number, but {_shown(value)}")
         return number
     low, high = _INTEGERS[type_]
     if isinstance(value, float) and not value.is_integer():
@@ -167,8 +176,9 @@ def _number(type_: str, value: int | float, place: str) -> int | float:
 
 def _blank(type_: str) -> Any:
     """Return the default value of a field."""
-    if type_.endswith("[]"):
-        return []
+    if type_.endswith("]"):
+        inner, _, count = type_[:-1].partition("[")
+        return [_blank(inner) for _ in range(int(count or 0))]
     if "/" in type_:
         return conform(MESSAGES[type_], {})
     if type_ in _OTHERS:
@@ -210,9 +220,6 @@ LOCATIONS = ("kitting", "assembly_front", "assembly_back", "warehouse")
 UNKNOWN_LOCATION = 99
 """The location of an AGV that drives, or stands elsewhere."""
 
-JOINTS = ("gantry_x_axis_joint", "gantry_y_axis_joint", "gantry_rotation_joint")
-"""The joints of the competition's ceiling robot that the gantry has."""
-
 NOWHERE = {"x": 1e6, "y": 1e6, "z": 0.0}
 """The position of the robot on a floor without one: too far from anybody to matter."""
 
@@ -233,10 +240,10 @@ def seconds(t: float) -> Message:
 def human_state(person: State, robot: State | None, robot_height: float) -> Message:
     """Return ariac_msgs/HumanState: positions (m) and velocities (m/s) of person and gantry."""
     return {
-        "human_position": _vector(person.position),
-        "robot_position": _vector(robot.position, robot_height) if robot else NOWHERE,
-        "human_velocity": _vector(person.velocity),
-        "robot_velocity": _vector(robot.velocity) if robot else _vector((0.0, 0.0, 0.0)),
+        "human_position": vector(person.position),
+        "robot_position": vector(robot.position, robot_height) if robot else NOWHERE,
+        "human_velocity": vector(person.velocity),
+        "robot_velocity": vector(robot.velocity) if robot else vector((0.0, 0.0, 0.0)),
     }
 
 
@@ -249,8 +256,8 @@ def transforms(t: float, frames: Iterable[tuple[str, Body, float]]) -> Message:
                 "header": header,
                 "child_frame_id": name,
                 "transform": {
-                    "translation": _vector(body.state.position, height),
-                    "rotation": _about_z(body.state.position[2]),
+                    "translation": vector(body.state.position, height),
+                    "rotation": about_z(body.state.position[2]),
                 },
             }
             for name, body, height in frames
@@ -278,24 +285,6 @@ def joint_state(t: float, gantry: Gantry, state: State) -> Message:
         "velocity": list(joint_values(gantry, state.velocity, origin=False)),
         "effort": [],
     }
-
-
-def joint_values(gantry: Gantry, pose: Sequence[float], *, origin: bool = True) -> Values:
-    """Return the gantry's joints at x, y, rotation in the world, as the competition has them.
-
-    They are zero in the middle of the rails, and the y axis points along the world's −y. Without
-    `origin`, `pose` is a velocity.
-    """
-    middle_x, middle_y = _middle(gantry) if origin else (0.0, 0.0)
-    x, y, rotation = pose
-    return (x - middle_x, middle_y - y, rotation)
-
-
-def pose_of(gantry: Gantry, joints: Sequence[float], *, origin: bool = True) -> Values:
-    """Return x, y, rotation in the world at these joints: the inverse of `joint_values`."""
-    middle_x, middle_y = _middle(gantry) if origin else (0.0, 0.0)
-    x, y, rotation = joints
-    return (x + middle_x, middle_y - y, rotation)
 
 
 def order_message(order: Order, floor: Floorplan) -> Message:
@@ -338,13 +327,11 @@ def _number_in(name: str) -> int:
     return int("".join(filter(str.isdigit, name)))
 
 
-def _middle(gantry: Gantry) -> tuple[float, float]:
-    return ((gantry.x.low + gantry.x.high) / 2, (gantry.y.low + gantry.y.high) / 2)
-
-
-def _vector(xyz: tuple[float, float, float], z: float = 0.0) -> Message:
+def vector(xyz: tuple[float, float, float], z: float = 0.0) -> Message:
+    """Return geometry_msgs/Point or Vector3. `z` replaces the third number, a rotation."""
     return {"x": xyz[0], "y": xyz[1], "z": z}
 
 
-def _about_z(angle: float) -> Message:
+def about_z(angle: float) -> Message:
+    """Return geometry_msgs/Quaternion of a rotation about the z axis (rad)."""
     return {"x": 0.0, "y": 0.0, "z": math.sin(angle / 2), "w": math.cos(angle / 2)}

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
@@ -232,7 +233,7 @@ def decode(text: str | bytes) -> Operation:
     try:
         data = from_json(text, allow_inf_nan=False)
     except ValueError as why:
-        raise ProtocolError(f"not JSON: {why}") from None
+        raise ProtocolError(f"not JSON: {_not_finite(text) or why}") from None
     if not isinstance(data, dict) or not isinstance(data.get("op"), str):
         raise ProtocolError('not a message of rosbridge: an object with the field "op"')
     try:
@@ -317,6 +318,15 @@ class Reassembly:
         pieces = self._unfinished.pop(id)
         del self._lengths[id]
         self._account.add(-_UNFINISHED - sum(map(size_of, pieces.values())))
+
+
+def _not_finite(text: str | bytes) -> str:
+    """Return which topic has a number that is not finite, if that is why a text is not JSON."""
+    with suppress(ValueError):
+        data = from_json(text, allow_inf_nan=True)
+        if isinstance(data, dict) and "topic" in data:
+            return f"{data['topic']!s:.60} has numbers that are not finite: {data.get('msg')!s:.60}"
+    return ""
 
 
 def _id_of(data: dict[str, Any]) -> str | int | None:

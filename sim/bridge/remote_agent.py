@@ -19,14 +19,19 @@ from ..people.actions import MindError
 from ..people.minds import Mind, make_agent
 from ..people.perception import Percepts
 from ..people.programs import EXTERNAL
-from .connection import ConnectError, LostError, RosbridgeConnection, ServiceError
-from .messages import NOWHERE
-from .workcell import (
+from .connection import (
+    FIRST_RETRY,
+    LAST_RETRY,
+    ConnectError,
+    LostError,
+    RosbridgeConnection,
+    ServiceError,
+)
+from .human_topics import (
     ACTION,
     BLOCKED,
     BOOL,
     DETECTED,
-    ENDED,
     GO_HOME,
     GOAL,
     PERCEPTS,
@@ -36,8 +41,9 @@ from .workcell import (
     STOP,
     STRING,
     UNSAFE,
-    BridgeError,
 )
+from .messages import NOWHERE
+from .workcell import ENDED, BridgeError
 
 _REPETITION = 0.5
 """Seconds. A violation that is heard of again within them is the same one."""
@@ -278,9 +284,6 @@ def _place(point: dict[str, Any]) -> Point:
 FOREVER = 1e12
 """Seconds. The next wakeup of an agent that waits for nothing."""
 
-FIRST_RETRY, LAST_RETRY = 0.5, 5.0
-"""Seconds of the wall clock before a lost connection is tried anew: at first, and at the most."""
-
 
 class RemoteAgent:
     """Runs a person's program against a live rosbridge, until the trial there is over.
@@ -396,8 +399,10 @@ class RemoteAgent:
     def _tick(self, message: dict[str, Any]) -> None:
         stamp = message["clock"]
         time = stamp["sec"] + stamp["nanosec"] / 1e9 + self._clock_ahead
-        # Where the simulation has begun anew, the agent's time goes on from where it was.
-        self._clock_ahead += max(self._now - time, 0.0)
+        if time < self._now:
+            # A simulation that has started again. The agent's time continues.
+            self._notice(f"/clock goes back from {self._now:g} s to {time:g} s")
+            self._clock_ahead += self._now - time
         self._now = max(self._now, time)
         self._think()
 

@@ -9,59 +9,38 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Protocol
 
-from floorplan import UserError
-
-from ..core.clock import Tempo, checked_speed
+from ..cell import Pace
 from ..live.page_server import Origins
-from ..people.programs import EXTERNAL
 from ..simulation import Simulation
 from .client import Client
 from .exchange import Exchange, RefusedError, provide_rosapi
 from .machine_topics import TRAJECTORY
 from .server import RosbridgeServer, listen_at
+from .uplink import Uplink
 from .waiting import done_within
-from .workcell import COMMANDS, ENDED, START, STARTED, BridgeError, Workcell
+from .workcell import ENDED, STARTED, BridgeError, Workcell
 
 PERIOD = 0.1
-"""Seconds of the wall clock between two looks at what the page wants."""
+"""Seconds of real time between two requests of the page that are carried out."""
 
 PAUSED = "it is paused on its page"
 
 
 class Viewer(Protocol):
-    """A page that shows a run under way; what is wanted there is carried out in `attend`."""
+    """Page that shows a run under way. `attend` carries out the requests of its viewers."""
 
-    def follow(self, simulation: Simulation, tempo: Tempo | None = None) -> None:
-        """Show a run that has started, and let the page change its tempo."""
+    def follow(self, simulation: Simulation, pace: Pace) -> None:
+        """Show a run that has started, and let the page change its pace."""
 
     def attend(self, simulation: Simulation) -> None:
-        """Carry out what the page wants, and send it what has changed."""
+        """Carry out requests, and send changes to the page."""
 
     def leave(self) -> None:
-        """Carry out no more: the run is over."""
-
-
-class BridgeTempo:
-    """The speed and the pauses of a session: `changed()` is called after each change."""
-
-    def __init__(self, speed: float) -> None:
-        self.speed = speed
-        self.paused = False
-        self.changed: Callable[[], None] = lambda: None
-
-    def change(self, *, speed: float | None = None, paused: bool | None = None) -> None:
-        """Go on with another speed, pause, or go on; a run without a speed gets none."""
-        if speed is not None and not self.speed:
-            raise UserError("the pace depends on the clients, so it has no speed")
-        if speed is not None:
-            self.speed = checked_speed(speed)
-        if paused is not None:
-            self.paused = paused
-        self.changed()
+        """Carry out no more requests, because the run is over."""
 
 
 async def attend(viewer: Viewer, simulation: Simulation) -> None:
-    """Do what a page wants, and show it what happens, until this is cancelled."""
+    """Attend to a page until this is cancelled."""
     try:
         while True:
             viewer.attend(simulation)
@@ -70,34 +49,46 @@ async def attend(viewer: Viewer, simulation: Simulation) -> None:
         viewer.leave()
 
 
-RATE = 10
-"""Hz, in simulated time: the rate at which the state is published."""
-
-MOST_TICKS = 10
-"""How many times the state is published before the event loop serves clients again."""
-
-BEHIND = 1.0
-"""Seconds of the wall clock. Further behind than this, the session gives up catching up."""
+LONGEST = 1.0
+"""Simulated seconds until the event loop serves clients again."""
 
 LONGEST_NAP = 0.1
-"""Seconds of the wall clock. How soon the session sees that a client has gone."""
+"""Seconds of real time. How soon the session notices that a client has gone."""
 
 GRACE = 3.0
-"""Seconds of the wall clock. How long an agent may make ready before the trial begins."""
+"""Seconds of real time. How long an agent may get ready before the trial begins."""
 
 PATIENCE = 1.0
-"""Seconds. How long time waits for a client that doesn't read, when it isn't paced."""
+"""Seconds of real time. How long time waits for a client that does not read, without a speed."""
 
 
 class Session:
-    """Serves one workcell until its trial is over, and keeps its time.
+    """Server of one workcell until its trial is over, which also keeps its time.
 
-    `speed` is simulated seconds a second; with 0 time goes on as soon as all clients have read and
-    acted on what was last published. With `hold` nothing happens before a client has called
-    /ariac/start_competition. With a speed, an agent is given `grace` seconds of the wall clock to
-    make ready before the trial begins, unless that is called earlier. `notice(text)` notifies the
-    user of the command. Web pages of `origins` may take part; left out, those of this machine.
-    A `viewer` shows the run meanwhile; its page may pause it, and change its speed.
+    Parameters
+    ----------
+    workcell : Workcell
+        The workcell.
+    exchange : Exchange
+        Its topics and services.
+    speed : float, optional
+        Simulated seconds per second of real time. At 0, time advances as soon as all clients have
+        read the last messages and acted on them.
+    hold : bool, optional
+        Whether the trial begins when a client calls /ariac/start_competition.
+    grace : float, optional
+        Real time in seconds for agents to get ready before the trial begins, if there is a speed.
+    notice : callable, optional
+        Function for lines that the user should read.
+    origins : Origins, optional
+        Origins of web pages that are accepted. By default those of this machine.
+    viewer : Viewer, optional
+        Page that shows the run.
+
+    Raises
+    ------
+    BridgeError
+        If the speed or the grace is invalid.
     """
 
     def __init__(
@@ -116,37 +107,33 @@ class Session:
             raise BridgeError(f"speed must be 0 or more, not {speed:g}")
         if not (math.isfinite(grace) and grace >= 0):
             raise BridgeError(f"grace must be 0 or more seconds, not {grace:g}")
-        trial = workcell.simulation.trial
-        self.server = RosbridgeServer(
+        self._exchange = exchange
+        self._uplink: Uplink | None = None
+        self.server: RosbridgeServer | Uplink = RosbridgeServer(
             exchange, left=self._left, failed=self._fail, origins=origins, notice=notice
         )
         self._workcell = workcell
-        self._tempo = BridgeTempo(speed)
-        self._tempo.changed = self._change_tempo
         self._viewer = viewer
-        self._resumed = (0.0, 0.0)
-        """A simulated time, and the wall's at that instant."""
-        self._notice = notice
+        self._notice = workcell.notice = notice
         self._hold = hold
         self._grace = grace if speed else 0.0
         self._agent_since: float | None = None
-        """Time of the wall's clock at which an agent came, until the trial begins."""
-        self._ended_early = False
+        """Real time at which an agent came, until the trial begins."""
         self._failure: Exception | None = None
-        self._needs_agent = workcell.outside is not None
-        self._needs_controller = trial.gantry.controller == EXTERNAL
         self._stepping: Client | None = None
-        self._ticks = 0
-        self._published_at = -1.0
-        self._standing = True
         self._said = ""
         self._is_slow = False
         self._changed = asyncio.Event()
         exchange.changed = self._changed.set
-        # At speed 0 nothing is lost: time waits until the agent has read what there is.
+        self._pace = pace = Pace(
+            workcell.simulation, speed=speed or 1.0, step=not speed, now=_real_time
+        )
+        pace.changed = self._changed.set
+        pace.held = "it has not begun"
+        workcell.follow(pace)
+        workcell.cell.admission.catch_up = self._catch_up
+        # At speed 0 nothing is lost, because time waits until the agent has read all messages.
         workcell.repeats = speed > 0
-        workcell.catch_up = self._catch_up
-        workcell.is_open = lambda: not self._is_over
         exchange.provide("/ariac/start_competition", "std_srvs/Trigger", self._start)
         exchange.provide("/ariac/end_competition", "std_srvs/Trigger", self._end)
         exchange.provide(
@@ -157,25 +144,65 @@ class Session:
     async def open(
         self, host: str = "127.0.0.1", port: int = 9090, *, at: socket.socket | None = None
     ) -> int:
-        """Take clients from now on; return the port (that given, or with 0 a free one).
+        """Accept clients from now on, and return the port.
 
-        `at` is a socket that listens already. `AddressError` where the address is not available.
+        Parameters
+        ----------
+        host : str, optional
+            Address.
+        port : int, optional
+            Port, or 0 for any that is free.
+        at : socket, optional
+            Socket that listens already.
+
+        Raises
+        ------
+        AddressError
+            If the address is not available.
         """
         at = at or listen_at(host, port)
+        assert isinstance(self.server, RosbridgeServer)
         await self.server.open(at)
         name, port = at.getsockname()[:2]
         self._notice(f"serving ws://{f'[{name}]' if ':' in name else name}:{port}")
         return int(port)
 
+    async def connect(self, url: str) -> None:
+        """Serve through a rosbridge server from now on, instead of accepting clients.
+
+        Parameters
+        ----------
+        url : str
+            Address of the server.
+
+        Raises
+        ------
+        ConnectError
+            If nobody answers.
+        """
+        if not self._pace.speed:
+            raise BridgeError("speed must be more than 0 through another rosbridge server")
+        self.server = self._uplink = Uplink(
+            self._exchange, url, notice=self._notice, changed=self._changed.set
+        )
+        await self._uplink.open()
+
     async def run(self) -> None:
-        """Keep time until the trial is over; raise whatever the user's own programs raise."""
+        """Advance until the trial is over.
+
+        Raises
+        ------
+        Exception
+            Whatever custom programs of the trial raise.
+        """
         showing = self._show()
         try:
             while not self._is_over:
-                await self._go_on()
+                await self._continue_run()
             if self._failure is not None:
                 raise self._failure
-            self._publish()
+            self._pace.check()
+            self._workcell.publish()
             self._workcell.enter(ENDED)
         finally:
             if showing is not None:
@@ -185,30 +212,22 @@ class Session:
             await self.server.close()
 
     def _show(self) -> asyncio.Task[None] | None:
-        """Let the viewer follow from now on."""
+        """Show the run to the viewer from now on."""
         if self._viewer is None:
             return None
         simulation = self._workcell.simulation
-        self._viewer.follow(simulation, self._tempo)
+        self._viewer.follow(simulation, self._pace)
         return asyncio.create_task(attend(self._viewer, simulation))
-
-    def _change_tempo(self) -> None:
-        """Go on from here as the page wants it."""
-        self._resume()
-        self._changed.set()
-
-    @property
-    def _speed(self) -> float:
-        return self._tempo.speed
 
     @property
     def _is_over(self) -> bool:
-        return self._workcell.simulation.over or self._ended_early or self._failure is not None
+        return self._pace.over or self._failure is not None
 
-    async def _go_on(self) -> None:
-        if await self._stood_still():
+    async def _continue_run(self) -> None:
+        if await self._is_held():
             return
-        if self._speed:
+        self._begin()
+        if self._pace.speed:
             await self._keep_pace()
         elif self._stepping is not None:
             await self._change()
@@ -216,105 +235,72 @@ class Session:
             await self._step()
 
     async def _keep_pace(self) -> None:
-        loop = asyncio.get_running_loop()
-        self._continue()
+        pace = self._pace
         self._catch_up()
         if self._is_over:
             return
-        happens = min(self._next_tick, self._workcell.simulation.clock.peek())
-        simulated, wall = self._resumed
-        delay = wall + (happens - simulated) / self._speed - loop.time()
-        if delay < -BEHIND:
-            self._resume()
-            if not self._is_slow:
-                self._is_slow = True
-                self._notice(f"this machine is too slow for --speed {self._speed:g}")
+        delay = pace.delay()
+        if pace.give_up() and not self._is_slow:
+            self._is_slow = True
+            self._notice(f"this machine is too slow for --speed {pace.speed:g}")
         await asyncio.sleep(min(max(delay, 0.0), LONGEST_NAP))
 
     async def _step(self) -> None:
-        """Go on to the next tick or decision, and let all clients act on it."""
-        self._continue()
-        self._advance_to(self._next_tick)
+        """Advance to the next tick or decision, and wait until all clients have acted on it."""
+        self._pace.advance(self._pace.next_tick)
         await self.server.flush(PATIENCE)
         drivers = [client for client in self.server.clients if self._drives(client)]
-        # Twice: a client may answer a ping before it sends what the messages before made it say.
+        # Twice, because a client may answer a ping before it sends its reaction to the messages.
         for _ in range(2):
             for client in drivers:
                 await self.server.reached(client, PATIENCE)
         await asyncio.sleep(0)
 
     def _catch_up(self) -> None:
-        """Bring simulated time up to the wall clock, if time goes on at all."""
-        if not self._speed or self._standing or self._missing():
-            return
-        simulated, wall = self._resumed
-        target = simulated + (asyncio.get_running_loop().time() - wall) * self._speed
-        target = min(target, self._workcell.now + MOST_TICKS / RATE)
-        while self._workcell.now < target and not self._is_over:
-            self._advance_to(min(target, self._next_tick))
-
-    def _advance_to(self, until: float) -> bool:
-        """Go on to `until`, the next tick at the most, and publish what there is to publish.
-
-        Return whether a decision came before.
-        """
-        workcell = self._workcell
-        try:
-            asked = workcell.advance(until)
-        except Exception as failure:
-            self._fail(failure)
-            return False
-        is_tick = workcell.now >= self._next_tick
-        self._ticks += is_tick
-        if is_tick or asked:
-            self._publish()
-        workcell.publish_percepts()
-        return asked
+        """Advance to the present, unless the run is held."""
+        if not self._missing():
+            self._pace.catch_up(LONGEST)
 
     def _fail(self, failure: Exception) -> None:
         self._failure = self._failure or failure
         self._changed.set()
 
-    def _publish(self) -> None:
-        """Publish the state, unless it has been at this instant."""
-        if self._published_at != self._workcell.now:
-            self._published_at = self._workcell.now
-            self._workcell.publish()
-
-    @property
-    def _next_tick(self) -> float:
-        return (self._ticks + 1) / RATE
-
     def _missing(self) -> str:
         """Return the reason for which simulated time is paused, or an empty text."""
         clients = self.server.clients
-        if self._tempo.paused:
+        if self._pace.paused:
             return PAUSED
         if self._hold:
             return "nobody has called /ariac/start_competition"
-        if self._needs_agent and not any(map(self._is_agent, clients)):
-            self._agent_since = None
-            return "there is no agent"
-        if self._needs_agent and self._readying() > 0:
+        if self._uplink is not None:
+            return "" if clients else f"there is no connection to {self._uplink.url}"
+        for person in self._workcell.external:
+            if not any(self._is_agent(client, person.name) for client in clients):
+                self._agent_since = None
+                first = person is self._workcell.person
+                return "there is no agent" + ("" if first else f" of {person.name}")
+        if self._workcell.external and self._time_to_get_ready() > 0:
             return "the agent makes ready"
-        if self._needs_controller and not any(map(_is_controller, clients)):
+        if self._workcell.needs_controller and not any(map(_is_controller, clients)):
             return "there is no gantry controller"
         return ""
 
-    def _readying(self) -> float:
-        """Return for how long (s, of the wall's clock) the agent may still make ready."""
+    def _time_to_get_ready(self) -> float:
+        """Return the real time (s) in which the agent may still get ready."""
         if not self._grace:
             return 0.0
-        now = asyncio.get_running_loop().time()
+        now = _real_time()
         if self._agent_since is None:
             self._agent_since = now
         return self._agent_since + self._grace - now
 
-    def _is_agent(self, client: Client) -> bool:
-        return (
-            client is self._stepping
-            or START in client.subscriptions
-            or not client.advertised.isdisjoint(COMMANDS)
+    def _is_agent(self, client: Client, person: str = "") -> bool:
+        """Return whether a client drives a person, by default any."""
+        agents = self._workcell.agents
+        return client is self._stepping or any(
+            not heard.isdisjoint(client.subscriptions)
+            or not commanded.isdisjoint(client.advertised)
+            for heard, commanded in ([agents[person]] if person else agents.values())
         )
 
     def _drives(self, client: Client) -> bool:
@@ -325,25 +311,21 @@ class Session:
             self._stepping = None
         self._changed.set()
 
-    async def _stood_still(self) -> bool:
-        """Wait for a change if a client is missing; return whether one was."""
+    async def _is_held(self) -> bool:
+        """Wait for a change if a client is missing. Return whether one is."""
         missing = self._missing()
         if missing:
-            self._standing = True
+            self._pace.hold(missing)
             self._say(f"stands still at t = {self._workcell.now:.1f} s: {missing}")
             await self._change()
         return bool(missing)
 
-    def _resume(self) -> None:
-        self._resumed = (self._workcell.now, asyncio.get_running_loop().time())
-
-    def _continue(self) -> None:
-        if not self._standing:
+    def _begin(self) -> None:
+        """Begin or continue the run."""
+        if not self._pace.release():
             return
-        self._standing = False
         self._grace, self._agent_since = 0.0, None
         now = self._workcell.now
-        self._resume()
         if not now:
             self._workcell.enter(STARTED)
         self._say(f"goes on at t = {now:.1f} s" if now else "the trial begins")
@@ -357,51 +339,55 @@ class Session:
                 client.report("warning", text)
 
     async def _change(self) -> None:
-        """Wait for a change, for `LONGEST_NAP` at the longest."""
-        # Not for ever: Ctrl-C does not wake a loop that was just about to wait.
+        """Wait for a change, for at most `LONGEST_NAP`."""
+        # The limit is needed because Ctrl-C does not wake a loop that was just about to wait.
         self._changed.clear()
         await done_within(self._changed.wait(), LONGEST_NAP)
 
     def _start(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
-        began, self._hold = self._hold or self._readying() > 0, False
+        began, self._hold = self._hold or self._time_to_get_ready() > 0, False
         self._grace = 0.0
         self._changed.set()
         return {"success": True, "message": "started" if began else "it has been started already"}
 
     def _end(self, _: Client, __: dict[str, Any]) -> dict[str, Any]:
-        self._workcell.admit("end_competition")
-        self._ended_early = True
+        self._workcell.cell.admission.admit("/ariac/end_competition", None)
+        self._pace.end()
         self._changed.set()
         return {"success": True, "message": f"ended at t = {self._workcell.now:g} s"}
 
     async def _advance(self, client: Client, request: dict[str, Any]) -> dict[str, Any]:
-        """Let time go on until the person outside has something to decide on, or to `until`.
+        """Advance to the next decision of a person outside, or to `until`.
 
-        From now on time goes on in these calls alone; `until` in the past does no more than that.
+        From the first call on, time advances in these calls only. A call with a time that is past
+        has no other effect.
         """
-        workcell, outside = self._workcell, self._workcell.outside
-        if self._speed:
-            raise RefusedError(f"time is paced at speed {self._speed:g} here")
-        if outside is None or workcell.person is None:
+        workcell, pace = self._workcell, self._pace
+        if pace.speed:
+            raise RefusedError(f"time is paced at speed {pace.speed:g} here")
+        if not workcell.external:
             raise RefusedError("no person is driven from outside")
         if self._stepping not in (None, client):
             raise RefusedError("another client steps through time")
         if not self._is_over:
-            workcell.admit("advance")
+            workcell.cell.admission.admit("/floorwalker/advance", None)
         self._stepping = client
         self._changed.set()
-        if request["until"] < workcell.now:
-            return {"time": workcell.now, "ended": self._is_over}
-        workcell.person.decide_by(request["until"])
-        while not self._is_over:
-            if await self._stood_still():
-                continue
-            self._continue()
-            if self._advance_to(self._next_tick):
-                break
-            await self.server.flush(PATIENCE)
-            await asyncio.sleep(0)
+        if request["until"] >= workcell.now:
+            workcell.external[0].decide_by(request["until"])
+            while not self._is_over:
+                if await self._is_held():
+                    continue
+                self._begin()
+                if pace.advance(pace.next_tick):
+                    break
+                await self.server.flush(PATIENCE)
+                await asyncio.sleep(0)
         return {"time": workcell.now, "ended": self._is_over}
+
+
+def _real_time() -> float:
+    return asyncio.get_running_loop().time()
 
 
 def _is_controller(client: Client) -> bool:

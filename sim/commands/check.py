@@ -123,16 +123,17 @@ def _program(file: str) -> str:
 
 def _trial(trial: Trial, file: str) -> str:
     from ..people.actions import doubts_in
-    from ..trials.names import in_words
+    from ..trials.names import in_words, machines_in_words
 
     print_floor_notices(trial.floorplan)
     print_notices(trial)
     _warn_of_short_laws(trial, file)
     _print_doubts(doubts_in(trial))
-    people = in_words(trial)
+    machines = machines_in_words(trial)
+    bodies = in_words(trial) + (f" and the {machines}" if machines else "")
     work = f" and {_number(len(trial.workload.orders), 'order')}" if trial.workload else ""
     upto = "up to " if trial.until_submitted else ""
-    return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {people}{work}"
+    return f"a trial of {upto}{trial.duration:g} s on {trial.floorplan.name} with {bodies}{work}"
 
 
 def _print_doubts(doubts: Iterable[ProgramProblem]) -> None:

@@ -1,17 +1,18 @@
-"""Simulated time: SimPy's event loop with movable alarms, and its pace in real time."""
+"""Simulated time: a SimPy environment with exact times and alarms, and its pace in real time."""
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
-from heapq import heappush
-from operator import attrgetter
-from typing import TYPE_CHECKING, Any, NoReturn, Protocol, SupportsIndex
+from functools import partial
+from heapq import heappop, heappush
+from typing import Any, NoReturn, SupportsIndex
 
 import simpy
-from simpy.core import StopSimulation
+from simpy.core import EmptySchedule, StopSimulation
 from simpy.events import NORMAL, URGENT, Event
 
 from floorplan import UserError
@@ -54,18 +55,18 @@ _PRIORITY: list[Any] = [URGENT, (URGENT + NORMAL) / 2, *range(NORMAL, len(Turn) 
 """The turns as SimPy's priorities. SimPy gives URGENT to new processes, and NORMAL to outcomes."""
 
 MOMENT = 1e-3
-"""Seconds. Nothing on a factory floor happens more than a few times within one."""
+"""Seconds. Few events of a factory floor occur within one."""
 
 
 class StandstillError(UserError):
-    """Simulated time does not go on: things happen again and again at an instant, or nearly so."""
+    """Simulated time does not progress: events occur again and again at nearly the same time."""
 
 
 class InProgress:
-    """Part of a run in progress. It cannot be copied or pickled: `TypeError` says so."""
+    """Part of a run in progress. It cannot be copied or pickled."""
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> NoReturn:
-        """Refuse to be copied: waiting processes, open files and callbacks cannot be."""
+        """Raise a `TypeError`, because waiting processes and open files cannot be copied."""
         raise TypeError(
             f"a {type(self).__name__} cannot be copied or pickled, because it is part of a run in"
             " progress; copy the trial and run it again"
@@ -73,14 +74,23 @@ class InProgress:
 
 
 class Clock(InProgress, simpy.Environment):
-    """SimPy environment that can also wait for an instant, not only for a delay.
+    """SimPy environment with a queue of its own, which is ordered by exact times.
 
-    SimPy adds a delay to the present time, which rounds; an instant at which two motions meet
-    has to arrive as it was computed.
+    SimPy adds delays to the current time, which rounds. The time at which two motions meet must
+    occur as it was computed.
 
-    `most` events may happen within a `MOMENT`; `StandstillError` where there are more, with
-    what `busy` says that happens.
+    Parameters
+    ----------
+    initial_time : float, optional
+        Time at the begin, s.
+    most : int, optional
+        Maximum number of events within a `MOMENT`. More raise a `StandstillError`.
+    busy : callable, optional
+        Returns what happens all the time, for the message of that error.
     """
+
+    now = 0.0
+    """Time, s."""
 
     def __init__(
         self,
@@ -90,19 +100,20 @@ class Clock(InProgress, simpy.Environment):
         busy: Callable[[], str] = lambda: "the same again and again",
     ) -> None:
         super().__init__(initial_time)
+        self.now = initial_time
         self.most = most
         self.stopped = False
         self.inside = False
-        """Whether the simulation is under way, not the program that advances it."""
+        """Whether the simulation acts, and not the program that advances it."""
+        self._scheduled: list[tuple[float, float, int, Callable[[], None]]] = []
+        self._numbers = itertools.count()
+        self._triggers_only = False
         self._busy = busy
         self.begin_moment()
 
-    if not TYPE_CHECKING:
-        now = property(attrgetter("_now"), doc="Time (seconds).")  # as SimPy's; asked all the time
-
     @contextmanager
     def under_way(self) -> Iterator[None]:
-        """Be inside the simulation in this context."""
+        """Mark what happens in this context as part of the simulation."""
         before, self.inside = self.inside, True
         try:
             yield
@@ -110,20 +121,34 @@ class Clock(InProgress, simpy.Environment):
             self.inside = before
 
     def begin_moment(self) -> None:
-        """Count events anew, because something has come from outside the simulation."""
-        self._moment_ends = self._now + MOMENT
+        """Restart the count of events, because a program outside the simulation has acted."""
+        self._moment_ends = self.now + MOMENT
         self._happened = 0
 
     def stop(self) -> None:
-        """Stop for good, between two events. A signal handler or another thread may say so."""
+        """Stop for good, between two events. Signal handlers and other threads may call this."""
         self.stopped = True
 
+    # The queue
+
+    def schedule(self, event: Event, priority: int = NORMAL, delay: float = 0) -> None:
+        """Schedule a SimPy event. See `simpy.Environment.schedule`."""
+        if not self._triggers_only:
+            self._put(self.now + delay, priority, partial(self._process, event))
+
+    def peek(self) -> float:
+        """Return the time of the next event (s), or infinity."""
+        return self._scheduled[0][0] if self._scheduled else math.inf
+
     def step(self) -> None:
-        """Let the next event happen."""
+        """Process the next event."""
         if self.stopped:
             raise StopSimulation(None)
-        super().step()
-        if self._now >= self._moment_ends:
+        if not self._scheduled:
+            raise EmptySchedule
+        self.now, _, _, action = heappop(self._scheduled)
+        action()
+        if self.now >= self._moment_ends:
             self.begin_moment()
         self._happened += 1
         if self._happened > self.most:
@@ -133,83 +158,77 @@ class Clock(InProgress, simpy.Environment):
             )
 
     def advance(self, until: float, enough: Callable[[], bool] | None = None) -> None:
-        """Let happen what comes before the outside at `until` (s), or until it is `enough()`."""
-        with suppress(StopSimulation):  # the trial has come to its end, or was stopped
+        """Process events before the turn `OUTSIDE` at `until` (s), or until `enough()` is true."""
+        with suppress(StopSimulation):  # at the end of the trial, or after `stop`
             while enough is None or not enough():
-                if not self._queue or self._queue[0][0] >= until:
+                if self.peek() >= until:
                     arrival = self.at(until, Turn.OUTSIDE)
                     while not arrival.processed:
                         self.step()
                     break
                 self.step()
 
-    def at(self, t: float, turn: Turn = Turn.MOTION_ENDS) -> Event:
-        """Return an event that happens at `t` (seconds, not before now)."""
-        return self.put(Instant(self, []), t, turn)
+    def call_at(self, t: float, action: Callable[[], None], turn: Turn = Turn.MOTION_ENDS) -> None:
+        """Call `action` at `t` (s), but not before now."""
+        self._put(max(t, self.now), _PRIORITY[turn], action)
 
-    def put(self, event: Event, t: float, turn: Turn) -> Event:
-        """Let an event happen at `t` (seconds, not before now); return it."""
-        now = self._now
-        # As SimPy's `schedule` does, but with the instant itself: now + (t - now) need not be t.
-        entry = (now if now > t else t, _PRIORITY[turn], next(self._eid), event)
-        heappush(self._queue, entry)
+    def _put(self, t: float, priority: float, action: Callable[[], None]) -> None:
+        heappush(self._scheduled, (t, priority, next(self._numbers), action))
+
+    # Events for processes
+
+    def at(self, t: float, turn: Turn = Turn.MOTION_ENDS) -> Event:
+        """Return an event that occurs at `t` (s), but not before now."""
+        event = self._trigger(Event(self))
+        self.call_at(t, partial(self._process, event), turn)
         return event
 
     def ask(self, t: float, answer: Callable[[], Any], turn: Turn) -> Event:
-        """Return an event that happens at `t` (seconds), with what `answer` returns then.
-
-        It is what a process would be that waits for the instant, in a third of the events.
-        """
-
-        def answered() -> None:
-            event._value = answer()
-
-        event = self.call_at(t, answered, turn)
+        """Return an event that occurs at `t` (s). Its value is the result of `answer` then."""
+        event = self._trigger(Event(self))
+        self.call_at(t, lambda: self._process(self._trigger(event, answer())), turn)
         return event
 
     def happened(self, value: Any) -> Event:
-        """Return an event that has happened: who waits for it gets `value` and goes on at once."""
-        event = Event(self)
-        event._ok, event._value = True, value
-        event.callbacks = None  # type: ignore[assignment]
-        return event
+        """Return an event that has occurred. A process that waits for it continues at once."""
+        return self.occur(Event(self), value)
 
-    def call_at(self, t: float, action: Callable[[], None], turn: Turn = Turn.MOTION_ENDS) -> Event:
-        """Call `action` at `t` (seconds); return the event of that instant."""
-        event = self.at(t, turn)
-        then(event, lambda _: action())
+    def occur(self, event: Event, value: Any) -> Event:
+        """Process an event that is not scheduled now, and return it."""
+        self._process(self._trigger(event, value))
         return event
 
     def end(self) -> Event:
-        """Return an event that stops the clock when it happens."""
+        """Return an event that stops the clock when it occurs."""
         event = Event(self)
         then(event, StopSimulation.callback)
         return event
 
+    def _trigger(self, event: Event, value: Any = None) -> Event:
+        """Give an event its value, but do not schedule it. Return the event."""
+        self._triggers_only = True
+        event.trigger(Event(self).succeed(value))
+        self._triggers_only = False
+        return event
 
-class Instant(Event):
-    """An event that is sure to happen, and has no value; its `callbacks` are called then."""
-
-    _ok = True
-    _value = None
-
-    def __init__(self, env: Clock, callbacks: list[Callable[[Event], None]]) -> None:
-        self.env = env
-        self.callbacks = callbacks
+    def _process(self, event: Event) -> None:
+        """Call the callbacks of an event. Raise its error if no process handles that."""
+        callbacks, event.callbacks = event.callbacks, None  # type: ignore[assignment]
+        for k, callback in enumerate(callbacks, 1):
+            try:
+                callback(event)
+            except StopSimulation:
+                event.callbacks = callbacks[k:]
+                self.schedule(event, URGENT - 1)
+                raise
+        if not (event.ok or event.defused):
+            why: Any = event.value
+            raise type(why)(*why.args) from why
 
 
 def then(event: Event, action: Callable[[Event], None]) -> None:
-    """Call `action` when `event`, which has not happened yet, does."""
-    assert event.callbacks is not None
+    """Call `action` when an event occurs that has not occurred yet."""
     event.callbacks.append(action)
-
-
-def occur(event: Event, value: Any) -> None:
-    """Let an event that is not scheduled happen at once, with a value."""
-    callbacks, event.callbacks = event.callbacks, None  # type: ignore[assignment]
-    event._ok, event._value = True, value
-    for callback in callbacks:
-        callback(event)
 
 
 class Alarm(InProgress):
@@ -229,9 +248,8 @@ class Alarm(InProgress):
         self._clock = clock
         self._action = action
         self._turn = turn
-        self._calls: list[Callable[[Event], None]] | None = None
-        self._pending: Event | None = None
         self._time: float | None = None
+        self._settings = 0
 
     @property
     def time(self) -> float | None:
@@ -249,40 +267,12 @@ class Alarm(InProgress):
         if t == self._time:
             return
         self._time = t
-        self._pending = None
+        self._settings += 1
         if t is not None:
-            # Most alarms are never set, and those that are, again and again.
-            calls = self._calls = self._calls or [self._ring]
-            self._pending = self._clock.put(Instant(self._clock, calls), t, self._turn)
+            self._clock.call_at(t, partial(self._ring, self._settings), self._turn)
 
-    def _ring(self, event: Event) -> None:
-        # SimPy can't take an event back: one that was set before is let pass.
-        if event is self._pending:
-            self._pending = None
+    def _ring(self, setting: int) -> None:
+        # A call that was changed or cancelled stays in the queue.
+        if setting == self._settings:
             self._time = None
             self._action()
-
-
-class Tempo(Protocol):
-    """Simulated time by real time: `speed` times as fast, or not at all while `paused`."""
-
-    @property
-    def speed(self) -> float:
-        """Seconds of the run in a second of real time; 0 for as fast as it can be."""
-
-    @property
-    def paused(self) -> bool:
-        """True while simulated time stands still because somebody wants it to."""
-
-    def change(self, *, speed: float | None = None, paused: bool | None = None) -> None:
-        """Go on with another speed, pause, or go on after a pause; None leaves it as it is.
-
-        `ValueError` where that can't be.
-        """
-
-
-def checked_speed(speed: float) -> float:
-    """Return a speed that can be; `ValueError` for another."""
-    if not 0 < speed < math.inf:
-        raise UserError(f"speed must be more than 0, not {speed:g}")
-    return speed

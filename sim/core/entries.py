@@ -16,8 +16,10 @@ from pydantic import BeforeValidator, Field, model_validator
 from floorplan import Obstacle, Point, UserError
 from floorplan.files.fields import (
     LARGEST,
+    ComposedKeys,
+    Expected,
+    Fits,
     Flag,
-    Judged,
     Keyed,
     NotNegative,
     Number,
@@ -26,14 +28,19 @@ from floorplan.files.fields import (
     Range,
     whole,
 )
-from floorplan.files.problems import Written
+from floorplan.files.footprints import Bottom, Top
+from floorplan.files.forms import Composed, Data, Written, written
 
 from .schedule import Drawn, Duration
 
-Pose = tuple[Number, Number, Number]
+Pose = Annotated[tuple[Number, Number, Number], Expected("a pose [x, y, rotation]", list, tuple)]
 """x, y in metres, rotation in radians."""
 
-Place = Annotated[Point | str, Written(Pair | str)]
+Place = Annotated[
+    Point | str,
+    Written(Pair | str),
+    Expected("a position [x, y] or the name of a station or door", list, tuple, str),
+]
 """A position (x, y in metres), or the name of a station or a door."""
 
 
@@ -169,7 +176,7 @@ class NoticingEntry(Keyed):
         Delay in seconds between seeing and perceiving.
     """
 
-    field_of_view: Annotated[Drawn | None, Judged(_view_fault)] = None
+    field_of_view: Annotated[Drawn | None, Fits(_view_fault)] = None
     occlusion: Flag = False
     reaction_time: Drawn | None = None
 
@@ -186,7 +193,7 @@ def drawn_figure(value: Drawn, seed: int, what: str) -> float:
     return random.uniform(*value) if isinstance(value, tuple) else value
 
 
-def _at_least(least: float) -> Judged:
+def _at_least(least: float) -> Fits:
     """Return the annotation of a figure, or of two that rise, from `least` on."""
 
     def fault(value: float | tuple[float, float]) -> str:
@@ -195,7 +202,7 @@ def _at_least(least: float) -> Judged:
             return ""
         return f"must be {least:g} or more, or [least, most] of that, not {value!r}"
 
-    return Judged(fault)
+    return Fits(fault)
 
 
 Spread = Annotated[float | tuple[float, float], Written(NotNegative | Range), _at_least(0.0)]
@@ -306,8 +313,27 @@ COMMANDS = ("send", "block", "clear", "hold", "release")
 """The fields of a command of which it has one, unless it is a `call`."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class BlockKeys(Obstacle):
+    """Keys of an obstacle that a command adds."""
+
+    name: Annotated[str, Field(min_length=1, alias="block")]
+    bottom: Bottom = 0.0
+    top: Top = 1.0
+
+    def obstacle(self) -> Obstacle:
+        """Return the obstacle."""
+        parts = {"footprint": self.footprint, "bottom": self.bottom, "top": self.top}
+        return Obstacle(name=self.name, **parts)
+
+
+def _block_keys(command: Command) -> Data:
+    block = command.block
+    return {} if block is None else {"block": block.name, **written(block)}
+
+
 @dataclass(frozen=True)
-class Command(Keyed):
+class Command(ComposedKeys, Keyed):
     """External command during a trial, carried out after all other events of its time.
 
     Exactly one of `send`, `block`, `clear`, `hold`, `release` and `call` must be given. A `call` is
@@ -342,7 +368,11 @@ class Command(Keyed):
     _: KW_ONLY
     send: str | None = None
     to: Place | None = None
-    block: Annotated[Obstacle | None, Written(None)] = None
+    block: Annotated[
+        Obstacle | None,
+        Field(alias="\0block"),
+        Composed(BlockKeys, BlockKeys.obstacle, _block_keys, only_with="block"),
+    ] = None
     clear: str | None = None
     hold: str | None = None
     release: str | None = None
@@ -351,6 +381,15 @@ class Command(Keyed):
     person: str | None = None
     arguments: dict[str, Any] | None = None
     decision: int | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_command(cls, keys: Any) -> Any:
+        if isinstance(keys, dict) and len(keys.keys() & {*COMMANDS, "call"}) != 1:
+            raise UserError(
+                f"give a time and one of {', '.join(COMMANDS)}; or a machine and a call"
+            )
+        return keys
 
     @property
     def at(self) -> float:

@@ -1,4 +1,4 @@
-"""The kinds of events of a run: a class each, from which all else about them follows."""
+"""Kinds of events of a run. Each is declared by one class."""
 
 from __future__ import annotations
 

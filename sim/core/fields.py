@@ -7,10 +7,9 @@ from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, model_validator
+from pydantic import model_validator
 
-from floorplan import UserError
-from floorplan.files.fields import LARGEST, Judged, Keyed, NotNegative, Positive
+from floorplan.files.fields import LARGEST, Fits, Keyed, NotNegative, Positive
 from navigation import FieldSet, ProtectiveFields
 from navigation.fields import UNBOUNDED
 
@@ -60,12 +59,6 @@ def _long_enough(seconds: float) -> str:
     return "" if seconds >= LEAST_DELAY else f"must be at least {LEAST_DELAY} s, not {seconds:g}"
 
 
-def _delay(seconds: float) -> float:
-    if fault := _long_enough(seconds):
-        raise UserError(fault)
-    return seconds
-
-
 @dataclass(frozen=True, kw_only=True)
 class MachineFields(Keyed):
     """Protective fields of a machine, which stop and slow it below its controller.
@@ -86,7 +79,7 @@ class MachineFields(Keyed):
 
     sets: tuple[FieldSet, ...]
     response_time: NotNegative = 0.2
-    restart_delay: Annotated[Positive, AfterValidator(_delay), Judged(_long_enough)] = 2.0
+    restart_delay: Annotated[Positive, Fits(_long_enough)] = 2.0
     warning_speed: Positive = 0.3
     muting: Muting = Muting()
 

@@ -7,10 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator
-
 from floorplan import Point, UserError
-from floorplan.files.fields import LARGEST, Judged, Keyed, NotNegative, Number, Positive
+from floorplan.files.fields import LARGEST, Fits, Keyed, NotNegative, Number, Positive
 from floorplan.files.problems import suggestion
 from navigation import (
     Condition,
@@ -40,24 +38,16 @@ NO_TIME = "must be more than 0; for violations that leave the machine alone say 
 """Error message of a rule set that disables the gantry for no time."""
 
 
-def _lasting(seconds: float) -> float:
-    if seconds == 0:
-        raise UserError(NO_TIME)
-    return seconds
-
-
-Lasting = Annotated[
-    NotNegative, AfterValidator(_lasting), Judged(lambda seconds: "" if seconds else NO_TIME)
-]
+Lasting = Annotated[NotNegative, Fits(lambda seconds: "" if seconds else NO_TIME)]
 """Time for which a machine is disabled, seconds."""
 
 Offset = Annotated[
     Number,
-    Judged(lambda x: "" if abs(x) <= LARGEST else f"must be a length in metres, not {x!r}"),
+    Fits(lambda x: "" if abs(x) <= LARGEST else f"must be a length in metres, not {x!r}"),
 ]
 """Place along a lane, metres; it may lie behind."""
 
-Parting = Annotated[float, Judged(lambda x: "" if x > 0 else f"must be more than 0, not {x!r}")]
+Parting = Annotated[float, Fits(lambda x: "" if x > 0 else f"must be more than 0, not {x!r}")]
 """Distance at which two have parted, metres; it may be infinite."""
 
 

@@ -18,6 +18,7 @@ import bdi
 from floorplan import Floorplan, InputError, Point, Problem, SafeZone, UserError
 from floorplan.checks import starting_fault
 from floorplan.files.fields import (
+    Expected,
     Flag,
     Keyed,
     NotNegative,
@@ -26,7 +27,7 @@ from floorplan.files.fields import (
     brief,
     whole,
 )
-from floorplan.files.problems import Written
+from floorplan.files.forms import Written
 from navigation import Motion
 from navigation.catalog import PlannerChoice
 
@@ -173,6 +174,9 @@ def _as_list(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
 
 
+_TASKS = Expected("a list of tasks", list, tuple)
+
+
 @dataclass(frozen=True)
 class PersonEntry(Keyed):
     """Person of a trial. Values that are None are those of the floorplan or the trial.
@@ -243,9 +247,13 @@ class PersonEntry(Keyed):
     manners: MannersEntry = AS_USUAL
     planner: Planner | None = None
     actions: str | None = None
-    work: Annotated[tuple[str, ...], BeforeValidator(_as_list)] = ()
-    schedule: tuple[WorkTask, ...] = ()
-    breaks: tuple[Break, ...] = ()
+    work: Annotated[
+        tuple[str, ...],
+        BeforeValidator(_as_list),
+        Expected("the name of a work list, or a list of such names", list, tuple, str),
+    ] = ()
+    schedule: Annotated[tuple[WorkTask, ...], _TASKS] = ()
+    breaks: Annotated[tuple[Break, ...], _TASKS] = ()
     shifts: tuple[Shift, ...] = ()
     recorded: Annotated[RecordedTrack | Motion | None, Written(RecordedTrack | None)] = None
     source: Source | None = None

@@ -26,8 +26,10 @@ from floorplan import Obstacle, UserError
 from floorplan.files.fields import (
     LARGEST,
     SMALLEST,
+    ComposedKeys,
+    Expected,
+    Fits,
     Flag,
-    Judged,
     Keyed,
     NotNegative,
     Number,
@@ -36,7 +38,7 @@ from floorplan.files.fields import (
     size_fault,
     whole,
 )
-from floorplan.files.problems import Written
+from floorplan.files.forms import Composed, Data, Written, written
 
 DAY = 86_400.0
 """Seconds."""
@@ -242,7 +244,7 @@ Drawn = Annotated[
             Discriminator(_form),
         ]
     ),
-    Judged(_drawn_fault),
+    Fits(_drawn_fault),
 ]
 """A figure; the least and the most, between which it is drawn evenly; or a distribution."""
 
@@ -273,7 +275,7 @@ class WorkTask(Keyed):
         Number of times it is offered with `every`. The default is no limit.
     """
 
-    at: Annotated[str, Field(min_length=1)]
+    at: Annotated[str, Field(min_length=1), Expected("the name of a station", str)]
     duration: Annotated[
         Duration,
         Written(Positive | _Distribution),
@@ -399,12 +401,20 @@ class DoorTimes(Keyed):
         return (self.open is None) != within(self.intervals, t)
 
 
+def _obstacle_keys(timed: TimedObstacle) -> Data:
+    return written(timed.obstacle)
+
+
 @dataclass(frozen=True)
-class TimedObstacle:
+class TimedObstacle(ComposedKeys):
     """An obstacle that stands on the floor within the intervals of `there`."""
 
-    obstacle: Obstacle
-    there: tuple[Interval, ...]
+    obstacle: Annotated[
+        Obstacle,
+        Field(alias="\0obstacle"),
+        Composed(Obstacle, written=_obstacle_keys),
+    ]
+    there: Intervals
 
 
 def within(intervals: Iterable[Interval], t: float) -> bool:

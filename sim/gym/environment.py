@@ -43,7 +43,7 @@ LEVELS = (-1.0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Transition:
-    """What happened to a machine between two ticks, for a reward.
+    """Changes of a machine between two ticks, for a reward.
 
     Attributes
     ----------

@@ -78,7 +78,7 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-        """Begin a trial that is drawn with a seed; see `FloorEnv.reset`."""
+        """Begin a trial that is drawn with a seed, as `FloorEnv.reset` does."""
         if seed is not None:
             self._random = np.random.default_rng(seed)
         self.episodes.reset(int(self._random.integers(2**31)))
@@ -88,7 +88,7 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         }
 
     def step(self, actions: dict[str, Any]) -> tuple[dict[str, Any], ...]:
-        """Carry out the actions of all machines until the next tick; see `FloorEnv.step`."""
+        """Carry out the actions of all machines until the next tick, as `FloorEnv.step` does."""
         chosen = dict(self._stands)
         for name in self.agents:
             if name not in actions:
@@ -112,7 +112,7 @@ class ParallelFloorEnv(ParallelEnv):  # type: ignore[misc]  # the package has no
         )
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture of the floor; see `FloorEnv.render`."""
+        """Return a picture of the floor, as `FloorEnv.render` does."""
         if self.render_mode is None:
             return None
         if self._picture is None:

@@ -11,7 +11,6 @@ from simpy.events import Event
 from floorplan import UserError
 from floorplan.files.problems import suggestion
 
-from ..core.clock import occur
 from ..core.recorder import Event as Recorded, Listener
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import with_controller
@@ -46,7 +45,7 @@ class Ticks:
         self.events: list[Recorded] = []
         """Events since the last tick."""
         self._waiting: dict[str, Event] = {}
-        self._actions: Mapping[str, Any] = {}
+        self._actions: dict[str, Any] = {}
         controller = partial(driven, self._wait, interface)
         self.simulation = Simulation(
             with_controllers(trial, dict.fromkeys(names, controller)),
@@ -76,9 +75,9 @@ class Ticks:
         return event
 
     def _waits(self) -> bool:
-        """Let machines go on that have an action; return whether one waits for its action."""
+        """Resume machines that have an action. Return whether a machine waits for its action."""
         for name in [name for name in self._waiting if name in self._actions]:
-            occur(self._waiting.pop(name), self._actions.pop(name))  # type: ignore[attr-defined]
+            self.simulation.clock.occur(self._waiting.pop(name), self._actions.pop(name))
         return bool(self._waiting)
 
 

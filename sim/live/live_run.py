@@ -26,8 +26,9 @@ from typing_extensions import override
 from floorplan import UserError
 from navigation import Motion, standing
 
+from ..cell.pace import Pace, checked_speed
 from ..core.body import Body
-from ..core.clock import InProgress, Tempo, checked_speed
+from ..core.clock import InProgress
 from ..core.entries import COMMANDS
 from ..core.recorder import Event, Listener, Scene, Thought, rounded
 from ..core.scenario import TrialError
@@ -45,40 +46,6 @@ REQUEST_PATIENCE = 10.0
 """Seconds that a request waits for the run to come to it."""
 
 OVER = "the run is over"
-
-
-class Pace:
-    """The tempo of a run that goes by the wall's clock.
-
-    `now()` is real time in seconds. Simulated time begins at 0 when it is first looked at.
-    """
-
-    def __init__(self, speed: float, now: Callable[[], float]) -> None:
-        self.paused = False
-        self._speed = checked_speed(speed)
-        self._now = now
-        self._at = 0.0
-        self._since: float | None = None
-
-    @property
-    def speed(self) -> float:
-        """Seconds of the run in a second of real time."""
-        return self._speed
-
-    def target(self) -> float:
-        """Return how far the run should be now (seconds of simulated time)."""
-        now = self._now()
-        if self._since is not None and not self.paused:
-            self._at += (now - self._since) * self._speed
-        self._since = now
-        return self._at
-
-    def change(self, *, speed: float | None = None, paused: bool | None = None) -> None:
-        """Go on with another speed, pause, or go on after a pause; None leaves it as it is."""
-        wanted = self._speed if speed is None else checked_speed(speed)
-        self.target()
-        self._speed = wanted
-        self.paused = self.paused if paused is None else paused
 
 
 @dataclass
@@ -159,8 +126,9 @@ class LiveRun(InProgress, Listener):
     def __init__(
         self, duration: float, *, speed: float = 1.0, now: Callable[[], float] = time.monotonic
     ) -> None:
-        self._pace = Pace(speed, now)
-        self._tempo: Tempo = self._pace
+        self._speed = checked_speed(speed)
+        self._now = now
+        self._pace: Pace | None = None
         self._duration = duration
         self._stream = MessageStream()
         self._page = ""
@@ -173,7 +141,7 @@ class LiveRun(InProgress, Listener):
     @property
     def speed(self) -> float:
         """Simulated seconds per second of real time, unless the run is paused."""
-        return self._tempo.speed
+        return self._speed if self._pace is None else self._pace.speed
 
     @override
     def begin(self, scene: Scene) -> None:
@@ -209,18 +177,19 @@ class LiveRun(InProgress, Listener):
             Simulation of which this is a listener.
         """
         simulation.start()
-        self.follow(simulation)
-        self._pace.target()
+        pace = Pace(simulation, speed=self._speed, now=self._now)
+        self.follow(simulation, pace)
         try:
-            while not (simulation.over or simulation.stopped):
+            while not pace.over:
                 time.sleep(PERIOD)
                 self._answer(simulation)
-                simulation.advance(self._pace.target())
+                pace.catch_up()
                 self._send_changes(simulation)
+            pace.check()
         finally:
             self.leave()
 
-    def follow(self, simulation: Simulation, tempo: Tempo | None = None) -> None:
+    def follow(self, simulation: Simulation, pace: Pace) -> None:
         """Show a started run that the caller advances.
 
         The caller calls `attend` regularly between two steps, and `leave` at the end.
@@ -229,10 +198,10 @@ class LiveRun(InProgress, Listener):
         ----------
         simulation : Simulation
             Simulation of which this is a listener.
-        tempo : Tempo, optional
+        pace : Pace
             Pace of the run. The page can change it.
         """
-        self._tempo = tempo or self._pace
+        self._pace = pace
         for body in simulation.bodies:
             self._plan(body, simulation)
             body.on_change.append(partial(self._plan, body, simulation))
@@ -275,9 +244,12 @@ class LiveRun(InProgress, Listener):
         """Do what the page wants: {"pace": {…}} or {"command": {…}}, a command without its time."""
         try:
             match wish:
-                case {"pace": {**changes}} if changes.keys() <= {"speed", "paused"}:
-                    self._tempo.change(**_checked(changes))
-                    self._send(pace={"speed": self.speed, "paused": self._tempo.paused})
+                case {"pace": {**changes}} if self._pace is not None and changes.keys() <= {
+                    "speed",
+                    "paused",
+                }:
+                    self._pace.change(**_checked(changes))
+                    self._send(pace={"speed": self.speed, "paused": self._pace.paused})
                     return {}
                 case {"command": {**keys}}:
                     now = simulation.clock.now

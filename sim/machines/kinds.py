@@ -13,7 +13,8 @@ from pydantic import ValidationError
 from shapely.geometry import Polygon
 
 from floorplan import Floorplan, Gantry, UserError
-from floorplan.files.problems import Fault, Place, field_name, form_keys, misfits, shown
+from floorplan.files.forms import form_keys
+from floorplan.files.problems import Fault, Place, field_name, misfits, shown
 from navigation import ApproachLaw, IntegralLaw, SeparationLaw
 from navigation.separation import required_at_speeds
 

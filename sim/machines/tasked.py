@@ -9,7 +9,7 @@ from typing import Any
 
 from simpy.events import Event, Process
 
-from ..core.body import MachineShape, commands
+from ..core.body import MachineShape, checked, commands
 from ..core.clock import Alarm, Turn
 from ..core.events import JobDone, JobStarted
 from ..core.stage import Stage
@@ -51,6 +51,7 @@ class TaskedMachine(CommandedMachine):
         """Tasks that can be started or continued now, in order of preference."""
         return self.tasks.open
 
+    @checked
     def next_task(self) -> Event:
         """Wait for a task.
 

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 from floorplan import Floorplan, Lane, Point
 from navigation import Motion
@@ -224,6 +225,14 @@ def track_of(plan: Floorplan, time: float, across: float) -> Motion:
     return Motion((Piece(time, time + seconds, x_of, y_of, (0.0, 0.0, 0.0, 0.0)),))
 
 
+class TakenItem(NamedTuple):
+    """Item that was taken from the slot of a bin, or with its number from the conveyor."""
+
+    bin: str
+    slot: int
+    item: Item
+
+
 class Inventory:
     """Current contents of bins, tray tables, AGVs and assembly stations.
 
@@ -243,8 +252,8 @@ class Inventory:
             for footprint in [plan.obstacle(name).footprint.centroid]
         }
 
-    def take(self, part: PartType, near: Point) -> tuple[str, int, Item] | None:
-        """Take a part out of a bin. Return the bin, the slot, and the item.
+    def take(self, part: PartType, near: Point) -> TakenItem | None:
+        """Take a part out of a bin.
 
         Parts that need not be turned over are preferred, then the nearest bin. If no bin has one,
         the conveyor and the part's number are returned instead, or None if there is no such part.
@@ -260,9 +269,9 @@ class Inventory:
         )
         if nearest is None:
             coming = self.belt.take(part)
-            return None if coming is None else (BELT, *coming)
+            return None if coming is None else TakenItem(BELT, *coming)
         _, _, name, slot = nearest
-        return name, slot, self._bins[name].pop(slot)
+        return TakenItem(name, slot, self._bins[name].pop(slot))
 
     def take_tray(self, tray: int) -> int | None:
         """Take the tray with this id from its table. Return its slot, or None if there is none."""

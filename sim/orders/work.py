@@ -24,6 +24,7 @@ from .inventory import (
     Fleet,
     Inventory,
     Offset,
+    TakenItem,
     assembly_table,
     bin_slot,
     quadrant_on,
@@ -170,16 +171,16 @@ class Work(ABC):
 
         def another() -> Found | None:
             source = self._shop.inventory.take(item.part, near)
-            return None if source is None else (source[2], self._from_bin(*source))
+            return None if source is None else (source.item, self._from_bin(source))
 
         return Carried(item, last, put, another=another, missing=self.missing)
 
-    def _from_bin(self, bin: str, slot: int, item: Item) -> Step:
-        """Yield the steps that take an item from its bin and turn it over if it is flipped."""
-        seconds = self._picking(item)
-        if bin == BELT:
-            return self._shop.inventory.belt.step(slot, seconds)
-        return Step("pick", seconds=seconds, place=bin, offset=bin_slot(slot))
+    def _from_bin(self, source: TakenItem) -> Step:
+        """Return the step that picks an item from its bin or from the conveyor."""
+        seconds = self._picking(source.item)
+        if source.bin == BELT:
+            return self._shop.inventory.belt.step(source.slot, seconds)
+        return Step("pick", seconds=seconds, place=source.bin, offset=bin_slot(source.slot))
 
     def _from_agv(self, agv: str, quadrant: int, item: Item) -> Step:
         return Step(
@@ -299,9 +300,9 @@ class KittingWork(Work):
         if source is None:
             self.missing.append(part)
             return []
-        bin, slot, item = source
         cleared = [self._clear(quadrant)] if there is not None else []
-        return [*cleared, self._placing(quadrant, item, bin, self._from_bin(bin, slot, item))]
+        pick = self._from_bin(source)
+        return [*cleared, self._placing(quadrant, source.item, source.bin, pick)]
 
     def _placing(self, quadrant: int, item: Item, origin: str, pick: Step) -> Task:
         agv, shop = self._kit.agv, self._shop
@@ -410,14 +411,14 @@ class _AtStation(Work):
         )
         return task
 
-    def _insert_from_bin(self, bin: str, slot: int, item: Item, *, stage: int) -> Task:
+    def _insert_from_bin(self, source: TakenItem, *, stage: int) -> Task:
         """Carry an item from its bin to the station, and insert it."""
-        carried = self._inserted(item)
+        carried = self._inserted(source.item)
         return self._task(
             "assemble",
-            (self._from_bin(bin, slot, item), self._inserting()),
+            (self._from_bin(source), self._inserting()),
             carried.put_down,
-            {"part": str(item.part), "from": bin, "to": self._assembly.station},
+            {"part": str(source.item.part), "from": source.bin, "to": self._assembly.station},
             stage=stage,
             lost=carried.lost,
         )
@@ -461,7 +462,7 @@ class AssemblyWork(_AtStation):
                 shop.fleet.send(place[0], task.station)
                 tasks.append(self._insert_from_agv(*place, on_agvs.pop(place), stage=0))
             elif (source := shop.inventory.take(part, near)) is not None:
-                tasks.append(self._insert_from_bin(*source, stage=0))
+                tasks.append(self._insert_from_bin(source, stage=0))
             else:
                 self.missing.append(part)
         return tasks
@@ -500,10 +501,10 @@ class CombinedWork(_AtStation):
             elif free:
                 quadrant = free.pop(0)
                 inserting = self._insert_from_agv(agv, quadrant, Item(part), stage=2)
-                kit.append(self._kit(quadrant, *source, inserting))
+                kit.append(self._kit(quadrant, source, inserting))
                 assembly.append(inserting)
             else:
-                assembly.append(self._insert_from_bin(*source, stage=2))
+                assembly.append(self._insert_from_bin(source, stage=2))
         if kit and load.tray is None:
             spare = shop.inventory.take_spare_tray(self._needed_trays)
             if spare is not None:
@@ -515,12 +516,12 @@ class CombinedWork(_AtStation):
             when_all_are_done(kit, partial(shop.fleet.send, agv, task.station))
         return kit + assembly
 
-    def _kit(self, quadrant: int, bin: str, slot: int, item: Item, inserting: Task) -> Task:
+    def _kit(self, quadrant: int, source: TakenItem, inserting: Task) -> Task:
         """Return the task that places a part. Without it, the part is not `inserted` either."""
         agv, shop = self._agv, self._shop
         place = self._onto_agv(agv, quadrant)
         put = partial(shop.inventory.lay, agv, quadrant)
-        carried = self._carried(item, place, put, shop.home(agv))
+        carried = self._carried(source.item, place, put, shop.home(agv))
 
         def lost() -> tuple[Step, ...]:
             steps = carried.lost()
@@ -530,9 +531,9 @@ class CombinedWork(_AtStation):
 
         return self._task(
             "pick_place",
-            (self._from_bin(bin, slot, item), place),
+            (self._from_bin(source), place),
             carried.put_down,
-            {"part": str(item.part), "from": bin, "to": agv, "quadrant": quadrant},
+            {"part": str(source.item.part), "from": source.bin, "to": agv, "quadrant": quadrant},
             stage=1,
             lost=lost,
         )

@@ -1,4 +1,4 @@
-"""Actions of people: carry out what a mind decides, and check the actions of programs."""
+"""Actions of people: carry out decisions of an agent, and check the actions of programs."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ from .walker import Walker
 from .work import Worker
 
 GLANCE_AHEAD = 2.0
-"""Seconds. `step_between` goes to where the gantry will be after this time."""
+"""Time after which the gantry will be at the goal of `step_between`, s."""
 
 SMALLEST_STEP = 0.05
-"""Metres. `move_away` fails where there is less room than this."""
+"""Room below which `move_away` fails, m."""
 
 
 OUT_OF_THE_WAY = 3.0
-"""Metres. So far people go from somebody whom they avoid."""
+"""Distance to which people avoid another person by default, m."""
 
 BESIDE_WORK = ("walk_speed", "begin_task", "take", "refuse", "work_pace", "let_pass")
-"""Actions that leave what a person does otherwise as it is."""
+"""Actions that do not end the current errand, wait or task."""
 
 
 class MindError(UserError):
-    """A personality's program asks for something that no person can do."""
+    """A program contains an invalid action."""
 
 
 class Actions:
-    """Actions of one person, by the names that programs have for them.
+    """Actions of one person, by their names in programs.
 
-    `home` is where they are put after a violation. Of several robots, "the gantry" is the nearest.
+    `home` is the position after a violation. "The gantry" is the nearest robot.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class Actions:
         worker: Worker | None = None,
     ) -> None:
         self.put_home_at: float | None = None
-        """Instant at which they were last put home (seconds)."""
+        """Time at which the person was last put home, s."""
         self._stage = stage
         self._walker = walker
         self._errand = errand
@@ -68,7 +68,7 @@ class Actions:
         self._worker = worker
 
     def perform(self, action: bdi.Literal) -> bool:
-        """Carry out an external action; return True if it could be.
+        """Carry out an external action. Return whether that was possible.
 
         `MindError` if there is no such action, or if its arguments are wrong.
         """
@@ -92,7 +92,7 @@ class Actions:
             raise MindError(f"{name}: the action {action}: {why}") from None
 
     def teleport(self, reason: str) -> bool:
-        """Put the person home, for this reason; return True if there is room."""
+        """Put the person home for this reason. Return whether there is room."""
         self.put_home_at = self._stage.clock.now
         self._leave()
         at = self._place_at_home()
@@ -103,19 +103,19 @@ class Actions:
         return True
 
     def go_near(self, point: Point) -> bool:
-        """Walk to the nearest free place to `point`; return True if there is a path."""
+        """Walk to the free position nearest to `point`. Return whether there is a path."""
         self._leave()
         return self._go_near(point)
 
     def _leave(self) -> None:
-        """Give up waiting for anything, and leave the task that is under way."""
+        """End all waits, and interrupt the current task."""
         self._errand.give_up()
         self._attention.give_up()
         if self._worker is not None:
             self._worker.pause()
 
     def _place_at_home(self) -> Point | None:
-        """Return home, or the nearest free place beside the vehicle that stands there, if any."""
+        """Return home, or the nearest free position beside a body there, or None."""
         self._stage.place_machines()
         home, radius = self._home.position, self._walker.human.radius
         return self._crowd.room(home, radius, self._walker.traveller)
@@ -142,7 +142,7 @@ class Actions:
         return robot is not None and self._step_back(robot.body.at, metres)
 
     def _step_back(self, point: Point, metres: float) -> bool:
-        """Walk so far away from `point`, straight, as far as it is free."""
+        """Walk straight away from `point` by up to `metres`."""
         self._stage.place_machines()
         (x, y), (gx, gy) = self._walker.body.at, point
         away = math.atan2(y - gy, x - gx)
@@ -225,7 +225,7 @@ ACTIONS: dict[str, Callable[..., bool]] = {
     "approach": Actions._approach,
     "avoid": Actions._avoid,
 }
-"""Actions of everybody, by the names that programs have for them."""
+"""Actions of all people, by their names in programs."""
 
 WORK: dict[str, Callable[..., bool]] = {
     "take": Worker.take,
@@ -238,21 +238,21 @@ WORK: dict[str, Callable[..., bool]] = {
 
 
 def numbers_of_arguments() -> dict[str, tuple[int, int]]:
-    """Return the least and the largest number of arguments of each action."""
+    """Return the minimum and the maximum number of arguments of each action."""
     taken = {name: _takes(action) for name, action in (ACTIONS | WORK).items()}
     return {name: (least, len(parameters)) for name, (least, parameters) in taken.items()}
 
 
 @cache
 def _takes(action: Callable[..., bool]) -> tuple[int, list[tuple[str, str]]]:
-    """Return the least number of arguments of a method, and the name and type of all."""
+    """Return the minimum number of arguments of a method, and the name and type of each."""
     _, *parameters = inspect.signature(action).parameters.values()
     least = sum(parameter.default is parameter.empty for parameter in parameters)
     return least, [(parameter.name, parameter.annotation) for parameter in parameters]
 
 
 def _value(term: bdi.Term) -> float | str | None:
-    """Return a number, or a name; None for anything else."""
+    """Return a number or a name, or None for other terms."""
     if isinstance(term, float | str):
         return term
     if isinstance(term, bdi.Literal) and not term.args:
@@ -261,7 +261,7 @@ def _value(term: bdi.Term) -> float | str | None:
 
 
 def doubts_in(scenario: Scenario) -> tuple[bdi.ProgramProblem, ...]:
-    """Return what is doubtful in the programs of all people of a trial."""
+    """Return the doubts about the programs of all people of a trial."""
     used = {
         (personality, modules_of(person.actions, scenario.actions)): None
         for person in scenario.people
@@ -270,12 +270,12 @@ def doubts_in(scenario: Scenario) -> tuple[bdi.ProgramProblem, ...]:
     programs = [
         load_program(personality, scenario.code_folder, modules) for personality, modules in used
     ]
-    found = (doubt for one in programs if one is not None for doubt in doubts_of(one))
-    return tuple(dict.fromkeys(found))
+    doubts = (doubt for one in programs if one is not None for doubt in doubts_of(one))
+    return tuple(dict.fromkeys(doubts))
 
 
 def doubts_of(program: bdi.Program) -> tuple[bdi.ProgramProblem, ...]:
-    """Return what a person who runs the program probably does not do as its author meant it."""
+    """Return the places of a program that its author probably did not mean in that way."""
     triggers = (plan.trigger for name in bdi.programs() for plan in bdi.load(name).plans)
     events = {one.literal.functor for one in triggers if not one.kind}  # type: ignore[union-attr]
     events |= {*PERCEPTS}

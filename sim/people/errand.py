@@ -25,13 +25,13 @@ from .perception import Senses
 from .walker import Walker
 
 SPARE = 0.1
-"""Metres. Distance beyond the needed one at which people wait."""
+"""Distance beyond the required one at which people wait, m."""
 
 _ZONE = "the zone that a vehicle needs to set out"
 
 
 class WaitingPlaces:
-    """Finds where a person waits beside a goal, so that the vehicle there can leave."""
+    """Finder of positions beside a goal, at which a person waits until the vehicle there leaves."""
 
     def __init__(self, stage: Stage, world: CollisionWorld, human: Human) -> None:
         self._stage = stage
@@ -39,7 +39,7 @@ class WaitingPlaces:
         self._human = human
 
     def occupant(self, goal: Point) -> Machine | None:
-        """Return the vehicle that is all that keeps a person from standing at `goal`."""
+        """Return the vehicle at `goal`, if the goal is free without vehicles."""
         radius, vehicles = self._human.radius, self._stage.vehicles
         touched = {body.name for body in self._world.hits(goal, goal, radius)}
         occupant = next((vehicle for vehicle in vehicles if vehicle.name in touched), None)
@@ -49,12 +49,12 @@ class WaitingPlaces:
         return occupant if without.free(goal, radius) else None
 
     def beside(self, goal: Point, vehicle: Machine) -> Point | None:
-        """Return the free place nearest to `goal` that lets the vehicle set out, if any."""
+        """Return the free position nearest to `goal` outside the zone of the vehicle, or None."""
         zone = Disc(vehicle.centre, self._kept_from(vehicle))
         return self._world.as_if({_ZONE: zone}).nearest_free(goal, self._human.radius)
 
     def left(self, goal: Point, vehicle: Machine) -> float | None:
-        """Return when the vehicle under way leaves `goal` and its surroundings (s), or None."""
+        """Return the time at which a moving vehicle leaves `goal` (s), or None."""
         now, drive = self._stage.clock.now, vehicle.body.motion
         if drive.end <= now:
             return None
@@ -65,30 +65,29 @@ class WaitingPlaces:
         return next((end for _, end in stays if now < end < drive.end), None)
 
     def _kept_from(self, vehicle: Machine) -> float:
-        """Return the distance at which a person does not keep a vehicle from setting out (m)."""
+        """Return the distance at which a person does not block the start of a vehicle (m)."""
         zone = vehicle.zone(self._human.max_speed)
         return max(zone + SPARE - self._human.radius, SPARE)
 
 
 BESIDE = 1e-3
-"""Metres. Further from their goal than this, people have arrived beside somebody else."""
+"""Distance from the goal beyond which people have arrived beside another person, m."""
 
 
 class Errand:
-    """Takes a person to a goal: around obstacles, and waiting where nothing else helps.
+    """Errand of a person to a goal, with replanning.
 
-    A vehicle that stands on the goal is waited for beside it, and a path that something blocks is
-    replanned. What comes of it is perceived:
-    `work_completed`, `path_blocked`, `goal_blocked` or `goal_occupied`.
+    If a vehicle is on the goal, the person waits beside it. The percepts are `work_completed`,
+    `path_blocked`, `goal_blocked` and `goal_occupied`.
     """
 
     def __init__(self, stage: Stage, walker: Walker, senses: Senses) -> None:
         self.visits: list[str] = []
-        """The stations where the person arrived, in order."""
+        """Stations where the person has arrived, in order."""
         self.escorts: Callable[[], bool] | None = None
-        """Returns whether an arrival counts, where the person goes where somebody else goes."""
+        """Returns whether an arrival counts, while the person follows another one."""
         self.refusal = ""
-        """Why the last path that there was none to could not be found."""
+        """Reason of the last failure to find a path."""
         self._stage = stage
         self._record = stage.record
         self._walker = walker
@@ -97,17 +96,17 @@ class Errand:
         self._waiting_places = WaitingPlaces(stage, walker.world, walker.human)
         self._waits_for: Point | None = None
         self._occupant: Machine | None = None
-        """The vehicle that the person waits for, or has waited for last."""
+        """Vehicle for which the person waits, or waited last."""
         self._leaving = Alarm(stage.clock, self._look_again, Turn.MOTION_ENDS)
 
     def go(self, goal: Point) -> bool:
-        """Set out for `goal`; return True if there is a path to it, or to a place to wait."""
+        """Go to `goal`. Return whether there is a path to it, or to a position to wait."""
         self._stage.place_machines()
         self._record(GoalChanged(person=self._name, station=self._station_at(goal), at=goal))
         return self._set_out(goal)
 
     def _set_out(self, goal: Point) -> bool:
-        """Walk to `goal`, or to a place to wait beside it; return False if there is no path."""
+        """Walk to `goal`, or to a position to wait beside it. Return whether there is a path."""
         try:
             self._walker.go(goal)
         except PlanningError as why:
@@ -118,7 +117,7 @@ class Errand:
         return True
 
     def resume(self, goal: Point) -> None:
-        """Walk on to `goal` after having waited for a vehicle, on a new path."""
+        """Walk to `goal` on a new path after a wait for a vehicle."""
         if self._set_out(goal):
             self._walker.replans += 1
             self._record(Replanned(person=self._name, goal=goal))
@@ -128,7 +127,7 @@ class Errand:
         self._waits_for = None
 
     def interrupt(self) -> Point | None:
-        """Stop, and return the goal to `go_on` to; None if they are not on the way to one."""
+        """Stop, and return the goal for `go_on`, or None without one."""
         goal = self._walker.goal
         if goal is None or self._waits_for is not None:
             return None
@@ -136,35 +135,35 @@ class Errand:
         return goal
 
     def go_on(self, goal: Point) -> None:
-        """Set out anew for the goal of an errand that was interrupted."""
+        """Continue an interrupted errand."""
         self._stage.place_machines()
         self._set_out(goal)
 
     def fail(self, goal: Point, message: str, *, at_the_goal: bool = False) -> bool:
-        """Perceive that there is no path to `goal`; False, as the outcome of the action."""
+        """Add a percept that there is no path to `goal`. Return False, the result of the action."""
         self.refusal = message
         self._record(PathBlocked(person=self._name, goal=goal, message=message))
         self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
         return False
 
     def floor_changed(self, came: Collection[str]) -> None:
-        """See whether the path is still free: the floor is not as it was.
+        """Check the path after a change of the floor.
 
-        `came` are the names of what stands since now where it did not before.
+        `came` are the names of bodies that have just come to rest.
         """
         if self._waits_for is not None:
             self._check_wait(self._waits_for, came)
             return
         goal = self._walker.goal
-        trouble = self._walker.check_path(came)
-        if trouble is None or goal is None:
+        failure = self._walker.check_path(came)
+        if failure is None or goal is None:
             return
-        at_the_goal = trouble.reason == "goal_blocked"
+        at_the_goal = failure.reason == "goal_blocked"
         if not (at_the_goal and self._wait_beside(goal)):
             self._senses.count("goal_blocked" if at_the_goal else "path_blocked")
 
     def arrived(self, goal: Point) -> None:
-        """Take note that the walker has reached `goal`, or the place to wait for it."""
+        """Handle the arrival at `goal`, or at the position to wait for it."""
         if self._waits_for is not None:
             self._senses.count("goal_occupied")
             return
@@ -180,7 +179,7 @@ class Errand:
         self._senses.count("work_completed")
 
     def _check_wait(self, goal: Point, came: Collection[str]) -> None:
-        """Go on to `goal` if it is free now; else go on waiting."""
+        """Go to `goal` if it is free now, otherwise wait."""
         occupant = self._waiting_places.occupant(goal)
         if occupant is None:
             self._waits_for = None
@@ -194,26 +193,26 @@ class Errand:
             self._wait_for(occupant)
 
     def _wait_for(self, occupant: Machine) -> None:
-        """Set the alarm for the time at which a vehicle leaves the goal, now and as it sets out."""
+        """Watch for the departure of a vehicle from the goal."""
         self._occupant = occupant
         if self._occupant_moves not in occupant.body.on_change:
             occupant.body.on_change.append(self._occupant_moves)
         self._occupant_moves()
 
     def _occupant_moves(self) -> None:
-        """Set the alarm for the time at which the vehicle leaves the goal, if that is known."""
+        """Set the alarm for the time at which the vehicle leaves the goal, if it is moving."""
         goal, occupant = self._waits_for, self._occupant
         if goal is not None and occupant is not None:
             self._leaving.set(self._waiting_places.left(goal, occupant))
 
     def _look_again(self) -> None:
-        """Go on to the goal that the vehicle has left."""
+        """Go to the goal that the vehicle has left."""
         if self._waits_for is not None:
             self._stage.place_machines()
             self._check_wait(self._waits_for, ())
 
     def _wait_beside(self, goal: Point) -> bool:
-        """Wait near a goal until the vehicle on it has left; return False if none stands there."""
+        """Wait beside a goal until the vehicle on it has left. Return False without a vehicle."""
         self._waits_for = None
         occupant = self._waiting_places.occupant(goal)
         place = None if occupant is None else self._waiting_places.beside(goal, occupant)

@@ -1,4 +1,4 @@
-"""Interaction with another person: let them pass, follow them, and walk up to them."""
+"""Interaction with another person: letting pass, following, and approaching."""
 
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ from .errand import Errand
 from .walker import Walker
 
 AT_LEAST = 0.5
-"""Seconds between two changes of course for somebody's sake, and the least that one is let pass."""
+"""Minimum time between two replans for another person, and minimum time to let a person pass, s."""
 
 BETWEEN = 0.4
-"""Metres between the bodies of two who walk together."""
+"""Distance between the bodies of two people who walk together, m."""
 
 TALKING = 0.7
-"""Metres between the bodies of two of whom one has walked up to the other (within Hall's personal
-space of 1.2 m from centre to centre)."""
+"""Distance between the bodies of two people after one has walked up to the other, m. It is within
+Hall's personal space of 1.2 m from centre to centre."""
 
 BEHIND = 0.6
-"""Metres between the bodies of two of whom one follows the other."""
+"""Distance between the bodies of a person and a follower, m."""
 
 NEARLY = 0.3
-"""Metres. Nobody sets out anew for less."""
+"""Minimum change of a goal for which a person replans, m."""
 
 SLOTS = ((0.0, -1.0), (0.0, 1.0), (-1.0, -0.5), (-1.0, 0.5))
-"""Places of those who walk with somebody: rows ahead, and places to the left. Up to three walk
-abreast, as groups do where there is room (M. Moussaïd et al., "The walking behaviour of pedestrian
+"""Places of companions relative to a person: rows ahead, and places to the left. Up to three walk
+abreast, as groups do if there is room (M. Moussaïd et al., "The walking behaviour of pedestrian
 social groups and its impact on crowd dynamics", PLoS ONE 5, 2010)."""
 
 Aim = Callable[[Traveller], Point | None]
 
 
 class NobodyError(LookupError):
-    """There is nobody of that name."""
+    """There is no person of that name."""
 
 
 class Interaction:
-    """What one person does for the sake of another one, until they do something else.
+    """Activity of a person that depends on another one: letting pass, following, approaching.
 
-    `slot` is their place among those who walk with somebody, None where it does not matter.
+    `slot` is the person's place among the companions of the other one, or None for the nearest.
     """
 
     def __init__(
@@ -71,14 +71,14 @@ class Interaction:
         self._known: set[Traveller] = set()
         self._moved_at = -math.inf
         self._passing: tuple[Traveller, Point, float, float] | None = None
-        """Whom they let pass, where they go on to, and when at the earliest and the latest (s)."""
+        """Person to let pass, goal to continue to, and earliest and latest time for it (s)."""
         self._turning = Alarm(stage.clock, self._turn, Turn.NOTICE)
         self._going_on = Alarm(stage.clock, self._go_on, Turn.NOTICE)
 
     def find(self, who: str) -> Traveller | None:
-        """Return the other person of that name, None while they are not on the floor.
+        """Return the other person of that name, or None while they are not on the floor.
 
-        `NobodyError` if there is none.
+        `NobodyError` if there is no such person.
         """
         others = [one for one in self._stage.people if one.body is not self._walker.body]
         if not any(one.name == who for one in others):
@@ -88,23 +88,23 @@ class Interaction:
                 else "there are no other people"
             )
             raise NobodyError(f"no other person is called {who!r}; {hint}")
-        found = self._crowd.find(who)
-        return None if found is None or self._is_away(found) else found
+        other = self._crowd.find(who)
+        return None if other is None or self._is_away(other) else other
 
     def _is_away(self, other: Traveller) -> bool:
         return any(one.away for one in self._stage.people if one.body is other.body)
 
     def give_up(self) -> None:
-        """Mind nobody in particular any more."""
+        """End the activity."""
         self._other = self._aim = self._passing = None
         self._errand.escorts = None
         self._turning.set(None)
         self._going_on.set(None)
 
     def let_pass(self, other: Traveller) -> bool:
-        """Stop, and go on as soon as `other` comes no closer any more; stay who stands anyway.
+        """Stop, and continue when `other` has passed, or after the patience of the person.
 
-        After as long as the person is patient, they go on in any case.
+        A stationary person does nothing.
         """
         goal = self._errand.interrupt()
         if goal is None:
@@ -128,10 +128,10 @@ class Interaction:
         return True
 
     def approach(self, other: Traveller) -> bool:
-        """Walk up to `other`, and after them while they walk; arriving is that of an errand."""
+        """Walk up to `other`, and follow while they walk. The arrival is that of an errand."""
         return self._attend(other, self._up_to)
 
-    # Letting somebody pass
+    # Letting a person pass
 
     def _wait_for_passing(self) -> None:
         if self._passing is None:
@@ -147,7 +147,7 @@ class Interaction:
             goal, self._passing = self._passing[1], None
             self._errand.go_on(goal)
 
-    # Going where somebody goes
+    # Following a person
 
     def _attend(self, other: Traveller, aim: Aim) -> bool:
         self._other, self._aim = other, aim
@@ -166,7 +166,7 @@ class Interaction:
             other.body.on_change.append(lambda: self._changed(other))
 
     def _changed(self, other: Traveller) -> None:
-        """Take note that `other` changes course. What follows from it has to wait for its turn."""
+        """Schedule the reaction to a new motion of `other`."""
         if self._passing is not None and other is self._passing[0]:
             self._wait_for_passing()
         if other is self._other and self._is_away(other):
@@ -177,7 +177,7 @@ class Interaction:
             self._turning.set(max(self._clock.now, before + AT_LEAST))
 
     def _has_caught_up(self) -> bool:
-        """Return whether an arrival is the end of it: next to who is approached, and stands."""
+        """Return whether an arrival ends the activity: beside an approached person at rest."""
         other = self._other
         if other is None or self._aim != self._up_to:
             return other is None
@@ -189,7 +189,7 @@ class Interaction:
         return False
 
     def _turn(self) -> None:
-        """Go to where the other one goes now."""
+        """Replan to the present goal of the other person."""
         other, aim = self._other, self._aim
         if other is None or aim is None or self._passing is not None:
             return
@@ -208,7 +208,7 @@ class Interaction:
             elif self._has_caught_up():
                 self._errand.arrived(self._walker.body.at)
 
-    # Places relative to somebody
+    # Places relative to a person
 
     def _reach(self, other: Traveller, between: float) -> float:
         return self._walker.human.radius + other.radius + between
@@ -230,7 +230,6 @@ class Interaction:
     def _up_to(self, other: Traveller) -> Point | None:
         (x, y), (ox, oy), heading = self._walker.body.at, *_bound(other)
         away, reach = math.dist((x, y), (ox, oy)), self._reach(other, TALKING)
-        # Near enough: who talks to somebody need not come closer.
         if away <= reach:
             return (x, y)
         c, s = ((x - ox) / away, (y - oy) / away)
@@ -241,9 +240,10 @@ class Interaction:
     def _place(
         self, other: Traveller, ahead: float, left: float, row: float | None = None
     ) -> Point | None:
-        """Return the place `ahead` and to the `left` (m) of where somebody will come to stand.
+        """Return the place `ahead` and to the `left` (m) of the rest position of `other`.
 
-        Where a wall is in between, that on their path behind them (`row`, m), or what is free.
+        If a wall is between them, return the place on the path behind `other` (`row`, m), or the
+        nearest free position.
         """
         (x, y), heading = _bound(other)
         c, s = math.cos(heading), math.sin(heading)
@@ -256,7 +256,7 @@ class Interaction:
 
 
 def _bound(other: Traveller) -> tuple[Point, float]:
-    """Return where somebody will come to stand as things are, and their heading there (rad)."""
+    """Return the rest position of a person's present motion, and the heading there (rad)."""
     motion = other.body.motion
     state = motion.state(motion.end)
     return state.at, state.position[2]

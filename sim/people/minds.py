@@ -75,7 +75,7 @@ class Outside:
         self._perceived.append(percept)
 
     def remove_percept(self, percept: bdi.Literal) -> None:
-        """Do nothing: whoever is outside takes percepts as they begin, and not their end."""
+        """Do nothing, because external programs receive only the begin of percepts."""
 
     def advance(self, time: float) -> None:
         """Call `on_decision` if there is something to decide at `time` (seconds)."""
@@ -93,7 +93,7 @@ class Outside:
 
 
 class Mindless:
-    """Mind of somebody who walks as they were measured: nothing that happens changes that."""
+    """Mind of a recorded person, without any decisions."""
 
     next_wakeup: float | None = None
 
@@ -210,7 +210,7 @@ def first_beliefs(
 
 @lru_cache(maxsize=4096)
 def as_term(name: str) -> bdi.Term:
-    """Return a name as an AgentSpeak term: an atom where it can be one, else a string."""
+    """Return a name as an AgentSpeak term: an atom if possible, otherwise a string."""
     return bdi.Literal(name) if re.fullmatch(r"[a-z][A-Za-z0-9_]*", name) else name
 
 

@@ -23,14 +23,11 @@ from ..safety.proximity import NearnessMonitor, by_conditions
 from .minds import Mind, Outside, as_term
 
 Key = tuple[str, ...]
-"""A functor, and the name of whom the percept is about, if it is about somebody."""
+"""Functor, and the name of the person whom the percept is about, if any."""
 
 
 class Percepts:
-    """The percepts of one mind, which stays small: of each functor it has the latest alone.
-
-    Of percepts about other people it has the latest about each.
-    """
+    """Percepts of one agent. Only the latest of each functor, and of each other person, remains."""
 
     def __init__(self, mind: Mind) -> None:
         self._mind = mind
@@ -39,21 +36,18 @@ class Percepts:
         self._unheard: set[Key] = set()
 
     def see(self, functor: str, *arguments: float) -> None:
-        """Perceive `functor(arguments)`, and no longer what was perceived of it before."""
+        """Add `functor(arguments)`, and remove the previous percept of this functor."""
         self._perceive((functor,), *map(float, arguments))
 
     def count(self, functor: str, *who: str) -> None:
-        """Perceive `functor(N)`, with N the number of times that it was perceived before.
-
-        About somebody, who is named, `functor(Who, N)`.
-        """
+        """Add `functor(N)`, or `functor(Who, N)` about a person. N counts earlier ones."""
         key = (functor, *who)
         n = self._counts.get(key, 0)
         self._counts[key] = n + 1
         self._perceive(key, *map(as_term, who), float(n))
 
     def _perceive(self, key: Key, *arguments: bdi.Term) -> None:
-        """Perceive something in place of what was perceived under this key before."""
+        """Replace the percept of this key."""
         percept = bdi.Literal(key[0], arguments)
         before = self._latest.get(key)
         if before is not None:
@@ -63,14 +57,14 @@ class Percepts:
         self._mind.add_percept(percept)
 
     def heard(self) -> None:
-        """Take note that the mind has thought about all of it."""
+        """Mark all percepts as processed by the agent."""
         self._unheard.clear()
 
     def pass_on(self, mind: Mind) -> Percepts:
-        """Return the percepts of `mind`, which takes the place of the mind so far.
+        """Return the percepts of `mind`, which replaces the present agent.
 
-        It perceives the present state of things and the happenings that nobody has thought about
-        yet; happenings are counted on.
+        It receives the present state, and the counted percepts that were not processed yet. Counts
+        continue.
         """
         new = Percepts(mind)
         new._counts = self._counts
@@ -83,10 +77,10 @@ class Percepts:
 
 
 class Senses:
-    """The percepts of a person, whichever mind they have.
+    """Percepts of a person, also after a change of the agent.
 
-    The mind thinks as soon as there are any, or if there is a `lag`, that many seconds later. The
-    percepts of that time are then thought about together.
+    The agent reasons about new percepts at once, or after the time that `lag` returns (s), together
+    with all percepts of that time.
     """
 
     def __init__(
@@ -99,26 +93,26 @@ class Senses:
         self._thinking = Alarm(clock, think, Turn.THOUGHT)
 
     def belong_to(self, mind: Mind) -> None:
-        """Let `mind` perceive from now on, and what the one before it did not think about."""
+        """Pass percepts to `mind` from now on, and those that the agent before did not process."""
         before = self._percepts
         self._percepts = Percepts(mind) if before is None else before.pass_on(mind)
         self._thinking.set(self._clock.now)
 
     def count(self, functor: str, *who: str) -> None:
-        """Perceive `functor(N)` for the Nth time, from 0; `functor(Who, N)` about somebody."""
+        """Add a percept. See `Percepts.count`."""
         if self._percepts is not None:
             self._percepts.count(functor, *who)
             self._think_soon()
 
     def see(self, functor: str, *arguments: float) -> None:
-        """Perceive `functor(arguments)`, in place of what was perceived of it before."""
+        """Add a percept. See `Percepts.see`."""
         if self._percepts is not None:
             self._percepts.see(functor, *arguments)
             self._think_soon()
 
     @property
     def thinks_at(self) -> float:
-        """Instant (seconds) by which the mind has thought about all that is perceived."""
+        """Time at which the agent will have processed all percepts, s."""
         return self._clock.now if self._due is None else self._due
 
     def _think_soon(self) -> None:
@@ -130,30 +124,31 @@ class Senses:
         self.think_by(self._due)
 
     def heard(self) -> None:
-        """Take note that the mind has thought about all of it."""
+        """Mark all percepts as processed by the agent."""
         self._due = None
         if self._percepts is not None:
             self._percepts.heard()
 
     def think_by(self, t: float) -> None:
-        """Let the mind think at `t` (seconds) at the latest."""
+        """Schedule the next reasoning of the agent at `t` (s) at the latest."""
         t = max(t, self._clock.now)
         if self._thinking.time is None or t < self._thinking.time:
             self._thinking.set(t)
 
 
 EYE_LEVEL = 0.93
-"""Share of the stature at which eyes are: 1.63 m of 1.75 m, the median of men in DIN 33402-2."""
+"""Height of the eyes as a share of the stature: 1.63 m of 1.75 m, the median of men in DIN
+33402-2."""
 
 
 class Vision:
-    """The eyes of one person, who notices machines as `noticing` says (with plain figures)."""
+    """Field of view of a person, with the numbers of `noticing`."""
 
     def __init__(self, stage: Stage, body: Body, human: Human, noticing: NoticingEntry) -> None:
         degrees, delay = noticing.field_of_view, noticing.reaction_time
         assert isinstance(degrees, float | int | None) and isinstance(delay, float | int | None)
         self.reaction_time = 0.0 if delay is None else delay
-        """Seconds from when they see something until they perceive it."""
+        """Time from seeing a machine until its percept, s."""
         self._half = math.pi if degrees is None else math.radians(degrees) / 2
         self._stage = stage
         self._body = body
@@ -163,10 +158,9 @@ class Vision:
         self._tree = shapely.STRtree([one.footprint for one in self._fixed])
 
     def see(self, machine: Machine) -> bool:
-        """Return whether any of the points at which they look of `machine` can be seen now.
+        """Return whether the axis or a corner of `machine` is visible now.
 
-        These are its axis and its corners; where something may hide them, at its bottom, at its top
-        and half-way.
+        With occlusion, its bottom, its top or the middle between them must be visible there.
         """
         if self._half >= math.pi and self._boundary is None:
             return True
@@ -195,12 +189,11 @@ class Vision:
         heights: Iterable[float],
         machine: Machine,
     ) -> bool:
-        """Return whether nothing hides a point of `machine` at all of `heights` (metres)."""
+        """Return whether a point of `machine` is visible at one of `heights` (m)."""
         if self._boundary is None or math.dist(eye, point) == 0.0:
             return True
         line = LineString([eye, point])
-        # The floor's edge hides all heights; of a point beyond it, as of a gantry that overhangs,
-        # nothing is asked.
+        # The edge of the floor hides all heights, except of a gantry that extends beyond it.
         if self._boundary.covers(Point(point)) and not self._boundary.covers(line):
             return False
         hides = [
@@ -214,7 +207,7 @@ class Vision:
         )
 
     def _around(self, line: LineString, seen: Machine) -> Iterable[Obstacle]:
-        """Yield what stands or hangs on the line: obstacles, and machines other than that."""
+        """Yield the obstacles and other machines that may be on the line."""
         for index in np.sort(self._tree.query(line, predicate="intersects")):
             yield self._fixed[int(index)]
         yield from self._stage.active_closures.values()
@@ -242,28 +235,26 @@ def _spans(line: LineString, obstacle: Obstacle) -> list[tuple[float, float]]:
 def _hidden(
     span: tuple[float, float], eye: float, height: float, bottom: float, top: float
 ) -> bool:
-    """Return whether a sight line that runs from `eye` to `height` meets what fills this part."""
-    # The line falls or rises evenly, so over the obstacle it is between its heights at the two
-    # ends.
+    """Return whether a sight line from `eye` to `height` (m) meets an obstacle in this part."""
     along = [eye + share * (height - eye) for share in span]
     return bottom < max(along) and min(along) < top
 
 
 NEAR = TooClose(FixedDistance(3.6))
-"""So near is who counts as near: within 3.6 m of centres, where Hall's social space ends."""
+"""Condition of `person_near`: centres within 3.6 m, the end of Hall's social space."""
 
 GONE = Apart(4.1)
-"""So far has to go who is gone: 0.5 m more between centres, in metres."""
+"""Condition of `person_gone`: centres 0.5 m farther apart."""
 
 NEARNESS = ("person_near", "person_gone")
-"""Percepts that need a watch on every other person."""
+"""Percepts that need a monitor for each other person."""
 
 PERCEPTS = (*NEARNESS, "in_the_way", "gives_way", "wants_to_pass", "has_left")
 """Percepts about another person, `functor(Who, N)`."""
 
 
 class SocialPerception:
-    """What one person perceives of others, from their start on: what their program mentions."""
+    """Percepts about other people that the program of a person mentions, from the start on."""
 
     def __init__(self, stage: Stage, body: Body, senses: Senses) -> None:
         self._stage = stage
@@ -274,7 +265,7 @@ class SocialPerception:
         self._watches: list[NearnessMonitor] = []
 
     def belong_to(self, mind: Mind) -> None:
-        """Perceive from now on what the program of `mind` mentions; a mind outside hears all."""
+        """Select the percepts that the program of `mind` mentions, or all for an external agent."""
         if isinstance(mind, bdi.Agent):
             self._heeded = mentioned(mind.program)
         elif isinstance(mind, Outside):
@@ -282,16 +273,16 @@ class SocialPerception:
         self._look_round()
 
     def start(self) -> None:
-        """Begin to perceive: the person starts."""
+        """Begin to add percepts."""
         self._started = True
         self._look_round()
 
     def heeds(self, percept: str) -> bool:
-        """Return whether the mind heeds a percept about another person."""
+        """Return whether the program of the agent mentions a percept about another person."""
         return percept in self._heeded
 
     def perceive(self, percept: str, who: str) -> None:
-        """Perceive something about `who`, if the mind heeds such percepts."""
+        """Add a percept about another person, if the program of the agent mentions it."""
         if self._started and self.heeds(percept):
             self._senses.count(percept, who)
 
@@ -314,7 +305,7 @@ class SocialPerception:
 
 @lru_cache(maxsize=1024)
 def mentioned(program: bdi.Program) -> frozenset[str]:
-    """Return those of the percepts about other people that stand anywhere in a program."""
+    """Return the percepts about other people that a program mentions."""
     clauses = (*program.beliefs, *program.goals, *program.plans)
     words = set(re.findall(r"\w+", " ".join(map(str, clauses))))
     return frozenset(words.intersection(PERCEPTS))

@@ -1,7 +1,7 @@
-"""A person: a mind in a body on the floor, with drawn parameters and an entrance.
+"""A person: an agent with a body on the floor, drawn parameters and an entrance.
 
-This is where beliefs meet geometry: what happens around a person becomes percepts (`Senses`), and
-the actions that their mind decides on (`Actions`) become errands and motions (`Errand`, `Walker`).
+Beliefs meet geometry here. Events around a person become percepts (`Senses`), and the actions of
+the agent (`Actions`) become errands and motions (`Errand`, `Walker`).
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _Made = TypeVar("_Made", bound=Scenario)
 
 
 def with_figures(scenario: _Made) -> _Made:
-    """Return the scenario in which every figure of its people is a number."""
+    """Return the scenario with a drawn number for each distribution of its people."""
     return scenario.with_people(lambda entry: _with_figures(entry, scenario.seed))
 
 
@@ -59,25 +59,25 @@ def _with_figures(entry: PersonEntry, seed: int) -> PersonEntry:
     if entry.noticing == ALL_ROUND:
         return entry
     figures: dict[str, Any] = {
-        name: drawn_figure(given, seed, f"{name} {entry.name}")
+        name: drawn_figure(declared, seed, f"{name} {entry.name}")
         for name in ("field_of_view", "reaction_time")
-        for given in [getattr(entry.noticing, name)]
-        if given is not None
+        for declared in [getattr(entry.noticing, name)]
+        if declared is not None
     }
     return replace(entry, noticing=replace(entry.noticing, **figures))
 
 
 def speed_of(entry: PersonEntry, usual: float) -> float:
-    """Return the top speed (m/s) of somebody `with_figures`; `usual` is that of the floor."""
+    """Return the top speed (m/s) of an entry `with_figures`. `usual` is the value of the floor."""
     speed = usual if entry.max_speed is None else entry.max_speed
     assert not isinstance(speed, tuple | Duration)
     return speed
 
 
 def lag_of(entry: PersonEntry, seed: int) -> Callable[[], float] | None:
-    """Return what gives the next lag (s) of somebody's agent; None if it has none.
+    """Return a function that draws the next lag of a person's agent (s), or None without lags.
 
-    The lags are drawn from the trial's `seed` and the name alone.
+    The lags depend only on the `seed` of the trial and on the name.
     """
     lag = entry.agent_lag
     if lag is None:
@@ -87,13 +87,13 @@ def lag_of(entry: PersonEntry, seed: int) -> Callable[[], float] | None:
 
 
 LOOKS_AGAIN = 0.5
-"""Seconds until somebody who finds no room to come in looks again."""
+"""Time between two attempts of a person to enter, s."""
 
 
 class Entrances:
-    """People who want to come in: a queue for each place, first in, first out.
+    """Queues of people at entrances, first in, first out.
 
-    Only the first of a queue looks for room, however many wait behind them.
+    Only the first person of a queue looks for room.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -101,9 +101,9 @@ class Entrances:
         self._queues: dict[Point, deque[tuple[float, Callable[[], bool]]]] = {}
 
     def join(self, place: Point, come_in: Callable[[], bool]) -> None:
-        """Queue at `place`; `come_in` is called when it is their turn, and returns whether it went.
+        """Join the queue at `place`. `come_in` is called in turn, and returns whether it succeeded.
 
-        It is called at once, and every `LOOKS_AGAIN` seconds after that while they are the first.
+        The first of a queue tries at once, and again every `LOOKS_AGAIN` seconds.
         """
         queue = self._queues.setdefault(place, deque())
         queue.append((self._clock.now, come_in))
@@ -121,7 +121,7 @@ class Entrances:
             self._clock.call_at(self._next(queue, now), lambda: self._look(place), Turn.NOTICE)
 
     def _next(self, queue: deque[tuple[float, Callable[[], bool]]], now: float) -> float:
-        """Return when the first looks, who has looked in vain before at their own pace."""
+        """Return the time of the next attempt of the first person, in steps from their last one."""
         t, come_in = queue[0]
         while t < now:
             t += LOOKS_AGAIN
@@ -130,15 +130,15 @@ class Entrances:
 
 
 MOST_AT_ONCE = 1000
-"""Number of times a person may think or act at one instant; more count as an endless program."""
+"""Maximum number of thoughts and actions of a person at one time. More are an endless program."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Surroundings:
     """Parts of a trial that all people share.
 
-    `make_mind` returns a mind of a person that runs the program of an entry, after the mind before
-    it. `thought` is called after each thought, so that others hear the messages that it sent.
+    `make_mind` returns the agent of a person for an entry, which replaces the given one, if any.
+    `thought` is called after each thought, so that others receive its messages.
     """
 
     stage: Stage
@@ -152,9 +152,9 @@ class Surroundings:
 
 
 class Person:
-    """One person of a stage, as `entry` has them. A recorded person walks their `walk`.
+    """One person of a stage, declared by `entry`. A recorded person follows `walk`.
 
-    `index` is their number among all people, and `slot` their place in a group that they follow.
+    `index` is the number among all people, and `slot` the place among the companions of a leader.
     """
 
     on_command: OnCommand | None = None
@@ -174,16 +174,16 @@ class Person:
     ) -> None:
         stage, crowd, seed = surroundings.stage, surroundings.crowd, surroundings.seed
         home = entry.home_on(stage.floorplan)
-        assert home is not None  # else the trial is refused
+        assert home is not None  # checks reject trials without a home
         self.name = entry.name
         self.personality = entry.personality_name
         self.started_at: float | None = None
         enters_at = entry.entrance_on(stage.floorplan) if walk is None else walk.enters_at
         self._entrance = enters_at or at
         self.stays: list[tuple[float, float]] = [] if enters_at else [(0.0, math.inf)]
-        """Intervals (s) on the floor. The last one is infinite until they leave."""
+        """Intervals on the floor, s. The last one is infinite until the person leaves."""
         self.is_awaited = enters_at is not None
-        """Whether they are not on the floor at the start."""
+        """Whether the person is not on the floor at the start."""
         self._index = index
         self._seed = seed
         self._sink = entry.sink_on(stage.floorplan)
@@ -248,7 +248,7 @@ class Person:
         self._instant = (stage.clock.now, 0)
         self._make_mind = partial(surroundings.make_mind, self)
         self.mind = self._make_mind(entry, None)
-        """The mind that decides for them."""
+        """Agent that decides for the person."""
         self._senses.belong_to(self.mind)
         self._regard.belong_to(self.mind)
         for machine in stage.machines.values():
@@ -257,7 +257,7 @@ class Person:
             machine.look_out_for(self.body, human.max_speed)
 
     def begin(self) -> None:
-        """Wait for what lets them start, and for what changes their personality."""
+        """Schedule the start and the changes of personality."""
         triggers, entry = self._stage.triggers, self._entry
         if self.is_awaited:
             self._stage.record(Awaited(person=self.name, at=self._entrance))
@@ -271,7 +271,7 @@ class Person:
             triggers.add(change.when, become, who=self.name)
 
     def _enter(self) -> bool:
-        """Come in, if there is room at the entrance; return whether they did."""
+        """Enter if there is room at the entrance. Return whether there was."""
         self._stage.place_machines()
         entrance, radius, source = self._entrance, self.walker.human.radius, self._entry.source
         at = self._crowd.room(entrance, radius, self.walker.traveller, within=AT_THE_DOOR)
@@ -285,7 +285,7 @@ class Person:
         return True
 
     def _come_or_go(self, is_there: bool, at: Point | None = None) -> None:
-        """Be on the floor from now on, or not any more."""
+        """Record that the person enters or leaves the floor."""
         now, kind = self._clock.now, Entered if is_there else Left
         if is_there:
             self.stays.append((now, math.inf))
@@ -295,23 +295,23 @@ class Person:
 
     @property
     def away(self) -> bool:
-        """Whether they are not on the floor: not yet, or not any more."""
+        """Whether the person is not on the floor: not yet, or no longer."""
         return not self.stays or self.stays[-1][1] < math.inf
 
     @property
     def left_at(self) -> float | None:
-        """When they left the floor (s), None if they have not, or have come again."""
+        """Time at which the person left the floor (s), or None unless they are gone now."""
         left = self.stays[-1][1] if self.stays else math.inf
         return None if left == math.inf else left
 
     def _arrived(self, goal: Point) -> None:
-        """Take note that a goal is reached; at their sink people leave the floor."""
+        """Finish the errand. A person who has arrived at their sink leaves the floor."""
         self._errand.arrived(goal)
         if self._sink is not None and goal == self._sink:
             self._leave()
 
     def _leave(self) -> None:
-        """Leave the floor, once the door is open, if they are at it."""
+        """Leave the floor if the person is at the sink, as soon as the door there is open."""
         at, sink = self.body.at, self._sink
         if sink is None or self.away or math.dist(at, sink) > AT_THE_DOOR:
             return
@@ -324,40 +324,39 @@ class Person:
 
     @property
     def body(self) -> Body:
-        """Their body."""
+        """Body of the person."""
         return self.walker.body
 
     @property
     def reaction_time(self) -> float:
-        """Seconds from when they see something until they perceive it."""
+        """Time from seeing a machine until its percept, s."""
         return 0.0 if self._eyes is None else self._eyes.reaction_time
 
     def sees(self, machine: Machine) -> bool:
-        """Return whether they can see `machine` now."""
+        """Return whether the person can see `machine` now."""
         return self._eyes is None or self._eyes.see(machine)
 
     @property
     def radius(self) -> float:
-        """Radius of their body in metres."""
+        """Radius of the body in metres."""
         return self.walker.human.radius
 
     @property
     def is_recorded(self) -> bool:
-        """True of somebody who walks as they were measured."""
+        """Whether the person follows a recorded walk."""
         return self._playback is not None
 
     @property
     def visits(self) -> list[str]:
-        """The stations where they arrived, in order."""
+        """Stations where the person has arrived, in order."""
         return self._errand.visits
 
     def change_personality(self, personality: str | Path | bdi.Program) -> None:
-        """From this instant on, let another program decide: a name, an .asl file, or a program.
+        """Replace the program now, by a name, an .asl file or a program.
 
-        The errand under way is dropped: the person stands until the new mind acts. It
-        believes what every mind does at the start, and where the person is going; percepts count
-        on. `TrialError` or `bdi.ProgramError` if there is no such program, `ValueError` if
-        the person has no mind of their own.
+        The person drops the current errand and stops. The new agent has the beliefs of every agent
+        at the start, and the goal of the person. Counts of percepts continue. `TrialError` or
+        `bdi.ProgramError` if there is no such program, `ValueError` if the person is external.
         """
         if not isinstance(self.mind, bdi.Agent):
             raise UserError(f"{self.name} is controlled from outside")
@@ -377,7 +376,7 @@ class Person:
         self._regard.belong_to(self.mind)
 
     def give_up(self) -> None:
-        """Drop the errand under way, and the task."""
+        """Drop the current errand and the task."""
         self._errand.give_up()
         self._attention.give_up()
         if self.worker is not None:
@@ -385,21 +384,18 @@ class Person:
 
     @property
     def beliefs(self) -> LiveBeliefs:
-        """What they always know about their work, if there is any, and about who is in the way.
-
-        `waits_for(Who)`: who keeps them from going on now.
-        """
-        found = {} if self.worker is None else self.worker.beliefs()
+        """Live beliefs about work, if there is any, and `waits_for(Who)` about the next blocker."""
+        work = {} if self.worker is None else self.worker.beliefs()
 
         def waits_for() -> list[tuple[bdi.Term, ...]]:
             who = self._crowd.waits_for(self.walker.traveller)
             return [] if who is None else [(as_term(who),)]
 
-        return {**found, ("waits_for", 1): waits_for}
+        return {**work, ("waits_for", 1): waits_for}
 
     @commands
     def start(self) -> None:
-        """Begin; a second time does nothing."""
+        """Start the person unless they have started."""
         if self.started_at is None:
             self.started_at = self._clock.now
             self._stage.record(HumanStarted(person=self.name))
@@ -412,10 +408,10 @@ class Person:
             self._regard.start()
 
     def warn(self, percept: str, machine: Machine) -> None:
-        """Perceive `percept`, the referee's warning about `machine`.
+        """Add `percept`, a warning of the referee about `machine`.
 
-        After a violation the person is put home even if the mind does not do so by itself: that
-        is enforced once the mind has thought about it (`Turn.INSISTENCE`).
+        After a violation the person must go home. That is enforced after the agent has reasoned
+        about the percept (`Turn.INSISTENCE`).
         """
         is_robot = machine.shape.category == "robot"
         if is_robot:
@@ -427,24 +423,22 @@ class Person:
             self._enforcing.set(self._senses.thinks_at)
 
     def heeds(self, percept: str) -> bool:
-        """Return whether the mind heeds a percept about another person."""
+        """See `SocialPerception.heeds`."""
         return self._regard.heeds(percept)
 
     def perceive(self, percept: str, who: str) -> None:
-        """Perceive something about another person, if the mind heeds it."""
+        """See `SocialPerception.perceive`."""
         self._regard.perceive(percept, who)
 
     def floor_changed(self, came: Collection[str]) -> None:
-        """See whether the path is still free: a machine has come to rest on the floor."""
+        """Check the path after a change of the floor. See `Errand.floor_changed`."""
         self._errand.floor_changed(came)
 
     @commands
     def act(self, action: bdi.Literal) -> bool | bdi.Refused:
-        """Carry out an external action of the agent; return True if it could be.
+        """Carry out an external action of the agent. Return True, or a failure with its reason.
 
-        Where it could not, the outcome has the reason, if there is one.
-
-        `MindError`, with its place in the program, if it makes no sense.
+        A `MindError` for an invalid action contains its place in the program.
         """
         try:
             self._count_at_once()
@@ -458,16 +452,16 @@ class Person:
             raise
 
     def send(self, to: Point) -> bool:
-        """Walk to a place, or near it, as if they had decided to; return whether they set out.
+        """Walk to a position, or near it. Return whether the person starts to walk.
 
-        Who is not on the floor, has not begun or walks as they were measured doesn't.
+        Recorded people, and people who are absent or have not started, never do.
         """
-        here = self.started_at is not None and not (self.away or self.is_recorded)
-        return here and self._actions.go_near(to)
+        can_go = self.started_at is not None and not (self.away or self.is_recorded)
+        return can_go and self._actions.go_near(to)
 
     @property
     def put_home_at(self) -> float | None:
-        """Instant at which they were last put home (seconds)."""
+        """Time at which the person was last put home, s."""
         return self._actions.put_home_at
 
     @commands
@@ -484,7 +478,7 @@ class Person:
         return self._referee.penalise(self)
 
     def wake(self) -> None:
-        """Let the mind think earlier than expected, if a message gives it something to do."""
+        """Wake the agent if a message has added an event to its queue."""
         if self.mind.next_wakeup is not None:
             self._senses.think_by(self.mind.next_wakeup)
 

@@ -1,4 +1,4 @@
-"""All people of a trial, and what their minds share."""
+"""All people of a trial, and what their agents share."""
 
 from __future__ import annotations
 
@@ -35,34 +35,34 @@ from .tracks.recorded_walks import RecordedWalk, with_places
 from .work import WorkBoard
 
 MOST_PATHS = 256
-"""Number of paths that people of a size keep in mind: patrols ask for the same ones all day."""
+"""Number of cached paths per radius. Patrols request the same paths again and again."""
 
 GROUP_PACE = 0.85
-"""Share of the top speed of the slowest of a group at which it walks, so that who has fallen
-behind can catch up."""
+"""Speed of a group as a share of the top speed of its slowest member, so that members who have
+fallen behind can catch up."""
 
 SEEDS = 2**32 - 1
-"""Number of seeds that OMPL tells apart."""
+"""Number of different seeds of OMPL."""
 
 
 class _Society(bdi.Society):
-    """The minds of a company, which notes who is spoken to while somebody thinks."""
+    """Society of agents that records the receivers of messages."""
 
     def __init__(self) -> None:
         super().__init__()
         self.spoken_to: set[str] = set()
 
     def deliver(self, name: str, message: bdi.Message) -> None:
-        """Give `message` to the mind called `name`; `ActionError` if there is none."""
+        """Deliver `message` to the agent `name`, or raise an `ActionError` if there is none."""
         super().deliver(name, message)
         self.spoken_to.add(name)
 
 
 class Population:
-    """The people of a scenario on a stage: they share planners by size, and can hear each other.
+    """People of a scenario on a stage. People of one radius share a planner.
 
-    Those who were recorded walk their `walks`, by name.
-    Their thoughts are kept in `thoughts`, and passed to `listener`, if it `wants_thoughts`.
+    `walks` are the recorded walks by name. `thoughts` are recorded, and passed to `listener`, if it
+    `wants_thoughts`.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Population:
         self._society = _Society()
         self._inspectors: dict[str, MindInspector] = {}
         self._attentive: list[Person] | None = None
-        """Those whose minds heed that somebody has left, once it has been asked for."""
+        """People whose programs mention `has_left`, computed at its first use."""
         board = WorkBoard(scenario, stage.clock) if scenario.has_work else None
         self._board = board
         self.people: list[Person] = []
@@ -122,10 +122,10 @@ class Population:
             self.people.append(person)
         self._named = {person.name: person for person in self.people}
         self.distancing: Distancing | None = None
-        """The watch on the distance between people, if the rules want one."""
+        """Monitor of the distance between people, if the rules have one."""
 
     def begin(self) -> None:
-        """Let people wait for their start, and work appear."""
+        """Schedule the starts of people and their work."""
         if self._crowd.is_shared:
             self._stage.triggers.each("met", self._perceive_meeting)
             self._stage.triggers.each("gave_way", self._perceive_request)
@@ -155,19 +155,19 @@ class Population:
 
     @property
     def deadlocks(self) -> int:
-        """Number of times that nobody under way could go on because of the others."""
+        """Number of times that no person with a goal could continue."""
         return self._crowd.deadlocks
 
     def _planner(self, person: str, radius: float, choice: PlannerChoice) -> PathPlanner:
-        """Return the one planner for all people of a size who plan alike: to share its paths."""
+        """Return the planner that all people of this radius and choice of planner share."""
         world = self._stage.world_of(person)
-        known = self._planners.get((world, radius, choice))
-        if known is None:
+        planner = self._planners.get((world, radius, choice))
+        if planner is None:
             stage, seed = self._stage, self._scenario.seed % SEEDS
-            found = find_planner(choice, stage.code_folder)
-            known = PathPlanner(world, radius, planner=found, seed=seed, keep=MOST_PATHS)
-            self._planners[world, radius, choice] = known
-        return known
+            chosen = find_planner(choice, stage.code_folder)
+            planner = PathPlanner(world, radius, planner=chosen, seed=seed, keep=MOST_PATHS)
+            self._planners[world, radius, choice] = planner
+        return planner
 
     def _make_mind(self, person: Person, entry: PersonEntry, before: Mind | None) -> Mind:
         self._attentive = None
@@ -199,7 +199,7 @@ class Population:
         self._listener.thought(thought)
 
     def _thought(self, person: Person) -> None:
-        """Record the changes that a thought has made, and wake those who were spoken to."""
+        """Record the changes of a thought, and wake the receivers of its messages."""
         inspector = self._inspectors.get(person.name)
         if inspector is not None and isinstance(person.mind, bdi.Agent):
             inspector.look(rounded(self._stage.clock.now), person.mind)
@@ -212,7 +212,7 @@ class Population:
                 listener.wake()
 
     def _note(self, person: str, entry: bdi.Entry) -> None:
-        """Pass an entry to the inspector, and record a warning for the program's author."""
+        """Pass an entry to the inspector, and record it if it is a warning."""
         if person in self._inspectors:
             self._inspectors[person].note(entry)
         if entry.kind == "warning":
@@ -221,7 +221,7 @@ class Population:
 
 
 def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
-    """Return the place of somebody among those who walk with the same one, if they do."""
+    """Return the place of a person among the companions of their leader, or None."""
     leader = scenario.leader(entry)
     if leader is None:
         return None
@@ -229,16 +229,16 @@ def _slot(entry: PersonEntry, scenario: Scenario) -> int | None:
 
 
 def _human(entry: PersonEntry, usual: Human, walk: RecordedWalk | None = None) -> Human:
-    """Return the measures of a person: their own, else those of the floor.
+    """Return the dimensions and limits of a person: of the entry, or otherwise of the floor.
 
-    A recorded `walk` may be faster: machines have to reckon with that.
+    Machines must expect the top speed of a recorded `walk`, which may be higher.
     """
-    given = {
+    own = {
         name: getattr(entry, name)
         for name in ("radius", "max_speed", "max_acceleration")
         if getattr(entry, name) is not None
     }
-    human = replace(usual, **given) if given else usual
+    human = replace(usual, **own) if own else usual
     if walk is None:
         return human
     return replace(human, max_speed=max(human.max_speed, walk.top_speed))

@@ -57,21 +57,21 @@ ACTIONS = Kind(
 
 
 def modules_of(of_person: str | None, of_trial: str | None) -> tuple[str, ...]:
-    """Return the modules with actions that a person and the trial name; the person's go before."""
+    """Return the modules with actions of the trial and of a person. The latter take precedence."""
     return tuple(dict.fromkeys(name for name in (of_trial, of_person) if name is not None))
 
 
 def sources_of(
     personality: str | bdi.Program | Path, modules: Sequence[str], folder: CodeFolder
 ) -> list[CustomCode]:
-    """Return the modules with the actions that a person's program may use; none is imported.
+    """Return the modules with the actions that a person's program may use, without an import.
 
-    They are `modules`, right in `folder`, and those beside a program `NAME/NAME.asl`. Of two
-    actions of one name the later counts.
-    `OwnCodeError` says what is missing, or that own code is refused.
+    They are `modules` in `folder`, and the modules beside a program `NAME/NAME.asl`. Later actions
+    replace earlier ones of the same name.
+    `OwnCodeError` if one is missing, or if custom code is not allowed.
     """
-    found = [folder.find_module(module, ACTIONS) for module in modules]
-    for source in found:
+    sources = [folder.find_module(module, ACTIONS) for module in modules]
+    for source in sources:
         if not _names_in(source):
             raise OwnCodeError(f"{source.name!r} has no {ACTIONS.words}")
     program = _file_of(personality, folder.path)
@@ -80,8 +80,8 @@ def sources_of(
         for file in sorted(place.glob("*.py")):
             source = CustomCode(folder=place, module=file.stem, file=file, kind=ACTIONS)
             if _names_in(source):
-                found.append(replace(folder, path=place).find_module(file.stem, ACTIONS))
-    return found
+                sources.append(replace(folder, path=place).find_module(file.stem, ACTIONS))
+    return sources
 
 
 def names_of(sources: Sequence[CustomCode]) -> frozenset[str]:
@@ -90,17 +90,17 @@ def names_of(sources: Sequence[CustomCode]) -> frozenset[str]:
 
 
 def import_actions(sources: Sequence[CustomCode]) -> bdi.InternalActions:
-    """Return the actions and functions in some modules, which are imported.
+    """Import some modules, and return their actions and functions.
 
     `OwnCodeError` if that fails.
     """
-    found = bdi.InternalActions()
+    actions = bdi.InternalActions()
     for source in sources:
         for value in vars(source.load()).values():
             if isinstance(value, bdi.InternalActions):
-                found.update(value)
-                found.functions.update(value.functions)
-    return found
+                actions.update(value)
+                actions.functions.update(value.functions)
+    return actions
 
 
 def _file_of(personality: str | bdi.Program | Path, folder: Path) -> Path | None:
@@ -118,16 +118,16 @@ def _names_in(source: CustomCode) -> list[str]:
 
 
 EXTERNAL = "external"
-"""The personality of a person who runs no program, but is commanded from outside; likewise the
-controller of a gantry."""
+"""Personality of people who are controlled by an external program, and controller of such a
+gantry."""
 
 
 def find_program(personality: str, folder: Path) -> str | Path:
-    """Return the name of a built-in personality, or the path of an .asl file seen from `folder`.
+    """Return the name of a built-in personality, or the path of an .asl file relative to `folder`.
 
-    A folder NAME stands for the program NAME/NAME.asl.
+    A folder NAME is short for the program NAME/NAME.asl.
 
-    `TrialError` says what there is.
+    A `TrialError` lists the available personalities.
     """
     if personality in bdi.programs():
         return personality
@@ -147,10 +147,10 @@ def load_program(
     folder: CodeFolder,
     modules: Sequence[str] = (),
 ) -> bdi.Program | None:
-    """Return the program of a personality; None for somebody who runs none (`EXTERNAL`).
+    """Return the program of a personality, or None for `EXTERNAL`.
 
-    It may use the internal actions in `modules`, of which nothing is imported here.
-    Raises what `find_program` and `sources_of` do, and `bdi.ProgramError`.
+    It may use the internal actions in `modules`, which are not imported here.
+    Raises the errors of `find_program` and `sources_of`, and `bdi.ProgramError`.
     """
     if personality == EXTERNAL:
         return None
@@ -161,7 +161,7 @@ def load_program(
 
 
 def in_group(program: bdi.Program) -> bdi.Program:
-    """Return the program of somebody who walks with the leader of a group: that goes first."""
+    """Return the program of a follower. The plans of a group precede those of `program`."""
     group = bdi.load("group")
     return replace(
         program,
@@ -171,9 +171,9 @@ def in_group(program: bdi.Program) -> bdi.Program:
 
 
 class Programs:
-    """Programs that the people of a scenario run: each is loaded once, whoever runs it.
+    """Programs of the people of a scenario. Each is loaded once.
 
-    Its methods raise what `load_program` does, and `OwnCodeError` if actions can't be imported.
+    The methods raise the errors of `load_program`, and `OwnCodeError` if an import fails.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -181,15 +181,15 @@ class Programs:
         self._load = cache(self._loaded)
 
     def of(self, entry: PersonEntry) -> tuple[bdi.Program, bdi.InternalActions | None]:
-        """Return the program of a person, and the actions of the user's own that it may use.
+        """Return the program of a person, and its custom actions, if any.
 
-        `ValueError` for somebody who runs none.
+        `ValueError` for a person without a program.
         """
         is_led = self._scenario.leader(entry) is not None
         return self._load(entry.personality, entry.actions, is_led)
 
     def with_changes(self, entry: PersonEntry) -> PersonEntry:
-        """Return the person with the programs themselves of the personalities that come later."""
+        """Return the person with the loaded programs of later personalities."""
         if not entry.changes:
             return entry
         changes = [
@@ -211,9 +211,9 @@ class Programs:
 
 
 def written_personality(personality: str | bdi.Program, folder: Path) -> str:
-    """Return the name by which a personality is found again from `folder`.
+    """Return the name of a personality, relative to `folder`.
 
-    `ValueError` if it is a program of no file, or of one that has changed since.
+    `ValueError` if it is a program without a file, or if the file has changed.
     """
     if isinstance(personality, str):
         return personality
@@ -226,9 +226,10 @@ def written_personality(personality: str | bdi.Program, folder: Path) -> str:
 
 @lru_cache(maxsize=1024)
 def _try_out(program: bdi.Program, own: frozenset[str]) -> None:
-    """Refuse what nobody can begin with, as internal actions that aren't there or among `own`.
+    """Raise the errors that an agent of the program would raise at its start.
 
-    That takes as long as a person's mind at the start, and a study loads programs for each row.
+    The result is cached, because a study loads the same programs for each row. `own` are the names
+    of custom actions.
     """
     actions = bdi.InternalActions({name: InternalAction(lambda call, *a: True) for name in own})
     actions.functions.update(dict.fromkeys(own, lambda *numbers: 0.0))
@@ -241,37 +242,37 @@ _Made = TypeVar("_Made", bound=Scenario)
 PLANNER = Kind(
     noun="planner",
     words="planner: a planner is a subclass of ompl.base.Planner",
-    accepts=lambda found: inspect.isclass(found) and issubclass(found, ob.Planner),
+    accepts=lambda value: inspect.isclass(value) and issubclass(value, ob.Planner),
     error=PlannerError,
 )
 """The kind of class that a trial names as a planner."""
 
 
 def planner_of(entry: PersonEntry, scenario: Scenario) -> PlannerChoice:
-    """Return the planner that finds a person's paths: their own, else the trial's."""
+    """Return the planner of a person, which is by default that of the trial."""
     return scenario.planner if entry.planner is None else entry.planner
 
 
 def with_planner(scenario: _Made, planner: PlannerChoice | str) -> _Made:
-    """Return the same scenario in which everybody has this planner."""
+    """Return the scenario with this planner for all people."""
     choice = PlannerChoice.of(planner)
     planner_source(choice, scenario.code_folder)
     return replace(scenario, planner=choice).with_people(lambda one: replace(one, planner=None))
 
 
 def find_planner(choice: PlannerChoice, folder: CodeFolder) -> PlannerChoice:
-    """Return `choice`, ready to be asked: one of the user's own, in `folder`, is imported.
+    """Return `choice` after the import of a custom planner in `folder`.
 
-    `PlannerError` says what is missing.
+    `PlannerError` if it is missing.
     """
     source = planner_source(choice, folder)
     return choice if source is None else _checked(replace(choice, kind=source.load()))
 
 
 def planner_source(choice: PlannerChoice, folder: CodeFolder) -> CustomCode | None:
-    """Return the source of a planner of the user's own, which is not imported; None for others.
+    """Return the source of a custom planner without an import, or None for others.
 
-    `PlannerError` if it is not there, or if its parameters are none that every planner has.
+    `PlannerError` if it is missing, or if it has unknown parameters.
     """
     _checked(choice)
     if not choice.is_own or choice.kind is not None:

@@ -1,4 +1,4 @@
-"""A body that walks: from where it is to a goal, around the obstacles of the moment."""
+"""A body that walks to a goal around the present obstacles."""
 
 from __future__ import annotations
 
@@ -27,18 +27,17 @@ from .crowd.traveller import Traveller
 from .crowd.vehicles import TOUCH, among_vehicles, any_moves
 
 LEEWAY = 0.05
-"""Metres. Further from vehicles people keep who must adapt their course to others as well."""
+"""Additional distance to vehicles, because people also adapt their course to others, m."""
 
 SLOWER = 10.0
-"""Seconds. No walk takes longer than this beyond its length at top speed."""
+"""Maximum duration of a walk beyond that at top speed, s."""
 
 
 class Walker:
-    """One person's legs. `arrived(goal)` is called whenever a goal is reached.
+    """Walking of one person along planned paths, among the other people of the `crowd`.
 
-    They follow the planned path as the `crowd` allows: other people, and vehicles that drive.
-    `blocked` is called when others have kept them from going on for too long, `late(goal)` when a
-    vehicle has passed that they let pass before they set out, and they stand elsewhere by then.
+    `arrived(goal)` is called on arrival, and `blocked` when others have blocked the person for too
+    long. `late(goal)` is called after a wait for a vehicle, if the person was moved meanwhile.
     """
 
     def __init__(
@@ -77,20 +76,20 @@ class Walker:
 
     @property
     def world(self) -> CollisionWorld:
-        """The world in which the person walks: zones that are forbidden to them are closed."""
+        """World of the person, in which their forbidden zones are closed."""
         return self._planner.world
 
     @property
     def heading(self) -> float:
-        """Direction in which the person looks now (radians)."""
+        """Present heading of the person, rad."""
         return self.body.state.position[2]
 
     def prepare(self) -> None:
-        """Compute beforehand what planning the first path would need."""
+        """Precompute the planner's data for the first path."""
         self._planner.prepare()
 
     def go(self, goal: Point) -> None:
-        """Walk to `goal` from now on; `PlanningError`, and no change, if there is no path."""
+        """Walk to `goal` from now on. A `PlanningError` changes nothing."""
         points = self._path(self.body.at, goal)
         self.goal = goal
         self._setting_out.set(None)
@@ -104,7 +103,7 @@ class Walker:
         self._step_out_of_closures()
 
     def _follow_passage(self, passage: Passage, top: float) -> None:
-        """Walk past a vehicle, and wait for it where that is quickest."""
+        """Walk past a vehicle, with the wait of the passage, if any."""
         points, self._onward = [*map(tuple, passage.path.points.tolist())], []
         now, delay = self._clock.now, 0.0
         if passage.waits:
@@ -119,30 +118,30 @@ class Walker:
             self._wait_here()
 
     def _wait_here(self) -> None:
-        """Stand until the vehicle that one waits for has passed."""
+        """Stop until the vehicle has passed."""
         self._crowd.rest(self.traveller)
         self._setting_out.set(max(self._goes_on_at, self._clock.now))
 
     def _passage_from_rest(self, goal: Point, points: list[Point], top: float) -> Passage | None:
-        """Return how somebody who stands gets past vehicles, or None if they need not mind any."""
+        """Return the passage of a stationary person past vehicles, or None without a need."""
         now, acceleration = self._clock.now, self.human.max_acceleration
         if self.body.motion.end > now:
             return None
         length = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
         if not any_moves(self._stage, now + length / top + SLOWER):
             return None
-        if self.traveller.zones.along(points, top)[1] != top:  # slower than vehicles are foreseen
+        if self.traveller.zones.along(points, top)[1] != top:  # `plan_among` has one top speed
             return None
         try:
             motion = walk(points, now, max_speed=top, max_acceleration=acceleration)
-        except ValueError:  # they are there
+        except ValueError:  # the person is at the goal
             return None
         return among_vehicles(
             self._stage, self._planner, self.human, self.body, goal, motion, top, TOUCH + LEEWAY
         )
 
     def _go_on(self) -> None:
-        """Walk the rest of a path on which one has waited; plan anew where one was put aside."""
+        """Continue on the path after a wait. Replan if the person was moved."""
         goal, onward = self._bound_for(), self._onward
         if self.body.at == onward[0]:
             top = self.human.max_speed * self.speed_share
@@ -154,14 +153,14 @@ class Walker:
             self._late(goal)
 
     def stop(self) -> None:
-        """Brake, and stand."""
+        """Brake to a standstill."""
         braking = self.braking()
         self._forget_goal()
         self.body.follow(braking)
         self._step_out_of_closures()
 
     def turn_to(self, point: Point) -> None:
-        """Brake, stand, and look towards `point`."""
+        """Brake to a standstill, and turn to `point`."""
         braking = self.braking()
         self._forget_goal()
         x, y = braking.state(braking.end).at
@@ -170,12 +169,12 @@ class Walker:
         self._step_out_of_closures()
 
     def put(self, at: Point, heading: float) -> None:
-        """Be at `at` from one instant to the next, standing."""
+        """Move the person to `at` at once, stationary."""
         self._forget_goal()
         self.body.follow(standing(at, heading=heading, start=self._clock.now))
 
     def halt_if_blocked(self) -> bool:
-        """Stop, as far as that helps, if the motion is no longer free; return whether it was."""
+        """Stop if the motion is no longer free. Return whether it is."""
         is_free = self._is_clear(self.body.motion)
         if not is_free and not self._crowd.is_empty:
             self._crowd.halt(self.traveller, self._is_clear)
@@ -183,13 +182,13 @@ class Walker:
 
     @property
     def _end(self) -> Point:
-        """Where they come to stand as things are."""
+        """Rest position of the present motion."""
         return self.body.motion.state(self.body.motion.end).at
 
     def check_path(self, came: Collection[str]) -> PlanningError | None:
-        """Replan if the path is no longer free; where there is none, stop and return the reason.
+        """Replan if the path is no longer free. If there is no path, stop and return the reason.
 
-        `came` are the names of what stands since now where it did not before.
+        `came` are the names of bodies that have just come to rest.
         """
         if self.traveller.recorded:
             return None
@@ -198,7 +197,7 @@ class Walker:
         if self.goal is None:
             self._step_out_of_closures()
             return None
-        # The rest of a path on which they wait is none of the crowd's, so no route includes it.
+        # The crowd's route does not include the path after a wait.
         paths = self.traveller.route, self._onward
         if is_free and all(map(self._is_free, paths)) and not self._is_cut_off(end, came):
             return None
@@ -217,13 +216,13 @@ class Walker:
         return all(world.segment_free(a, b, radius) for a, b in itertools.pairwise(path))
 
     def _is_clear(self, motion: Motion) -> bool:
-        """Return whether nothing stands in the way of a motion of theirs from now on."""
+        """Return whether the rest of a motion is free."""
         return self._is_free(remaining_path(motion, self._clock.now))
 
     def _step_out_of_closures(self) -> None:
-        """Walk to the nearest free place if the motion ends where a door, or the like, is closed.
+        """Walk to the nearest free position if the motion ends in a closed door or obstacle.
 
-        People do not foresee that it closes: they may be too near to stop before it.
+        People do not foresee its closing, so they may be too near to stop before it.
         """
         if not self._stage.active_closures:
             return
@@ -235,14 +234,13 @@ class Walker:
         if exits:
             free = (place for place in exits if self._crowd.has_room(self.traveller, place))
             place = next(free, exits[0])
-            # Then they go on, if they have a goal.
             self._onward, self._goes_on_at = [place], self._clock.now
             self._crowd.set_out(self.traveller, place, [place], self.human.max_speed)
 
     def _is_cut_off(self, end: Point, came: Collection[str]) -> bool:
-        """Return whether what `came` closes the leg from the `end` of the motion to the route.
+        """Return whether a body in `came` closes the segment from `end` of the motion to the route.
 
-        Among others people stop beside their route: what stood there before is no news.
+        People may stop beside their route behind bodies that were there before.
         """
         return any(
             body.name in came
@@ -264,19 +262,18 @@ class Walker:
         return [*map(tuple, path.points.tolist())]
 
     def _step_out(self, start: Point, goal: Point, blocked: PlanningError) -> list[Point]:
-        """Return a path to `goal` from the nearest place beside what blocks `start`."""
+        """Return a path to `goal` from the nearest position beside the body on `start`."""
         failed: list[PlanningError] = []
         for place in self.world.exits(start, self.human.radius):
             try:
                 return [*map(tuple, self._planner.plan(place, goal).points.tolist())]
             except PlanningError as why:
                 failed.append(why)
-        # Why there is no path from the nearest place beside says more than that the start is
-        # blocked.
+        # The reason at the nearest exit says more than that the start is blocked.
         raise (failed or [blocked])[0]
 
     def braking(self) -> Motion:
-        """Return the motion that `stop` would make from here and now."""
+        """Return the motion that `stop` would make now."""
         return self._crowd.braking(self.traveller)
 
     def _forget_goal(self) -> None:
@@ -286,7 +283,7 @@ class Walker:
         self._crowd.rest(self.traveller)
 
     def _arrive(self) -> None:
-        if self.goal is None:  # they have stepped out of a place that closed
+        if self.goal is None:  # the person has left a closed place
             self._crowd.rest(self.traveller)
             self._step_out_of_closures()
             return
@@ -299,13 +296,12 @@ class Walker:
 
 
 def _parted(points: list[Point], place: Point) -> tuple[list[Point], list[Point]]:
-    """Return a path up to `place` on it, and from there on."""
+    """Return the parts of a path before and after `place` on it."""
     if place in points:
         k = points.index(place)
         return points[: k + 1], points[k:]
     pairs = [*itertools.pairwise(points)]
-    # A place on a leg makes it no longer; off by rounding, it is on the leg that it lengthens
-    # least.
+    # With rounding, the place is on the segment that it lengthens least.
     beside = [math.dist(a, place) + math.dist(place, b) - math.dist(a, b) for a, b in pairs]
     k = beside.index(min(beside))
     return [*points[: k + 1], place], [place, *points[k + 1 :]]

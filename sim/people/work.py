@@ -33,10 +33,10 @@ Call = Callable[[], None]
 
 @dataclass(eq=False)
 class Ticket:
-    """A task that is there to be done, once: its `id` counts all tickets of the trial.
+    """One task to be done once. `id` counts all tickets of the trial.
 
-    `number` is that of the task on its list; those of breaks are negative. `left` are the seconds
-    that it still takes at the usual pace. `begun` is the time at which somebody first set to work.
+    `number` is the number of the task on its list, negative for breaks. `left` is the remaining
+    time at the normal pace (s), and `begun` the time at which a person first started it (s).
     """
 
     id: int
@@ -53,18 +53,18 @@ class Ticket:
 
     @property
     def urgency(self) -> tuple[bool, int, float]:
-        """What puts it in order: breaks, then by priority, then the oldest first."""
+        """Sort key: breaks, then by priority, then the oldest first."""
         return (not self.is_break, -self.task.priority, self.since)
 
 
 class WorkBoard:
-    """The tickets of a scenario: those of its lists, and those of each person alone.
+    """Tickets of a scenario, on shared lists and on a list of each person.
 
-    At a station there is room for one: while somebody has a task there, no other one is offered.
-    Of those who could take a new ticket, the nearest are called first.
+    One person at a time has a task at a station. The nearest people are notified first of a new
+    ticket.
 
-    How long each takes is drawn from the seed, by list and number: whoever does it, and whatever
-    else happens, it is the same.
+    The duration of a ticket is drawn from the seed, its list and its number, so that it does not
+    depend on other events.
     """
 
     def __init__(self, scenario: Scenario, clock: Clock) -> None:
@@ -76,23 +76,23 @@ class WorkBoard:
         self._busy: set[str] = set()
         self._tickets = 0
         self._drawn: dict[tuple[str, int], int] = {}
-        self._repeats = {name for name, held in scenario.work.items() if held.repeat}
+        self._repeats = {name for name, work in scenario.work.items() if work.repeat}
 
     def call(self, name: str, body: Body, called: Call) -> None:
-        """Call `called`, for who walks as `body`, when there may be more to do on list `name`."""
+        """Call `called` when there may be more to do on the list `name`, nearest `body` first."""
         self._called.setdefault(name, []).append((body, called))
 
     def begin(self) -> None:
-        """Let tickets appear from now on, each at its time."""
-        for name, held in self._scenario.work.items():
-            self._release(name, held)
+        """Schedule all tickets."""
+        for name, work in self._scenario.work.items():
+            self._release(name, work)
         for person in self._scenario.people:
             own = own_list(person.name)
             self._release(own, WorkList(person.schedule))
             self._release(own, WorkList(person.breaks), breaks=True)
 
-    def _release(self, name: str, held: WorkList, *, breaks: bool = False) -> None:
-        for k, task in enumerate(held.tasks):
+    def _release(self, name: str, work: WorkList, *, breaks: bool = False) -> None:
+        for k, task in enumerate(work.tasks):
             number = -1 - k if breaks else k
             self._wait_for(task.time, 1, name, number, task, breaks)
 
@@ -126,14 +126,18 @@ class WorkBoard:
         self._notify([ticket])
 
     def offers(self, lists: list[str], person: str, at: Point) -> list[Ticket]:
-        """Return the tickets on `lists` that `person`, who is `at`, could take.
+        """Return the tickets on `lists` that a person at the position `at` can take.
 
-        The most urgent come first: breaks, then by priority, then the oldest, then the nearest.
+        The order is that of `Ticket.urgency`, then the nearest first.
         """
-        found = [one for name in lists for one in self._open.get(name, ())]
+        tickets = [ticket for name in lists for ticket in self._open.get(name, ())]
         return sorted(
-            (one for one in found if one.task.at not in self._busy and person not in one.refused),
-            key=lambda one: (*one.urgency, math.dist(one.at, at), one.id),
+            (
+                ticket
+                for ticket in tickets
+                if ticket.task.at not in self._busy and person not in ticket.refused
+            ),
+            key=lambda ticket: (*ticket.urgency, math.dist(ticket.at, at), ticket.id),
         )
 
     def take(self, ticket: Ticket) -> None:
@@ -147,42 +151,43 @@ class WorkBoard:
         self._leave(ticket.task.at)
 
     def done(self, ticket: Ticket) -> None:
-        """Take note that the task of a ticket is done: on some lists it is there again."""
+        """Remove a finished ticket. Lists that repeat get a new one."""
         self._leave(ticket.task.at)
         if ticket.list in self._repeats:
             self._put(ticket.list, ticket.number, ticket.task, ticket.is_break)
 
     def _leave(self, station: str) -> None:
-        """Take note that nobody has a task at `station` any more."""
+        """Release a station, and notify people of the most urgent ticket there."""
         self._busy.discard(station)
-        waiting = [one for held in self._open.values() for one in held if one.task.at == station]
-        self._notify(sorted(waiting, key=lambda one: one.urgency)[:1])
+        tickets = [ticket for tickets in self._open.values() for ticket in tickets]
+        waiting = [ticket for ticket in tickets if ticket.task.at == station]
+        self._notify(sorted(waiting, key=lambda ticket: ticket.urgency)[:1])
 
     def _notify(self, tickets: list[Ticket]) -> None:
-        """Call those who could take one of `tickets`, the nearest to it first."""
+        """Notify the people who could take one of `tickets`, the nearest to it first."""
         for ticket in tickets:
-            known = self._called.get(ticket.list, [])
-            for _, called in sorted(known, key=lambda one: math.dist(one[0].at, ticket.at)):
+            calls = self._called.get(ticket.list, [])
+            for _, called in sorted(calls, key=lambda one: math.dist(one[0].at, ticket.at)):
                 called()
 
 
 def own_list(person: str) -> str:
-    """Return the name of the list of what is there for a person alone; no list is called so."""
+    """Return the name of the list of a single person. No list of a trial has such a name."""
     return f"of {person}"
 
 
 REACH = 1.5
-"""Metres. So near to a station its tasks can be done: somebody else may stand right on it."""
+"""Distance within which the tasks of a station can be done, m, as the station may be occupied."""
 
 SLOWEST, FASTEST = 0.1, 10.0
-"""Least and greatest pace of work."""
+"""Minimum and maximum pace of work."""
 
 
 class Worker:
-    """The work of one person, who walks as `body` and takes tickets from a `board`.
+    """Work of one person with this `body`, who takes tickets from a `board`, one at a time.
 
-    There are offers for whoever has started and is on shift; one task is taken at a time. What
-    comes of it is perceived: `work_offered`, `task_done`, `shift_began`, `shift_ended`.
+    There are offers after the start and during shifts. The percepts are `work_offered`,
+    `task_done`, `shift_began` and `shift_ended`.
     """
 
     def __init__(
@@ -216,7 +221,7 @@ class Worker:
             board.call(name, body, self._offered)
 
     def start(self) -> None:
-        """Begin to work: the person has started."""
+        """Schedule the shifts after the start of the person."""
         now = self._started = self._clock.now
         for begin, end in self._shifts:
             if end > now:
@@ -225,7 +230,7 @@ class Worker:
 
     @property
     def on_shift(self) -> bool:
-        """Whether tasks are offered to them now."""
+        """Whether the person can take tasks now."""
         if self._started is None:
             return False
         now = self._clock.now
@@ -233,20 +238,20 @@ class Worker:
 
     @property
     def offers(self) -> list[Ticket]:
-        """The tickets that they could take now, the most urgent first."""
+        """Tickets that the person can take now, the most urgent first."""
         here = self._body.at
         return self._board.offers(self._lists, self._name, here) if self.on_shift else []
 
     @property
     def time_working(self) -> float:
-        """How long (s) they have worked, without breaks."""
+        """Time worked without breaks, s."""
         doing = self.doing
         under_way = self._since is not None and doing is not None and not doing.is_break
         return self._worked + (self._clock.now - (self._since or 0.0) if under_way else 0.0)
 
     @property
     def throughput(self) -> float | None:
-        """Tasks done in an hour on shift, None before there was any time for it."""
+        """Tasks done per hour on shift, or None before any time on shift."""
         if self._started is None:
             return None
         now = self._clock.now
@@ -283,7 +288,7 @@ class Worker:
     # Actions
 
     def take(self, number: float) -> bool:
-        """Take on the task that is offered under this number; False if none is, or with a task."""
+        """Take the offered ticket with this id. False if there is none, or during another task."""
         for ticket in self.offers if self.doing is None else ():
             if ticket.id == number:
                 self._board.take(ticket)
@@ -293,7 +298,7 @@ class Worker:
         return False
 
     def begin(self) -> bool:
-        """Set to work; False without a task, or out of reach of its station."""
+        """Start or continue the task. False without a task, or out of reach of its station."""
         ticket = self.doing
         if ticket is None:
             return False
@@ -308,7 +313,7 @@ class Worker:
         return True
 
     def pause(self) -> None:
-        """Leave the task that is under way, if one is; it is still theirs."""
+        """Interrupt the task in progress, and keep it."""
         ticket = self.doing
         if ticket is None or self._since is None:
             return
@@ -316,7 +321,7 @@ class Worker:
         self._record(TaskPaused(**self._facts(ticket), left=ticket.left))
 
     def give_back(self) -> bool:
-        """Give the task back, for others or for later; False without one."""
+        """Return the task to the board. False without a task."""
         self.pause()
         ticket = self.doing
         if ticket is None:
@@ -327,7 +332,7 @@ class Worker:
         return True
 
     def refuse(self, number: float) -> bool:
-        """Have a task that is offered under this number not offered again; False if none is."""
+        """Reject the offered ticket with this id for good. False if there is none."""
         for ticket in self.offers:
             if ticket.id == number:
                 ticket.refused.add(self._name)
@@ -336,7 +341,7 @@ class Worker:
         return False
 
     def work_pace(self, pace: float) -> bool:
-        """Work `pace` times as fast as usual from now on; False beyond 0.1 … 10."""
+        """Set the pace as a multiple of the normal one. False outside 0.1 … 10."""
         if not SLOWEST <= pace <= FASTEST:
             return False
         ticket = self.doing
@@ -348,7 +353,7 @@ class Worker:
         return True
 
     def _stop(self, ticket: Ticket) -> None:
-        """Stop the work under way, and count it."""
+        """Stop the work in progress, and add up its time."""
         assert self._since is not None
         spent = self._clock.now - self._since
         ticket.left = max(0.0, ticket.left - spent * self._pace)

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from floorplan import UserError
 from navigation import Motion, Moving, minimum_separation, when
@@ -37,6 +37,18 @@ CAUSES = ("gantry", "person")
 
 CATEGORIES: tuple[Category, ...] = ("robot", "vehicle")
 """Categories of machines whose distances to people are monitored."""
+
+
+class _Monitored(NamedTuple):
+    """Monitor of a person and a machine, their motions, and spans (s).
+
+    In these spans the person is on the floor, and a vehicle moves.
+    """
+
+    watch: SeparationMonitor
+    person: Motion
+    machine: Motion
+    spans: list[Span]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,16 +97,24 @@ class Finished:
 
         With its `time` (s), and the `required` distance then (m).
         """
-        by_person: dict[str, dict[str, float]] = {}
-        for watch, one, other, spans in self._together("robot"):
-            person, shapes = watch.pair.person.name, watch.pair.shapes
+        return {person: figures for person, (figures, _) in self._nearest("robot").items()}
+
+    def _nearest(self, category: Category) -> dict[str, tuple[dict[str, float], Machine]]:
+        """Return the least distance of each started person, and the machine of the category."""
+        nearest: dict[str, tuple[dict[str, float], Machine]] = {}
+        for watch, one, other, spans in self._together(category):
+            person, machine = watch.pair.person.name, watch.pair.machine
+            measured = other.translated(*self.trial.rules.measured_at(machine.shape))
             for begin, end in spans:
-                time, distance = minimum_separation(one, other, begin, end, shapes=shapes)
-                if person not in by_person or distance < by_person[person]["distance"]:
+                time, distance = minimum_separation(
+                    one, measured, begin, end, shapes=watch.pair.shapes
+                )
+                if person not in nearest or distance < nearest[person][0]["distance"]:
                     # A violation may end in a teleport, so the motion before it counts.
                     required = watch.required_before(time, one, other)
-                    by_person[person] = {"distance": distance, "time": time, "required": required}
-        return by_person
+                    figures = {"distance": distance, "time": time, "required": required}
+                    nearest[person] = figures, machine
+        return nearest
 
     @property
     def nearest_of_all(self) -> dict[str, float] | None:
@@ -107,18 +127,10 @@ class Finished:
 
         With its `time` (s), the `required` distance then (m), and the `agv`.
         """
-        nearest: dict[str, dict[str, Any]] = {}
-        for watch, one, other, spans in self._together("vehicle"):
-            person, machine = watch.pair.person.name, watch.pair.machine
-            measured = other.translated(*self.trial.rules.measured_at(machine.shape))
-            shapes = watch.pair.shapes
-            for begin, end in spans:
-                time, distance = minimum_separation(one, measured, begin, end, shapes=shapes)
-                if person not in nearest or distance < nearest[person]["distance"]:
-                    required = watch.required_before(time, one, other)
-                    figures = {"distance": distance, "time": time, "required": required}
-                    nearest[person] = {**figures, "agv": machine.name}
-        return nearest
+        return {
+            person: {**figures, "agv": machine.name}
+            for person, (figures, machine) in self._nearest("vehicle").items()
+        }
 
     @property
     def nearest_agv(self) -> dict[str, Any] | None:
@@ -167,13 +179,8 @@ class Finished:
         moving = Moving(reach=0.0 if shapes is None else shapes.reach)
         return [part for span in spans for part in when(moving, motion, motion, *span)]
 
-    def _together(
-        self, category: Category
-    ) -> Iterator[tuple[SeparationMonitor, Motion, Motion, list[tuple[float, float]]]]:
-        """Yield each monitor of a person and a machine of a category, their motions, and spans (s).
-
-        In these spans the person is on the floor, and a vehicle moves.
-        """
+    def _together(self, category: Category) -> Iterator[_Monitored]:
+        """Yield each person beside each machine of a category."""
         stays = {person.name: self._stays(person) for person in self.people}
         drives: dict[str, list[tuple[float, float]]] = {}
         for watch in self.referee.watches:
@@ -187,7 +194,8 @@ class Finished:
                 pairs = itertools.product(spans, drives[machine.name])
                 cut = [(max(a, begin), min(b, end)) for (begin, end), (a, b) in pairs]
                 spans = [(a, b) for a, b in cut if a < b]
-            yield watch, self.motions[person], self.motions[machine.name], spans
+            motions = self.motions[person], self.motions[machine.name]
+            yield _Monitored(watch, *motions, spans)
 
     def _stays(self, person: Person) -> list[tuple[float, float]]:
         """Return the times (s) for which a person was on the floor after the start."""

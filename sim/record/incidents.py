@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -49,35 +50,31 @@ def least_margins(run: Outcome) -> CellArray:
 
     It is infinite in cells without people or required distances. Stationary vehicles require none.
     """
-    least = np.full(cells_of(run.floorplan, CELL), math.inf)
-    for person in run.scene.people:
-        times, _ = _moments_of_person(run, person.name)
+
+    def fill(person: str, cells: CellArray) -> None:
+        times, _ = _moments_of_person(run, person)
         margin = np.full(len(times), math.inf)
-        for other, machine in run.violations:
-            if other == person.name:
-                margin = np.minimum(margin, _margins(run, person.name, machine, times))
-        cells = np.full(least.shape, math.inf)
-        np.minimum.at(cells, _cells(run, person.name, times), margin)
+        for machine in run.violations_of(person):
+            margin = np.minimum(margin, _margins(run, person, machine, times))
+        np.minimum.at(cells, _cells(run, person, times), margin)
         # The violation of a person who is teleported immediately lies between two samples.
-        for at, margin_then in _begins(run, person.name):
+        for at, margin_then in _begins(run, person):
             cells[_cell(run, at)] = min(cells[_cell(run, at)], margin_then)
-        least = np.minimum(least, spread(cells, CELL, person.radius, np.minimum, math.inf))
-    return least
+
+    return _under_bodies(run, fill, np.minimum, math.inf)
 
 
 def violation_times(run: Outcome) -> CellArray:
     """Return the time (s) for which people in each cell were nearer than required."""
-    total = np.zeros(cells_of(run.floorplan, CELL))
-    for person in run.scene.people:
-        mine = run.violations_of(person.name).values()
-        if not any(mine):
-            continue
-        times, lengths = _moments_of_person(run, person.name)
-        near = within(times, [interval for some in mine for interval in some])
-        cells = np.zeros(total.shape)
-        np.add.at(cells, _cells(run, person.name, times[near]), lengths[near])
-        total += spread(cells, CELL, person.radius, np.add, 0.0)
-    return total
+
+    def fill(person: str, cells: CellArray) -> None:
+        mine = [*itertools.chain.from_iterable(run.violations_of(person).values())]
+        if mine:
+            times, lengths = _moments_of_person(run, person)
+            near = within(times, mine)
+            np.add.at(cells, _cells(run, person, times[near]), lengths[near])
+
+    return _under_bodies(run, fill, np.add, 0.0)
 
 
 def severities(run: Outcome) -> CellArray:
@@ -86,19 +83,29 @@ def severities(run: Outcome) -> CellArray:
     It is 0 in cells without violations. The energy of a contact grows with its square (ISO/TS
     15066:2016, annex A.3.4).
     """
-    worst = np.zeros(cells_of(run.floorplan, CELL))
+
+    def fill(person: str, cells: CellArray) -> None:
+        for machine, intervals in run.violations_of(person).items():
+            if intervals:
+                times, _ = _moments_of_person(run, person)
+                times = times[within(times, intervals)]
+                speed = relative_speeds(run, person, machine, times)
+                np.maximum.at(cells, _cells(run, person, times), speed)
+
+    return _under_bodies(run, fill, np.maximum, 0.0)
+
+
+def _under_bodies(
+    run: Outcome, fill: Callable[[str, CellArray], None], join: np.ufunc, nothing: float
+) -> CellArray:
+    """Return the cells that `fill` sets under the centre of each person, spread to their bodies."""
+    joined = np.full(cells_of(run.floorplan, CELL), nothing)
     for person in run.scene.people:
-        mine = run.violations_of(person.name)
-        if not any(mine.values()):
-            continue
-        all_times, _ = _moments_of_person(run, person.name)
-        cells = np.zeros(worst.shape)
-        for machine, intervals in mine.items():
-            times = all_times[within(all_times, intervals)]
-            speed = relative_speeds(run, person.name, machine, times)
-            np.maximum.at(cells, _cells(run, person.name, times), speed)
-        worst = np.maximum(worst, spread(cells, CELL, person.radius, np.maximum, 0.0))
-    return worst
+        cells = np.full(joined.shape, nothing)
+        fill(person.name, cells)
+        if (cells != nothing).any():
+            joined = join(joined, spread(cells, CELL, person.radius, join, nothing))
+    return joined
 
 
 def relative_speeds(run: Outcome, person: str, machine: str, times: CellArray) -> CellArray:

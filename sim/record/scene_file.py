@@ -22,6 +22,7 @@ from shapely.geometry import Polygon, mapping, shape
 from floorplan import Floorplan, Obstacle, UserError
 from floorplan.checks import polygon_fault
 from floorplan.files.fields import LARGEST
+from floorplan.files.forms import BY_FIELDS
 from floorplan.files.problems import field_name
 from floorplan.model import LEFT_OUT_IF_EMPTY
 from navigation import ApproachLaw, FieldSet, FixedDistance, IntegralLaw, Scaled, SeparationLaw
@@ -141,7 +142,9 @@ def read_scene(text: str, later: Callable[[str], None] | None = None) -> Scene:
     try:
         # The fields by their names in Python. Keys of files may have others.
         extra: Literal["ignore"] | None = None if form == FORMAT else "ignore"
-        scene = _SceneFile.model_validate(data, by_alias=False, by_name=True, extra=extra)
+        scene = _SceneFile.model_validate(
+            data, by_alias=False, by_name=True, extra=extra, context={BY_FIELDS: True}
+        )
     except ValidationError as misfits:
         first = misfits.errors()[0]
         place = ".".join(str(part) for part in first["loc"])

@@ -49,16 +49,16 @@ LINES = ("events.jsonl", "motions.jsonl", "thoughts.jsonl")
 """Files that are written line by line."""
 
 COMMANDS = "commands.yaml"
-"""The commands of a run, as a trial file names them."""
+"""Commands of a run, in the form of a trial file."""
 
 FILES = (
     *("summary.json", "scene.json", *LINES, "violations.jsonl"),
     *("trajectory.csv", "replay.html"),
 )
-"""All files of a recording, but for its commands."""
+"""All files of a recording except its commands."""
 
 TRAJECTORY_RATE = 10.0
-"""Hz. Rate of trajectory.csv."""
+"""Rate of trajectory.csv, Hz."""
 
 
 class RecordingError(InputError):
@@ -79,14 +79,14 @@ _Pieces = Annotated[list[tuple[_Number, _Number, _Cubic, _Cubic, _Cubic]], Field
 
 
 class EventLine(TypedDict):
-    """A line of events.jsonl, which has further fields of its kind."""
+    """A line of events.jsonl. Each kind has additional fields."""
 
     t: _Number
     kind: str
 
 
 class MotionLine(TypedDict):
-    """A line of motions.jsonl: what a body has done, its pieces as coefficients of cubics."""
+    """A line of motions.jsonl: part of the motion of a body, as coefficients of cubics."""
 
     body: str
     kind: NotRequired[str]
@@ -103,7 +103,7 @@ class IntentionLine(TypedDict):
 
 
 class ThoughtLine(TypedDict):
-    """A line of thoughts.jsonl: what a thought has changed in a mind."""
+    """A line of thoughts.jsonl: changes of an agent by a thought."""
 
     t: _Number
     person: str
@@ -269,7 +269,7 @@ class Recording(InProgress, Listener):
 
 
 def _made(first: Path) -> Path:
-    """Return the folder `first`, or the first of NAME-2, NAME-3 … that wasn't there, made."""
+    """Create the folder `first`, or the first new one of NAME-2, NAME-3 and so on. Return it."""
     first.parent.mkdir(parents=True, exist_ok=True)
     folder, number = first, 1
     while True:
@@ -284,16 +284,16 @@ def _made(first: Path) -> Path:
 
 @dataclass(frozen=True)
 class _RecordingReader:
-    """Reads a recording: with `damage`, that is told what can't be read, and the rest is used.
+    """Reader of a recording. If there is `damage`, it is called with errors, which are not raised.
 
-    `torn`: the run was broken off, so that the last line of a file may be half a line.
+    `torn` is whether the run was interrupted, so that the last line of a file may be incomplete.
     """
 
     torn: bool
     damage: Callable[[str], None] | None
 
     def refuse(self, error: RecordingError) -> None:
-        """Raise the error, or tell what it says."""
+        """Raise the error, or pass its messages to `damage`."""
         if self.damage is None:
             raise error from None
         place = Path(error.file).name
@@ -334,16 +334,16 @@ def load_run(folder: str | Path, *, damage: Callable[[str], None] | None = None)
         assert damage is not None
         damage(sentence)
 
-    told = None if damage is None else note
-    scene = _scene(folder / "scene.json", told)
-    summary = _summary(folder / "summary.json", _RecordingReader(False, told))
+    report = None if damage is None else note
+    scene = _scene(folder / "scene.json", report)
+    summary = _summary(folder / "summary.json", _RecordingReader(False, report))
     broken_off = summary is None
-    reading = _RecordingReader(broken_off, told)
+    reading = _RecordingReader(broken_off, report)
     events = _events(folder / "events.jsonl", reading)
     motions = _motions(folder / "motions.jsonl", scene, reading)
-    # What is left of a damaged recording is worked out as that of a run that was broken off.
+    # A damaged recording is read like that of an interrupted run.
     broken_off = broken_off or bool(damages)
-    # Events are rounded; the end of a finished run is the end of all motions.
+    # The end of a finished run is the end of all motions, because events are rounded.
     ends = [motion.end for motion in motions.values()]
     ends += [event["t"] for event in events] if broken_off else []
     duration = max(ends, default=0.0)
@@ -420,7 +420,7 @@ def _motions(path: Path, scene: Scene, reading: _RecordingReader) -> dict[str, M
 
 
 def _motion(line: MotionLine, before: Sequence[Motion]) -> Motion:
-    """Return the motion of a line after those `before` it; `ValueError` if it can't be."""
+    """Return the motion of a line after the motions `before` it, or raise a `ValueError`."""
     motion = Motion(tuple(Piece(*piece) for piece in line["pieces"]))
     if before and motion.start < before[-1].start:
         raise UserError(f"a motion from t = {motion.start} s on comes after a later one")
@@ -430,7 +430,7 @@ def _motion(line: MotionLine, before: Sequence[Motion]) -> Motion:
 
 
 def _reach(piece: Piece) -> float:
-    """Return a bound on how far from 0 a coordinate of the piece gets."""
+    """Return an upper bound on the absolute coordinates of a piece."""
     begin, end, *cubics = piece
     u = end - begin
     return max(abs(a) + u * (abs(b) + u * (abs(c) + u * abs(d))) for a, b, c, d in cubics)
@@ -442,7 +442,7 @@ def _joined(motions: list[Motion], start: Pose) -> Motion:
 
 
 def _require(kind: str, name: str, known: Iterable[str], path: Path, line: int) -> None:
-    """Raise `RecordingError` if the body that a line is about is not in the scene."""
+    """Raise a `RecordingError` if the body of a line is not in the scene."""
     if name not in known:
         field = "with" if kind == "machine" else kind
         message = f"no {kind} of the scene is called {name!r}"
@@ -475,11 +475,11 @@ def _violations(
 def _worked_out(
     scene: Scene, motions: dict[str, Motion], end: float
 ) -> tuple[Violations, Requirements]:
-    """Return what the referee would have found, as far as the laws are known.
+    """Return the violations and required distances for laws of this library.
 
-    It is worked out from what everybody did, not from what they were about to do.
+    They are computed from the actual motions, because the plans were not recorded.
     """
-    found: Violations = {}
+    violations: Violations = {}
     requirements: Requirements = {}
     for person in scene.people:
         for machine in scene.machines:
@@ -490,17 +490,17 @@ def _worked_out(
             pair, tracks = (person.name, machine.name), (motions[person.name], measured)
             shapes = rules.shapes_of(machine, person.radius)
             condition = rules.condition_of(machine)
-            found[pair] = tuple(when(condition, *tracks, 0.0, end, shapes=shapes))
+            violations[pair] = tuple(when(condition, *tracks, 0.0, end, shapes=shapes))
             if not is_of_speeds_alone(law):
                 one, other = (Plans(0.0, track) for track in tracks)
                 requirements[pair] = requirement_curve(law, one, other, end, shapes)
-    return found, requirements
+    return violations, requirements
 
 
 def _lines(path: Path, form: Any, reading: _RecordingReader) -> Iterator[tuple[int, Any]]:
-    """Yield the lines of a file, numbered from 1, up to one that is damaged.
+    """Yield the lines of a file, numbered from 1, up to a damaged one.
 
-    Where a run was broken off, the last line may be half a line; it is left out.
+    The incomplete last line of an interrupted run is omitted.
     """
     try:
         for number, line in enumerate(read_lines(path, RecordingError, torn=reading.torn), 1):
@@ -510,12 +510,12 @@ def _lines(path: Path, form: Any, reading: _RecordingReader) -> Iterator[tuple[i
 
 
 def _whole_line(form: Any, line: str, path: Path, number: int) -> Any:
-    """Return a line as `form`; fields that an event or a thought has beside it stay."""
+    """Return a line as `form`. Additional fields of events and thoughts are included."""
     try:
         if form not in (EventLine, ThoughtLine):
             return _checks(form).validate_json(line)
-        given = parse_json(line)
-        found = {**given, **_checks(form).validate_python(given)}
+        written = parse_json(line)
+        fields = {**written, **_checks(form).validate_python(written)}
     except ValidationError as misfits:
         first = misfits.errors()[0]
         field = ".".join(str(part) for part in first["loc"])
@@ -524,16 +524,16 @@ def _whole_line(form: Any, line: str, path: Path, number: int) -> Any:
     except ValueError as why:
         raise RecordingError.of(path, f"is not JSON: {why}", number) from None
     if form is EventLine:
-        kind = found["kind"]
+        kind = fields["kind"]
         forms: Mapping[str, Form] = getattr(EVENT_KINDS.get(kind), "forms", {})
-        for name, value in found.items():
+        for name, value in fields.items():
             if name in forms and not has_form(value, forms[name]):
-                said = f"{name} of {kind} can't be {str(value)[:60]!r}"
-                raise RecordingError(str(path), [Problem(said, "", number)])
-    return found
+                message = f"{name} of {kind} can't be {str(value)[:60]!r}"
+                raise RecordingError(str(path), [Problem(message, "", number)])
+    return fields
 
 
 @cache
 def _checks(form: Any) -> TypeAdapter[Any]:
-    """Return what checks lines of a form; it takes milliseconds to build."""
+    """Return the validator of a form, which takes milliseconds to build."""
     return TypeAdapter(form)

@@ -27,8 +27,8 @@ REPLAY_HEIGHT = 720
 
 
 def as_html(run: Outcome) -> str:
-    """Return a table of the run's figures, and its replay page in a frame of its own."""
-    # A run that was broken off has no figures.
+    """Return a table of the values of a run, and its replay page in a frame."""
+    # An interrupted run has no summary.
     figures = figures_in_words(run.summary) if run.summary else []
     rows = [("trial", run.scene.trial), ("duration", f"{run.duration:g} s"), *figures]
     return f"<div>{html_table(rows)}{_replay(run)}</div>"
@@ -37,7 +37,7 @@ def as_html(run: Outcome) -> str:
 def _replay(run: Outcome) -> str:
     page = html.escape(render(replay_data(run)))
     style = f"width:100%;height:{REPLAY_HEIGHT}px;border:0"
-    # In a sandbox the page runs its scripts, but can't reach the notebook around it.
+    # The sandbox keeps the scripts of the page from the notebook around it.
     return (
         f'<iframe title="Replay" sandbox="allow-scripts" loading="lazy" style="{style}"'
         f' srcdoc="{page}"></iframe>'
@@ -45,11 +45,11 @@ def _replay(run: Outcome) -> str:
 
 
 class Recorded(Outcome):
-    """A run that happened, with its pictures."""
+    """A finished or recorded run, with its pictures."""
 
     @property
     def plot(self) -> RunPlots:
-        """Pictures of it: `run.plot.separation()` and others, each a matplotlib `Figure`.
+        """Pictures of the run: `run.plot.separation()` and others, each a matplotlib `Figure`.
 
         `ImportError` without matplotlib.
         """

@@ -1,7 +1,6 @@
-"""Approaches of a machine during a violation: when it drives at a person already too near.
+"""Approaches: motions of a machine towards a person during a violation.
 
-A violation is caused by the machine if that moves at its first instant. An approach is what a
-machine does later: it moves towards the person while the violation lasts.
+The machine causes a violation if it moves at its begin. An approach begins later.
 """
 
 from __future__ import annotations
@@ -19,19 +18,19 @@ from navigation import Motion, Shapes, minimum_margin
 from .margins import Encountered, Span, moving_spans
 
 LEAST = 1e-3
-"""Metres. A machine that comes no nearer by its own motion does not approach."""
+"""Distance by which a machine must come nearer by its own motion to approach, m."""
 
 ROUNDING = 1e-6
-"""Seconds after the begin of a violation from which on an approach is another one."""
+"""Time after the begin of a violation after which a motion is an approach, s."""
 
 PARTS = 32
-"""Parts of an approach by which it is judged whether it counts."""
+"""Number of parts of an approach that are checked."""
 
 MOMENT = 1e-6
-"""Seconds in which the distance between surfaces is differentiated."""
+"""Time step of the derivative of the distance between surfaces, s."""
 
 SLOWEST = 1e-5
-"""m/s. A surface that comes nearer more slowly does not approach: that is rounding."""
+"""Speed below which a surface does not approach, because of rounding, m/s."""
 
 HALVINGS = 30
 """Number of times that the ends of an approach between surfaces are bisected."""
@@ -64,7 +63,7 @@ def approaches(beside: Encountered, violations: Sequence[Span]) -> Iterator[Appr
             continue
         towards = _towards if shapes is None else partial(_surface_towards, shapes)
         for since, until in towards(*motions, begin, end):
-            # What goes on from the begin of the violation caused it.
+            # The motion at the begin of the violation is its cause.
             if since > begin + ROUNDING:
                 last = float(np.nextafter(until, since))
                 time, margin = minimum_margin(*motions, beside.law, since, last, shapes=shapes)
@@ -80,7 +79,7 @@ def _towards(walk: Motion, machine: Motion, begin: float, end: float) -> Iterato
         if not velocity.any():
             continue
         apart = person - moving
-        # How fast it comes nearer, times the distance: a polynomial of degree 5.
+        # The speed of the approach times the distance is a polynomial of degree 5.
         closing = np.sum([np.convolve(v, r) for v, r in zip(velocity, apart, strict=True)], axis=0)
         found += [(since + a, since + b) for a, b in _positive(closing, until - since)]
     for since, until in _joined(found):
@@ -118,7 +117,7 @@ def _surface_towards(
 def _sampled_spans(
     approach: Callable[[Floats], Floats], begin: Floats, end: Floats, samples: Floats
 ) -> Iterator[Span]:
-    """Yield the spans of some pieces in which the surface comes nearer, by samples of each."""
+    """Yield the spans of pieces in which the surface comes nearer, found by samples of each."""
     count = samples.astype(int)
     last = count.cumsum() - 1
     first = last + 1 - count
@@ -139,7 +138,7 @@ def _sampled_spans(
 
 
 def _surface_rate(shapes: Shapes, walk: Motion, machine: Motion, t: Floats) -> Floats:
-    """Return how fast (m/s) the machine's own motion brings its surface nearer at `t` (s)."""
+    """Return the speed (m/s) at which the machine's motion brings its surface nearer at `t` (s)."""
     places, poses = walk.position(t), machine.cubics(t)[..., :2]
     now = shapes.distances(places, poses[..., 0])
     return (now - shapes.distances(places, poses[..., 0] + MOMENT * poses[..., 1])) / MOMENT
@@ -155,7 +154,7 @@ def _fastest(machine: Motion, reach: float, begin: Floats, end: Floats) -> Float
 
 
 def _cuts(walk: Motion, machine: Motion, begin: float, end: float) -> list[float]:
-    """Return the instants between which both motions are one cubic each."""
+    """Return the times between which both motions are one cubic each."""
     inner = {
         piece.begin
         for motion in (walk, machine)
@@ -176,7 +175,7 @@ def _positive(polynomial: Floats, duration: float) -> Iterator[Span]:
 
 
 def _joined(spans: Sequence[Span]) -> list[Span]:
-    """Return spans, in order, of which those that meet are one."""
+    """Return the sorted spans, joined where they meet."""
     found: list[Span] = []
     for since, until in spans:
         if found and since - found[-1][1] <= ROUNDING:
@@ -187,7 +186,7 @@ def _joined(spans: Sequence[Span]) -> list[Span]:
 
 
 def _gained(walk: Motion, machine: Motion, begin: float, end: float) -> float:
-    """Return by how much (metres) the machine's own motion brings it nearer to the person."""
+    """Return the distance (m) by which the machine's motion brings it nearer to the person."""
     t = begin + (end - begin) * (np.arange(PARTS) + 0.5) / PARTS
     apart = walk.position(t) - machine.position(t)
     along = (machine.velocity(t) * apart).sum(axis=1)

@@ -37,7 +37,7 @@ METHODS = ("distance", "required")
 
 
 class LawError(UserError):
-    """A law that makes no sense, or that failed when it was asked."""
+    """A law is invalid, or has failed."""
 
 
 LAW = Kind(
@@ -50,12 +50,11 @@ LAW = Kind(
 
 
 class OwnLaw:
-    """The law at `package.module:Class` in `folder`, made with `terms` by their names.
+    """Law of the class `package.module:Class` in `folder`, with the arguments `terms`.
 
-    It is imported, made and tried by `load`, at the latest when it is first asked; then it has the
-    methods that the user's class has. Two are equal if they have the same name and terms and come
-    from the same folder; it travels between processes by these. `place` is where it is written,
-    for messages.
+    `load` imports, constructs and tests it, at the latest at its first use. Then it has the methods
+    of the custom class. Laws with the same name, terms and folder are equal, and are pickled by
+    these. `place` is its place in a file, for messages.
     """
 
     def __init__(
@@ -68,9 +67,9 @@ class OwnLaw:
         self._law: Any = None
 
     def load(self) -> None:
-        """Import the class, make the law and try it, if that was not done before.
+        """Import the class, construct the law and test it, unless that was done before.
 
-        `LawError` if there is no such class, or if trying the law shows that it makes no sense.
+        `LawError` if there is no such class, or if the law is invalid.
         """
         if self._law is not None:
             return
@@ -111,9 +110,9 @@ class OwnLaw:
             raise LawError(f"the law {self}: {fault}")
         self._file = source.file
         self._law = self._asked(form, **self.terms)
-        for method, asked in zip(METHODS, (self._distance, self._required), strict=True):
+        for method, checked in zip(METHODS, (self._distance, self._required), strict=True):
             if hasattr(self._law, method):
-                setattr(self, method, asked)
+                setattr(self, method, checked)
 
     def _forget(self) -> None:
         self._law = None
@@ -141,7 +140,7 @@ class OwnLaw:
             raise LawError(f"the law {self} failed{place}: {in_words(why)}") from why
 
     def _try(self) -> None:
-        """Try the law; `LawError` if it is none, or if trying shows that it makes no sense."""
+        """Test the law, or raise a `LawError`."""
         person, machine = walk([(-3.0, 0.0), (3.0, 0.5)]), standing((0.0, 0.0))
         try:
             TooClose(self)
@@ -154,15 +153,15 @@ class OwnLaw:
 
 
 def with_new_laws(rules: RuleSet) -> RuleSet:
-    """Return `rules` with new laws of the user's own, imported, made and tried for this run."""
-    made = {law: OwnLaw(law.name, law.terms, law.folder, law.place) for law in own_laws(rules)}
-    for law in made.values():
+    """Return `rules` with custom laws that are imported, constructed and tested for this run."""
+    laws = {law: OwnLaw(law.name, law.terms, law.folder, law.place) for law in own_laws(rules)}
+    for law in laws.values():
         law.load()
 
     def new(law: Any) -> Any:
         if isinstance(law, Scaled):
             return replace(law, law=new(law.law))
-        return made[law] if isinstance(law, OwnLaw) else law
+        return laws[law] if isinstance(law, OwnLaw) else law
 
     return replace(
         rules,
@@ -174,7 +173,7 @@ def with_new_laws(rules: RuleSet) -> RuleSet:
 
 
 def laws_in(rules: RuleSet) -> Iterator[AnyLaw]:
-    """Yield the laws in `rules`, also those that another one scales."""
+    """Yield the laws in `rules`, and the laws that they scale."""
     for law in (rules.gantry_law, rules.agv_law, rules.notice.law, *rules.laws.values()):
         while isinstance(law, Scaled):
             law = law.law
@@ -182,32 +181,32 @@ def laws_in(rules: RuleSet) -> Iterator[AnyLaw]:
 
 
 def own_laws(rules: RuleSet) -> Iterator[OwnLaw]:
-    """Yield the laws that `rules` name as the user's own."""
+    """Yield the custom laws of `rules`."""
     return (law for law in laws_in(rules) if isinstance(law, OwnLaw))
 
 
 Curve = tuple[tuple[float, float], ...]
-"""Points (seconds, metres) in order of time; two at one instant are a jump."""
+"""Points (s, m) in order of time. Two at one time are a jump."""
 
 EXACT = 0.01
-"""Metres. Greatest error of the lines."""
+"""Maximum error of the lines, m."""
 
 STRIDE = 0.5
-"""Seconds. A rise and fall of the curve that is shorter than this may be missed."""
+"""Duration below which a rise and fall of the curve may be missed, s."""
 
 
 def is_of_speeds_alone(law: AnyLaw) -> bool:
-    """Return True if `law` computes the required distance from its terms and two speeds alone."""
+    """Return whether `law` depends only on its parameters and two speeds."""
     return type(law) in (SeparationLaw, ApproachLaw, FixedDistance)
 
 
 def requirement_curve(
     law: AnyLaw, person: Plans, machine: Plans, end: float, shapes: Shapes | None
 ) -> Curve:
-    """Return the distance that `law` required until `end` (seconds), at each instant of the plans.
+    """Return the distance that `law` required over time until `end` (s).
 
-    `person` and `machine` are the motions that the two set out on, whatever came of them. `shapes`
-    are the solids between which distances are measured, if that is not between centres.
+    `person` and `machine` are the plans at each time, also those that were replaced later. `shapes`
+    are the solids between which distances are measured, or None for centres.
     """
     changes = sorted({t for t in (*person.changes, *machine.changes) if t < end} | {end})
     points: list[tuple[float, float]] = []
@@ -224,7 +223,7 @@ def requirement_curve(
 def _lines(
     required: Callable[[float], float], begin: float, end: float
 ) -> list[tuple[float, float]]:
-    # Cut first: halving that looks at the middle alone overlooks what rises and falls beside it.
+    # Halving checks only the middle, so cut first for a rise and fall beside it.
     strides = max(1, round((end - begin) / STRIDE))
     points = [(begin, required(begin))]
     for k in range(1, strides + 1):
@@ -239,7 +238,7 @@ def _halved(
     """Return the points after `a` up to `b` between which the curve is straight."""
     t = (a[0] + b[0]) / 2
     middle = (t, required(t))
-    # Half the error: away from its middle the curve may be a little farther off the line.
+    # The error may be larger away from the middle, so allow half of it there.
     if abs(middle[1] - (a[1] + b[1]) / 2) <= EXACT / 2 or b[0] - a[0] < EXACT:
         return [b]
     return _halved(required, a, middle) + _halved(required, middle, b)
@@ -247,14 +246,14 @@ def _halved(
 
 def _without_needless(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return the same curve without points on the line between their neighbours."""
-    kept: list[tuple[float, float]] = []
+    curve: list[tuple[float, float]] = []
     for point in points:
-        if kept and point == kept[-1]:
+        if curve and point == curve[-1]:
             continue
-        if len(kept) > 1 and _on_line(kept[-2], kept[-1], point):
-            kept.pop()
-        kept.append(point)
-    return kept
+        if len(curve) > 1 and _on_line(curve[-2], curve[-1], point):
+            curve.pop()
+        curve.append(point)
+    return curve
 
 
 def _on_line(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> bool:

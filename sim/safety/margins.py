@@ -1,4 +1,4 @@
-"""Least margins of a run: distance minus required distance, minimised over continuous time."""
+"""Minimum margins of a run: distance minus required distance, over continuous time."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from navigation.separation import AnyLaw
 from .laws import Curve
 
 Span = tuple[float, float]
-"""From when to when, seconds."""
+"""Begin and end, s."""
 
 
 SMALLEST = 1e-9
-"""Metres. The least amount that the summary of a run tells from 0."""
+"""Smallest amount in the summary of a run, m."""
 
 
 class Margin(NamedTuple):
-    """The least margin between a person and a machine: metres, seconds, and their names."""
+    """Minimum margin between a person and a machine (m), its time (s), and their names."""
 
     value: float
     time: float
@@ -31,15 +31,15 @@ class Margin(NamedTuple):
     @property
     def figures(self) -> dict[str, float | str]:
         """The margin as the summary of a run contains it."""
-        # Figures have nine decimals: a margin that is just negative stays negative.
+        # Values have nine decimals. A slightly negative margin must remain negative.
         value = min(self.value, -SMALLEST) if self.value < 0.0 else self.value
         return {**self._asdict(), "value": value}
 
 
 class RecordedRequirement:
-    """Law that requires what was required in a run: a curve of lines between points.
+    """Law with the required distance of a run: a curve of lines between points.
 
-    It stands for a law that looks at more than speeds, of which the plans are known only then.
+    It replaces a law that depends on plans, which are known only during the run.
     """
 
     def __init__(self, curve: Curve) -> None:
@@ -47,7 +47,7 @@ class RecordedRequirement:
         self._times = [time for time, _ in curve]
 
     def required(self, encounter: Encounter, begin: float, end: float) -> Enclosure:
-        """Return the distance in metres that was required from `begin` to `end` (seconds)."""
+        """Return the required distance from `begin` to `end` (s), in metres."""
         k, n = bisect_right(self._times, begin), bisect_left(self._times, end)
         first = self._at(k, begin)
         last = self._at(n, end) if begin < end else first
@@ -57,7 +57,7 @@ class RecordedRequirement:
         return Enclosure(value=(first + last + low + high) / 2, slope=slope, slack=(high - low) / 2)
 
     def _at(self, k: int, t: float) -> float:
-        """Return what is required at `t` (seconds), between the points `k` - 1 and `k`."""
+        """Return the required distance at `t` (s), between the points `k` - 1 and `k`."""
         if k in (0, len(self._curve)):
             return self._curve[max(k - 1, 0)][1]
         (begin, low), (end, high) = self._curve[k - 1 : k + 1]
@@ -67,9 +67,8 @@ class RecordedRequirement:
 class Encountered(NamedTuple):
     """A person beside a machine during a run.
 
-    `measured` is the motion of the point of the machine from which distances are measured, unless
-    they are measured between the surfaces of `shapes`. `spans` are those in which a violation
-    counts, `moving` those of them in which the machine moves.
+    Distances are measured from the motion `measured` of a point of the machine, or between the
+    surfaces of `shapes`. Violations count in `spans`. The machine moves in the parts `moving`.
     """
 
     person: str
@@ -83,48 +82,48 @@ class Encountered(NamedTuple):
 
 
 def least_margins(beside: Iterable[Encountered]) -> tuple[Margin | None, Margin | None]:
-    """Return the least margin of all pairs, and the least of those while the machine moves.
+    """Return the minimum margin of all pairs, and the minimum while the machine moves.
 
-    None where nothing counts. The first of several such instants and pairs.
+    None if no time counts. Of equal margins, the first is returned.
     """
     pairs = [(_least(one, one.spans), one) for one in beside if one.spans]
     overall = min((margin for margin, _ in pairs), default=None)
     moving: Margin | None = None
     for margin, one in sorted(pairs, key=lambda pair: pair[0]):
         if moving is not None and moving <= margin:
-            break  # while it moves no pair comes nearer than over all
+            break  # the margin of a moving machine is at least the overall one
         if any(begin <= margin.time <= end for begin, end in one.moving):
-            found = margin
+            least = margin
         elif one.moving:
-            found = _least(one, one.moving)
+            least = _least(one, one.moving)
         else:
             continue
-        moving = found if moving is None else min(moving, found)
+        moving = least if moving is None else min(moving, least)
     return overall, moving
 
 
 def _least(one: Encountered, spans: Sequence[Span]) -> Margin:
     motions, shapes = (one.walk, one.measured), one.shapes
-    found = (minimum_margin(*motions, one.law, *span, shapes=shapes) for span in spans)
-    margin, time = min((margin, time) for time, margin in found)
+    minima = (minimum_margin(*motions, one.law, *span, shapes=shapes) for span in spans)
+    margin, time = min((margin, time) for time, margin in minima)
     return Margin(margin, time, one.person, one.machine)
 
 
 def moving_spans(
     motion: Motion, begin: float = -math.inf, end: float = math.inf, *, turning: bool = False
 ) -> list[Span]:
-    """Return from when to when (seconds) a machine moves without a stop, within a span.
+    """Return the times (s) in which a machine moves without a stop, within a span.
 
-    With `turning`, it also moves while it turns on the spot.
+    With `turning`, turns on the spot count.
     """
-    found: list[Span] = []
+    spans: list[Span] = []
     for piece in motion.pieces_from(begin, end):
         moves = piece.moves or (turning and not piece.stands)
         if not moves or piece.end <= begin:
             continue
         since, until = max(piece.begin, begin), min(piece.end, end)
-        if found and found[-1][1] == since:
-            found[-1] = (found[-1][0], until)
+        if spans and spans[-1][1] == since:
+            spans[-1] = (spans[-1][0], until)
         else:
-            found.append((since, until))
-    return found
+            spans.append((since, until))
+    return spans

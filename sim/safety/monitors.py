@@ -27,23 +27,23 @@ from ..core.stage import Bystander, Stage
 from .laws import Curve, is_of_speeds_alone, requirement_curve
 
 Cause = str
-"""The cause of a violation: the machine's kind if it moves at that instant, else "person"."""
+"""Cause of a violation: the kind of the machine if it moves at that time, otherwise "person"."""
 
 CLEARANCE = 0.05
-"""Metres. What a machine in a protective stop waits for beyond the required distance."""
+"""Distance beyond the required one at which a protective stop ends, m."""
 
 AFTERWARDS = 1.0
-"""Seconds. So much of the rest after two motions is looked at; all of it is the same."""
+"""Part of the endless standstill after two motions that is checked, s."""
 
 GLANCE = 0.1
-"""Seconds. Who can't see a machine that they would notice looks again after so long."""
+"""Time after which a person who cannot see a machine nearby looks again, s."""
 
 MOVES = 1e-6
-"""m/s. A machine that is faster than this at the instant of a violation is its cause."""
+"""Speed above which a machine is the cause of a violation, m/s."""
 
 
 class Pair:
-    """A person beside a machine of a stage, from now until the trial ends.
+    """A person and a machine of a stage, from now to the end of the trial.
 
     Distances are measured to the point `offset` (x, y in metres) from the machine's centre, or
     between the surfaces of `shapes`.
@@ -76,9 +76,9 @@ class Pair:
         return self._one.motion, self._measured
 
     def first_time(self, condition: Condition, since: float = 0.0) -> float | None:
-        """Return the first instant from now and `since` (seconds) on at which `condition` holds.
+        """Return the first time after now and `since` (s) at which `condition` holds, or None.
 
-        It holds if nobody changes course; None if `condition` never does.
+        Present motions are assumed.
         """
         begin, last = self.clock.now, self.horizon()
         if since > begin:
@@ -88,8 +88,8 @@ class Pair:
 
     def next_interval(self, condition: Condition) -> tuple[float, float] | None:
         """Return the first interval from now on in which `condition` holds, if any."""
-        found = search(condition, *self.motions, self.clock.now, self.horizon(), self.shapes)
-        since, until = found.change(), found.change()
+        changes = search(condition, *self.motions, self.clock.now, self.horizon(), self.shapes)
+        since, until = changes.change(), changes.change()
         return None if since is None or until is None else (since, until)
 
     def distance(self) -> float:
@@ -106,11 +106,11 @@ class Pair:
         return required_at(law, *motions, self.clock.now, self.shapes)
 
     def remember_plans(self) -> tuple[Plans, Plans]:
-        """Return the plans of the two, kept from now on."""
+        """Return the plans of both, which are recorded from now on."""
         return self.person.body.remember_plans(), self.machine.body.remember_plans()
 
     def cause(self) -> Cause:
-        """Return the cause of a violation at this instant."""
+        """Return the cause of a violation at the current time."""
         state = self.machine.body.state
         speed = state.speed
         if self.shapes is not None:
@@ -118,9 +118,9 @@ class Pair:
         return self.machine.shape.kind if speed > MOVES else PERSON
 
     def horizon(self) -> float:
-        """Return an instant from which on nothing changes any more, or the trial's end (seconds).
+        """Return a time (s) after which nothing changes, or the end of the trial.
 
-        A motion that ends at speed stops at its end, so the first state of rest is seen after it.
+        It is later than the ends of the motions, because a motion may end at speed.
         """
         last, one, other = self.clock.now, self._one.motion.end, self._other.motion.end
         if last < one:
@@ -132,30 +132,30 @@ class Pair:
 
 
 class Reconsidering(Protocol):
-    """A watch on a person beside a vehicle, which counts while the vehicle moves."""
+    """Monitor of a person beside a vehicle, which is active while the vehicle moves."""
 
     lasts: bool
-    """Whether it counts although the vehicle stands."""
+    """Whether it is active although the vehicle is stationary."""
 
     def reconsider(self) -> None:
-        """Compute anew what is to come; called whenever a motion changes."""
+        """Recompute future events after a change of motion."""
 
 
 class BesideVehicles:
-    """The watches on one person beside vehicles, of which most stand most of the time.
+    """Monitors of one person beside vehicles.
 
-    As the person changes course, those alone reconsider that count.
+    A new motion of the person updates only the active ones, because most vehicles are stationary.
     """
 
     def __init__(self, person: Body) -> None:
         self._clock = person.clock
         self._watches: list[tuple[Body, Reconsidering]] = []
         self._idle = False
-        """Whether nothing counts until a vehicle sets out."""
+        """Whether no monitor is active until a vehicle starts to move."""
         person.on_change.append(self._changed)
 
     def add(self, vehicle: Body, watch: Reconsidering) -> None:
-        """Let a watch reconsider when the person or the vehicle changes course."""
+        """Add a monitor, which is updated after new motions of the person or the vehicle."""
         self._watches.append((vehicle, watch))
         vehicle.on_change += (self._vehicle_changed, watch.reconsider)
         self._idle = False
@@ -174,10 +174,10 @@ class BesideVehicles:
 
 
 class SeparationMonitor:
-    """Notifies when a person and a machine get closer than a law requires, and when it is over.
+    """Monitor of the violations of a law by a person and a machine.
 
-    They are while `condition` holds, which follows from the law. `violated` is called as they get
-    too close; each interval in which they are stays in `intervals`.
+    A violation lasts while `condition` holds, which follows from the law. `violated` is called at
+    its begin, and `intervals` contains all that have ended.
     """
 
     def __init__(
@@ -191,9 +191,9 @@ class SeparationMonitor:
         self.law = law
         self.intervals: list[tuple[float, float]] = []
         self.lasts = False
-        """Whether they are too close now."""
+        """Whether there is a violation now."""
         self.plans = None if is_of_speeds_alone(law) else pair.remember_plans()
-        """The plans of the two, where `law` asks for more than their speeds."""
+        """Plans of both, if `law` depends on more than their speeds."""
         self._violated = violated
         self._since: float | None = None
         self._notified_at = -math.inf
@@ -203,9 +203,9 @@ class SeparationMonitor:
         self.reconsider()
 
     def reconsider(self) -> None:
-        """Compute the next instant of change anew; called whenever a motion changes."""
+        """Recompute the next begin or end of a violation after a change of motion."""
         now, machine = self.pair.clock.now, self.pair.machine.body
-        # A vehicle that stands never counts, and most stand most of the time.
+        # Stationary vehicles never violate.
         idle = self._needs_motion and machine.motion.end <= now
         if idle and self._since is None:
             self._alarm.set(None)
@@ -214,12 +214,11 @@ class SeparationMonitor:
             self._alarm.set(self.pair.first_time(self._condition))
             return
         coming = None if idle else self.pair.next_interval(self._condition)
-        # It held until now, so an interval that goes on begins now, but for what instants are exact
-        # to; one that begins later is another, and this one is over.
+        # The present interval begins now, within the resolution. One that begins later is another.
         if coming is None or coming[0] > now + 10 * RESOLUTION:
             self._alarm.set(now)
         else:
-            # One that lasts to the horizon lasts for good, unless somebody changes course.
+            # An interval that lasts to the horizon lasts until a motion changes.
             self._alarm.set(coming[1] if coming[1] < self.pair.horizon() else None)
 
     def required_before(self, t: float, person: Motion, machine: Motion) -> float:
@@ -234,9 +233,9 @@ class SeparationMonitor:
 
     @cached_property
     def requirement(self) -> Curve:
-        """The distance that `law` required until now, where it looks at more than speeds.
+        """Distance that `law` required until now, if it depends on more than speeds.
 
-        It is computed once, when the trial is over. Empty for other laws.
+        It is computed once, after the trial. Empty for other laws.
         """
         if self.plans is None:
             return ()
@@ -244,18 +243,17 @@ class SeparationMonitor:
 
     @property
     def known(self) -> list[tuple[float, float]]:
-        """The intervals so far; one that still lasts is taken to last to the trial's end."""
+        """Intervals so far. One in progress lasts to the end of the trial."""
         lasting = [] if self._since is None else [(self._since, self.pair.end)]
         return [*self.intervals, *lasting]
 
     def recheck(self) -> None:
-        """Call `violated` again if they are still too close now."""
-        # Once an instant: a watch may be rechecked for several reasons at the same time.
+        """Call `violated` again if the violation is in progress, at most once at each time."""
         if self._since is not None and self._notified_at < self.pair.clock.now:
             self._notify()
 
     def close(self) -> None:
-        """End an interval that still lasts, now."""
+        """End the interval in progress now."""
         if self._since is not None:
             self.intervals.append((self._since, self.pair.clock.now))
             self._since, self.lasts = None, False
@@ -284,11 +282,11 @@ class Noticing:
 
 
 class NoticingMonitor:
-    """Lets a person notice the gantry once per approach: inside the noticing distance and closing.
+    """Noticing of a gantry by a person, once per approach within the noticing distance.
 
-    It then follows the approach to its nearest point, and is alert anew only after the two have
-    parted by `rule.parting` metres from there (or `rule.every` seconds have gone by). Who does not
-    see it looks again every `GLANCE`; who sees it perceives it after their reaction time.
+    The monitor follows the approach to its nearest point. It is alert again after both have parted
+    by `rule.parting` metres from there, or after `rule.every` seconds. People who do not see the
+    gantry look again after `GLANCE`. People who see it perceive it after their reaction time.
     """
 
     # Three stages, of which each waits for the one instant that ends it:
@@ -319,7 +317,7 @@ class NoticingMonitor:
         self.reconsider()
 
     def reconsider(self) -> None:
-        """Compute the next instant of change anew; called whenever a motion changes."""
+        """Recompute the next change of stage after a change of motion."""
         pair = self.pair
         if self._stage == "alert":
             of = self._conditions
@@ -331,7 +329,7 @@ class NoticingMonitor:
             self._alarm.set(pair.first_time(self._away))
 
     def start_over(self) -> None:
-        """Begin anew, after `rule.silent` seconds: the person starts, or was put elsewhere."""
+        """Restart after `rule.silent` seconds, because the person starts or was moved."""
         self._stage = "alert"
         self._perceiving.set(None)
         self._hidden = False
@@ -340,7 +338,7 @@ class NoticingMonitor:
     def _ring(self) -> None:
         if self._stage == "alert":
             person, now = self.pair.person, self.pair.clock.now
-            # Who comes upon it where it is near already notices it, whichever way they go.
+            # People who first see a machine nearby notice it, regardless of their direction.
             self._hidden = not person.sees(self.pair.machine)
             if self._hidden:
                 self._silent_until = max(self._silent_until, now + GLANCE)
@@ -365,7 +363,7 @@ class NoticingMonitor:
 
     def _off_nearest(self) -> Condition:
         """Return the condition that the two have parted, or are nearer than at their nearest."""
-        # A millimetre less, or rounding at the nearest point would count as nearer.
+        # One millimetre less, so that rounding at the nearest point does not count as nearer.
         nearer, parted = max(self._nearest - 1e-3, 0.0), self._nearest + self.rule.parting
         return ~(Apart(nearer) & ~Apart(parted))
 
@@ -374,11 +372,11 @@ class NoticingMonitor:
 
 
 class Hold:
-    """Holds a machine from a violation on until it may set out again, for one person's sake.
+    """Protective stop for one person, from a violation until the machine may start again.
 
-    That is once it stands, and the distance is enough for its top speed (m/s) and the person's
-    present one, with `CLEARANCE` to spare, so that its own speed does not stop it again.
-    `hold(pair, True)` stops the machine, `hold(pair, False)` lets it go on.
+    The machine must be stationary, and the distance must be enough for its top speed (m/s) and the
+    present speed of the person, plus `CLEARANCE`. Otherwise its own speed would stop it again.
+    `hold(pair, True)` stops the machine, and `hold(pair, False)` resumes it.
     """
 
     def __init__(
@@ -392,22 +390,22 @@ class Hold:
         self._alarm = Alarm(pair.clock, self._end, Turn.MOTION_ENDS)
 
     def begin(self) -> None:
-        """Stop the machine, if this has not done so already."""
+        """Stop the machine, unless this stop is active."""
         if not self._holds:
             self._holds = True
             self._hold(self._pair, True)
             self.reconsider()
 
     def begin_if_needed(self) -> None:
-        """Go on holding a machine that others let go, if there is no room for its top speed."""
+        """Continue the stop of another person if the distance is too small for the top speed."""
         if self._pair.distance() < self._pair.required(self._law):
             self.begin()
 
     def reconsider(self) -> None:
-        """Compute anew when the machine may go on; called whenever a motion changes."""
+        """Recompute the end of the stop after a change of motion."""
         if self._holds:
             stands = self._pair.machine.body.motion.end
-            # Not before the machine stands: while it brakes it may only come nearer.
+            # A machine that brakes may come nearer, so the stop ends when it is stationary.
             self._alarm.set(self._pair.first_time(self._clear, since=stands))
 
     def _end(self) -> None:
@@ -417,11 +415,11 @@ class Hold:
 
 @dataclass(frozen=True)
 class _AtSpeed:
-    """Law that requires what `law` does of a machine at `speed` (m/s), and `CLEARANCE`."""
+    """Distance of `law` for a machine at `speed` (m/s), plus `CLEARANCE`."""
 
     law: AnyLaw
     speed: float
 
     def distance(self, human_speed: float, robot_speed: float) -> float:
-        """Return the required distance (metres); the robot's speed does not matter."""
+        """Return the required distance (m), regardless of the robot's speed."""
         return required_at_speeds(self.law, human_speed, self.speed) + CLEARANCE

@@ -1,4 +1,4 @@
-"""The referee: watches every person beside every machine, and applies the rule set."""
+"""The referee: monitors each person beside each machine, and applies the rule set."""
 
 from __future__ import annotations
 
@@ -24,29 +24,29 @@ from .monitors import (
 )
 
 PEOPLE = "people"
-"""The reason for which a machine is held in a protective stop."""
+"""Reason of protective stops for people."""
 
 
 class Referee:
     """Applies the rule set of a stage: counts penalties, disables and stops machines, warns people.
 
-    People perceive robots ("gantry_detected"), violations with them ("gantry_disabled") and with
-    vehicles ("agv_danger"); the latter two send them home.
+    The percepts are "gantry_detected" for robots, and "gantry_disabled" and "agv_danger" for
+    violations with robots and vehicles. After a violation, people go home.
     """
 
     def __init__(self, stage: Stage) -> None:
         self.rules = stage.rules
         self.penalties = 0
         self.violations: Counter[tuple[str, Cause]] = Counter()
-        """Number of violations, by the person's name and the cause."""
+        """Number of violations, by name of the person and cause."""
         self.agv_teleports = 0
         self.protective_stops = 0
         self.protective_stop_time = 0.0
-        """Seconds, of all machines together; those that still last count from `close` on."""
+        """Total time of all machines, s. Stops in progress are added by `close`."""
         self.watches: list[SeparationMonitor] = []
         self.contacts = PersonContacts(stage)
         self._condition_of = cache(lambda machine: stage.rules.condition_of(machine.shape))
-        """The condition of a violation by a machine, the same for all people."""
+        """Condition of a violation by a machine, which all people share."""
         self._noticing = Noticing(stage.rules.notice)
         self._stage = stage
         self._clock = stage.clock
@@ -59,7 +59,7 @@ class Referee:
         self._sanctions: dict[Machine, _Sanction] = {}
 
     def watch(self, person: Bystander, machine: Machine) -> None:
-        """From now on, watch a person beside a machine."""
+        """Start to monitor a person beside a machine."""
         offset = self.rules.measured_at(machine.shape)
         shapes = self.rules.shapes_of(machine.shape, person.radius)
         pair = Pair(self._stage, person, machine, offset, shapes)
@@ -89,14 +89,14 @@ class Referee:
                 body.on_change.append(notice.reconsider)
 
     def started(self, person: Bystander) -> None:
-        """Take note that a person starts: the silence of noticing begins anew."""
+        """Restart the interval without noticing, because the person starts."""
         for notice in self._notices.get(person, ()):
             notice.start_over()
             notice.reconsider()
         self.contacts.started(person)
 
     def close(self) -> None:
-        """End the violations and protective stops that still last: the trial is over."""
+        """End the violations and protective stops in progress at the end of the trial."""
         for watch in self.watches:
             watch.close()
         for since, _ in self._stopped.values():
@@ -104,10 +104,10 @@ class Referee:
         self._stopped.clear()
 
     def penalise(self, person: Bystander) -> bool:
-        """Count a penalty that somebody else asks for, unless the violation has been counted.
+        """Count a penalty on request. Return whether it was counted.
 
-        It has been while the robot is disabled, and in the grace after that. Return whether it
-        was counted.
+        While the robot is disabled, and during the grace period, the violation has been counted
+        already.
         """
         for watch in self.watches:
             pair = watch.pair
@@ -121,7 +121,7 @@ class Referee:
         return False
 
     def recheck(self, machine: Machine) -> None:
-        """Notify again of violations with a machine that still last."""
+        """Report the violations in progress with a machine again."""
         for watch in self.watches:
             if watch.pair.machine is machine:
                 watch.recheck()
@@ -173,7 +173,7 @@ class Referee:
         sanction.begin()
 
     def _stop_for(self, pair: Pair, stands: bool) -> None:
-        """Stop a machine for a person, or let it go on once nobody needs it to stand."""
+        """Stop the machine for a person, or resume it when no person requires the stop."""
         machine, now = pair.machine, self._clock.now
         if stands and machine not in self._stopped:
             self._stopped[machine] = (now, {pair.person})
@@ -186,8 +186,8 @@ class Referee:
             since, people = self._stopped[machine]
             people.remove(pair.person)
             if not people:
-                # Others may stand too near for its top speed, though nobody was too near yet: they
-                # take the stop over, and `people` is not empty any more.
+                # Other people may be too close for the top speed, although they had no violation.
+                # They continue the stop, and are added to `people`.
                 for watch, stop in self._stops.items():
                     if watch.pair.machine is machine and watch.pair is not pair:
                         stop.begin_if_needed()
@@ -197,7 +197,7 @@ class Referee:
                 self._record(ProtectiveStopEnded(machine=machine.name))
                 machine.stand_for(PEOPLE, False)
 
-    # How often a person hears of violations.
+    # Repeated reports of violations to a person
 
     def _is_reported(self, person: Bystander) -> bool:
         return self._clock.now >= self._silent_until.get(person, -math.inf)
@@ -214,7 +214,7 @@ class Referee:
 
 
 class _Sanction:
-    """Consequence of penalties for one robot: the time it is disabled, and the grace after that."""
+    """Consequence of penalties for one robot: a disabled time, and a grace period after it."""
 
     def __init__(self, referee: Referee, machine: Machine) -> None:
         self.grace_until = -math.inf
@@ -222,16 +222,16 @@ class _Sanction:
         self._machine = machine
         self._clock = machine.body.clock
         self._disabled_until = -math.inf
-        # Once the grace is over, violations are penalties again, those that still last too.
+        # After the grace period, violations in progress are penalties again.
         self._over = Alarm(self._clock, partial(referee.recheck, machine), Turn.NOTICE)
 
     @property
     def in_grace(self) -> bool:
-        """True while violations are no penalties."""
+        """Whether violations are no penalties now."""
         return self._disabled_until <= self._clock.now < self.grace_until
 
     def begin(self) -> None:
-        """Disable the robot, from now on anew."""
+        """Disable the robot from now on."""
         seconds = self._rules.gantry_disabled
         self._machine.disable(seconds)
         self._disabled_until = self._clock.now + seconds
@@ -240,7 +240,7 @@ class _Sanction:
 
 
 def _figures(pair: Pair, law: AnyLaw) -> dict[str, float]:
-    """Return the figures of a decision: distance, required distance (m) and speeds (m/s)."""
+    """Return the values of a decision: distance, required distance (m) and speeds (m/s)."""
     return {
         "distance": pair.distance(),
         "required": pair.required(law),

@@ -1,9 +1,9 @@
 """Stopping check: whether a machine can still stop for people in the worst case.
 
-Somebody of top speed v is within v t of where they were seen for t seconds, in whatever direction
-they set out. A motion is safe if all along it, and along a stop from its end, the machine keeps
-the distance that the law asks for from somebody of that speed, and v t in addition (speed and
-separation monitoring, ISO/TS 15066:2016, clause 5.5.4). It is solved for, not sampled.
+After t seconds, a person of top speed v is within v t of the position where they were seen. A
+motion is safe if the machine always keeps the distance that the law requires at that speed, plus
+v t, on the motion and on a stop from its end (speed and separation monitoring, ISO/TS 15066:2016,
+clause 5.5.4). The times are solved for, not sampled.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ from navigation.separation import AnyLaw, is_of_speeds, required_at_speeds
 
 from ..core.entries import Pose
 
-# A machine that commands only motions that are safe until its next look is safe for good, by
-# induction: if nothing is safe at that look, the stop that was tested with the motion is what it
-# does. No forecast of people is needed but their top speed. The law's distance covers what follows
-# the instant for which it is asked (the person's approach, the machine's reaction and its stop).
+# A machine that commands only motions that are safe until its next check is always safe, by
+# induction. If no motion is safe at that check, the machine makes the stop that was tested with the
+# last motion. The only forecast of people is their top speed. The law covers the person's approach,
+# the machine's reaction and its stop after that time.
 
 
 MARGIN = 0.01
-"""Metres. Kept beyond the required distance, so that rounding can't decide."""
+"""Distance beyond the required one, so that rounding cannot decide, m."""
 
 
 class Stoppable(NamedTuple):
-    """A motion, and how the machine stops from it at any instant."""
+    """A motion, and the stops of the machine from it at all times."""
 
     motion: Motion
     stops: Stops
 
 
 class Pedestrian(NamedTuple):
-    """Somebody seen at a place (x, y in metres) who walks at `top_speed` (m/s) at most."""
+    """A person at a position (x, y in metres) who walks at `top_speed` (m/s) at most."""
 
     name: str
     at: tuple[float, float]
@@ -51,7 +51,7 @@ class Pedestrian(NamedTuple):
 
 @dataclass(frozen=True)
 class StoppingCheck:
-    """The test for one machine, to which `law` applies and which is no faster than `top_speed`.
+    """Test for one machine with this `law` and `top_speed` (m/s).
 
     Distances are measured between centres, or between the surfaces of `shapes`.
     """
@@ -61,29 +61,29 @@ class StoppingCheck:
     shapes: Shapes | None = None
 
     def distance(self, person: Point, pose: Pose) -> float:
-        """Return the distance (metres) between somebody at a place and the machine at a pose."""
+        """Return the distance between a person at a position and the machine at a pose (m)."""
         if self.shapes is None:
             return math.dist(person, pose[:2])
         return float(self.shapes.distances(np.array([person]), np.array([pose]))[0])
 
     @property
     def around(self) -> float:
-        """Metres by which centres are farther apart than surfaces at most."""
+        """Maximum difference between the distances of centres and of surfaces, m."""
         return 0.0 if self.shapes is None else self.shapes.reach + self.shapes.person.radius
 
     def required(self, human_speed: float, robot_speed: float) -> float:
-        """Return the distance (metres) to keep from somebody at these speeds (m/s)."""
-        # A law that looks ahead is asked for the top speed: it may be reached by then.
+        """Return the required distance at these speeds (m/s), in m."""
+        # A predictive law gets the top speed, because the machine may reach it by then.
         speed = robot_speed if is_of_speeds(self.law) else self.top_speed
         return required_at_speeds(self.law, human_speed, speed) + MARGIN
 
     def safe_until(
         self, plan: Stoppable, people: Sequence[Pedestrian], now: float, least: float
     ) -> tuple[float, Pedestrian | None]:
-        """Return an instant (seconds) until which `plan` may be followed, and who ends it.
+        """Return the time (s) until which `plan` is safe, and the person who limits it, if any.
 
-        It is found by doubling the time, from `least` seconds on; `now` if not even those are safe.
-        None if nobody ends it before the end of the motion.
+        The search doubles the time from `least` seconds on. If these are unsafe, the result is
+        `now`.
         """
         until, k = self._lookout.safe_until(
             plan.motion.table, plan.stops, self._rows(people), now, least
@@ -91,10 +91,10 @@ class StoppingCheck:
         return until, people[k] if k >= 0 else None
 
     def hindered_for(self, plan: Stoppable, person: Pedestrian, now: float, least: float) -> float:
-        """Return seconds for which `person` hinders `plan` for certain, begun at rest.
+        """Return the minimum time (s) for which `person` blocks `plan`, which begins at rest.
 
-        They need them to walk as far as the machine would come too close, at two instants: after
-        `least` seconds of it, and at the end of the stop from there.
+        The person needs it to walk away as far as the machine would come too close after `least`
+        seconds, and at the end of the stop from there.
         """
         rows = self._rows([person])
         lacking = self._lookout.lacking(plan.motion.table, plan.stops, rows, now, least)
@@ -106,18 +106,18 @@ class StoppingCheck:
 
     @cached_property
     def _fixed(self) -> dict[float, float]:
-        """What a law that looks ahead asks for, by people's top speeds."""
+        """Required distances of a predictive law, by top speed of the person."""
         return {}
 
     def _rows(self, people: Sequence[Pedestrian]) -> list[float]:
-        """Return people as rows of the lookout's."""
+        """Return people as rows of the horizon: position, top speed, required distance or -1."""
         rows: list[float] = []
         for person in people:
             top_speed = person.top_speed
             fixed = self._fixed.get(top_speed)
             if fixed is None:
-                known = is_of_speeds(self.law)
-                fixed = -1.0 if known else self.required(top_speed, self.top_speed)
+                varies = is_of_speeds(self.law)
+                fixed = -1.0 if varies else self.required(top_speed, self.top_speed)
                 self._fixed[top_speed] = fixed
             rows += (*person.at, top_speed, fixed)
         return rows

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from floorplan.files.fields import brief
 
@@ -56,6 +57,14 @@ class Case:
         return f"floorwalker render {trial} --out {film}"
 
 
+class BreakingRate(NamedTuple):
+    """Number of broken random trials, of all random trials, and the upper bound of their rate."""
+
+    broken: int
+    drawn: int
+    bound: float
+
+
 @dataclass(frozen=True, kw_only=True)
 class SearchResults:
     """Results of a search: all evaluations, and the worst distinct cases among them."""
@@ -93,14 +102,15 @@ class SearchResults:
         return [one for one in self.evaluations if one.result == "no trial"]
 
     @property
-    def rate(self) -> tuple[int, int, float]:
-        """Number of broken random trials, of random trials, and the upper bound of the rate.
+    def rate(self) -> BreakingRate:
+        """Rate of breaking random trials.
 
         Only random trials count, because samplers prefer points that they expect to be bad.
         """
         drawn = [one for one in self.evaluations if one.is_random and one.result != "no trial"]
         broken = sum(one.is_break(self.objective) for one in drawn)
-        return broken, len(drawn), upper_bound(broken, len(drawn)) if drawn else 1.0
+        bound = upper_bound(broken, len(drawn)) if drawn else 1.0
+        return BreakingRate(broken, len(drawn), bound)
 
     @property
     def worth(self) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from statistics import NormalDist
 from typing import Any
 
 from floorplan import UserError
@@ -31,9 +30,6 @@ Coordinate = Value
 Point = Mapping[str, Any]
 """Coordinates by the name of their dimension."""
 
-_TINY = 1e-15
-"""Smallest share of which the inverse of a normal distribution is computed."""
-
 
 @dataclass(frozen=True)
 class Dimension:
@@ -55,12 +51,8 @@ class Dimension:
         if self.values:
             return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
         if self.normal is not None:
-            normal = NormalDist(self.normal.mean, self.normal.sd)
-            least, most = normal.cdf(self.low), normal.cdf(self.high)
-            number = normal.inv_cdf(min(max(least + share * (most - least), _TINY), 1 - _TINY))
-        else:
-            number = self.low + share * (self.high - self.low)
-        return self.rounded(number)
+            return self.normal.quantile(share)
+        return self.rounded(self.low + share * (self.high - self.low))
 
     def rounded(self, number: float) -> float:
         """Return a number within the dimension, with the decimals of drawn numbers."""

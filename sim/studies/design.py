@@ -102,12 +102,15 @@ class Normal:
 
     def draw(self, seed: int, trial: Trial) -> Value:
         """See `Distribution`."""
+        # Inversion of the truncated distribution needs a single draw.
+        return self.quantile(random.Random(seed).random())
+
+    def quantile(self, share: float) -> float:
+        """Return the number below which a `share` of the truncated distribution lies."""
         normal = NormalDist(self.mean, self.sd)
         least, most = normal.cdf(self.low), normal.cdf(self.high)
-        # Inversion of the truncated distribution needs a single draw.
-        share = least + random.Random(seed).random() * (most - least)
-        drawn = normal.inv_cdf(min(max(share, _TINY), 1 - _TINY))
-        return min(max(round(drawn, DECIMALS), self.low), self.high)
+        tail = min(max(least + share * (most - least), _TINY), 1 - _TINY)
+        return min(max(round(normal.inv_cdf(tail), DECIMALS), self.low), self.high)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ import numpy as np
 from floorplan import UserError
 from floorplan.files.values import require
 from navigation.benchmark import share
-from navigation.separation import AnyLaw
 
 from ..core.entries import UNSIGNED, SignOff
 from ..core.recorder import Scene
@@ -54,7 +53,7 @@ from ..views.safety_page import (
     run_pictures,
     write_safety_page,
 )
-from ..views.safety_run_report import about, laws_of, run_report, software
+from ..views.safety_run_report import LawInUse, about, laws_of, run_report, software
 from .comparison import Comparison, Measure, StudyResults, Trend, sensitivities, spread
 from .design import Study
 from .identity import digest, identity, parts
@@ -260,9 +259,9 @@ def _varied(study: Study) -> list[tuple[str, str]]:
     return [*rows, ("each combination", f"{study.repeat:,} times, seed {study.seed}")]
 
 
-def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw, str]]:
-    """Return each law once, with its machines, number of combinations, and reference points."""
-    numbers: Counter[tuple[str, AnyLaw, str]] = Counter()
+def _laws(study: Study, scenes: Sequence[Scene]) -> list[LawInUse]:
+    """Return each law once, with the number of its combinations."""
+    numbers: Counter[LawInUse] = Counter()
     each = len(study.combinations) // len(study.trials)
     for k, combination in enumerate(study.combinations):
         rules, machines = combination.trial.rules, scenes[k // each].machines
@@ -271,8 +270,10 @@ def _laws(study: Study, scenes: Sequence[Scene]) -> list[tuple[str, AnyLaw, str]
             numbers.update(laws_of(rules, mine))
     every = len(study.combinations)
     return [
-        (whom if count == every else f"{whom}, in {count} of {every} combinations", law, between)
-        for (whom, law, between), count in numbers.items()
+        law._replace(machines=f"{law.machines}, in {count} of {every} combinations")
+        if count < every
+        else law
+        for law, count in numbers.items()
     ]
 
 

@@ -192,7 +192,7 @@ def build(form: type[_Made], document: Document, code: CodeFolder) -> _Made:
         "folder": folder,
         "floorplan_source": schema.floorplan if isinstance(schema.floorplan, str) else "",
         "until_submitted": bool(schema.until_submitted),
-        "obstacles": tuple(keys.value(name) for name, keys in schema.obstacles.items()),
+        "obstacles": tuple(schema.obstacles.values()),
         "commands": () if isinstance(schema.commands, str) else schema.commands,
     }
     trial = form(**given, own_code=code.allowed)
@@ -316,7 +316,8 @@ def _problems(trial: Scenario, document: Document, owners: list[int]) -> Iterato
     `owners` are the numbers of the entries of people in the file.
     """
     found = (
-        document.problem(text, *_in_file(at, document.data, owners)) for text, at in faults(trial)
+        document.problem(text, *_in_file(at, document.data, owners))
+        for text, at in faults(trial, was_read=True)
     )
     yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
     if trial.floorplan.gantry is not None:

@@ -127,13 +127,18 @@ def _starts(trial: Scenario) -> Iterator[tuple[Place, Start]]:
         yield ("blackouts", k, "start"), blackout.start
 
 
-def faults(trial: Scenario) -> Iterator[Fault]:
-    """Yield everything about `trial` that can't be; its controller is not looked for.
+def faults(trial: Scenario, *, was_read: bool = False) -> Iterator[Fault]:
+    """Yield all faults of `trial`, except that its controller is not there.
 
-    That it asks for too much of something comes alone: with so much of it, all else would take
-    long. Goals out of reach are proved on a floor and with names that are correct.
+    A trial that exceeds its budget has no other faults, because they would take long to find.
+    Unreachable goals are found only if nothing else is wrong. The values of a trial that `was_read`
+    from a file are in range.
     """
-    yield from [*budget_faults(trial)] or [*_entry_faults(trial)] or unreachable_goals(trial)
+    if budget := [*budget_faults(trial)]:
+        yield from budget
+        return
+    ranges = [] if was_read else [*range_faults(trial)]
+    yield from [*ranges, *_entry_faults(trial)] or unreachable_goals(trial)
 
 
 def _entry_faults(trial: Scenario) -> Iterator[Fault]:
@@ -148,7 +153,6 @@ def _entry_faults(trial: Scenario) -> Iterator[Fault]:
         larger = isinstance(trial.seed, int) and trial.seed > 0
         found = "a larger one" if larger else repr(trial.seed)
         yield f"must be a whole number from 0 to 2**63 - 1, not {found}", ("seed",)
-    yield from _below(range_faults(trial.rules), "rules")
     yield from _planner_faults(trial.planner, trial, "planner")
     taken = {GANTRY, *(lane.name for lane in trial.floorplan.lanes), *trial.machines}
     for k, person in enumerate(trial.people):
@@ -175,7 +179,6 @@ def _entry_faults(trial: Scenario) -> Iterator[Fault]:
     for k, blackout in enumerate(trial.blackouts):
         known = machines(trial)
         yield from name_faults(blackout.machine, "machine", known, "blackouts", k, "machine")
-        yield from _below(range_faults(blackout), "blackouts", k)
     yield from _below(door_faults(trial), "doors")
     yield from _below(obstacle_faults(trial), "obstacles")
     yield from _below(command_faults(trial), "commands")
@@ -218,7 +221,6 @@ def _person_faults(person: PersonEntry, trial: Scenario) -> Iterator[Fault]:
         message = f"must begin with a letter, and have letters, digits, _ and -: {person.name!r}"
         yield message, ("name",)
     yield from _personality_faults(person, trial)
-    yield from range_faults(person)
     if person.recorded is None:
         yield from _place_faults(person, trial)
     yield from _coming_faults(person, trial)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Container, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import Any
@@ -22,6 +23,7 @@ from ..record.figures import FIGURES, PEOPLE, SummaryFigure
 from ..record.outcome import Outcome
 from . import names, slack
 from .names import machines, orders, people, zones
+from .paths import value_at
 from .slack import NOTHING
 from .timeline import NumberCondition, Verdict, in_words, read_statement
 
@@ -36,14 +38,10 @@ class SummaryField:
 
     def value(self, run: Outcome) -> Any:
         """Return what it is in `run`; None where there is no such figure."""
-        value: Any = run.summary
-        if self.path[0] == "metrics":
-            value = {"metrics": run.metrics}
-        for key in self.path:
-            if not isinstance(value, dict):
-                return None
-            value = value.get(key)
-        return value
+        figures = {"metrics": run.metrics} if self.path[0] == "metrics" else run.summary
+        with suppress(UserError):
+            return value_at(figures, ".".join(self.path))
+        return None
 
     def instants(self, run: Outcome) -> list[float]:
         """Return when the things happened that it counts, seconds."""

@@ -15,7 +15,6 @@ from floorplan import UserError
 from floorplan.checks import height_fault, polygon_fault
 from floorplan.files.fields import LARGEST
 from floorplan.files.problems import Fault, Place, suggestion
-from floorplan.files.values import range_faults
 
 from ..core.entries import COMMANDS, Command
 from ..core.scenario import PersonEntry, Scenario, spot
@@ -203,8 +202,6 @@ def command_faults(trial: Scenario) -> Iterator[Fault]:
     placed: set[str] = set()
     before = 0.0
     for k, command in enumerate(trial.commands):
-        for fault, at in range_faults(command):
-            yield fault, (k, *at)
         if command.time is None:
             yield "give a time", (k, "time")
         elif command.time < before:
@@ -280,8 +277,6 @@ def list_faults(trial: Scenario) -> Iterator[Fault]:
         for k, task in enumerate(held.tasks):
             for message, key in _task_faults(task, trial):
                 yield message, (name, "tasks", k, key)
-        for message, at in range_faults(held):
-            yield message, (name, *at)
         if not held.tasks:
             yield "has no tasks", (name,)
         if name not in taken:

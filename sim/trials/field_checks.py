@@ -11,7 +11,6 @@ from shapely.geometry import Polygon
 
 from floorplan import UserError
 from floorplan.files.problems import Fault
-from floorplan.files.values import range_faults
 from navigation import FieldGap, ProtectiveFields, VehicleLimits, short_fields
 from navigation.field_lengths import directions, limits_along, velocities
 from navigation.machines import AxisLimits
@@ -34,7 +33,7 @@ def field_faults(trial: Scenario) -> Iterator[Fault]:
     """Yield what can't be about the protective fields of a trial."""
     for name, fields in trial.fields.items():
         yield from name_faults(name, "machine", machines(trial), name)
-        for message, place in (*range_faults(fields), *_set_faults(fields)):
+        for message, place in _set_faults(fields):
             yield message, (name, *place)
         for k, zone in enumerate(fields.muting.zones):
             yield from name_faults(zone, "zone", zones(trial), name, "muting", "zones", k)

@@ -8,7 +8,6 @@ from pydantic import (
     AfterValidator,
     BeforeValidator,
     Discriminator,
-    Field,
     Tag,
     model_validator,
 )
@@ -16,12 +15,12 @@ from pydantic_core import PydanticCustomError
 from typing_extensions import Self
 
 from floorplan import UserError
-from floorplan.building import ObstacleSchema
 from floorplan.files.documents import read_yaml
-from floorplan.files.fields import Flag, NotNegative, Number, Range, Strictly, whole
-from floorplan.files.problems import Written, suggestion
+from floorplan.files.fields import Flag, Number, Strictly, whole
+from floorplan.files.forms import Written, called
+from floorplan.files.problems import suggestion
 
-from ..core.entries import COMMANDS, UNSIGNED, Blackout, Command, SignOff
+from ..core.entries import UNSIGNED, Blackout, Command, SignOff
 from ..core.fields import MachineFields
 from ..core.rules import PAPER
 from ..core.scenario import (
@@ -38,7 +37,6 @@ from ..core.scenario import (
 from ..core.schedule import (
     Delay,
     DoorTimes,
-    Intervals,
     Length,
     TimedObstacle,
     WorkList,
@@ -52,54 +50,19 @@ from .rules_file import RuleForm, RuleKeys
 _Made = TypeVar("_Made", bound=Scenario)
 
 
-class BlockKeys(ObstacleSchema):
-    """A command that puts down an obstacle."""
-
-    time: NotNegative
-    block: Annotated[str, Field(min_length=1)]
-    z: Range = (0.0, 1.0)
-
-    def value(self) -> Command:
-        """Return the command."""
-        return Command(self.time, block=self.obstacle(self.block))
-
-
-def _one_command(value: Any) -> Any:
-    if isinstance(value, dict) and len(value.keys() & {*COMMANDS, "call"}) != 1:
-        raise UserError(f"give a time and one of {', '.join(COMMANDS)}; or a machine and a call")
-    return value
-
-
-def _command_tag(value: Any) -> str:
-    """Return which command it is, by a word that is none of its keys."""
-    return "to block" if isinstance(value, dict) and "block" in value else "another"
-
-
-_Command = Annotated[
-    Command,
-    Written(
-        Annotated[
-            Annotated[BlockKeys, AfterValidator(BlockKeys.value), Tag("to block")]
-            | Annotated[Command, Tag("another")],
-            Discriminator(_command_tag),
-        ]
-    ),
-    BeforeValidator(_one_command),
-]
-
 CommandEntries = Annotated[
-    Annotated[str, Tag("file")] | Annotated[tuple[_Command, ...], Tag("list")],
+    Annotated[str, Tag("file")] | Annotated[tuple[Command, ...], Tag("list")],
     Discriminator(lambda value: "file" if isinstance(value, str) else "list"),
 ]
 """Commands in order of time, or the file that has them."""
 
 
 class _CommandFile(Strictly):
-    commands: tuple[_Command, ...]
+    commands: tuple[Command, ...]
 
 
 class _OneCommand(Strictly):
-    command: _Command
+    command: Command
 
 
 def commanded(trial: _Made, path: Path) -> _Made:
@@ -183,16 +146,6 @@ class PersonKeys(PersonEntry):
         ]
 
 
-class TimedKeys(ObstacleSchema):
-    """An obstacle, and when it is there."""
-
-    there: Intervals
-
-    def value(self, name: str) -> TimedObstacle:
-        """Return the obstacle called `name`."""
-        return TimedObstacle(self.obstacle(name), self.there)
-
-
 def _name_or_keys(value: Any) -> Any:
     if not isinstance(value, str | dict):
         raise PydanticCustomError("floor", "expected a name, a file or the keys of a floor")
@@ -235,7 +188,7 @@ class TrialKeys(Strictly):
     begins: Annotated[Number, BeforeValidator(time_of_day)] = 0.0
     work: dict[Name, WorkList] = {}
     doors: dict[str, DoorTimes] = {}
-    obstacles: dict[str, TimedKeys] = {}
+    obstacles: Annotated[dict[str, TimedObstacle], BeforeValidator(called)] = {}
     blackouts: tuple[Blackout, ...] = ()
     commands: CommandEntries = ()
     sources: dict[Annotated[str, AfterValidator(_as_assumed)], str] = {}

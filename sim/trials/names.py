@@ -15,18 +15,33 @@ from ..core.events import EVENT_KINDS, Form
 from ..core.scenario import Scenario
 from ..machines.gantry.controllers import CONTROLLERS
 from ..machines.gantry.tasks import fixed_places
-from ..machines.kinds import KINDS, is_own, kind_name, on_floor
+from ..machines.kinds import KINDS, is_own, kind_name, kind_of, on_floor
 from ..safety.laws import own_laws
 
 MOST_NAMED = 12
-"""People whose names a line of text has."""
+"""Maximum number of names in a line of text."""
 
 
 def in_words(trial: Scenario) -> str:
-    """Return the first people of a trial with their personalities, and how many more there are."""
-    some = [f"{p.name} ({Path(p.personality_name).stem})" for p in trial.people[:MOST_NAMED]]
-    more = len(trial.people) - MOST_NAMED
-    return ", ".join([*some, f"{more} more"] if more > 0 else some) or "nobody"
+    """Return the first people of a trial with their personalities, and the number of others."""
+    bodies = [f"{one.name} ({Path(one.personality_name).stem})" for one in trial.people]
+    return _first(bodies) or "nobody"
+
+
+def machines_in_words(trial: Scenario) -> str:
+    """Return the first machines of a trial with their kinds, and the number of others."""
+    names = machines(trial)
+    kinds = [kind_of(name, trial) for name in names]
+    named = [
+        name if name == kind else f"{name} ({kind})"
+        for name, kind in zip(names, kinds, strict=True)
+    ]
+    return f"machine{'s' if len(names) > 1 else ''} {_first(named)}" if names else ""
+
+
+def _first(names: list[str]) -> str:
+    more = len(names) - MOST_NAMED
+    return ", ".join([*names[:MOST_NAMED], f"{more} more"] if more > 0 else names)
 
 
 def people(trial: Scenario) -> list[str]:

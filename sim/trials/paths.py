@@ -13,7 +13,8 @@ from typing import Any, TypeVar
 
 from floorplan import UserError
 from floorplan.files.fields import Keyed
-from floorplan.files.problems import form_keys, suggestion
+from floorplan.files.forms import form_keys
+from floorplan.files.problems import suggestion
 
 from ..core.entries import Start
 from ..core.schedule import TimedObstacle, WorkList

@@ -10,13 +10,13 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, fields, replace
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Annotated, Any, get_type_hints
 
 from pydantic import create_model, model_validator
 
 from floorplan import InputError, Problem, UserError
 from floorplan.files.documents import Document, read_yaml
-from floorplan.files.fields import LARGEST, NotNegative, Positive, Strictly
+from floorplan.files.fields import LARGEST, Expected, NotNegative, Positive, Strictly
 from floorplan.files.problems import suggestion
 from floorplan.files.reading import is_file
 from navigation import ApproachLaw, FixedDistance, IntegralLaw, Scaled, SeparationLaw
@@ -42,7 +42,9 @@ LAWS: dict[str, Any] = {
 }
 """The laws that files name."""
 
-Terms = dict[str, Any]
+Terms = Annotated[
+    dict[str, Any], Expected("a law with its terms, as {iso_13855: {time: 1.0}}", dict)
+]
 """A law as it is written: its name, and with it its terms."""
 
 
@@ -74,8 +76,9 @@ def read_law(terms: Mapping[str, Any], folder: CodeFolder, place: str = "") -> A
         given = {"metres": given}
     given = {} if given is None else given
     if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+        needed = f" ({', '.join(_needed(name))})" if name in LAWS else ""
         raise WrittenLawError(
-            f"expected the terms of the law with their values, found {given!r}", name
+            f"expected the terms of the law{needed} with their values, found {given!r}", name
         )
     if ":" in name:
         return _own_law(name, given, folder, place)
@@ -83,8 +86,9 @@ def read_law(terms: Mapping[str, Any], folder: CodeFolder, place: str = "") -> A
     known = {term.name: term for term in fields(form)}
     for term, value in given.items():
         _check_term(name, term, value, known)
-    needed = [term for term, field in known.items() if field.default is MISSING]
-    _require_terms(name, needed, given)
+    if missing := [term for term in _needed(name) if term not in given]:
+        be = "is" if len(missing) == 1 else "are"
+        raise WrittenLawError(f"{' and '.join(missing)} {be} missing", name)
     try:
         law: AnyLaw = form(**{term: value for term, value in given.items() if value is not None})
         return law
@@ -107,10 +111,9 @@ def _no_term(law: str, term: str, known: Iterable[str]) -> WrittenLawError:
     return WrittenLawError(f"{law} has no term {term!r}; {hint}", law, term)
 
 
-def _require_terms(law: str, needed: Iterable[str], given: Mapping[str, Any]) -> None:
-    if missing := [term for term in needed if term not in given]:
-        be = "is" if len(missing) == 1 else "are"
-        raise WrittenLawError(f"{' and '.join(missing)} {be} missing", law)
+def _needed(law: str) -> list[str]:
+    """Return the terms of a law that have no default."""
+    return [term.name for term in fields(LAWS[law]) if term.default is MISSING]
 
 
 def _check_term(law: str, term: str, value: object, known: Mapping[str, Field[Any]]) -> None:
@@ -176,6 +179,8 @@ class RuleKeys(Strictly):
     def _named(cls, value: object) -> object:
         if isinstance(value, str):
             return {"source": value}
+        if isinstance(value, Mapping) and (laws := [name for name in LAWS if name in value]):
+            raise UserError(f"{laws[0]} is a law; give it as gantry_law or agv_law, or in laws")
         if isinstance(value, Mapping) and "source" in value:
             raise UserError("unknown key 'source'; for a rule set of a file write rules: FILE")
         return value

@@ -15,7 +15,8 @@ import numpy as np
 import floorplan
 from floorplan import UserError
 from floorplan.files.documents import yaml_text
-from floorplan.plan import floor_keys, obstacle_keys
+from floorplan.files.forms import Data, written
+from floorplan.plan import floor_keys
 from navigation import FieldSet, Motion
 from navigation.catalog import PlannerChoice
 
@@ -29,7 +30,7 @@ from ..core.scenario import (
     Scenario,
     controller_name,
 )
-from ..core.schedule import Duration, TimedObstacle
+from ..core.schedule import Duration
 from ..core.stage import MachineEntry
 from ..machines.amr.controllers import VEHICLE_CONTROLLERS
 from ..machines.gantry.controllers import CONTROLLERS
@@ -51,10 +52,6 @@ def out_of_reach(trial: Scenario, folder: Path) -> str:
     if not names or here.is_relative_to(there) or there.is_relative_to(here):
         return ""
     return f"its code, {names}, stands in {there}: so does a trial that names it, or below"
-
-
-Data = dict[str, Any]
-"""Keys and values as they stand in a file. What is left out has its usual value."""
 
 
 def to_yaml(trial: Scenario, folder: Path) -> str:
@@ -128,12 +125,7 @@ def _floorplan(trial: Scenario) -> str | Data:
 
 def command_keys(command: Command) -> Data:
     """Return the keys of a command in a file."""
-    given = {one.name: getattr(command, one.name) for one in fields(command)}
-    if command.block is not None:
-        given |= {"block": command.block.name, **obstacle_keys(command.block)}
-    if command.to is not None and not isinstance(command.to, str):
-        given["to"] = [*map(float, command.to)]
-    return {name: _plain(value) for name, value in given.items() if value is not None}
+    return written(command, write=_plain)
 
 
 def _personality(one: PersonEntry | PersonalityChange, trial: Scenario) -> str:
@@ -164,10 +156,6 @@ def _value(value: Any, trial: Scenario) -> Any:
             return _planner(value, trial)
         case (begin, math.inf):
             return [begin]
-        case Command():
-            return command_keys(value)
-        case TimedObstacle():
-            return {**obstacle_keys(value.obstacle), "there": _value(value.there, trial)}
         case tuple():
             return [_value(one, trial) for one in value]
         case dict():
@@ -178,13 +166,8 @@ def _value(value: Any, trial: Scenario) -> Any:
 
 
 def _fields(value: Any, trial: Scenario) -> Data:
-    """Return those fields of a value that say something else than if they were left out."""
-    given = {}
-    for field in fields(value):
-        written = _plain(_value(getattr(value, field.name), trial))
-        if written not in (None, _plain(_value(field.default, trial))):
-            given[field.name] = written
-    return given
+    """Return the keys of a value that differ from their defaults."""
+    return written(value, write=lambda inner: _plain(_value(inner, trial)))
 
 
 def _agv(trial: Scenario, name: str) -> Any:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,17 +108,22 @@ def name_rows(axes: Axes, names: Sequence[str]) -> None:
     draw_grid(axes, "x")
 
 
+class BoxLine(NamedTuple):
+    """Ends of the line of a box, and the median between them."""
+
+    least: float
+    median: float
+    most: float
+
+
 def draw_box(
     axes: Axes, place: float, values: NDArray[np.float64], colour: str, height: float = 0.55
-) -> tuple[float, float, float]:
-    """Draw the middle half of the values of a row as a box, nine tenths as a line.
-
-    Return the ends of the line and, between them, the median.
-    """
+) -> BoxLine:
+    """Draw the middle half of the values of a row as a box, nine tenths as a line."""
     least, low, middle, high, most = np.quantile(values, [0.05, 0.25, 0.5, 0.75, 0.95]).tolist()
     axes.plot([least, most], [place, place], color=colour, linewidth=1.2)
     axes.barh(place, high - low, left=low, height=height, color=colour, alpha=0.45, linewidth=0)
-    return least, middle, most
+    return BoxLine(least, middle, most)
 
 
 def draw_interval(

@@ -7,7 +7,7 @@ import platform
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from floorplan import Floorplan, Zone
 from navigation import Motion
@@ -131,11 +131,16 @@ def _machines(scene: Scene, scenario: Scenario | None) -> Iterator[Row]:
         yield (listed(names), *line)
 
 
-def laws_of(rules: RuleSet, machines: Iterable[MachineShape]) -> list[tuple[str, AnyLaw, str]]:
-    """Return the laws of machines, each with its keys and machines in words.
+class LawInUse(NamedTuple):
+    """A law with its keys and machines in words, and the reference points of the distance."""
 
-    The last item describes the reference points of the distance.
-    """
+    machines: str
+    law: AnyLaw
+    between: str
+
+
+def laws_of(rules: RuleSet, machines: Iterable[MachineShape]) -> list[LawInUse]:
+    """Return the laws of machines, each once."""
     laws: list[tuple[AnyLaw, str, dict[str, list[str]]]] = []
     for machine in machines:
         key, law = rules.law_and_key_of(machine)
@@ -145,7 +150,7 @@ def laws_of(rules: RuleSet, machines: Iterable[MachineShape]) -> list[tuple[str,
             laws.append((law, between, same := {}))
         same.setdefault(key, []).append(machine.name)
     return [
-        ("; ".join(f"{key}: {listed(names)}" for key, names in keys.items()), law, between)
+        LawInUse("; ".join(f"{key}: {listed(names)}" for key, names in keys.items()), law, between)
         for law, between, keys in laws
     ]
 

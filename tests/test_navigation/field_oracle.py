@@ -1,4 +1,4 @@
-"""Contacts with fields by dense sampling and bisection, and random cases of them."""
+"""Contacts with fields by dense sampling and bisection, and random cases."""
 
 import math
 import random
@@ -21,7 +21,7 @@ RADIUS = 0.3
 
 
 def signed_distance(corners, x, y):
-    """Distances of places from a polygon, metres: less than 0 within it."""
+    """Return the distances of places from a polygon in metres, negative inside it."""
     corners = np.array(corners)
     a, b = corners, np.roll(corners, -1, axis=0)
     p = np.stack([x, y], -1)[..., None, :]
@@ -36,7 +36,7 @@ def signed_distance(corners, x, y):
 
 
 def depth(case, which, field, t):
-    """Distance of the person's disc from a field of a set at some times, metres."""
+    """Return the distance of the person's disc from a field of a set at given times in metres."""
     _, machine, person, radius = case
     dx, dy = (person.position(t) - machine.position(t)).T
     turned = machine.rotation(t)
@@ -45,7 +45,7 @@ def depth(case, which, field, t):
 
 
 def applies(case, which, t):
-    """Whether a set is the first that fits the machine's velocity at some times."""
+    """Return whether a set is the first that fits the machine's velocity at given times."""
     fields, machine, _, _ = case
     cubics = machine.cubics(t)
     (vx, vy, turning), turned = np.moveaxis(cubics[..., 1], -1, 0), cubics[..., 2, 0]
@@ -69,13 +69,13 @@ def applies(case, which, t):
 
 
 def touches(case, which, field, t):
-    """Whether the person touches a field that applies, at some times."""
+    """Return whether the person touches a field that applies at given times."""
     t = np.asarray(t, dtype=float)
     return applies(case, which, t) & (depth(case, which, field, t) <= 0)
 
 
 def changes(case, which, field, t):
-    """Times at which a contact begins or ends, found among samples and then bisected."""
+    """Return the times at which a contact begins or ends, by samples and bisection."""
     state = touches(case, which, field, t)
     k = np.flatnonzero(state[1:] != state[:-1])
     low, high, before = t[k], t[k + 1], state[k]
@@ -87,7 +87,7 @@ def changes(case, which, field, t):
 
 
 def polygon(rng):
-    """A polygon about the machine, mostly ahead of it and concave."""
+    """Return a polygon around the machine, mostly ahead of it and concave."""
     count = rng.randint(3, 9)
     angles = sorted(rng.uniform(0, math.tau) for _ in range(count))
     reach = [rng.uniform(0.3, 2.5) for _ in range(count)]
@@ -96,7 +96,7 @@ def polygon(rng):
 
 
 def field_sets(rng):
-    """One to four sets, of ranges of speed, of turning, or of directions."""
+    """Return one to four sets for ranges of speed, turn rate, or direction."""
     cuts = sorted(rng.uniform(-0.6, 1.5) for _ in range(rng.randint(0, 3)))
     kind = rng.choice(["linear", "theta", "direction"])
     sets = []
@@ -114,7 +114,7 @@ def field_sets(rng):
 
 
 def vehicle(rng):
-    """A vehicle that drives and turns on the spot, or on arcs, or as it was recorded."""
+    """Return the motion of a vehicle: drives and turns on the spot, arcs, or samples."""
     kind = rng.choice(["path", "twist", "samples"])
     limits = VehicleLimits(side_speed=rng.choice([0.0, 0.8]))
     x, y, turned = (rng.uniform(-1, 1) for _ in range(3))
@@ -136,7 +136,7 @@ def vehicle(rng):
 
 
 def pedestrian(rng):
-    """A person who walks about, or stands, or is moved to another place."""
+    """Return the motion of a person who walks, stands, or is moved to another place."""
     t, x, y = 0.0, rng.uniform(-4, 4), rng.uniform(-4, 4)
     samples = [(t, x, y)]
     for _ in range(rng.randint(1, 7)):
@@ -153,7 +153,7 @@ def pedestrian(rng):
 
 
 def random_case(seed):
-    """Fields, a machine, a person, and the person's radius."""
+    """Return fields, a machine, a person, and the person's radius."""
     rng = random.Random(seed)
     while True:
         try:
@@ -165,5 +165,5 @@ def random_case(seed):
 
 
 def all_fields(case):
-    """Each set of a case with each of its fields."""
+    """Return each set of a case with each of its fields."""
     return [(each, field) for each in case[0].sets for field in KINDS if each.corners(field)]

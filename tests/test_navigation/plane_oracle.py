@@ -1,4 +1,4 @@
-"""Geometry worked out without any of the library's own code or FCL, to compare it with."""
+"""Geometry without the library's own code and without FCL, for comparison."""
 
 import itertools
 import math
@@ -11,7 +11,7 @@ from floorplan import Floorplan, Obstacle
 
 
 def floor(*obstacles, boundary=None):
-    """A floor of 10 m × 10 m, or within `boundary`, with things 1 m high."""
+    """Return a floor of 10 m × 10 m, or within `boundary`, with obstacles 1 m high."""
     things = [
         Obstacle(name=f"thing{k}", footprint=shape, bottom=0.0, top=1.0)
         for k, shape in enumerate(obstacles)
@@ -42,7 +42,7 @@ def _shape(shape):
 
 
 def gap(world, points):
-    """The distance of a polyline (or point) from everything solid."""
+    """Return the distance of a polyline (or point) from all obstacles."""
     points = np.asarray(points, dtype=float)
     still = (points == points[0]).all()
     line = shapely.Point(points[0]) if still else shapely.linestrings(points)
@@ -56,7 +56,7 @@ def length(points):
 
 
 def room(world, radius, sides=32):
-    """A bit more than the places where a disc fits: grown edges and inscribed corners removed."""
+    """Return slightly more than the free space, without grown edges and inscribed corners."""
     blocked = solid(world)
     parts = [blocked]
     for polygon in shapely.get_parts(blocked):
@@ -87,7 +87,7 @@ def room(world, radius, sides=32):
 
 
 def goes_back(gate, a, b):
-    """Whether segments from a to b (N, 2) go through a gate against its direction."""
+    """Return whether segments from a to b (N, 2) cross a gate against its direction."""
     (x, y), towards = gate.ends[0], np.subtract(gate.towards, gate.ends[0])
     dx, dy = np.subtract(gate.ends[1], gate.ends[0])
     way = math.copysign(1.0, dx * towards[1] - dy * towards[0])

@@ -1,4 +1,4 @@
-"""What the monitor finds against dense sampling, and encounters stretch by stretch."""
+"""Comparison of the monitor with dense sampling, and encounters by stretch."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from navigation import Encounter
 
 
 def encounters(human, robot, begin, end, gauges=()):
-    """Yield an encounter at each of its stretches from `begin` to `end`; one if they are equal."""
+    """Yield an encounter at each of its stretches from `begin` to `end`, one if they are equal."""
     encounter = Encounter(human, robot, gauges)
     encounter.come_to(begin)
     while encounter.next_stretch(end):
@@ -14,13 +14,13 @@ def encounters(human, robot, begin, end, gauges=()):
 
 
 def part_of(encounter, low, high):
-    """Return begin and end of a part of the stretch between two shares of it, in any order."""
+    """Return begin and end of a part of the stretch between two shares, in any order."""
     length = encounter.end - encounter.begin
     return tuple(encounter.begin + length * share for share in (min(low, high), max(low, high)))
 
 
 def assert_bounds(encounter, begin, end, slope, curve, distances):
-    """Bounds on distances minus a parabola hold at instants for which `distances` has them."""
+    """Assert that bounds on distances minus a parabola hold at times with `distances`."""
     near, far, candidate = encounter.apart(begin, end, slope, curve)
     assert begin <= candidate <= end
     ts = np.linspace(begin, end, 9)
@@ -31,7 +31,7 @@ def assert_bounds(encounter, begin, end, slope, curve, distances):
 
 
 def assert_negative_within(found, ts, margins, end):
-    """Margins at `ts` (from 0 to `end`) are negative in the intervals `found`, but for rounding."""
+    """Assert that margins at `ts` (from 0 to `end`) are negative in the intervals `found` only."""
     inside = np.zeros(len(ts), dtype=bool)
     for since, until in found:
         assert 0.0 <= since <= until <= end

@@ -1,4 +1,4 @@
-"""Paths among bodies whose motions are known: never touched, and no wait longer than needed."""
+"""Paths among bodies with known motions."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def drive(points, start=0.0, speed=1.5):
 
 
 def clear(person, machine, begin, end):
-    """The least distance between the surfaces, sampled every 5 ms."""
+    """Return the minimum distance between the surfaces, sampled every 5 ms."""
     t = np.arange(begin, end, 0.005)
     at, turned = machine.position(t), machine.rotation(t)
     away = person.position(t) - at
@@ -45,7 +45,7 @@ def clear(person, machine, begin, end):
         max_size=3,
     )
 )
-def test_nothing_is_touched_and_no_wait_is_longer_than_needed(vehicles):
+def test_a_passage_touches_nothing_and_waits_no_longer_than_necessary(vehicles):
     planner = PathPlanner(CollisionWorld(floor()), RADIUS)
     moving = [
         Mover(f"v{k}", drive([(x, 0.7), (x + slant, 9.3)], t, speed), SOLID)
@@ -64,7 +64,7 @@ def test_nothing_is_touched_and_no_wait_is_longer_than_needed(vehicles):
         assert any(clear(later, m.motion, 0.0, later.end) < GAP + 1e-2 for m in moving)
 
 
-def test_waits_where_that_is_quicker_and_goes_round_where_it_is_not():
+def test_a_person_waits_or_takes_a_detour_whichever_is_faster():
     wall = [box(4.0, 0.0, 5.0, 3.0), box(4.0, 4.5, 5.0, 7.0), box(4.0, 8.5, 5.0, 10.0)]
     planner = PathPlanner(CollisionWorld(floor(*wall)), RADIUS)
     start, goal = (2.5, 3.75), (6.5, 3.75)
@@ -80,7 +80,7 @@ def test_waits_where_that_is_quicker_and_goes_round_where_it_is_not():
     assert clear(round_it.motion, comes.motion, 1.0, round_it.arrives) >= GAP - 1e-3
 
 
-def test_a_body_in_the_world_counts_where_it_will_be():
+def test_a_moving_body_in_the_world_counts_at_its_future_places():
     world = CollisionWorld(floor(box(4.0, 0.0, 5.0, 4.0), box(4.0, 6.0, 5.0, 10.0)))
     world.place("cart", box(3.9, 4.4, 5.1, 5.6))
     planner = PathPlanner(world, RADIUS)
@@ -92,7 +92,7 @@ def test_a_body_in_the_world_counts_where_it_will_be():
     assert "cart" in {body.name for body in world.bodies}
 
 
-def test_no_passage_is_said_with_its_reason():
+def test_a_missing_passage_is_reported_with_its_reason():
     planner = PathPlanner(CollisionWorld(floor(box(4, -1, 6, 11))), RADIUS)
     with pytest.raises(PlanningError) as cut:
         plan_among(planner, (2.0, 5.0), (8.0, 5.0), [])
@@ -104,7 +104,25 @@ def test_no_passage_is_said_with_its_reason():
     assert parked.value.reason == "not_found"
 
 
-def test_who_stands_too_near_to_a_body_that_will_move_comes_no_nearer():
+def test_a_person_arrives_before_a_vehicle_parks_on_the_goal():
+    planner = PathPlanner(CollisionWorld(floor()), RADIUS)
+    parks = Mover("cart", drive([(8.0, 1.0), (8.0, 5.0)], 20.0), SOLID)
+    passage = plan_among(planner, (2.0, 5.0), (8.0, 5.0), [parks])
+    assert passage.arrives == walk([(2.0, 5.0), (8.0, 5.0)]).end
+    assert not passage.waits
+
+
+def test_a_brief_wait_is_preferred_to_a_detour():
+    planner = PathPlanner(CollisionWorld(floor()), RADIUS)
+    crosses = Mover("cart", drive([(5.0, 3.0), (5.0, 9.0)], speed=2.0), SOLID)
+    passage = plan_among(planner, (3.0, 5.0), (8.0, 5.0), [crosses])
+    ((_, wait),) = passage.waits
+    assert 0.0 < wait <= 1.0
+    assert np.allclose(passage.path.points[:, 1], 5.0)
+    assert clear(passage.motion, crosses.motion, 0.0, passage.arrives) >= GAP - 1e-3
+
+
+def test_a_person_who_starts_too_close_to_a_body_comes_no_closer():
     stands = join([standing((5.0, 5.0)), drive([(5.0, 5.0), (8.5, 5.0)], 8.0)])
     planner = PathPlanner(CollisionWorld(floor()), RADIUS)
     passage = plan_among(planner, (4.8, 4.4), (5.0, 7.0), [Mover("v", stands, SOLID)])

@@ -37,7 +37,7 @@ def attempts():
 
 
 def without_times(attempts):
-    """What must be the same again: all but times and memory."""
+    """Return everything that is reproducible: all results except times and memory."""
     return [
         (
             *(a.asked, a.reason, a.wrong, a.length, a.clearance, a.turning),
@@ -94,14 +94,14 @@ def test_questions_have_answers():
         assert math.dist(one.start, one.goal) - 1e-9 <= one.shortest < 100
 
 
-def test_no_room_is_said():
+def test_a_floor_without_room_is_reported():
     plan = Floorplan(name="cell", boundary=box(0, 0, 1, 1))
     with pytest.raises(ValueError, match=r"cell has no two places for a radius of 0\.6 m"):
         benchmark([plan], ["Roadmap"], queries=1, radius=0.6)
 
 
-def test_lengths_of_shortest_ways():
-    """Round a pillar and round a wall's end, where they are known in closed form."""
+def test_shortest_lengths_equal_closed_forms():
+    """Around a pillar and around the end of a wall, in closed form."""
     room = box(0, 0, 10, 10).difference(box(4, -1, 6, 6))
     ways = ShortestPaths(room, 0.5)
     assert ways.length((1, 9), (9, 9)) == 8
@@ -118,7 +118,7 @@ def test_lengths_of_shortest_ways():
     assert cut.length(a, b) == math.inf
 
 
-def test_gaps_just_as_wide_as_the_disc_are_no_ways():
+def test_gaps_just_as_wide_as_the_disc_are_closed():
     room = box(0, 0, 10, 10).difference(shapely.union_all([box(4, 0, 6, 5), box(4, 5.6, 6, 9)]))
     assert ShortestPaths(room, 0.3).length((2, 5.3), (8, 5.3)) > 8
     assert ShortestPaths(room, 0.298).length((2, 5.3), (8, 5.3)) == pytest.approx(6)
@@ -150,8 +150,8 @@ def test_csv_has_every_answer(attempts, tmp_path):
     assert float(lines[3]["x1"]) == attempts[3].asked.goal[0]
 
 
-def test_ompl_makes_a_database_of_the_log(attempts, tmp_path):
-    """With its own script, whose database Planner Arena takes."""
+def test_the_log_converts_to_a_database_of_ompl(attempts, tmp_path):
+    """OMPL's script creates the database for Planner Arena."""
     statistics = pytest.importorskip("ompl.tools")
     there = [a for a in attempts if a.asked.floorplan == "ariac2023"]
     write_ompl_log(there, tmp_path / "b.log", seed=1)
@@ -183,7 +183,7 @@ def test_ompl_makes_a_database_of_the_log(attempts, tmp_path):
 
 
 def question():
-    """A question to a planner from one side of a wall to the other."""
+    """Return a question from one side of a wall to the other."""
     return Asked(
         floorplan="barred",
         planner="somebody",
@@ -198,7 +198,7 @@ def question():
 
 
 def by_ompl(points, clear):
-    """Clearance and smoothness of a polyline, asked of OMPL itself."""
+    """Return clearance and smoothness of a polyline by OMPL."""
     space = ob.RealVectorStateSpace(2)
     bounds = ob.RealVectorBounds(2)
     bounds.setLow(-50.0)
@@ -224,7 +224,7 @@ def by_ompl(points, clear):
     return path.clearance(), path.smoothness()
 
 
-def test_smoothness_and_clearance_are_as_ompl_has_them():
+def test_smoothness_and_clearance_equal_those_of_ompl():
     world = CollisionWorld(floorplan.load("ariac2023"))
     asked = question()
     rng = np.random.default_rng(0)
@@ -237,8 +237,8 @@ def test_smoothness_and_clearance_are_as_ompl_has_them():
         assert found.ompl_smoothness == pytest.approx(smooth, rel=1e-6)
 
 
-def test_shortest_ways_do_not_cut_corners():
-    """Every way is at least as long as one for which corners are points."""
+def test_shortest_paths_do_not_cut_corners():
+    """Every path is at least as long as one around corners of radius 0."""
     rng = np.random.default_rng(0)
     room = box(0, 0, 10, 10).difference(shapely.union_all([box(2, 2, 4, 8), box(6, 0, 7, 7)]))
     narrow, wide = ShortestPaths(room, 1e-3), ShortestPaths(room, 0.4)
@@ -249,7 +249,7 @@ def test_shortest_ways_do_not_cut_corners():
             assert length >= narrow.length(tuple(a), tuple(b)) - 1e-6
 
 
-def test_a_floor_without_obstacles():
+def test_the_shortest_path_on_an_empty_floor_is_straight():
     plan = Floorplan(
         name="hall",
         boundary=box(0, 0, 5, 5),
@@ -268,7 +268,7 @@ BARRED = Floorplan(
 
 
 def test_budgets_and_parameters_reach_the_planner():
-    """RRT* gets a shorter path the longer it may search; each run has a seed of its own."""
+    """RRT* finds shorter paths with a larger budget, and each run has its own seed."""
     few, many = (
         benchmark([BARRED], ["RRTstar: {simplify: false}"], queries=3, runs=2, iterations=count)
         for count in (200, 1000)
@@ -296,13 +296,13 @@ def test_budgets_and_parameters_reach_the_planner():
         ({"plans": [BARRED, BARRED]}, "two floors are called 'barred'"),
     ],
 )
-def test_senseless_terms_are_refused(options, words):
+def test_invalid_parameters_are_rejected(options, words):
     terms = {"plans": [BARRED], "planners": ["Roadmap"], "queries": 1, **options}
     with pytest.raises(ValueError, match=words):
         benchmark(**terms)
 
 
-def test_wrong_answers_are_noticed():
+def test_wrong_answers_are_classified():
     asked = question()
     world = CollisionWorld(BARRED)
 
@@ -336,7 +336,7 @@ def test_wrong_answers_are_noticed():
     ],
 )
 def test_ompls_own_roadmap_planner_finds_paths_as_long_as_the_default(name):
-    """It has the corner points as samples, FCL judges every link, and OMPL searches them."""
+    """Its samples are the corner points, FCL tests every link, and OMPL searches."""
     plan = floorplan.load(name)
     ours, prms = (
         benchmark([plan], [planner], queries=6, seed=5) for planner in ("Roadmap", "PRM-of-corners")
@@ -346,7 +346,7 @@ def test_ompls_own_roadmap_planner_finds_paths_as_long_as_the_default(name):
         assert other.length == pytest.approx(one.length, abs=1e-6)
 
 
-def test_ompls_own_roadmap_planner_finds_nothing_where_no_path_is(
+def test_ompls_own_roadmap_planner_finds_nothing_without_a_path(
     tmp_path,
 ):
     parted = tmp_path / "parted.yaml"
@@ -362,7 +362,7 @@ def test_ompls_own_roadmap_planner_finds_nothing_where_no_path_is(
 
 @pytest.mark.parametrize("name", PEERS)
 def test_peers_answer_the_same_questions(name):
-    """Each with the radius, round the wall, and none of them into it."""
+    """Each keeps the radius and goes around the wall."""
     if not PEERS[name].installed:
         with pytest.raises(ValueError, match=f"{name} is not installed: pip install"):
             benchmark([BARRED], [name], queries=1)

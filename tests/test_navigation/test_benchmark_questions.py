@@ -1,4 +1,4 @@
-"""Questions of the benchmark in files, and what is told of the answers over time."""
+"""Files of questions, and statistics of answers over time."""
 
 import heapq
 import math
@@ -47,7 +47,7 @@ def ask(path, plan, text, **options):
     return read_questions(path, plan, radius=0.3, **options)
 
 
-def test_a_table_asks_with_agvs_where_it_says(tmp_path):
+def test_a_table_places_the_agvs_of_each_question(tmp_path):
     plan = floorplan.load("ariac2023")
     text = "x0, y0, x1, y1, agv1\n-15,-10,-5,3.75,as1\n\n-15,-10,-5,3.75,\n-14,-9,-5,3.75,\n"
     first, second, third = ask(tmp_path / "q.csv", plan, text)
@@ -73,12 +73,12 @@ def test_a_table_asks_with_agvs_where_it_says(tmp_path):
         ("x0,y0,x1,y1\n-15,-10,99,0\n", r"line 2: the goal \(99, 0\) is outside the boundary"),
     ],
 )
-def test_what_is_wrong_with_a_table_is_said(tmp_path, text, words):
+def test_faults_of_a_table_are_reported(tmp_path, text, words):
     with pytest.raises(QuestionsError, match=words):
         ask(tmp_path / "q.csv", floorplan.load("ariac2023"), text)
 
 
-def test_a_question_that_has_no_answer_is_one(hall):
+def test_questions_without_a_path_are_valid(hall):
     walls = MAP.replace("..T...", "@@@@@@")
     (hall / "hall.map").write_text(walls)
     plan = floorplan.load(hall / "hall.map")
@@ -91,7 +91,7 @@ def test_a_question_that_has_no_answer_is_one(hall):
     assert (one.solved, one.reason, one.wrong, one.right) == (False, "unreachable", "", True)
 
 
-def test_a_scenario_asks_in_cells_from_the_top(hall):
+def test_cells_of_a_scenario_count_from_the_top(hall):
     plan = floorplan.load(hall / "hall.map")
     line = "0\tmaps/hall.map\t6\t4\t0\t0\t3\t3\t5.41421356\n"
     (question,) = ask(hall / "hall.map.scen", plan, f"version 1\n{line}")
@@ -116,14 +116,14 @@ def test_a_scenario_asks_in_cells_from_the_top(hall):
         ("0 hall.map 6 4 0 0 1 1 5", r"line 2: the goal \(1\.5, 2\.5\) is inside obstacle1"),
     ],
 )
-def test_what_is_wrong_with_a_scenario_is_said(hall, line, words):
+def test_faults_of_a_scenario_are_reported(hall, line, words):
     plan = floorplan.load(hall / "hall.map")
     with pytest.raises(QuestionsError, match=words):
         ask(hall / "hall.map.scen", plan, f"version 1\n{line}\n")
 
 
 @pytest.mark.parametrize("name", ["attic", "a" * 300])
-def test_a_scenario_without_its_map_says_so(hall, name):
+def test_a_scenario_without_its_map_is_reported(hall, name):
     (hall / "a.scen").write_text(f"version 1\n0 {name}.map 6 4 0 0 3 3 5\n")
     message = rf"line 2: is about {name}\.map, but there is no file"
     with pytest.raises(QuestionsError, match=message):
@@ -131,7 +131,7 @@ def test_a_scenario_without_its_map_says_so(hall, name):
 
 
 def over_cells(rows, start, goal):
-    """Length of the shortest path over cells, with diagonal steps that cut no corner (Dijkstra)."""
+    """Return the length of the shortest path over cells without cut corners (Dijkstra)."""
     free = {(x, y) for y, row in enumerate(rows) for x, cell in enumerate(row) if cell in ".GS"}
     best, queue = {start: 0.0}, [(0.0, start)]
     while queue:
@@ -148,7 +148,7 @@ def over_cells(rows, start, goal):
     return math.inf
 
 
-def test_the_example_s_lengths_are_those_over_cells_and_paths_that_may_turn_are_shorter():
+def test_listed_lengths_are_those_over_cells_and_exceed_shortest_paths():
     if not EXAMPLES.is_dir():
         pytest.skip("the examples are not there")
     scenario = EXAMPLES / "rooms.map.scen"
@@ -162,13 +162,13 @@ def test_the_example_s_lengths_are_those_over_cells_and_paths_that_may_turn_are_
         assert attempt.asked.listed == pytest.approx(over_cells(rows, *cells), abs=1e-6)
         assert attempt.right
         assert attempt.ratio <= 1.006
-        # In the open at most 1 - cos(22.5°) shorter; cells go round corners farther out, too.
+        # In the open at most 1 - cos(22.5°) shorter. Cells also pass corners at a larger distance.
         assert 0.85 < attempt.listed_ratio <= 1.001
 
 
 @pytest.mark.parametrize("n", [1, 4, 10, 50, 200])
 def test_shares_have_wilson_s_interval(n):
-    """Its ends are the shares at which the normal test just refuses what was found."""
+    """Its ends are the shares at which the normal test just rejects the observed share."""
     for successes in {0, 1, n // 2, n}:
         p = successes / n
         found = share([1.0] * successes + [0.0] * (n - successes))
@@ -183,8 +183,8 @@ def test_shares_have_wilson_s_interval(n):
 
 
 @pytest.mark.parametrize("n", [6, 7, 20, 53, 200])
-def test_medians_have_the_narrowest_interval_that_holds_them_so_often(n):
-    """The median lies between two ranks as often as a fair coin falls so many times on one side."""
+def test_medians_have_the_narrowest_interval_of_the_confidence(n):
+    """The median is between two ranks with the probability of a binomial distribution."""
     found = median(list(range(n, 0, -1)))
     low, high = int(found.low), int(found.high)
     assert low + high == n + 1
@@ -197,14 +197,14 @@ def test_medians_have_the_narrowest_interval_that_holds_them_so_often(n):
     assert held(low + 1, high - 1) < Fraction(95, 100)
 
 
-def test_few_values_bound_no_median():
+def test_few_values_give_an_unbounded_interval():
     found = median([3.0, 1.0, 2.0])
     assert (found.value, found.low, found.high) == (2.0, -math.inf, math.inf)
     assert math.isnan(median([]).value)
 
 
 def attempt(query, run, progress, shortest=10.0, longest=math.inf):
-    """An answer that became ever shorter, or none."""
+    """Return an answer with shorter and shorter paths, or none."""
     asked = Asked(
         floorplan="f",
         planner="p",
@@ -250,7 +250,7 @@ def test_success_over_time_counts_each_question_once():
     assert (curve.value <= curve.high).all()
 
 
-def test_a_path_that_is_too_long_is_no_success_yet():
+def test_a_path_beyond_the_limit_is_no_success_yet():
     found = [(1.0, 20.0), (4.0, 15.0), (5.0, 10.0)]
     curve = success_over_time([attempt(0, 0, found, longest=1.5)])
     assert (curve.seconds.tolist(), curve.value.tolist()) == ([4.0], [1.0])
@@ -263,7 +263,7 @@ def test_a_question_without_a_path_so_far_is_infinitely_long():
     assert len(cost_over_time([attempt(0, 0, [])]).seconds) == 0
 
 
-def test_a_question_that_no_path_answers_has_no_cost():
+def test_a_question_without_any_path_has_no_cost():
     without = [attempt(k, 0, [], shortest=math.inf) for k in (2, 3)]
     curve = cost_over_time([attempt(0, 0, [(1.0, 20.0)]), *without])
     assert (curve.seconds.tolist(), curve.value.tolist()) == ([1.0], [2.0])

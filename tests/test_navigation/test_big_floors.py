@@ -17,7 +17,7 @@ RADIUS = 0.3
 
 
 def hall(count, spacing, seed):
-    """A square hall with bins and tables at random places, each in a cell of its own."""
+    """Return a square hall with obstacles at random places, one per cell."""
     rng = np.random.default_rng(seed)
     across = math.ceil(math.sqrt(count))
     cell = np.array([(k % across, k // across) for k in range(count)])
@@ -29,7 +29,7 @@ def hall(count, spacing, seed):
 
 
 def cluttered(count, side, seed):
-    """A square hall with things of any size and angle that overlap, and long walls."""
+    """Return a square hall with overlapping obstacles of any size and angle, and long walls."""
     rng = np.random.default_rng(seed)
     shapes = []
     for _ in range(count):
@@ -53,7 +53,7 @@ def free_places(plan, count, seed, margin=RADIUS + 0.01):
 
 
 def graze(bends, along):
-    """Whether lines along (N, 2) pass the corners at `bends` without entering them."""
+    """Return whether lines along (N, 2) pass the corners at `bends` without entering them."""
     slack = 1e-9 * (1 + np.abs(along).sum(axis=1))
     ways = np.stack([bends.before, bends.after])
     turns = ways[..., 0] * along[:, 1] - ways[..., 1] * along[:, 0]
@@ -61,14 +61,14 @@ def graze(bends, along):
 
 
 def touching(seed):
-    """A floor of square cells of which a quarter are blocked: many touch at a corner."""
+    """Return a floor of square cells of which a quarter are blocked. Many touch at a corner."""
     blocked = np.random.default_rng(seed).random((16, 16)) < 0.25
     cells = [box(x, y, x + 1, y + 1) for x, y in np.argwhere(blocked).tolist()]
     return floor(*cells, boundary=box(0, 0, 16, 16))
 
 
 def lined_up(seed):
-    """Posts in rows with aisles in whose middles bends are in line: tiles could be cut there."""
+    """Return posts in rows, in whose aisles bends are in line, so that cuts may meet them."""
     across, post, aisle = 11, 0.4, 2 * (RADIUS + 1e-4)
     there = np.random.default_rng(seed).random((across, across)) < 0.9
     corner = np.argwhere(there) * (post + aisle)
@@ -91,7 +91,7 @@ FLOORS = {
 @settings(max_examples=settings.default.max_examples // 12)
 @given(st.integers(0, 2**32), st.sampled_from([*FLOORS]))
 def test_no_link_is_missed(seed, kind):
-    """All pairs of bends, looked at one by one, and what the roadmap links."""
+    """Compare the links of the roadmap with tests of all pairs of bends."""
     plan = FLOORS[kind](seed)
     world = CollisionWorld(plan)
     roadmap = PathPlanner(world, RADIUS).roadmap()
@@ -115,8 +115,8 @@ def test_no_link_is_missed(seed, kind):
 
 @settings(max_examples=settings.default.max_examples // 12)
 @given(st.integers(0, 2**32), st.sampled_from(["hall", "clutter"]))
-def test_ways_are_as_short_as_can_be(seed, kind):
-    """Fine bends are many on a small floor, too, where the oracle needs no minutes."""
+def test_paths_are_the_shortest(seed, kind):
+    """With fine bends, on floors small enough for the oracle."""
     plan = hall(9, 3.0, seed) if kind == "hall" else cluttered(9, 8.0, seed)
     places = free_places(plan, 6, seed)
     world = CollisionWorld(plan)
@@ -127,7 +127,7 @@ def test_ways_are_as_short_as_can_be(seed, kind):
         try:
             path = planner.plan(start, goal)
         except PlanningError as why:
-            # The oracle takes too narrow a gap for a way, if by less than 0.5 % of the radius.
+            # The oracle accepts gaps that are too narrow by up to 0.5 % of the radius.
             assert why.reason in ("unreachable", "start_blocked", "goal_blocked")
             continue
         assert gap(world, path.points) >= RADIUS - 1e-9
@@ -148,7 +148,7 @@ def test_triangles_prove_only_what_the_free_space_does(seed, kind, radius):
 
 
 @pytest.mark.parametrize("widest", [0.59, 0.61])
-def test_a_wall_with_one_gap(widest):
+def test_passages_separate_a_wall_with_a_gap_narrower_than_the_disc(widest):
     """The gap is between two corners, a corner and a wall, or rows of posts on a slope."""
     for shapes in (
         [box(5, 0, 5.2, 4), box(5, 4 + widest, 5.2, 10)],
@@ -165,13 +165,13 @@ def test_a_wall_with_one_gap(widest):
         assert not roadmap.apart((1, 5), (1, 9))
 
 
-def test_what_was_asked_before_changes_nothing():
-    """Neither which ways, nor in which order: links are the same whenever they are made."""
+def test_paths_do_not_depend_on_earlier_queries():
+    """Links are the same for any queries in any order."""
     plan = hall(64, 4.0, 5)
     places = free_places(plan, 6, 6)
 
     def ways(order):
-        # In another thread nothing is known yet.
+        # Another thread has an empty cache.
         with ThreadPoolExecutor(1) as fresh:
             planner = fresh.submit(lambda: PathPlanner(CollisionWorld(plan), RADIUS)).result()
             asked = [(places[k], places[k - 1]) for k in order]
@@ -181,7 +181,7 @@ def test_what_was_asked_before_changes_nothing():
     assert ways(range(6)) == ways([5, 0, 3, 1, 4, 2])
 
 
-def test_hundreds_of_things_and_people_among_them():
+def test_paths_among_hundreds_of_obstacles_and_people():
     plan = hall(400, 4.0, 7)
     world = CollisionWorld(plan)
     planner = PathPlanner(world, RADIUS)
@@ -204,7 +204,7 @@ def test_hundreds_of_things_and_people_among_them():
 
 
 @pytest.mark.slow
-def test_ten_thousand_things():
+def test_a_path_among_ten_thousand_obstacles():
     plan = hall(10_000, 10.0, 9)
     world = CollisionWorld(plan)
     side = plan.boundary.bounds[2]

@@ -22,7 +22,7 @@ twists = st.builds(
 
 
 @given(moves | twists, offsets)
-def test_a_point_stays_where_the_body_carries_it(motion, offset):
+def test_a_carried_point_follows_the_rotated_offset(motion, offset):
     point = carried(motion, *offset)
     t = np.linspace(motion.start - 1.0, motion.end + 1.0, 400)
     turns = np.exp(1j * motion.rotation(t)) * complex(*offset)
@@ -32,7 +32,7 @@ def test_a_point_stays_where_the_body_carries_it(motion, offset):
     assert (point.start, point.end) == (motion.start, motion.end)
 
 
-def test_a_body_that_does_not_turn_carries_points_by_the_same_cubics():
+def test_points_of_a_body_without_rotation_have_the_same_cubics():
     drive = navigation.vehicle_segment((0.0, 0.0, 0.0), (4.0, 0.0))
     point = carried(drive, 0.5, -0.25)
     assert len(point.pieces) == len(drive.pieces)

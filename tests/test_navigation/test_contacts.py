@@ -46,7 +46,7 @@ def gap(one, mine, other, theirs, t):
 
 
 @given(outlines, twists, outlines, twists | st.builds(navigation.standing, st.just((0.5, 0.5))))
-def test_outlines_touch_first_when_samples_do(one, mine, other, theirs):
+def test_the_first_contact_is_that_of_dense_samples(one, mine, other, theirs):
     pair, end = Outlines(one, other), max(mine.end, theirs.end)
     apart = [gap(one, mine, other, theirs, t) for t in np.arange(0.0, end, STEP)]
     assert pair.overlap(mine, theirs, 0.0) == (apart[0] == 0.0)
@@ -65,8 +65,8 @@ def test_outlines_touch_first_when_samples_do(one, mine, other, theirs):
         assert max(apart[since:until], default=0.0) < 1e-3
 
 
-def test_a_machine_leaves_a_hall_when_a_corner_does():
-    """Straight on, and on the spot beside the wall."""
+def test_a_machine_leaves_a_hall_with_its_first_corner():
+    """Straight ahead, and on the spot beside the wall."""
     pair = Outlines(BOX, HALL, outside=True)
     drive = navigation.vehicle_segment((3.0, 6.0, 0.0), (20.0, 6.0))
     t = pair.first_contact(drive, REST, 0.0, drive.end)
@@ -81,21 +81,21 @@ def test_a_machine_leaves_a_hall_when_a_corner_does():
 
 
 def test_a_machine_slides_along_a_wall_without_a_contact():
-    """No deeper than what counts, however near that is, and whichever way it accelerates."""
+    """Without an overlap beyond the tolerance, at any acceleration."""
     pair = Outlines(shrunk(BOX, 1e-6), HALL, outside=True)
     for depth, touches in ((0.99e-6, False), (1.01e-6, True)):
         drive = navigation.vehicle_segment((3.0, 0.4 - depth, 0.0), (12.0, 0.4 - depth))
         assert (pair.first_contact(drive, REST, 0.0, drive.end) is not None) == touches
 
 
-def test_what_is_within_an_outline_overlaps_it():
+def test_a_body_inside_an_outline_overlaps_it():
     small = shapely.box(-0.1, -0.1, 0.1, 0.1)
     for one, other in ((BOX, small), (small, BOX)):
         assert Outlines(one, other).overlap(REST, REST, 0.0)
     assert not Outlines(TEE, small).overlap(REST, navigation.standing((-0.5, 0.5)), 0.0)
 
 
-def test_the_bounds_of_a_motion_contain_what_is_left_of_it():
+def test_the_bounds_of_a_motion_contain_its_remaining_part():
     motion = navigation.vehicle_twist((0.0, 0.0, 0.0), (1.0, 0.5), seconds=5.0)
     for begin in (0.0, 2.3, motion.end):
         places = motion.position(np.linspace(begin, motion.end, 200))

@@ -41,7 +41,7 @@ def rectangle(front, back=1.3, side=0.5):
 
 
 @pytest.mark.parametrize("limits", DRIVES)
-def test_no_stop_from_a_speed_is_farther(limits):
+def test_no_stop_from_a_speed_travels_farther(limits):
     rng = random.Random(1)
     farthest = {}
     for _ in range(300):
@@ -54,10 +54,10 @@ def test_no_stop_from_a_speed_is_farther(limits):
         reach = stopping_reach(axis, speed, response).distance
         assert way <= reach + 1e-9
         farthest[response] = max(farthest.get(response, 0.0), way / reach)
-    assert min(farthest.values()) > 0.95  # so the bound is no more than it has to be
+    assert min(farthest.values()) > 0.95  # the bound is tight
 
 
-def test_no_turn_from_a_speed_is_farther():
+def test_no_turn_from_a_speed_turns_farther():
     rng, limits = random.Random(2), VehicleLimits()
     for _ in range(200):
         turn = vehicle_turn((0, 0, 0), rng.uniform(0.1, 4), limits=limits)
@@ -68,12 +68,12 @@ def test_no_turn_from_a_speed_is_farther():
         assert way <= stopping_reach(limits.turning, speed, response).distance + 1e-9
 
 
-def test_the_way_of_an_agv_is_speed_and_brakes():
+def test_the_travel_of_an_agv_is_response_and_braking():
     reach = stopping_reach(AxisLimits(2.0, 2.0), 2.0, 0.2)
     assert reach == pytest.approx((0.4, 1.0, 1.2))
 
 
-def test_the_sum_of_the_standard():
+def test_the_length_is_the_sum_of_the_standard():
     reach = stopping_reach(AxisLimits(2.0, 2.0), 2.0, 0.2)
     sizes = FieldSupplements(
         measurement=0.1, reflectors=0.2, wear=0.1, ground_clearance=0.15, approach_speed=1.6
@@ -93,7 +93,7 @@ def test_computed_fields_are_long_enough(limits):
         assert Polygon(each.warning).covers(Polygon(each.protective))
 
 
-def test_backwards_sets_are_left_out():
+def test_sets_for_driving_backwards_are_optional():
     keys = {"response_time": 0.2, "backwards": False}
     fields = needed_fields(FOOTPRINT, VehicleLimits(), [0.3, 1.5], **keys)
     assert next(gap.linear for gap in fields.gaps((-1.5, 1.5))) == (-1.5, -0.3)
@@ -206,7 +206,7 @@ def test_swept_areas_contain_every_pose():
         ([1.0], {"warning_time": -1}, "warning_time must be 0 or more, not -1"),
     ],
 )
-def test_wrong_figures_are_rejected(speeds, keys, message):
+def test_invalid_values_are_rejected(speeds, keys, message):
     with pytest.raises(UserError) as why:
         needed_fields(FOOTPRINT, VehicleLimits(), speeds, **{"response_time": 0.2, **keys})
     assert str(why.value) == message
@@ -249,7 +249,7 @@ def test_velocities_of_earlier_sets_do_not_count():
 
 
 def farthest(limits, speed, response):
-    """The way of a machine that accelerates from rest, and is stopped after reaching a speed."""
+    """Return the travel of a machine that accelerates from rest to a speed, and then stops."""
     drive = vehicle_segment((0, 0, 0), (40.0, 0), limits=limits)
     times = [k * 1e-3 for k in range(10_000)]
     t = next(t for t in times if drive.velocity(t)[0] >= speed)
@@ -259,14 +259,14 @@ def farthest(limits, speed, response):
 
 @pytest.mark.parametrize("speed", [0.0, 0.02, 0.1, 0.4, 1.0])
 @pytest.mark.parametrize("response", [0.05, 0.2, 0.6])
-def test_the_way_is_that_of_a_machine_that_accelerates_from_rest(speed, response):
+def test_the_travel_is_that_of_a_machine_that_accelerates_from_rest(speed, response):
     limits = VehicleLimits(speed=3.0, acceleration=0.7, jerk=1.5)
     reach = stopping_reach(limits.along(1.0, 0.0), speed, response)
     assert reach.distance == pytest.approx(farthest(limits, speed, response), abs=3e-3)
 
 
 def ways(limits, response):
-    """Instants of a drive from rest, its speeds, and its ways if it is stopped after them."""
+    """Return times of a drive from rest, its speeds, and its travels if it stops then."""
     drive = vehicle_segment((0, 0, 0), (40.0, 0), limits=limits)
     for k in range(160):
         t = k * 0.03
@@ -279,7 +279,7 @@ def ways(limits, response):
 
 @pytest.mark.parametrize("response", [0.0, 0.1, 0.35, 1.0])
 @pytest.mark.parametrize(("acceleration", "jerk"), [(2.0, 0.5), (0.7, 3.0), (0.5, math.inf)])
-def test_no_stop_from_up_to_a_speed_is_farther_and_one_is_as_far(acceleration, jerk, response):
+def test_the_travel_is_the_maximum_over_all_lower_speeds(acceleration, jerk, response):
     limits = VehicleLimits(speed=1.5, acceleration=acceleration, jerk=jerk)
     found = [*ways(limits, response)]
     for speed in (0.3, 0.8, 1.2, 1.4, 1.5):
@@ -301,14 +301,14 @@ def test_a_machine_at_its_top_speed_gets_no_faster_while_it_responds():
 
 @pytest.mark.parametrize("linear", [(0.8, 2.0), (-2.0, -0.8)])
 @pytest.mark.parametrize("theta", [(0.0, 0.0), (0.2, 0.6)])
-def test_a_set_for_speeds_that_the_machine_never_has_lacks_nothing(linear, theta):
+def test_a_set_for_speeds_beyond_the_machine_is_not_reported(linear, theta):
     tiny = FieldSet(name="tiny", protective=rectangle(1.25, 1.25), linear=linear, theta=theta)
     fields = ProtectiveFields(sets=[tiny], response_time=0.2)
     assert short_fields(fields, FOOTPRINT, VehicleLimits(speed=0.5, turn_speed=1.0)) == ()
     assert short_fields(fields, FOOTPRINT, VehicleLimits(speed=0.9, turn_speed=1.0))
 
 
-def test_a_set_of_directions_for_speeds_that_the_machine_never_has_lacks_nothing():
+def test_a_set_of_directions_for_speeds_beyond_the_machine_is_not_reported():
     limits = VehicleLimits(speed=0.5, side_speed=0.5)
     keys = {"protective": rectangle(1.25, 1.25), "direction": (-0.3, 0.3)}
     fields = [
@@ -376,7 +376,7 @@ def test_a_narrow_field_is_reported_for_arcs_backwards():
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, -2.0, 6.0])
-def test_the_area_of_a_turn_is_hardly_larger_than_that_of_all_poses(angle):
+def test_the_area_of_a_turn_barely_exceeds_that_of_all_poses(angle):
     poses = [
         affinity.rotate(FOOTPRINT, angle * k / 500, (0, 0), use_radians=True) for k in range(501)
     ]
@@ -404,7 +404,7 @@ def test_directions_are_close_together_and_contain_the_ends_and_the_axes():
     assert sorted(holonomic) == pytest.approx([-aslant, 0.0, aslant, math.pi / 2])
 
 
-def test_a_machine_on_rails_lacks_nothing_beside_it():
+def test_a_machine_on_rails_needs_no_field_at_its_sides():
     tiny = FieldSet(
         name="side", protective=rectangle(1.25, 1.25), direction=(1.0, 2.0), linear=(0, 2)
     )

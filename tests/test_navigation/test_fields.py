@@ -100,7 +100,7 @@ def test_a_turn_on_the_spot_sweeps_the_field_over_a_person():
     assert math.cos(float(machine.rotation(found.t))) * 1.5 == pytest.approx(0.8)
 
 
-def test_a_person_in_a_notch_of_a_concave_field_is_free():
+def test_a_person_in_a_notch_of_a_concave_field_does_not_touch_it():
     notched = ((0, -1), (3, -1), (3, 1), (0, 1), (0, 0.5), (2, 0.5), (2, -0.5), (0, -0.5))
     fields = fields_of(FieldSet(name="notched", protective=notched))
     rest = standing((0.0, 0.0))
@@ -164,7 +164,7 @@ def test_without_a_set_that_fits_there_is_no_contact():
     assert [span.set for span in fields.applying(pair[0], 0.0, 5.0)] == [None]
 
 
-def test_a_contact_of_two_at_rest_lasts_for_ever():
+def test_a_contact_at_rest_has_no_end():
     pair = standing((0.0, 0.0)), standing((1.0, 0.0))
     (found,) = intrusions(box(), *pair, 0.3, 2.0, math.inf)
     assert (found.begin, found.end) == (2.0, math.inf)
@@ -190,7 +190,7 @@ def test_a_jump_into_a_field_is_a_contact_from_then_on():
     assert found.t == 2.0
 
 
-def test_a_person_who_slides_along_the_edge_is_decided():
+def test_a_person_who_slides_along_an_edge_gets_a_result():
     person = moving(0.0, 10.0, (-5.0, 0.8), (5.0, 0.8))
     assert len(intrusions(box(), standing((0.0, 0.0)), person, 0.3, 0.0, 10.0)) <= 1
 
@@ -273,7 +273,7 @@ def test_at_rest_and_in_directions_that_do_not_occur_nothing_is_missing():
         ({"name": ""}, "name of a field set must be a text, not ''"),
     ],
 )
-def test_a_wrong_set_is_rejected(keys, message):
+def test_an_invalid_set_is_rejected(keys, message):
     with pytest.raises(UserError) as why:
         FieldSet(**{"name": "a", "protective": BOX, **keys})
     assert str(why.value) == message
@@ -302,14 +302,14 @@ def test_a_wrong_set_is_rejected(keys, message):
         ),
     ],
 )
-def test_wrong_fields_are_rejected(keys, message):
+def test_invalid_fields_are_rejected(keys, message):
     with pytest.raises(UserError) as why:
         ProtectiveFields(**keys)
     assert str(why.value) == message
 
 
 def drive():
-    """A vehicle that accelerates from rest, drives, and stops."""
+    """Return the motion of a vehicle that accelerates from rest, drives, and stops."""
     return vehicle_segment((0.0, 0.0, 0.0), (6.0, 0.0), limits=VehicleLimits(jerk=math.inf))
 
 
@@ -340,7 +340,7 @@ def test_fields_of_different_kinds_are_compared_with_one_motion():
 
 
 def covering(each, loaded, speed, turn, angle):
-    """Whether a set applies at a velocity, by its definition."""
+    """Return whether a set applies at a velocity, by its definition."""
     if each.load not in (None, loaded):
         return False
     if each.direction is not None:
@@ -424,8 +424,8 @@ def test_a_set_may_cover_all_directions_and_repeat_its_first_corner():
         ProtectiveFields(sets=[around], response_time=math.inf)
 
 
-class Asked:
-    """A motion that counts how often its pieces are read."""
+class CountedReads:
+    """Motion that counts accesses to its table."""
 
     def __init__(self, motion):
         self.start, self.end, self._table, self.count = motion.start, motion.end, motion.table, 0
@@ -437,7 +437,7 @@ class Asked:
 
 
 def test_the_switches_of_a_motion_are_computed_once_for_all_people_beside_it():
-    fields, machine = fields_of(SLOW, FAST), Asked(drive())
+    fields, machine = fields_of(SLOW, FAST), CountedReads(drive())
     first = fields.applying(machine, 0.0, 20.0)
     reads = machine.count
     assert [fields.applying(machine, 0.0, 20.0) for _ in range(2)] == [first, first]

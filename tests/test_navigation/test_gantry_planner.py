@@ -16,13 +16,13 @@ def plan():
     return floorplan.load("ariac2023")
 
 
-def test_straight_over_all_that_is_low(plan):
+def test_a_path_is_straight_over_low_obstacles(plan):
     """Tables, bins and the conveyor are lower than the folded arm."""
     path = GantryPlanner(plan).plan((-14.4, -7.0, 0.0), (0.4, 7.0, math.pi))
     assert path.points.tolist() == [[-14.4, -7.0, 0.0], [0.4, 7.0, math.pi]]
 
 
-def test_round_a_person(plan):
+def test_a_path_leads_around_a_disc_to_keep_out_of(plan):
     person, radius = (-7.0, 0.0), 3.5
     start, goal = (-12.0, 0.5, 0.0), (-2.0, -0.5, 1.0)
     path = GantryPlanner(plan).plan(start, goal, keep_out=[(*person, radius)])
@@ -30,7 +30,7 @@ def test_round_a_person(plan):
     assert tuple(path.points[-1]) == goal
     line = shapely.LineString(path.points[:, :2])
     assert line.distance(shapely.Point(person)) >= radius
-    # Tangents and an arc, drawn with bends of 30 degrees.
+    # Tangents and an arc, with bends of 30 degrees.
     away = math.hypot(5, 0.5)
     arc = math.pi - 2 * math.acos(radius / away)
     exact = 2 * math.sqrt(away**2 - radius**2) + radius * arc
@@ -38,7 +38,7 @@ def test_round_a_person(plan):
     assert (np.diff(path.points[:, 2]) > 0).all()
 
 
-def test_walls_that_are_tall_are_gone_round(plan):
+def test_a_path_leads_around_tall_walls(plan):
     wall = Obstacle(name="press", footprint=box(-8, -7.9, -7, 4), bottom=0.0, top=2.0)
     low = Obstacle(name="press", footprint=wall.footprint, bottom=0.0, top=1.05)
     start, goal = (-12.0, 0.0, 0.0), (-3.0, 0.0, 0.0)
@@ -53,13 +53,13 @@ def test_walls_that_are_tall_are_gone_round(plan):
     assert cut.value.reason == "unreachable"
 
 
-def test_agvs_count_where_they_are_asked_to(plan):
+def test_agvs_count_on_request(plan):
     start, goal = (-12.0, 4.8, 0.0), (-3.0, 4.8, 0.0)
     assert len(GantryPlanner(plan).plan(start, goal).points) == 2
     assert len(GantryPlanner(plan, agvs={"agv1": "assembly_front"}).plan(start, goal).points) > 2
 
 
-def test_leaving_a_disc_it_stands_in(plan):
+def test_a_path_leads_out_of_a_disc_around_the_start(plan):
     person, start, goal = (-7.0, 0.0), (-5.0, 0.0, 0.0), (-12.0, 0.0, 0.0)
     path = GantryPlanner(plan).plan(start, goal, keep_out=[(*person, 3.5)])
     assert shapely.LineString(path.points[:, :2]).distance(shapely.Point(person)) >= 2.0 - 1e-3
@@ -68,7 +68,7 @@ def test_leaving_a_disc_it_stands_in(plan):
     assert blocked.value.reason == "goal_blocked"
 
 
-def test_nothing_is_left_of_an_earlier_question(plan):
+def test_discs_of_earlier_queries_are_removed(plan):
     planner = GantryPlanner(plan)
     start, goal = (-12.0, 0.0, 0.0), (-2.0, 0.0, 0.0)
     planner.plan(start, goal, keep_out=[(-7.0, 0.0, 3.0), (-4.0, 2.0, 1.0)])
@@ -77,7 +77,7 @@ def test_nothing_is_left_of_an_earlier_question(plan):
     assert len(planner.plan(start, goal).points) == 2
 
 
-def test_ompl_finds_ways_too(plan):
+def test_sampling_planners_find_paths(plan):
     way = GantryPlanner(plan).plan(
         (-12.0, 0.0, 0.0),
         (-2.0, 0.0, 0.0),
@@ -88,7 +88,7 @@ def test_ompl_finds_ways_too(plan):
     assert shapely.LineString(way.points[:, :2]).distance(shapely.Point(-7, 0)) >= 3.5
 
 
-def test_poses_beyond_an_axis_are_refused(plan):
+def test_poses_beyond_an_axis_are_rejected(plan):
     with pytest.raises(ValueError, match=r"the goal's x = 5 is outside .* -14\.4 … 0\.4"):
         GantryPlanner(plan).plan((-7.0, 0.0, 0.0), (5.0, 0.0, 0.0))
     with pytest.raises(ValueError, match="the start's rotation = 7"):

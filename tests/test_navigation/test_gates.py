@@ -30,7 +30,7 @@ gates:
 
 
 def gated_floor(rng):
-    """Boxes on a floor, and gates from one to another, or to the boundary, that don't meet."""
+    """Return boxes on a floor, and gates between them or to the boundary that do not meet."""
     boxes = [
         shapely.affinity.rotate(box(x, y, x + w, y + h), angle)
         for x, y, w, h, angle in rng.uniform([0, 0, 0.3, 0.3, 0], [9, 9, 2.5, 2.5, 90], (6, 5))
@@ -53,7 +53,7 @@ def gated_floor(rng):
 
 @settings(max_examples=settings.default.max_examples // 20)
 @given(st.integers(0, 2**32))
-def test_paths_through_gates_are_the_shortest_or_proved_not_to_be_there(seed):
+def test_paths_through_gates_are_the_shortest_or_proved_impossible(seed):
     rng = np.random.default_rng(seed)
     world = CollisionWorld(gated_floor(rng))
     world.place("cart", box(x := rng.uniform(0, 9), y := rng.uniform(0, 9), x + 1.2, y + 0.5))
@@ -79,7 +79,7 @@ FEW = {"iterations": 200}
 
 
 @pytest.mark.parametrize("name", ["Roadmap", "RRTConnect", "RRTstar", "PRM", "BITstar", "KPIECE1"])
-def test_every_planner_minds_the_direction(name):
+def test_every_planner_respects_the_direction(name):
     world = CollisionWorld(floorplan.parse(GATED))
     budget = {"RRTstar": FEW, "BITstar": FEW}.get(name, {})
     for start, goal, shortcut in (((8, 2.75), (12, 2.75), 3.0), ((12, 7.25), (8, 7.25), 7.0)):
@@ -89,7 +89,7 @@ def test_every_planner_minds_the_direction(name):
 
 
 @pytest.mark.parametrize("planner", ["Roadmap", {"name": "RRTConnect", "iterations": 100}])
-def test_a_way_only_against_the_direction_is_told_by_the_names_of_its_gates(planner):
+def test_gates_that_block_all_paths_are_named(planner):
     closed = CollisionWorld(floorplan.parse(GATED.replace("[11, 7]", "[9, 7]")))
     with pytest.raises(PlanningError) as why:
         PathPlanner(closed).plan((8, 2.75), (12, 2.75), planner=planner)
@@ -97,7 +97,7 @@ def test_a_way_only_against_the_direction_is_told_by_the_names_of_its_gates(plan
     assert str(why.value).endswith("but through back or there, against the direction")
 
 
-def test_whom_a_gate_does_not_bind_goes_through():
+def test_people_to_whom_a_gate_does_not_apply_pass_it():
     plan = floorplan.parse(GATED.replace("[9, 3]}", "[9, 3], concerns: ['cart*']}"))
     assert len(PathPlanner(CollisionWorld(plan)).plan((8, 2.75), (12, 2.75)).points) == 2
     bound = CollisionWorld(plan, gates=[gate for gate in plan.gates if gate.is_about("cart1")])
@@ -125,7 +125,7 @@ agvs:
 """
 
 
-def test_one_way_zones_are_gone_through_in_their_direction():
+def test_one_way_zones_are_passed_in_their_direction():
     plan = floorplan.parse(AISLES)
     assert floorplan.parse(plan.to_yaml()) == plan
     planner = PathPlanner(CollisionWorld(plan))
@@ -133,7 +133,7 @@ def test_one_way_zones_are_gone_through_in_their_direction():
         points = planner.plan(start, goal).points
         crossed = LineString(points).intersection(LineString([(10, 0), (10, 10)]))
         assert abs(crossed.y - y) < 1
-    # From within, the way back leads out at the end and round through the other aisle.
+    # From within, the path back leaves at the end and leads around the other aisle.
     assert planner.plan((10, 7), (8, 7)).length == pytest.approx(2)
     assert planner.plan((8, 7), (5, 7)).length > 12
     one_way = AISLES.replace("[-1, 0]", "[1, 0]")
@@ -154,13 +154,13 @@ def test_one_way_zones_are_gone_through_in_their_direction():
         (("one_way: [-1, 0]", "one_way: [-1, 0], forbidden: true"), "zones.back: give forbidden"),
     ],
 )
-def test_one_way_zones_that_are_none_are_refused(change, message):
+def test_invalid_one_way_zones_are_rejected(change, message):
     with pytest.raises(floorplan.FloorplanError) as refused:
         floorplan.parse(AISLES.replace(*change))
     assert message in str(refused.value)
 
 
-def test_what_is_on_the_line_is_behind_the_gate():
+def test_a_position_on_the_line_is_behind_the_gate():
     world = CollisionWorld(floorplan.parse(GATED))
     planner = PathPlanner(world)
     assert len(planner.plan((10, 7.25), (12, 7.25)).points) == 2

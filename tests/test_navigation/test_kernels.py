@@ -1,11 +1,13 @@
-"""Kernels, compiled or not to the last bit the same, and against their definitions written out."""
+"""Kernels: the same bits compiled and not, and comparisons with their definitions."""
 
+import ast
 import heapq
 import itertools
 import math
 import random
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ import shapely
 from hypothesis import assume, given, strategies as st
 
 import navigation
-from navigation import polynomials as quadrature
+from navigation import kernels, polynomials as quadrature
 from navigation.freespace import Walls
 from navigation.kernels import COMPILED
 from navigation.kernels.committed import CommittedMotions
@@ -33,12 +35,13 @@ class Sources:
 
 sys.meta_path.insert(0, Sources())
 """
-"""Code after which kernels are imported from their sources."""
+"""Code that imports kernels from their sources."""
 
 RUN = """
 import hashlib, pathlib, random, sys, tempfile
 import floorplan, navigation, sim
 from navigation.carried import carried
+from navigation import kernels
 from navigation.kernels import COMPILED
 from navigation.kernels.lookout import most_remote, nearest_on
 from navigation.machines import agv_stops, gantry_stops
@@ -132,6 +135,14 @@ def test_results_are_the_same_compiled_and_not(tmp_path):
     assert runs[0].stdout == runs[1].stdout
 
 
+def test_kernels_import_no_modules_above_them():
+    for module in Path(kernels.__file__).parent.glob("*.py"):
+        tree = ast.parse(module.read_text(encoding="utf-8"))
+        imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+        assert all(node.level < 2 for node in imports), module.name
+        assert not any((node.module or "").startswith("navigation") for node in imports)
+
+
 @pytest.mark.parametrize("n", [5, 8])
 def test_quadratures_are_gauss_and_legendres(n):
     nodes, weights = np.polynomial.legendre.leggauss(n)
@@ -145,7 +156,7 @@ METRES = st.floats(-25.0, 25.0)
 
 
 def least_cost(blocked: bytearray, columns: int, start: int, goal: int) -> int | None:
-    """The cost of a shortest path, by Dijkstra's algorithm."""
+    """Return the cost of a shortest path, by Dijkstra's algorithm."""
     known = {start: 0}
     queue = [(0, start)]
     while queue:
@@ -161,7 +172,7 @@ def least_cost(blocked: bytearray, columns: int, start: int, goal: int) -> int |
     return None
 
 
-def test_paths_are_shortest_and_avoid_what_is_blocked():
+def test_paths_are_the_shortest_and_avoid_blocked_cells():
     rng = random.Random(5)
     found = 0
     for _ in range(200):
@@ -191,7 +202,7 @@ def test_paths_are_shortest_and_avoid_what_is_blocked():
     assert found > 50
 
 
-def test_discs_block_the_cells_whose_middle_they_cover():
+def test_discs_block_the_cells_whose_centre_they_cover():
     columns, rows, width, low = 12, 9, 0.3, (-1.0, 2.0)
     blocked = bytearray(columns * rows)
     discs = numbers([0.2, 3.1, 0.62, -0.9, 2.1, 0.3])
@@ -204,7 +215,7 @@ def test_discs_block_the_cells_whose_middle_they_cover():
 
 
 def ways_round() -> tuple[WaysRound, Legs]:
-    """Return ways in the hall for somebody of `CLEARANCE`."""
+    """Return the path search in the hall for a person with `CLEARANCE`."""
     room = HALL.buffer(-CLEARANCE)
 
     def chunk(i: int, j: int) -> bytes:
@@ -217,7 +228,7 @@ def ways_round() -> tuple[WaysRound, Legs]:
 
 
 @given(st.lists(st.tuples(METRES, METRES), max_size=20), st.tuples(METRES, METRES))
-def test_ways_round_keep_off_all_discs(discs, end):
+def test_detours_avoid_all_discs(discs, end):
     ways, legs = ways_round()
     begin, away = (-30.0, -30.0), 0.7
     standing = numbers(number for x, y in discs for number in (x, y, away))
@@ -231,7 +242,7 @@ def test_ways_round_keep_off_all_discs(discs, end):
     assert all(line.distance(shapely.Point(disc)) > away - 1e-9 for disc in discs)
 
 
-def test_ways_round_are_as_good_on_every_side_of_the_origin():
+def test_detours_are_the_same_on_every_side_of_the_origin():
     ways, legs = ways_round()
     lengths = set()
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1)):
@@ -246,7 +257,7 @@ NOWHERE = (False, math.inf, math.inf)
 
 
 def committed(*motions: navigation.Motion) -> CommittedMotions:
-    """Return discs that are committed to these motions from `NOW` on, bound for nowhere."""
+    """Return discs without routes that are committed to these motions from `NOW` on."""
     made = CommittedMotions(GAP)
     for motion in motions:
         made.add(swath(motion, NOW), RADIUS)
@@ -257,21 +268,21 @@ def standing(*places: tuple[float, float]) -> CommittedMotions:
     return committed(*(navigation.standing(place) for place in places))
 
 
-def test_directions_are_those_of_velocities_or_else_of_routes():
+def test_headings_are_those_of_velocities_or_routes():
     east = navigation.walk([(0.0, 0.0), (9.0, 0.0)], NOW - 1.0)
     seen = committed(east, navigation.standing((5.0, 5.0)), navigation.standing((1.0, 1.0)))
     seen.send(0, True, 0.0, 9.0)
     seen.send(1, True, 8.0, 9.0)
     assert seen.between(0, 1, NOW) == 0.6
     assert seen.between(1, 0, NOW) == 0.6
-    # Who has come to the end of their walk would go on by their route.
+    # At the end of a walk, the heading is that of the route.
     assert math.isclose(seen.between(0, 1, east.end), (0.8 - 0.6) / math.sqrt(2))
     assert seen.between(0, 2, NOW) == 0.0
     seen.send(1, *NOWHERE)
     assert seen.between(0, 1, NOW) == 0.0
 
 
-def test_who_stands_around_is_told_with_how_far_to_stay():
+def test_standing_people_nearby_are_returned_with_their_distance():
     later = navigation.walk([(1.0, 0.0), (1.0, 5.0)], NOW)
     seen = committed(navigation.standing((0.0, 0.0)), navigation.standing((2.0, 0.0)), later)
     near = numbers([0.0, 0.0, 0.0, 0.0])
@@ -284,13 +295,13 @@ def test_who_stands_around_is_told_with_how_far_to_stay():
 
 
 def test_a_ring_grows_through_gaps_that_are_too_narrow():
-    # From the goal at 0, 0 by two to the third; the fourth leaves a gap to them.
+    # From (0, 0) by two people to the third. The fourth leaves a gap to them.
     seen = standing((9.0, 9.0), (0.2, 0.0), (1.3, 0.0), (2.4, 0.0), (4.0, 0.0))
     around = [k for k in range(1, 5) if seen.encloses(0, k, 0.0, 0.0, 6.0, NOW)]
     assert around == [1, 2, 3]
 
 
-def test_segments_are_free_of_walls_and_of_what_is_asked_about():
+def test_segments_are_tested_against_walls_and_bodies():
     asked = []
 
     def ask(a: tuple[float, float], b: tuple[float, float]) -> bool:

@@ -1,4 +1,4 @@
-"""Figures of motions and of many bodies together, against dense sampling and the monitor."""
+"""Measures of motions, against dense sampling and the monitor."""
 
 import itertools
 import math
@@ -22,7 +22,7 @@ coefficient = st.one_of(st.just(0.0), st.floats(-1.5, 1.5).filter(lambda c: abs(
 
 @st.composite
 def motions(draw):
-    """Cubics one after another: smooth bends, stops, turns on the spot, and a jump at times."""
+    """Return consecutive cubics with smooth bends, stops, turns on the spot, and some jumps."""
     pieces, jumps, t = [], set(), draw(st.floats(0, 2))
     at = [draw(st.floats(-4, 4)), draw(st.floats(-4, 4)), draw(st.floats(-3, 3))]
     for _ in range(draw(st.integers(1, 5))):
@@ -43,7 +43,7 @@ def motions(draw):
 
 
 def sampled(motion):
-    """Speed, acceleration and rate of turning at `TIMES`, piece by piece with numpy's own."""
+    """Return speed, acceleration and turn rate at `TIMES`, computed by numpy."""
     speed, acceleration, spin = np.zeros((3, SAMPLES))
     for piece in motion.pieces:
         within = (piece.begin <= TIMES) & (piece.end > TIMES)
@@ -56,7 +56,7 @@ def sampled(motion):
 
 
 def gaps(own, others, begin, times):
-    """The distances at `times` from each of the others; the first is there from `begin` on."""
+    """Return the distances at `times` from others, of which the first is present from `begin`."""
     apart = np.array([np.hypot(*(own.position(times) - o.position(times)).T) for o in others])
     apart[0, begin > times] = np.inf
     return apart
@@ -71,7 +71,7 @@ def turns_on_the_spot(motion):
 
 
 @given(motions())
-def test_figures_of_a_motion_are_those_of_dense_sampling(motion):
+def test_measures_of_a_motion_are_those_of_dense_sampling(motion):
     courses = Courses([motion], [(0.0, END)])
     speed, acceleration, spin = sampled(motion)
     assert courses.length[0] == pytest.approx(speed.mean() * END, abs=2e-2)
@@ -85,8 +85,8 @@ def test_figures_of_a_motion_are_those_of_dense_sampling(motion):
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_turning_back_close_to_an_end_is_seen(mirrored):
-    """So close that no place of a quadrature rule lies between: it goes back first, then on."""
+def test_a_reversal_close_to_an_end_counts(mirrored):
+    """So close that no node of a quadrature rule is between."""
     turn, end, nothing = 0.001, 0.4, (0.0, 0.0, 0.0, 0.0)
     y = (0.0, -2.0 * turn, 1.0, 0.0)
     if mirrored:
@@ -97,7 +97,7 @@ def test_turning_back_close_to_an_end_is_seen(mirrored):
 
 
 @given(motions(), st.floats(0, 6), st.floats(0, 6))
-def test_the_way_is_that_of_the_odometer(motion, begin, more):
+def test_the_length_is_that_of_the_odometer(motion, begin, more):
     odometer, end = Odometer(motion), begin + more
     (way,) = Courses([motion], [(begin, end)]).length
     assert way == pytest.approx(odometer.reading(end) - odometer.reading(begin), abs=1e-8)
@@ -118,7 +118,7 @@ def test_distances_are_those_of_the_monitor(a, b, metres):
 
 
 def jumping(*places):
-    """Standing at each of some places on x in turn, a second at each."""
+    """Return a motion that stands at each of several places on x for one second."""
     stands = [navigation.standing((x, 0.0), start=float(t)) for t, x in enumerate(places)]
     return navigation.join(stands, end=float(len(places)))
 
@@ -134,7 +134,7 @@ def test_the_nearest_of_several_is_that_of_dense_sampling(own, others, begin, ra
     (company,) = courses.company([(0, range(1, len(everybody)))], [1.0, 3.0], radii)
     apart = gaps(own, others, begin, TIMES) - radius - 0.1
     nearest = apart.min(0)
-    # What lasts for less than a sample counts as well: between a jump and `begin` or the end.
+    # Intervals shorter than a sample count as well, between a jump and `begin` or the end.
     changes = [t for m in everybody for t in m.jumps if t < END]
     before = [t - 1e-9 for t in (*changes, END)]
     instants = np.array([*TIMES, begin, *changes, *before])
@@ -147,7 +147,7 @@ def test_the_nearest_of_several_is_that_of_dense_sampling(own, others, begin, ra
         assert seconds == pytest.approx((nearest < metres).mean() * END, abs=0.02)
 
 
-def test_a_teleport_is_no_way_and_no_turn():
+def test_a_teleport_adds_neither_length_nor_turning():
     there = navigation.standing((0.0, 0.0), heading=0.0, start=0.0)
     away = navigation.standing((5.0, 5.0), heading=2.0, start=3.0)
     courses = Courses([navigation.join([there, away], end=6.0)], [(0.0, 6.0)])
@@ -156,14 +156,14 @@ def test_a_teleport_is_no_way_and_no_turn():
 
 
 @pytest.mark.parametrize("tiny", [0.0, 5e-324, -5e-324])
-def test_a_turn_with_the_least_of_bends_is_steady(tiny):
+def test_a_turn_with_a_tiny_curvature_is_exact(tiny):
     still = (0.0, 0.0, 0.0, 0.0)
     motion = Motion((Piece(0.0, 2.0, still, still, (0.0, 0.25, tiny, tiny)),))
     assert Courses([motion], [(0.0, 2.0)]).turning[0] == 0.5
 
 
-def test_figures_that_can_be_worked_out_by_hand():
-    """4 m at 1 m/s and 2 m/s², past somebody who stands 0.5 m beside the middle of the way."""
+def test_measures_equal_closed_forms():
+    """4 m at 1 m/s and 2 m/s², past a person who stands 0.5 m beside the middle."""
     walk = navigation.walk([(0, 0), (4, 0)], max_speed=1.0, max_acceleration=2.0)
     other = navigation.standing((2.0, 0.5))
     courses = Courses([walk, other], [(0.0, walk.end)] * 2)
@@ -178,8 +178,8 @@ def test_figures_that_can_be_worked_out_by_hand():
     assert company.within[0] == pytest.approx(2 * math.sqrt(0.75))
 
 
-def test_distances_that_never_change_are_told_at_once():
-    """A tie all the way: once it would have been cut in parts for ever."""
+def test_constant_distances_need_no_subdivision():
+    """A tie all along must not be divided forever."""
     walk = navigation.walk([(0, 0), (40, 30)])
     beside = navigation.walk([(1, 2), (41, 32)])
     (company,) = Courses([walk, beside], [(0.0, 60.0)] * 2).company(
@@ -189,14 +189,14 @@ def test_distances_that_never_change_are_told_at_once():
     assert company.mean == pytest.approx(math.sqrt(5))
 
 
-def test_spans_that_make_no_sense():
+def test_invalid_spans_are_rejected():
     here = navigation.standing((0.0, 0.0))
     for span in ((2.0, 1.0), (0.0, math.inf), (math.nan, 1.0)):
         with pytest.raises(ValueError, match="can't look"):
             Courses([here], [span])
 
 
-def test_bodies_that_are_never_there_together():
+def test_bodies_that_are_never_present_together_have_no_distance():
     here, there = navigation.standing((0.0, 0.0)), navigation.standing((1.0, 0.0))
     courses = Courses([here, there], [(0.0, 1.0), (1.0, 2.0)])
     (company,) = courses.company([(0, [1])], [2.0])
@@ -204,7 +204,7 @@ def test_bodies_that_are_never_there_together():
     assert Courses([here], [(1.0, 1.0)]).length[0] == 0.0
 
 
-def test_cut_or_whole_the_figures_add_up():
+def test_measures_of_parts_add_up():
     walk = navigation.walk([(0, 0), (4, 0), (4, 3), (1, 1)])
     gantry = navigation.gantry_move((0.0, 4.0, 0.0), (5.0, -1.0, 2.0), start=1.0)
     cuts = [0.0, 1.7, 3.1, 3.1, 9.0, 14.0]
@@ -220,7 +220,7 @@ def test_cut_or_whole_the_figures_add_up():
 
 @settings(max_examples=20)
 @given(st.lists(motions(), min_size=3, max_size=5), st.floats(0, 4), st.integers(1, 40))
-def test_asked_together_or_one_by_one(bodies, begin, largest):
+def test_measures_are_the_same_together_and_alone(bodies, begin, largest):
     courses = Courses(bodies, [(begin, END), *[(0.0, END)] * (len(bodies) - 1)])
     asked = [(a, [b]) for a, b in itertools.combinations(range(len(bodies)), 2)]
     asked.append((0, range(1, len(bodies))))
@@ -234,8 +234,8 @@ def test_asked_together_or_one_by_one(bodies, begin, largest):
             assert one.maximum == pytest.approx(other.maximum, abs=1e-6)
 
 
-def test_a_crowd_fits_into_memory():
-    """Each pair once stood beside everybody, over the cuts of all: gigabytes, for fifty people."""
+def test_measures_of_a_crowd_fit_into_memory():
+    """Distances of all pairs over the cuts of all motions would need gigabytes."""
     crowd = [
         navigation.walk([(x, k + x % 2 / 2) for x in range(9)], max_speed=1.0 + k / 100)
         for k in range(24)
@@ -252,7 +252,7 @@ def test_a_crowd_fits_into_memory():
 def wandering(
     rng: np.random.Generator, width: float, jumps: bool, length: float
 ) -> navigation.Motion:
-    """A walk on a square floor, in the middle of which somebody may be put elsewhere."""
+    """Return a walk on a square floor with some jumps to other places."""
     late = length / 10
     walks = [
         navigation.walk(rng.uniform(0, width, (4, 2)), begin + rng.uniform(0, late), max_speed=1.5)
@@ -264,7 +264,7 @@ def wandering(
 @pytest.mark.parametrize("jumps", [False, True])
 @pytest.mark.parametrize("width", [6.0, 60.0])
 @pytest.mark.parametrize("length", [20.0, 300.0])
-def test_nearest_pair_sees_what_an_oracle_sees(length, width, jumps):
+def test_the_nearest_pair_is_that_of_an_oracle(length, width, jumps):
     rng = np.random.default_rng(7)
     for _ in range(20):
         count = int(rng.integers(2, 8))
@@ -283,7 +283,7 @@ def test_nearest_pair_sees_what_an_oracle_sees(length, width, jumps):
         assert found.overlaps == sum(gap < -1e-9 for gap in apart.values())
 
 
-def test_those_who_are_not_there_are_near_nobody():
+def test_absent_people_are_near_no_one():
     rng = np.random.default_rng(8)
     together = 0
     for _ in range(40):

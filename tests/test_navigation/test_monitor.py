@@ -1,4 +1,4 @@
-"""The monitor against brute force: the same verdict, the same instants, nothing missed."""
+"""The monitor against brute force: the same results and times, without a missed interval."""
 
 import itertools
 import math
@@ -33,7 +33,7 @@ walked = st.builds(
     st.floats(0, 5),
 )
 tracked = st.builds(
-    # Standing at first and at last, so that speeds are continuous.
+    # At rest at both ends, so that speeds are continuous.
     lambda points, start, step: Motion.from_samples(
         start + step * np.arange(len(points) + 2), [points[0], *points, points[-1]]
     ),
@@ -47,7 +47,7 @@ poses = st.tuples(st.floats(-10, 0), st.floats(-6, 6), st.floats(-3, 3))
 
 @st.composite
 def gantry_motions(draw):
-    """A few moves, each replacing the one before somewhere on its way."""
+    """Return a few moves, each of which replaces the previous one on its way."""
     motions = [navigation.gantry_move(draw(poses), draw(poses), draw(st.floats(0, 5)))]
     for _ in range(draw(st.integers(0, 3))):
         last = motions[-1]
@@ -68,7 +68,7 @@ laws = st.one_of(
 
 
 def margin(person, machine, law, ts):
-    """Distance minus required distance at many instants."""
+    """Return distance minus required distance at many times."""
     apart = np.hypot(*(person.position(ts) - machine.position(ts)).T)
     speeds = [np.hypot(*motion.velocity(ts).T) for motion in (person, machine)]
     takes_arrays = isinstance(law, SeparationLaw)
@@ -109,7 +109,7 @@ def test_the_minimum_is_that_of_dense_sampling(person, machine):
     t, distance = navigation.minimum_separation(person, machine, 0.0, END)
     assert 0 <= t <= END
     assert distance <= apart.min() + 1e-9
-    # Half a step from the nearest instant the two are no farther apart than they go in that time.
+    # Between samples, the distance falls by at most the motion in half a step.
     fastest = np.hypot(*(person.velocity(ts) - machine.velocity(ts)).T).max()
     assert distance >= apart.min() - 1e-3 * fastest - 1e-9
     exact = math.dist(person.position(t), machine.position(t))
@@ -121,28 +121,28 @@ def test_the_minimum_is_that_of_dense_sampling(person, machine):
     [(LAW, 1.0), (LAW, 0.1), (LAW, 0.01), (INTEGRAL_LAW, 1.0), (INTEGRAL_LAW, 0.1)],
 )
 def test_a_violation_of_a_millisecond_is_not_missed(law, milliseconds):
-    """Two pass on a right line at 2 m/s: the chord of the limit is as short as we like."""
+    """Two bodies pass each other at 2 m/s, with an arbitrarily short chord of the limit."""
     half_chord = 1.0 * milliseconds / 2000
     offset = math.sqrt(3.5**2 - half_chord**2)
     person = navigation.walk([(-9, 0), (9, 0)], 0.0)
     machine = navigation.standing((0.0, offset))
     ((begin, end),) = navigation.violations(person, machine, law, 0.0, 60.0)
-    middle = 9.0 + 0.2  # 0.2 s more than at top speed all the way, for speeding up
+    middle = 9.0 + 0.2  # 0.2 s more than at top speed, for the acceleration
     assert begin == pytest.approx(middle - half_chord, abs=1e-6)
     assert end == pytest.approx(middle + half_chord, abs=1e-6)
     missed = navigation.standing((0.0, 3.5 + 1e-9))
     assert navigation.violations(person, missed, law, 0.0, 60.0) == []
 
 
-def test_the_first_instant_against_a_closed_form():
-    """Head on at top speed: 3.5 m before a gantry that stands, √ and all left out."""
+def test_the_first_violation_equals_a_closed_form():
+    """Head on at top speed, 3.5 m before a standing gantry, without square roots."""
     person = navigation.walk([(-10, 0), (10, 0)], 0.0)
     machine = navigation.standing((0.0, 0.0))
     t = navigation.first_violation(person, machine, LAW, 0.0, 60.0)
     assert t == pytest.approx(6.5 + 0.2, abs=1e-6)
 
 
-def test_those_who_stand_are_judged_once_and_for_ever():
+def test_bodies_at_rest_are_evaluated_once():
     near, far = navigation.standing((0, 0)), navigation.standing((1.0, 0))
     assert navigation.violations(near, far, LAW, 0.0, 1e6) == []
     close = navigation.standing((0.999, 0))
@@ -150,7 +150,7 @@ def test_those_who_stand_are_judged_once_and_for_ever():
     assert navigation.first_violation(near, close, LAW, 3.0, 3.0) == 3.0
 
 
-def test_a_person_put_elsewhere_is_out_of_danger_at_once():
+def test_a_violation_ends_at_a_jump():
     walk = navigation.walk([(-10, 0), (10, 0)], 0.0)
     person = navigation.join([walk, navigation.standing((-20, 0), start=8.0)], end=20.0)
     machine = navigation.standing((0, 0))
@@ -179,7 +179,7 @@ def test_conditions_combine():
 
 
 @given(walks, gantry_motions(), st.floats(0, 1), st.floats(0, 1))
-def test_how_fast_two_come_closer_is_enclosed(person, machine, one, other):
+def test_bounds_enclose_the_rate_of_approach(person, machine, one, other):
     for encounter in encounters(person, machine, 0.0, END):
         span = encounter.end - encounter.begin
         begin, end = sorted(encounter.begin + share * span for share in (one, other))
@@ -194,7 +194,7 @@ def test_how_fast_two_come_closer_is_enclosed(person, machine, one, other):
 
 @dataclass
 class Counted:
-    """A condition that counts how often it is judged."""
+    """Condition that counts its evaluations."""
 
     condition: navigation.Condition
     judged: int = 0
@@ -204,8 +204,8 @@ class Counted:
         return self.condition.holds(encounter, begin, end)
 
 
-def test_somebody_who_stops_abreast_of_a_machine_is_judged_in_a_few_steps():
-    # 0.03 mm past the machine's centre the person has stopped, 0.6 m beside it.
+def test_a_stop_beside_a_machine_needs_few_evaluations():
+    # The person stops 0.6 m beside the machine's centre and 0.03 mm past it.
     person = navigation.walk([(-3.0, 0.0), (0.0, 0.0)], 0.0, max_speed=0.4)
     leaving = Counted(~navigation.Approaching())
     machine = navigation.standing((-2.2e-5, 0.634))
@@ -215,7 +215,7 @@ def test_somebody_who_stops_abreast_of_a_machine_is_judged_in_a_few_steps():
 
 
 def integral_margin(person, machine, law, ts):
-    """The same for the integral law, by the trapezium rule on steps of 0.5 ms."""
+    """Return the margin of the integral law, by the trapezium rule on steps of 0.5 ms."""
     steps = np.arange(0.0, END + 5.0, 5e-4)
     ways = []
     for motion in (person, machine):
@@ -244,7 +244,7 @@ integral_laws = st.builds(
 
 @st.composite
 def with_pieces_of_no_length(draw, motions):
-    """A motion, and the same with pieces of no length but any velocity among the others."""
+    """Return a motion, and the same with pieces without duration of any velocity."""
     motion = draw(motions)
     coefficient = st.floats(-20, 20)
     pieces = []
@@ -269,7 +269,7 @@ def with_pieces_of_no_length(draw, motions):
     with_pieces_of_no_length(gantry_motions()),
     st.one_of(laws, integral_laws),
 )
-def test_pieces_of_no_length_change_nothing(persons, machines, law):
+def test_pieces_without_duration_change_nothing(persons, machines, law):
     plain, padded = zip(persons, machines, strict=True)
     for question in (navigation.violations, navigation.first_violation, navigation.minimum_margin):
         assert question(*padded, law, 0.0, END) == question(*plain, law, 0.0, END)
@@ -285,7 +285,7 @@ def test_the_integral_law_is_that_of_dense_sampling(person, machine, law):
     inside = np.zeros(len(ts), dtype=bool)
     for begin, end in found:
         inside |= (ts >= begin) & (ts <= end)
-    # A trapezium that a jump of speed falls into is off by as much as 0.5 ms at 2 m/s.
+    # A trapezium with a jump of speed has an error of up to 0.5 ms at 2 m/s.
     assert inside[margins < -5e-3].all()
     assert not inside[margins > 5e-3].any()
     _, least = navigation.minimum_margin(person, machine, law, 0.0, END)
@@ -294,7 +294,7 @@ def test_the_integral_law_is_that_of_dense_sampling(person, machine, law):
 
 
 def refined_crossings(f, ts):
-    """Where f changes its sign: brackets of 0.1 ms halved to 1 ns, jumps of f included."""
+    """Return the sign changes of f, jumps included, bisected from 0.1 ms to 1 ns."""
     below = f(ts) < 0
     low, high = (ts[k][below[1:] != below[:-1]] for k in (slice(0, -1), slice(1, None)))
     starts_below = f(low) < 0 if len(low) else np.array([], dtype=bool)
@@ -306,7 +306,7 @@ def refined_crossings(f, ts):
 
 
 def refined_minima(f, ts):
-    """The least values near the samples that are less than their neighbours, to about 1e-12."""
+    """Return the local minima near the samples to about 1e-12."""
     values = f(ts)
     inner = values[1:-1]
     low_enough = inner < values.min() + 1e-2
@@ -322,8 +322,8 @@ def refined_minima(f, ts):
 
 @settings(max_examples=settings.default.max_examples // 3)
 @given(walks, gantry_motions(), linear_laws)
-def test_instants_are_right_to_a_microsecond(person, machine, law):
-    """Every crossing that sampling at 0.1 ms finds, refined, is found, to 1 µs."""
+def test_times_are_exact_to_a_microsecond(person, machine, law):
+    """Every crossing in samples of 0.1 ms, refined, has an exact counterpart within 1 µs."""
     ts = np.arange(0, END, 1e-4)
 
     def f(t):
@@ -339,12 +339,12 @@ def test_instants_are_right_to_a_microsecond(person, machine, law):
 
 
 @given(walks, gantry_motions(), linear_laws)
-def test_the_least_margin_is_that_of_dense_sampling(person, machine, law):
+def test_the_minimum_margin_is_that_of_dense_sampling(person, machine, law):
     ts = np.arange(0, END, 1e-3)
     least = refined_minima(lambda t: margin(person, machine, law, t), ts)
     t, margin_ = navigation.minimum_margin(person, machine, law, 0.0, END)
     assert 0.0 <= t <= END
-    # Speeds jump nowhere here but where sampling can't hit the instant before a change.
+    # Speeds jump only where sampling cannot hit the time before a change.
     assert margin_ <= least + 1e-9
     before, after = (margin(person, machine, law, np.array([u]))[0] for u in (t - 1e-9, t + 1e-9))
     assert margin_ >= min(before, after) - 1e-7
@@ -353,7 +353,7 @@ def test_the_least_margin_is_that_of_dense_sampling(person, machine, law):
 
 
 @given(walks, gantry_motions(), st.floats(0, 3))
-def test_a_plain_law_has_the_same_least_margin_to_a_micrometre(person, machine, intrusion):
+def test_a_plain_law_has_the_same_minimum_margin_to_a_micrometre(person, machine, intrusion):
     law = SeparationLaw(t1=0.5, t2=1.0, intrusion=intrusion)
     plain = Scaled(law, 1.0)
     _, exact = navigation.minimum_margin(person, machine, law, 0.0, END)
@@ -361,7 +361,7 @@ def test_a_plain_law_has_the_same_least_margin_to_a_micrometre(person, machine, 
     assert exact - 1e-9 <= found <= exact + 1e-6
 
 
-def test_the_least_margin_against_a_fixed_distance_is_the_least_separation():
+def test_the_minimum_margin_of_a_fixed_distance_is_that_of_the_separation():
     person = navigation.walk([(-9, 1), (9, 1)], 0.0)
     machine = navigation.gantry_move((-7, 0, 0), (-1, 3, 0), 2.0)
     t, distance = navigation.minimum_separation(person, machine, 0.0, 60.0)
@@ -372,8 +372,8 @@ def test_the_least_margin_against_a_fixed_distance_is_the_least_separation():
     )
 
 
-def test_the_least_margin_knows_both_sides_of_a_jump():
-    """At top speed until put elsewhere: the instant before counts, as for a violation."""
+def test_the_minimum_margin_includes_both_sides_of_a_jump():
+    """At top speed until a jump, the time before it counts, as for a violation."""
     walk = navigation.walk([(-10, 0), (10, 0)], 0.0)
     person = navigation.join([walk, navigation.standing((-20, 0), start=8.0)], end=20.0)
     machine = navigation.standing((0, 0))
@@ -381,18 +381,18 @@ def test_the_least_margin_knows_both_sides_of_a_jump():
     assert (t, least) == (8.0, pytest.approx(2.2 - 3.5, abs=1e-6))
 
 
-def test_the_least_margin_where_slopes_of_distance_and_requirement_cancel():
-    """Braking head on: d = s²/2a and k v shrink together, least where v = k a or at the ends."""
+def test_the_minimum_margin_if_slopes_of_distance_and_requirement_cancel():
+    """When braking head on, d = s²/2a and k v shrink together, with a minimum at v = k a."""
     person = navigation.walk([(-10, 0), (-2, 0)], 0.0, max_speed=2.0, max_acceleration=0.5)
     machine = navigation.standing((0, 0))
     law = SeparationLaw(t1=0.0, t2=1.0)
     _, least = navigation.minimum_margin(person, machine, law, 0.0, 60.0)
-    # At speed v the way left is v² and the margin 2 + v² − v: least at v = 1/2.
+    # At speed v the remaining path is v² and the margin 2 + v² − v, with a minimum at v = 1/2.
     assert least == pytest.approx(1.75, abs=1e-6)
 
 
 def test_a_stop_exactly_at_the_limit_is_no_violation_of_the_integral_law():
-    """Walking up to it, distance and way ahead shrink together: a tie for 2.5 s."""
+    """On approach, distance and remaining path shrink together, a tie for 2.5 s."""
     person = navigation.walk([(-10, 0), (-1, 0)], 0.0)
     machine = navigation.standing((0, 0))
     assert navigation.violations(person, machine, INTEGRAL_LAW, 0.0, 20.0) == []
@@ -400,7 +400,7 @@ def test_a_stop_exactly_at_the_limit_is_no_violation_of_the_integral_law():
     assert least == pytest.approx(0.0)
 
 
-def test_the_constant_approach_speed_keeps_people_away_who_stand():
+def test_the_constant_approach_speed_applies_to_standing_people():
     person, machine = navigation.standing((0, 0)), navigation.walk([(9, 0), (1, 0)], 0.0)
     law = ApproachLaw(time=1.0, intrusion=0.4)
     t = navigation.first_violation(person, machine, law, 0.0, 20.0)
@@ -416,7 +416,7 @@ def test_bounds_on_distances_hold_throughout_an_interval(person, machine, slope,
 
 
 @pytest.mark.parametrize("metres", [1e-9, 1e-80, 1e-145, 1e-160, 1e-300, 5e-324])
-def test_motions_too_small_to_see_are_no_trouble(metres):
+def test_tiny_motions_have_results(metres):
     person = navigation.standing((0, 0))
     machine = navigation.gantry_move((0.0, metres, 0.0), (0.0, 0.0, 0.5))
     drift = Motion((Piece(0.0, 3.0, (0.0, metres, metres, metres), (metres,) * 4, (0.0,) * 4),))
@@ -430,7 +430,7 @@ def test_motions_too_small_to_see_are_no_trouble(metres):
 
 
 class Since:
-    """The clock shows `t` seconds or more."""
+    """Condition that the time is at least `t` seconds."""
 
     def __init__(self, t):
         self.t = t
@@ -439,13 +439,13 @@ class Since:
         return True if begin >= self.t else False if end < self.t else None
 
 
-def test_an_instant_is_found_in_however_long_a_span():
+def test_a_time_is_found_in_any_span():
     stands = navigation.standing((0.0, 0.0))
     begun = navigation.first_time(Since(1.0), stands, stands, 0.0, 1e300)
     assert begun == pytest.approx(1.0, abs=1e-7)
 
 
-def test_searches_that_go_on_in_turn_do_not_disturb_each_other():
+def test_interleaved_searches_are_independent():
     person = navigation.walk([(-9.0, 0.0), (0.0, 0.0), (-9.0, 1.0)], 0.0)
     machines = [navigation.standing((-7.0, 0.5)), navigation.standing((-3.0, -0.5))]
     pairs = [(person, machine) for machine in machines]
@@ -456,13 +456,13 @@ def test_searches_that_go_on_in_turn_do_not_disturb_each_other():
 
 @dataclass(frozen=True)
 class Kinetic:
-    """A law of somebody's own: 0.5 m and what the robot needs to brake at 2 m/s²."""
+    """Custom law: 0.5 m and the braking distance of the robot at 2 m/s²."""
 
     def distance(self, human_speed, robot_speed):
         return 0.5 + robot_speed**2 / 4
 
 
-def test_a_law_of_ones_own_is_one_small_class():
+def test_a_custom_law_is_a_small_class():
     person = navigation.standing((0, 0))
     machine = navigation.walk([(-9, 0), (9, 0)], 0.0, max_speed=2.0)
     ((begin, end),) = navigation.violations(person, machine, Kinetic(), 0.0, 60.0)
@@ -486,13 +486,13 @@ class Shrinking:
 
 
 class ShrinkingLater:
-    """No number at speeds that only somebody who gathers speed has."""
+    """Law without a value at speeds that only an accelerating person has."""
 
     def distance(self, human_speed, robot_speed):
         return math.nan if 0.3 < human_speed < 0.9 else 2.9
 
 
-def test_laws_that_make_no_sense_are_refused():
+def test_invalid_laws_are_rejected():
     person, machine = navigation.walk([(-2.9, 0), (9, 0)], 0.0), navigation.standing((0, 0))
     for law in (Constant(math.nan), Shrinking()):
         with pytest.raises(ValueError, match="must not ask for less when speeds grow"):
@@ -507,7 +507,7 @@ def test_laws_that_make_no_sense_are_refused():
         navigation.violations(person, machine, 3.5, 0.0, 60.0)
 
 
-def test_motions_that_make_no_sense_are_refused():
+def test_invalid_motions_are_rejected():
     still = navigation.standing((0, 0))
     nowhere = Motion((Piece(0.0, 9.0, (math.nan, 0.0, 0.0, 0.0), (0.0,) * 4, (0.0,) * 4),))
     for pair in ((still, nowhere), (nowhere, still)):
@@ -518,7 +518,7 @@ def test_motions_that_make_no_sense_are_refused():
 
 
 @pytest.mark.parametrize("span", [(1.0, 0.0), (0.0, math.inf), (math.nan, 1.0)])
-def test_spans_that_make_no_sense_are_refused(span):
+def test_invalid_spans_are_rejected(span):
     body = navigation.standing((0, 0))
     for ask in (
         lambda: navigation.minimum_margin(body, body, LAW, *span),
@@ -529,8 +529,8 @@ def test_spans_that_make_no_sense_are_refused(span):
             ask()
 
 
-def test_figures_are_plain_numbers_whatever_was_given():
-    """Such as arrays have are neither JSON nor nice to read."""
+def test_results_are_plain_numbers():
+    """Numbers of numpy are not serializable to JSON."""
     number, row = np.float64, np.array
     person = navigation.walk(row([(-6.0, 0.0), (0.0, 0.0), (3.0, 4.0)]), number(0.3))
     gantry = navigation.gantry_move(row([-7.0, 0.0, 0.0]), row([-2.5, 0.5, 0.0]), number(1.0))

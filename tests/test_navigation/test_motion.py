@@ -1,4 +1,4 @@
-"""Motions: continuous, within their limits, and the same however one asks, packed in tracks too."""
+"""Motions: continuity, limits, and agreement of all ways to evaluate them, also in tracks."""
 
 import functools
 import itertools
@@ -26,7 +26,7 @@ pose = st.tuples(st.floats(-14.4, 0.4), st.floats(-7, 7), st.floats(-math.pi, ma
 
 
 def instants(motion, n=4000):
-    """Many instants of a motion, its breaks and their neighbourhoods among them."""
+    """Return many times of a motion, including its breaks and their neighbourhoods."""
     breaks = [t for p in motion.pieces for t in (p.begin, p.end)]
     near = [b + d for b in breaks for d in (-1e-9, 0.0, 1e-9)]
     return np.unique(np.concatenate([np.linspace(motion.start, motion.end, n), near]))
@@ -99,7 +99,7 @@ def test_corner_speed_of_known_corners(degrees, speed):
 
 
 def test_a_finely_cut_arc_is_walked_like_the_arc():
-    """On an arc of radius r the speed is √(a r), however many corners draw it."""
+    """On an arc of radius r the speed is √(a r) for any number of corners."""
     radius = 0.2
     angles = np.linspace(0, math.pi, 200)
     points = radius * np.column_stack([np.cos(angles), np.sin(angles)])
@@ -110,7 +110,7 @@ def test_a_finely_cut_arc_is_walked_like_the_arc():
 
 @example([(0.0, 6.0), (0.0, 0.0), (4.0, 0.0)], 0.59375)  # right before a corner
 @given(paths, st.floats(0, 1))
-def test_somebody_who_stops_brakes_on_the_path(points, share):
+def test_a_stopping_person_brakes_on_the_path(points, share):
     walk = navigation.walk(points)
     assume(walk.end > walk.start)
     t = walk.start + share * (walk.end - walk.start)
@@ -123,13 +123,13 @@ def test_somebody_who_stops_brakes_on_the_path(points, share):
     assert length == pytest.approx(speed**2 / 5, rel=1e-3, abs=1e-6)
 
 
-def test_a_path_too_short_to_stop_on_is_refused():
+def test_a_path_too_short_for_a_stop_is_rejected():
     with pytest.raises(ValueError, match="too short to slow down from 1 m/s"):
         navigation.walk([(0, 0), (0.1, 0)], initial_speed=1.0)
 
 
 @pytest.mark.parametrize("points", [[], [(0, 0, 0)], [(0, math.nan), (1, 1)], 3])
-def test_points_that_are_no_path_are_refused(points):
+def test_invalid_points_are_rejected(points):
     with pytest.raises(ValueError, match="a path needs"):
         navigation.walk(points)
 
@@ -154,7 +154,7 @@ def test_gantry_moves_keep_the_limits_of_every_axis_even_when_replaced(a, b, c, 
                     assert abs(now.acceleration[axis]) <= limits.max_acceleration + 1e-6
 
 
-def test_a_gantry_move_can_be_given_again_a_nanosecond_before_its_end():
+def test_a_gantry_move_can_be_repeated_a_nanosecond_before_its_end():
     for x, left in itertools.product(np.linspace(-14, 0, 60), np.geomspace(5e-10, 1e-8, 25)):
         target = (float(x), 2.5, 1.0)
         first = navigation.gantry_move((-5.0, 1.0, 0.0), target)
@@ -177,7 +177,7 @@ def test_gantry_moves_from_rest_go_straight_and_their_axes_arrive_together(a, b)
 
 
 @given(pose, pose, st.floats(0.01, 0.99))
-def test_a_gantry_stop_ends_at_rest_soon(a, b, share):
+def test_a_gantry_stop_ends_at_rest(a, b, share):
     motion = navigation.gantry_move(a, b)
     t = share * motion.end
     stop = navigation.gantry_stop(motion.state(t), t)
@@ -192,7 +192,7 @@ def test_a_gantry_stop_ends_at_rest_soon(a, b, share):
     st.one_of(st.just(math.inf), st.floats(0.5, 20)),
 )
 def test_a_stop_is_as_fast_as_that_of_ruckig(state, top, jerk):
-    """Of an axis alone, even where it slows down by more than it may."""
+    """For a single axis, also if it exceeds its limit of acceleration."""
     if jerk == math.inf:
         state = (*state[:2], 0.0)
     task = ruckig.InputParameter(1)
@@ -205,7 +205,7 @@ def test_a_stop_is_as_fast_as_that_of_ruckig(state, top, jerk):
     limits = (AxisLimits(9.0, top, jerk),) * 3
     axes = [(c, 0.0, c) for c in state]
     stop = navigation.gantry_stop(State(*axes), 5.0, limits=limits)
-    # Who accelerates by less than 1e-7 m/s² counts as standing: it would take (1 + √2) a / j.
+    # An axis with less than 1e-7 m/s² counts as standing. A stop would take (1 + √2) a / j.
     assert stop.end - 5.0 == pytest.approx(oracle.duration, abs=1e-7 + 2.5e-7 / jerk)
     assert stop.state(5.0).position == axes[0]
     for share in (0.3, 0.6, 1.0):
@@ -230,8 +230,8 @@ def test_an_agv_run_is_the_trapezoid_of_its_limits():
 
 
 @given(st.lists(st.floats(0, 18), max_size=4))
-def test_an_agv_that_came_back_is_still_on_its_lane(stops):
-    """Rounding once left one 4e-16 m before the beginning of its lane."""
+def test_a_returning_agv_stays_on_its_lane(stops):
+    """Rounding must not put an AGV 4e-16 m before the begin of its lane."""
     lane = floorplan.load("ariac2023").lane("agv1")
     state, t = AxisState(0.0), 0.0
     for q in [*stops, 0.0, 18.0, 0.0]:
@@ -261,7 +261,7 @@ def test_scalars_arrays_and_states_agree(poses):
 
 
 @given(paths, st.floats(0, 1), st.floats(0, 1))
-def test_a_cut_is_the_same_motion_for_a_while(points, one, other):
+def test_a_cut_equals_the_motion_within_its_span(points, one, other):
     walk = navigation.walk(points)
     begin, end = sorted(walk.end * share for share in (one, other))
     part = walk.cut(begin, end)
@@ -270,7 +270,7 @@ def test_a_cut_is_the_same_motion_for_a_while(points, one, other):
     assert (part.start, part.end) == (begin, end)
 
 
-def test_a_cut_stands_where_the_motion_does():
+def test_a_cut_includes_rests_of_the_motion():
     walk = navigation.walk([(0, 0), (3, 0)], 2.0)
     part = walk.cut(0.0, 10.0)
     assert (part.start, part.end) == (0.0, 10.0)
@@ -279,7 +279,7 @@ def test_a_cut_stands_where_the_motion_does():
     assert (late.start, late.end, late.position(8.5)[0]) == (8.0, 9.0, pytest.approx(3.0))
 
 
-def test_joining_what_is_apart_jumps_there_and_nowhere_else():
+def test_joined_motions_jump_only_where_they_are_apart():
     a = navigation.walk([(0, 0), (3, 0)], 0.0)
     b = navigation.standing((9, 9), start=2.0)
     whole = navigation.join([a, b], end=5.0)
@@ -295,7 +295,7 @@ def test_joining_what_is_apart_jumps_there_and_nowhere_else():
         st.tuples(st.floats(0.01, 3), *[coordinate] * 2, st.floats(-math.pi, math.pi)), min_size=1
     )
 )
-def test_samples_are_passed_smoothly(samples):
+def test_a_motion_passes_its_samples_smoothly(samples):
     steps, x, y, turned = np.array(samples).T
     t, xy = np.cumsum(steps), np.column_stack([x, y])
     motion = Motion.from_samples(t, xy, turned)
@@ -313,7 +313,7 @@ def test_samples_are_passed_smoothly(samples):
         assert (between <= np.maximum(xy[k], xy[k + 1]) + 1e-9).all()
 
 
-def test_samples_of_a_walk_are_close_to_it_and_closer_the_more_there_are():
+def test_a_motion_through_samples_of_a_walk_converges_to_it():
     walk = navigation.walk([(0, 0), (6, 0), (6, 5)])
     ts = np.linspace(0, walk.end, 1000)
     off = []
@@ -338,12 +338,12 @@ def test_samples_of_a_walk_are_close_to_it_and_closer_the_more_there_are():
         ([0.0, 1.0, 1.0], [[0.0, 1.0]] * 3, None, r"t\[2\] = 1.0 s"),
     ],
 )
-def test_samples_that_are_no_motion_are_refused(t, xy, rotation, message):
+def test_invalid_samples_are_rejected(t, xy, rotation, message):
     with pytest.raises(ValueError, match=message):
         Motion.from_samples(t, xy, rotation)
 
 
-def test_gaps_and_jumps_are_refused():
+def test_gaps_and_jumps_are_rejected():
     zero = (0.0, 0.0, 0.0, 0.0)
     one = Piece(0.0, 1.0, zero, zero, zero)
     with pytest.raises(ValueError, match=r"gap from t = 1.0 s to 2.0 s"):
@@ -362,22 +362,22 @@ def test_limits_must_be_positive(limits):
 
 @example(1_415_533_623)  # within a nanometre of its end
 @given(st.integers(0, 2**32 - 1))
-def test_braking_may_be_broken_off_by_braking(seed):
-    """Once the rounding of the way that is left, or Ruckig's, could make this fail."""
+def test_braking_may_restart_while_braking(seed):
+    """In spite of rounding of the remaining path in Ruckig."""
     random = np.random.default_rng(seed)
     walk = navigation.walk(random.uniform(0, 10, (4, 2)), 0.0, max_speed=1.5)
     t = random.uniform(0, walk.end)
     braking = navigation.stop_walking(walk, t)
     for later in random.uniform(t, braking.end, 20):
         again = navigation.stop_walking(braking, later)
-        # Who would stop within 1e-9 m stands at once, which saves no more than √(2 · 1e-9 / 2.5) s.
+        # A stop within 1e-9 m is immediate, which saves at most √(2 · 1e-9 / 2.5) s.
         assert again.end == pytest.approx(braking.end, abs=3e-5)
         assert again.position(again.end) == pytest.approx(braking.position(again.end), abs=1e-5)
 
 
 @given(st.floats(0.0, 3.0), st.floats(0.0, 1.0), st.floats(1e-6, 50.0), st.floats(0.3, 2.0))
 @example(2.0, 1.0, 0.3, 0.3)  # the last speed is rounded to above the top one
-def test_a_leg_is_ruckigs_profile_without_a_limit_of_jerk(first, share, length, top):
+def test_a_segment_has_ruckigs_profile_without_a_jerk_limit(first, share, length, top):
     limits = AxisLimits(top, 2.5)
     reachable = math.sqrt(max(first**2 - 2 * limits.max_acceleration * length, 0.0))
     first = first if reachable < top else math.sqrt(2 * limits.max_acceleration * length)
@@ -395,8 +395,8 @@ def test_a_leg_is_ruckigs_profile_without_a_limit_of_jerk(first, share, length, 
 
 
 @pytest.mark.parametrize("kept", [list, functools.partial(array, "d")])
-def test_a_motion_is_read_wherever_it_was_written(kept):
-    """Kernels keep tables in lists where they are not compiled, and in arrays where they are."""
+def test_a_pickled_motion_is_independent_of_compilation(kept):
+    """Tables are lists if kernels are not compiled, and arrays if they are."""
     motion = navigation.walk([(0.0, 0.0), (3.0, 0.0), (3.0, 4.0)], 1.0)
     again = pickle.loads(pickle.dumps(motion_of(kept(motion.table), frozenset())))
     assert again == motion and hash(again) == hash(motion)
@@ -409,7 +409,7 @@ walks = st.lists(st.lists(corner, min_size=2, max_size=4), min_size=1, max_size=
 
 
 def one_after_another(walks):
-    """Walks as motions, each put where it starts from, the moment the last one ends."""
+    """Return walks as motions, each moved to the end of the previous one."""
     motions, t = [], 0.0
     for points in walks:
         motions.append(navigation.walk(points, t).cut(t, t + 30.0))
@@ -443,7 +443,7 @@ def test_a_track_is_the_motions_joined(walks):
     assert len(whole.pieces) == len(joined.pieces)
 
 
-def test_a_track_goes_on_without_changing_what_was_taken_from_it():
+def test_a_motion_of_a_track_does_not_change_later():
     track = Track()
     assert not track
     add(track, navigation.walk([(0, 0), (3, 0)], 0.0))
@@ -453,14 +453,14 @@ def test_a_track_goes_on_without_changing_what_was_taken_from_it():
     assert track.motion().position(100.0)[0] == pytest.approx(5.0)
 
 
-def test_a_gap_in_a_track_is_refused():
+def test_a_gap_in_a_track_is_rejected():
     track = Track()
     add(track, navigation.walk([(0, 0), (3, 0)], 0.0))
     with pytest.raises(ValueError, match="gap"):
         add(track, navigation.standing((3, 0), start=50.0))
 
 
-def test_pieces_of_a_track_are_a_sequence_of_their_own():
+def test_pieces_of_a_track_are_a_sequence():
     track = Track()
     add(track, navigation.walk([(0, 0), (3, 0), (3, 5)], 0.0))
     pieces = track.motion().pieces

@@ -1,4 +1,4 @@
-"""Paths by every planner, and planners by name with parameters."""
+"""Paths by every planner, and choices of planners with parameters."""
 
 import itertools
 import math
@@ -71,7 +71,7 @@ def check_path(world, path, start, goal, radius):
 
 @settings(max_examples=settings.default.max_examples // 10)
 @given(st.integers(0, 2**32), st.floats(0.1, 0.5))
-def test_ways_are_safe_and_as_short_as_can_be(seed, radius):
+def test_paths_are_safe_and_the_shortest(seed, radius):
     world = CollisionWorld(random_floor(seed))
     rng = np.random.default_rng(seed)
     world.place("person", Disc(tuple(rng.uniform(0, 10, 2).tolist()), 0.3))
@@ -84,7 +84,7 @@ def test_ways_are_safe_and_as_short_as_can_be(seed, radius):
             path = planner.plan(start, goal)
         except PlanningError as why:
             assert why.reason == "unreachable"
-            # With a millimetre more there is certainly no way.
+            # With one more millimetre there is certainly no path.
             narrow = room(world, radius + 1e-3)
             both = shapely.MultiPoint([start, goal])
             assert not any(part.covers(both) for part in shapely.get_parts(narrow))
@@ -94,19 +94,19 @@ def test_ways_are_safe_and_as_short_as_can_be(seed, radius):
         assert lengths[i, j] - 1e-9 <= path.length <= lengths[i, j] * 1.008 + 1e-3
 
 
-def test_the_short_way_round_a_row_of_bins():
+def test_a_path_takes_the_shorter_side_of_a_row_of_bins():
     row = [box(1.0 + k, 4.0, 1.9 + k, 5.0) for k in range(8)]
     path = PathPlanner(CollisionWorld(floor(*row)), 0.3).plan((1.5, 5.5), (1.5, 3.5))
     assert path.length < 4.0
 
 
-def test_straight_where_nothing_stands(world):
+def test_a_free_path_is_straight(world):
     path = PathPlanner(world, 0.3).plan((-15.0, -10.0), (-5.0, 3.75))
     assert len(path.points) == 2
     assert path.length == math.dist((-15.0, -10.0), (-5.0, 3.75))
 
 
-def test_agvs_are_where_they_are_now(world):
+def test_paths_avoid_agvs_at_their_present_positions(world):
     planner = PathPlanner(world, 0.3)
     start, goal = (-11.3, 6.0), (-11.3, 3.5)
     assert len(planner.plan(start, goal).points) == 2
@@ -122,7 +122,7 @@ def test_agvs_are_where_they_are_now(world):
     assert len(planner.plan(start, goal).points) == 2
 
 
-def test_answers_do_not_depend_on_what_was_asked_before(plan):
+def test_paths_do_not_depend_on_earlier_queries(plan):
     def ways(order):
         world = CollisionWorld(plan)
         planner = PathPlanner(world, 0.3)
@@ -138,7 +138,7 @@ def test_answers_do_not_depend_on_what_was_asked_before(plan):
     assert ways(range(20)) == ways(reversed(range(20)))
 
 
-def test_a_person_does_not_stand_in_their_own_way(world):
+def test_a_person_is_no_obstacle_for_their_own_path(world):
     at = (-10.0, 0.0)
     world.place("operator", Disc(at, 0.3))
     with pytest.raises(PlanningError) as blocked:
@@ -148,8 +148,8 @@ def test_a_person_does_not_stand_in_their_own_way(world):
     assert len(PathPlanner(world, 0.3, ignore=("operator",)).plan(at, (-5.0, 0.0)).points) == 2
 
 
-def test_setting_out_from_where_one_stopped(world):
-    """Anywhere on a way found before, also where it hugs a corner, is a good start and goal."""
+def test_any_point_of_a_path_is_a_valid_start(world):
+    """Any point of a path is a valid start and goal, also beside a corner."""
     planner = PathPlanner(world, 0.3)
     start, goal = (-15.0, -10.0), (-1.5, 0.0)
     points = planner.plan(start, goal).points
@@ -161,7 +161,7 @@ def test_setting_out_from_where_one_stopped(world):
             check_path(world, planner.plan(start, here), start, here, 0.3)
 
 
-def test_a_start_a_hair_too_close_may_leave(world):
+def test_a_start_slightly_too_close_has_a_path(world):
     planner = PathPlanner(world, 0.3)
     # Assembly table 1 ends at x = -7.2.
     path = planner.plan((-6.9005, 3.0), (-5.0, 3.75))
@@ -187,14 +187,14 @@ def test_a_start_a_hair_too_close_may_leave(world):
         ((1.9, 0.0), "is 0.100 m from the boundary"),
     ],
 )
-def test_blocked_goals_say_by_what(world, goal, words):
+def test_a_blocked_goal_names_the_obstacle(world, goal, words):
     with pytest.raises(PlanningError) as blocked:
         PathPlanner(world, 0.3).plan((-15.0, -10.0), goal)
     assert blocked.value.reason == "goal_blocked"
     assert words in str(blocked.value)
 
 
-def test_unreachable_tells_the_gap():
+def test_an_unreachable_goal_reports_the_gap():
     world = CollisionWorld(floor(box(4, -1, 6, 6), box(4, 6.5, 6, 11)))
     with pytest.raises(PlanningError) as cut:
         PathPlanner(world, 0.3).plan((2.0, 5.0), (8.0, 5.0))
@@ -205,7 +205,7 @@ def test_unreachable_tells_the_gap():
 
 
 @pytest.mark.parametrize("radius", [0.2, 0.2001, 0.21])
-def test_a_gap_that_is_hardly_too_narrow_is_the_gap_that_is_told(radius):
+def test_a_gap_barely_too_narrow_is_reported(radius):
     world = CollisionWorld(floor(box(4, 0.2, 5, 9.6)))
     with pytest.raises(PlanningError, match=r"at \(4.50, 9.80\)") as cut:
         PathPlanner(world, radius).plan((1.0, 1.0), (8.0, 4.0))
@@ -213,14 +213,14 @@ def test_a_gap_that_is_hardly_too_narrow_is_the_gap_that_is_told(radius):
     assert float(widest) < float(needed)
 
 
-def test_unreachable_names_the_wall():
+def test_an_unreachable_goal_names_the_wall():
     world = CollisionWorld(floor(box(4, -1, 6, 11)))
     with pytest.raises(PlanningError, match=r"no way, however narrow, .* thing0 cuts") as cut:
         PathPlanner(world, 0.3).plan((2.0, 5.0), (8.0, 5.0))
     assert cut.value.reason == "unreachable"
 
 
-def test_an_agv_in_the_only_door_cuts_off(world):
+def test_an_agv_in_the_only_door_blocks_all_paths(world):
     planner = PathPlanner(world, 0.3)
     start, goal = (-15.0, -10.0), (-19.0, 0.0)
     assert planner.plan(start, goal).length < 12
@@ -235,8 +235,8 @@ def test_an_agv_in_the_only_door_cuts_off(world):
     check_path(world, planner.plan(start, goal), start, goal, 0.3)
 
 
-def test_gaps_as_wide_as_the_person():
-    """Between two corners, where arcs drawn from outside would meet."""
+def test_a_person_passes_gaps_of_their_width():
+    """Between two corners, where circumscribed arcs would meet."""
     corners = [Polygon([(0, 4), (5, 5), (0, 6)]), Polygon([(10, 4), (5.601, 5), (10, 6)])]
     world = CollisionWorld(floor(*corners))
     path = PathPlanner(world, 0.3).plan((5.0, 2.0), (5.0, 8.0))
@@ -245,13 +245,13 @@ def test_gaps_as_wide_as_the_person():
         PathPlanner(world, 0.301).plan((5.0, 2.0), (5.0, 8.0))
 
 
-def test_start_is_goal(world):
+def test_a_path_to_the_start_has_no_length(world):
     path = PathPlanner(world, 0.3).plan((-15.0, -10.0), (-15.0, -10.0))
     assert path.length == 0
     assert path.points.shape == (2, 2)
 
 
-def test_senseless_questions_are_refused(world):
+def test_invalid_queries_are_rejected(world):
     planner = PathPlanner(world, 0.3)
     with pytest.raises(ValueError, match="the start must be a finite x and y"):
         planner.plan((math.nan, 0), (0, 0))
@@ -266,7 +266,7 @@ def test_senseless_questions_are_refused(world):
 
 
 @pytest.mark.parametrize("name", [info.name for info in SAMPLING])
-def test_sampling_planners(world, name):
+def test_every_sampling_planner_finds_a_path(world, name):
     planner = PathPlanner(world, 0.3)
     start, goal = (-15.0, -10.0), (-19.0, 0.0)
     path = planner.plan(start, goal, planner=name, seed=3)
@@ -274,12 +274,12 @@ def test_sampling_planners(world, name):
     assert path.planner == name
     again = planner.plan(start, goal, planner=name, seed=3)
     assert path.points.tolist() == again.points.tolist()
-    # Where the start sees the goal, too.
+    # Also if the straight path is free.
     check_path(world, planner.plan(start, (-12.0, -9.0), planner=name), start, (-12.0, -9.0), 0.3)
 
 
 @pytest.mark.parametrize("name", [info.name for info in SAMPLING])
-def test_sampling_planners_prove_nothing_but_the_world_does(name):
+def test_the_world_proves_that_a_sampling_planner_has_no_path(name):
     world = CollisionWorld(floor(box(4, -1, 6, 11)))
     with pytest.raises(PlanningError) as cut:
         PathPlanner(world, 0.3).plan(
@@ -288,35 +288,35 @@ def test_sampling_planners_prove_nothing_but_the_world_does(name):
     assert cut.value.reason == "unreachable"
 
 
-def test_links_are_what_fcl_says_is_free(world, monkeypatch):
+def test_fcl_tests_all_links_of_a_path(world, monkeypatch):
     start, goal = (-15.0, -10.0), (-19.0, 0.0)
     ask, asked = CollisionWorld.segment_free, []
 
-    def noting(self, a, b, radius, among=None):
+    def recorded_segment_free(self, a, b, radius, among=None):
         asked.append({a, b})
         return ask(self, a, b, radius, among)
 
-    monkeypatch.setattr(CollisionWorld, "segment_free", noting)
-    # A radius of its own: what was asked for others is remembered with the floor.
+    monkeypatch.setattr(CollisionWorld, "segment_free", recorded_segment_free)
+    # Another radius, because results for others are cached with the floor.
     path = PathPlanner(world, 0.3 + 1e-9).plan(start, goal)
     points = [*map(tuple, path.points.tolist())]
     assert len(points) > 2
     assert all({a, b} in asked for a, b in itertools.pairwise(points))
 
 
-def test_a_link_that_is_refused_is_gone_round(world, monkeypatch):
+def test_a_path_avoids_links_that_fcl_rejects(world, monkeypatch):
     start, goal = (-15.0, -10.0), (-19.0, 0.0)
-    ask, refused = CollisionWorld.segment_free, []
+    ask, rejected = CollisionWorld.segment_free, []
 
-    def refusing(self, a, b, radius, among=None):
-        return {a, b} not in refused and ask(self, a, b, radius, among)
+    def rejecting(self, a, b, radius, among=None):
+        return {a, b} not in rejected and ask(self, a, b, radius, among)
 
-    monkeypatch.setattr(CollisionWorld, "segment_free", refusing)
+    monkeypatch.setattr(CollisionWorld, "segment_free", rejecting)
 
     def path():
-        # A radius of its own: what was asked for others is remembered with the floor.
+        # Another radius, because results for others are cached with the floor.
         planner = PathPlanner(world, 0.3 + 2e-9)
-        planner.roadmap().asked.clear()
+        planner.roadmap().verdicts.clear()
         return [*map(tuple, planner.plan(start, goal).points.tolist())]
 
     shortest = path()
@@ -324,13 +324,13 @@ def test_a_link_that_is_refused_is_gone_round(world, monkeypatch):
         points = path()
         assert length(points) >= length(shortest)
         assert gap(world, points) >= 0.3
-        assert not any({a, b} in refused for a, b in itertools.pairwise(points))
-        refused.append({points[k], points[k + 1]})
+        assert not any({a, b} in rejected for a, b in itertools.pairwise(points))
+        rejected.append({points[k], points[k + 1]})
 
 
 @settings(max_examples=settings.default.max_examples // 5)
 @given(st.integers(0, 2**32), st.floats(0.05, 1.0))
-def test_the_room_along_a_segment(seed, radius):
+def test_free_segments_are_those_of_plane_geometry(seed, radius):
     world = CollisionWorld(random_floor(seed))
     walls, rng = world.walls(radius), np.random.default_rng(seed)
     for a, b in rng.uniform(0, 10, (40, 2, 2)):
@@ -342,7 +342,7 @@ def test_the_room_along_a_segment(seed, radius):
             assert walls.clear(a.tolist(), b.tolist()) == (apart > radius)
 
 
-def test_kept_paths_are_those_of_the_floor_as_it_is(world):
+def test_cached_paths_expire_when_a_body_moves(world):
     planner = PathPlanner(world, 0.3, keep=2)
     question = ((-11.3, 6.0), (-11.3, 3.5))
     path = planner.plan(*question)
@@ -354,7 +354,7 @@ def test_kept_paths_are_those_of_the_floor_as_it_is(world):
     assert planner.plan(*question).points.tolist() == path.points.tolist()
 
 
-def test_a_budget_that_is_too_small(world):
+def test_a_budget_that_is_too_small_is_reported(world):
     with pytest.raises(PlanningError, match="RRT found no") as spent:
         PathPlanner(world, 0.3).plan(
             (-15, -10), (-1.5, 0.0), planner="RRT", parameters={"iterations": 5}
@@ -362,7 +362,7 @@ def test_a_budget_that_is_too_small(world):
     assert spent.value.reason == "not_found"
 
 
-def test_parameters_by_name(world):
+def test_parameters_are_set_by_name(world):
     planner = PathPlanner(world, 0.3)
 
     def ask(**parameters):
@@ -391,7 +391,7 @@ def test_parameters_by_name(world):
 
 
 def test_nothing_is_printed_at_exit():
-    """OMPL's log and nanobind's list of leaks stay away."""
+    """Both OMPL's log and nanobind's list of leaks are suppressed."""
     code = (
         "import floorplan, navigation\n"
         "world = navigation.CollisionWorld(floorplan.load('ariac2023'))\n"
@@ -415,7 +415,7 @@ def test_nothing_is_printed_at_exit():
         ("my_planner:Straight: {step: 0.5}", "my_planner:Straight", {"step": 0.5}),
     ],
 )
-def test_forms_of_a_choice(world, given, name, parameters):
+def test_a_choice_has_several_forms(world, given, name, parameters):
     choice = PathPlanner(world, planner=given).choice
     assert (choice.name, dict(choice.parameters)) == (name, parameters)
     assert PathPlanner(world, planner=str(choice)).choice == choice
@@ -437,12 +437,12 @@ def test_forms_of_a_choice(world, given, name, parameters):
         ("Roadmap: {range: 1}", "Roadmap has no parameters, found range"),
     ],
 )
-def test_choices_that_make_no_sense(world, given, message):
+def test_invalid_choices_are_rejected(world, given, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         PathPlanner(world, planner=given)
 
 
-def test_a_path_planner_keeps_to_its_choice():
+def test_a_path_planner_uses_its_choice():
     planner = PathPlanner(
         CollisionWorld(floorplan.load("ariac2023")), planner="RRTConnect: {range: 1.0}"
     )

@@ -1,4 +1,4 @@
-"""Moves over whole millimetres within round limits, where two profiles are the same, exist."""
+"""Moves over whole millimetres within round limits, at which two profiles tie."""
 
 import math
 import random
@@ -16,7 +16,7 @@ JERKS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 4.5, 5.0, 6.0, 10.0, 20.0, 100.0, 20
 
 
 def duration(length, limits):
-    """The time of the fastest move between rests, in closed form (Biagiotti and Melchiorri)."""
+    """Return the duration of the fastest move between rests (Biagiotti and Melchiorri)."""
     v, a, j = limits.max_speed, limits.max_acceleration, limits.max_jerk
     if j == math.inf:
         return length / v + v / a if length >= v * v / a else 2 * math.sqrt(length / a)
@@ -31,7 +31,7 @@ def duration(length, limits):
 
 
 def tied_length(draw, axis):
-    """A length at which an axis just reaches its acceleration or its speed, or any length."""
+    """Return a length at which an axis just reaches its limits, or any length."""
     v, a, j = axis.max_speed, axis.max_acceleration, axis.max_jerk
     jerk = min(j, 1e6)
     tie = draw.choice([2 * a**3 / jerk**2, v * v / a + v * a / jerk, 2 * v * math.sqrt(v / jerk)])
@@ -55,7 +55,7 @@ def check_moves(count, seed):
         start = State(tuple(begin), tuple(speeds), (0.0, 0.0, 0.0)) if moving else tuple(begin)
         motion = gantry_move(start, end, 2.0, limits=axes)
         there = motion.state(motion.end).position
-        # Ruckig ends within 1e-8 m where it slows axes down to arrive together.
+        # Ruckig ends within 1e-8 m if it slows axes down to arrive together.
         assert math.dist(there, end) < (2e-8 if moving else 1e-9), (axes, start, end)
 
         (axis, *_), length = axes, tied_length(draw, axes[0])

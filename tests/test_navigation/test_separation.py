@@ -1,4 +1,4 @@
-"""Laws: the formula, what they say of a whole interval, and what is refused."""
+"""Laws: formulas, bounds over intervals, and validation."""
 
 import math
 
@@ -19,26 +19,27 @@ from navigation import (
     Scaled,
     SeparationLaw,
 )
+from navigation.kernels.encounter import Encounter
 from navigation.kernels.odometer import Odometer
 from navigation.machines import ARIAC_GANTRY, AxisLimits
 from navigation.motion import State
 from navigation.separation import is_of_motions, is_of_speeds, required_at, required_at_speeds
 
 
-def test_the_linear_form():
+def test_the_linear_form_equals_its_formula():
     law = SeparationLaw(t1=1.0, t2=1.5, stopping=0.25, intrusion=1.0)
     assert law.distance(human_speed=1.0, robot_speed=0.5) == pytest.approx(2.5 + 0.5 + 0.25 + 1.0)
     assert law.distance(0.0, 0.0) == 1.25
 
 
-def test_noticing_is_a_multiple_with_a_cap():
+def test_a_scaled_law_is_a_multiple_with_a_cap():
     law = Scaled(SeparationLaw(t1=1.0, t2=1.5, intrusion=1.2), 1.75, cap=5.0)
     assert law.distance(0.0, 0.0) == pytest.approx(2.1)
     assert law.distance(1.0, 0.0) == pytest.approx(1.75 * 3.7)
     assert law.distance(2.0, 0.0) == 1.75 * 5.0
 
 
-def test_a_fixed_distance_does_not_care():
+def test_a_fixed_distance_is_independent_of_speeds():
     assert FixedDistance(2.1).distance(3.0, 4.0) == 2.1
 
 
@@ -49,7 +50,7 @@ def test_the_approach_speed_of_the_standard_is_a_constant():
 
 
 def integral(law, person, machine, t):
-    """What the integral law requires at an instant."""
+    """Return the requirement of the integral law at one time."""
     encounter, *_ = encounters(person, machine, t, t)
     return law.required(encounter, t, t).value
 
@@ -63,7 +64,7 @@ def test_at_constant_speeds_the_integral_form_is_the_linear_form():
     )
 
 
-def test_the_integral_form_counts_the_way_that_is_left():
+def test_the_integral_form_uses_the_remaining_path():
     """Braking from 1 m/s at 2.5 m/s² takes 0.4 s and 0.2 m."""
     person = navigation.walk([(0, 0), (5, 0)], 0.0)
     machine = navigation.standing((0, 0))
@@ -74,14 +75,14 @@ def test_the_integral_form_counts_the_way_that_is_left():
     assert integral(law, person, machine, 5.4) == pytest.approx(0.6, abs=1e-6)
 
 
-def test_the_integral_form_brakes_the_robot_evenly_where_nothing_is_said():
+def test_the_integral_form_brakes_linearly_by_default():
     person = navigation.standing((0, 0))
     machine = navigation.walk([(0, 0), (50, 0)], 0.0, max_speed=2.0)
     law = IntegralLaw(t1=1.0, t2=1.5)
     assert integral(law, person, machine, 10.0) == pytest.approx(2.0 * 1.0 + 2.0 * 1.5 / 2)
 
 
-def test_being_put_elsewhere_is_no_way_gone():
+def test_a_jump_adds_no_path_length():
     walk = navigation.walk([(-10, 0), (10, 0)], 0.0)
     person = navigation.join([walk, navigation.standing((-20, 0), start=8.0)], end=20.0)
     odometer = Odometer(person)
@@ -101,7 +102,7 @@ curves = st.builds(
 
 
 @given(curves, st.floats(0, 1))
-def test_an_odometer_reads_the_length_of_the_way(motion, share):
+def test_an_odometer_reads_the_path_length(motion, share):
     t = share * motion.end
     steps = np.linspace(0.0, t, 20_001)
     chords = np.hypot(*np.diff(motion.position(steps), axis=0).T).sum()
@@ -138,7 +139,7 @@ def test_an_odometer_counts_back_and_forth():
 
 
 @given(curves, curves, st.floats(0, 2), st.floats(0, 2), st.floats(0, 1), st.floats(0, 1))
-def test_what_a_law_says_of_an_interval_holds_throughout(person, machine, t1, t2, low, high):
+def test_the_enclosure_of_a_law_holds_throughout_an_interval(person, machine, t1, t2, low, high):
     laws = [
         IntegralLaw(t1=t1, t2=t2, intrusion=0.5),
         SeparationLaw(t1=t1, t2=t2),
@@ -150,7 +151,7 @@ def test_what_a_law_says_of_an_interval_holds_throughout(person, machine, t1, t2
         for encounter in encounters(person, machine, 0.0, 6.0):
             begin, end = part_of(encounter, low, high)
             found = law.required(encounter, begin, end)
-            # A robot that halts at once, at the end, is not meant by what is said of before.
+            # A jump to rest at the end is not part of the interval.
             for t in np.linspace(begin, end, 9)[:-1].tolist():
                 exact = law.required(encounter, t, t).value
                 u = t - (begin + end) / 2
@@ -175,7 +176,7 @@ def test_enclosures_add_up():
 
 
 @pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "0.1"])
-def test_terms_of_the_other_laws_are_checked_too(value):
+def test_invalid_values_of_other_laws_are_rejected(value):
     integral_terms = ("t1", "t2", "stopping", "intrusion", "human_uncertainty", "robot_uncertainty")
     for term in integral_terms:
         with pytest.raises(ValueError, match=f"{term} must be a number of at least 0"):
@@ -187,7 +188,7 @@ def test_terms_of_the_other_laws_are_checked_too(value):
 
 @pytest.mark.parametrize("term", ["t1", "t2", "stopping", "intrusion"])
 @pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "0.1"])
-def test_terms_are_finite_and_not_negative(term, value):
+def test_invalid_values_of_laws_are_rejected(term, value):
     with pytest.raises(ValueError, match=f"{term} must be a number of at least 0"):
         SeparationLaw(**{"t1": 1.0, "t2": 1.0, term: value})
     with pytest.raises(ValueError, match="metres must be"):
@@ -203,7 +204,7 @@ LAWS = [
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_what_is_required_at_an_instant_and_of_steady_speeds_is_the_same(law):
+def test_requirements_at_a_time_and_at_constant_speeds_are_equal(law):
     person = navigation.walk([(-20, 0), (20, 0)], 0.0, max_speed=1.3)
     machine = navigation.gantry_move((-14, -7, 0), (0, 7, 0))
     steady = required_at_speeds(law, 1.3, machine.state(10.0).speed)
@@ -215,8 +216,8 @@ def test_what_is_required_at_an_instant_and_of_steady_speeds_is_the_same(law):
 
 
 @pytest.mark.parametrize("cap", [math.inf, 1.3])
-def test_a_scaled_law_that_looks_ahead_is_judged_as_its_figures_say(cap):
-    """Somebody who walks to a stop beside a standing machine, against sampling the figures."""
+def test_a_scaled_predictive_law_agrees_with_dense_sampling(cap):
+    """A person who stops beside a standing machine, against samples of the requirement."""
     person = navigation.walk([(-6, 0.8), (-0.5, 0.8)], 0.0)
     machine = navigation.standing((0, 0))
     law = Scaled(IntegralLaw(t1=0.5, t2=0.7, intrusion=0.9), 1.2, cap)
@@ -229,31 +230,64 @@ def test_a_scaled_law_that_looks_ahead_is_judged_as_its_figures_say(cap):
     assert found == pytest.approx(changes.tolist(), abs=1.1e-3)
     assert found
     _, margin = navigation.minimum_margin(person, machine, law, 0.0, 8.0)
-    # Where the cap begins the margin has a corner, which falls between two samples.
+    # Where the cap begins, the margin has a corner between two samples.
     least = (gap - required).min()
     assert least - 1e-3 <= margin <= least + 1e-9
 
 
-def test_a_scaled_law_of_more_than_speeds_has_no_distance_at_speeds_alone():
+def test_a_scaled_predictive_law_has_no_distance_at_speeds_alone():
     law = Scaled(IntegralLaw(t1=0.5, t2=0.7), 2.0)
     assert not is_of_speeds(law)
     with pytest.raises(TypeError, match="more than two speeds"):
         law.distance(1.0, 0.0)
 
 
+class RenamedIntegral(IntegralLaw):
+    """Derived class without other methods."""
+
+
+class DoubledDistance(SeparationLaw):
+    """Derived class with another distance."""
+
+    def distance(self, human_speed, robot_speed):
+        return 2 * super().distance(human_speed, robot_speed)
+
+
+@pytest.mark.parametrize(
+    ("derived", "same"),
+    [
+        (RenamedIntegral(t1=0.5, t2=0.7), IntegralLaw(t1=0.5, t2=0.7)),
+        (DoubledDistance(t1=0.5, t2=0.7), Scaled(SeparationLaw(t1=0.5, t2=0.7), 2.0)),
+    ],
+)
+def test_a_derived_law_uses_the_methods_that_it_inherits_and_overrides(derived, same):
+    person = navigation.walk([(-6, 0.8), (6, 0.8)], 0.0)
+    machine = navigation.standing((0, 0))
+    span = (0.0, 12.0)
+    expected = navigation.violations(person, machine, same, *span)
+    found = navigation.violations(person, machine, derived, *span)
+    assert found and np.array(found) == pytest.approx(np.array(expected), abs=1e-6)
+    encounter = Encounter(person, machine)
+    encounter.come_to(2.0)
+    encounter.next_stretch(2.0)
+    assert derived.required(encounter, 2.0, 2.0).value == pytest.approx(
+        same.required(encounter, 2.0, 2.0).value
+    )
+
+
 limits = st.builds(AxisLimits, st.floats(0.05, 3.0), st.floats(0.05, 3.0), st.floats(0.05, 20.0))
 
 
 def state_of(axis, share, speed):
-    """An axis that can keep its top speed: accelerating by a `share` of what lets it."""
+    """Return the state of an axis with a `share` of the maximum acceleration for its speed."""
     acceleration = share * min(axis.max_acceleration, math.sqrt(2 * axis.max_jerk * axis.max_speed))
     room = axis.max_speed - acceleration**2 / (2 * axis.max_jerk)
     return speed * max(room, 0.0), acceleration
 
 
 @given(st.tuples(limits, limits, limits), st.lists(st.floats(-1, 1), min_size=6, max_size=6))
-def test_no_gantry_takes_longer_to_stop_than_its_law_says(axes, shares):
-    """Ruckig brakes from any state within the limits; from the worst it takes just that long."""
+def test_no_stop_of_a_gantry_exceeds_that_of_its_law(axes, shares):
+    """Ruckig stops from any state within the limits. From the worst the stop equals the law's."""
     law = SeparationLaw.for_machine(axes, t1=0.1, intrusion=0.2)
 
     def stop(shares, speeds):
@@ -270,7 +304,7 @@ def test_no_gantry_takes_longer_to_stop_than_its_law_says(axes, shares):
     assert (law.t1, law.intrusion) == (0.1, 0.2)
 
 
-def test_the_stops_of_the_built_in_machines():
+def test_laws_of_built_in_machines_have_their_stops():
     plan = floorplan.load("ariac2023")
     law = SeparationLaw.for_machine(plan.gantry, t1=1.0)
     assert law == SeparationLaw.for_machine(ARIAC_GANTRY, t1=1.0)

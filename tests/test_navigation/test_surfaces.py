@@ -1,4 +1,4 @@
-"""Distances between surfaces: against shapely, against sampling, and over heights."""
+"""Distances between surfaces, against shapely and dense sampling."""
 
 import itertools
 import math
@@ -52,7 +52,7 @@ laws = st.one_of(
 
 
 def by_shapely(person, machine, shapes, ts):
-    """The distances at many instants, from rotated footprints and the gap of heights."""
+    """Return the distances at many times from rotated footprints and the gap of heights."""
     places, centres, turns = person.position(ts), machine.position(ts), machine.rotation(ts)
     axes = shapely.points(places)
     least = np.full(len(ts), np.inf)
@@ -119,7 +119,7 @@ def test_a_prism_has_an_area(footprint, fault):
 
 
 @given(point, poses)
-def test_the_distance_is_the_one_that_fcl_measures(at, pose):
+def test_the_distance_is_that_of_fcl(at, pose):
     box, probe = TORSO.machine[0], 1e-6
     heading = np.array([math.cos(pose[2] / 2), 0.0, 0.0, math.sin(pose[2] / 2)])
     turn = fcl.Transform(heading, np.array([*pose[:2], 0.0]))
@@ -149,8 +149,8 @@ def test_the_distance_to_the_faces_and_the_corners_of_the_torso():
     assert found == pytest.approx(2.0 - 0.475 - 0.3, abs=1e-12)
 
 
-def test_the_torso_passes_over_who_is_small_enough():
-    """Bottom at 1.24 m: over 1.0 m of height there are 0.24 m left, however near."""
+def test_the_torso_passes_over_short_people():
+    """With its bottom at 1.24 m, the gap over 1.0 m of height is 0.24 m."""
     machine, below = navigation.standing((0, 0)), navigation.standing((0.1, 0.1))
     assert distance_at(below, machine, CHILD, 0.0) == pytest.approx(0.24, abs=1e-12)
     assert distance_at(below, machine, TORSO, 0.0) == 0.0
@@ -164,7 +164,7 @@ def test_the_shapes_are_those_of_the_floorplan():
     assert Box.of_agv(PLAN.lane("agv1")) == Box(length=1.17, width=0.67, top=1.21)
 
 
-def test_an_agv_hits_who_stands_beside_its_lane_or_does_not():
+def test_an_agv_touches_people_beside_its_lane_by_its_width():
     lane = PLAN.lane("agv1")
     run = navigation.agv_run(lane, 0.0, 10.0)
     shapes = Shapes(machine=(Box.of_agv(lane),))
@@ -197,7 +197,7 @@ def test_violations_are_those_of_dense_sampling(person, machine, shapes, law):
 
 
 @given(walks, gantry_motions, all_shapes)
-def test_instants_are_right_to_a_microsecond(person, machine, shapes):
+def test_times_are_exact_to_a_microsecond(person, machine, shapes):
     law = FixedDistance(0.5)
     for instant in itertools.chain(
         *navigation.violations(person, machine, law, 0.0, END, shapes=shapes)
@@ -234,7 +234,7 @@ def test_bounds_hold_throughout_an_interval(person, machine, shapes, slope, low,
 
 @pytest.mark.parametrize("milliseconds", [1.0, 0.1, 0.01])
 def test_a_violation_of_a_millisecond_is_not_missed(milliseconds):
-    """Past a corner at 1 m/s: for a moment nearer to it than 0.5 m."""
+    """At 1 m/s past a corner, closer than 0.5 m for a moment."""
     half_chord = milliseconds / 2000
     away = math.sqrt(0.8**2 - half_chord**2)
     machine = navigation.standing(
@@ -250,7 +250,7 @@ def test_a_violation_of_a_millisecond_is_not_missed(milliseconds):
 
 
 def test_beside_a_wall_that_turns_the_minimum_takes_few_steps():
-    """The face of a torso that turns: bounds of first order would need 100 000 intervals."""
+    """Bounds of first order would need 100 000 intervals beside the turning face of a torso."""
     person, machine = (
         navigation.Motion((navigation.Piece(0.0, 2.0, *((c, v, 0.0, 0.0) for c, v in axes)),))
         for axes in (
@@ -274,8 +274,8 @@ def test_beside_a_wall_that_turns_the_minimum_takes_few_steps():
 
 
 @pytest.mark.parametrize("required", [0.5, 0.1, 1 / 3])
-def test_a_tie_is_no_violation_and_is_settled_at_once(required):
-    """An AGV passes somebody who stands exactly as far from its lane as the law asks."""
+def test_a_tie_is_no_violation_and_needs_few_steps(required):
+    """An AGV passes a person who stands exactly at the required distance from its lane."""
     lane = PLAN.lane("agv1")
     run = navigation.agv_run(lane, 0.0, 17.0)
     shapes = Shapes(machine=(Box.of_agv(lane),))
@@ -288,7 +288,7 @@ def test_a_tie_is_no_violation_and_is_settled_at_once(required):
 
 
 @pytest.mark.parametrize("required", [1e-3, 1e-9, 1e-160])
-def test_who_is_inside_is_closer_than_the_least_distance(required):
+def test_a_person_inside_a_solid_is_too_close_for_any_law(required):
     machine = navigation.gantry_move((-2.0, 0.0, -1.0), (-1.8, 0.1, 1.0))
     person = navigation.walk([(-2.2, 0.1), (-1.6, -0.1)], 0.0)
     found = navigation.violations(person, machine, FixedDistance(required), 0, 60, shapes=ARM)
@@ -296,14 +296,14 @@ def test_who_is_inside_is_closer_than_the_least_distance(required):
 
 
 def test_the_integral_law_between_surfaces():
-    """Head on: 0.825 m nearer than the centres are."""
+    """Head on, surfaces are 0.825 m closer than centres."""
     person, machine = navigation.walk([(-10, 0), (10, 0)], 0.0), navigation.standing((0, 0))
     law = IntegralLaw(t1=1.0, t2=1.5, stopping=0.0, intrusion=1.0)
     t = navigation.first_violation(person, machine, law, 0.0, 60.0, shapes=TORSO)
     assert t == pytest.approx(6.5 + 0.2 - 0.825, abs=1e-6)
 
 
-def test_conditions_measure_between_surfaces_too():
+def test_conditions_use_distances_between_surfaces():
     person, machine = navigation.walk([(-10, 0), (10, 0)], 0.0), navigation.standing((0, 0))
     apart = navigation.Apart(2.0)
     (begin, _), (_, end) = navigation.when(apart, person, machine, 0.0, 60.0, shapes=TORSO)
@@ -313,7 +313,7 @@ def test_conditions_measure_between_surfaces_too():
 
 
 def corners_at(box, motion, ts):
-    """The corners of a box that turns with its body, at many instants."""
+    """Return the corners of a box that turns with its body, at many times."""
     corners = np.array(box.corners)
     c, s = np.cos(motion.rotation(ts)), np.sin(motion.rotation(ts))
     turn = np.stack([np.stack([c, s], -1), np.stack([-s, c], -1)], -2)
@@ -335,7 +335,7 @@ boxes = st.builds(Box, length=st.floats(0.2, 3), width=st.floats(0.2, 3), top=st
 
 @settings(max_examples=60)
 @given(gantry_motions, gantry_motions, boxes, boxes, st.sampled_from([0.0, 1e-3, 0.1]))
-def test_boxes_overlap_when_their_corners_say_so(one, other, box, others, depth):
+def test_boxes_overlap_as_their_corners_do(one, other, box, others, depth):
     found = navigation.when(navigation.Overlapping(box, others, depth), one, other, 0.0, END)
     ts = np.linspace(0.0, END, 400)
     both = zip(corners_at(box, one, ts), corners_at(others, other, ts), strict=True)
@@ -343,8 +343,8 @@ def test_boxes_overlap_when_their_corners_say_so(one, other, box, others, depth)
     assert_negative_within(list(found), ts, margins, END)
 
 
-def test_boxes_that_cross_overlap_as_long_as_their_lengths_say():
-    """At 1 m/s each, at a right angle: from 1 m before the crossing to 1 m after it."""
+def test_crossing_boxes_overlap_by_their_lengths():
+    """At 1 m/s each, at a right angle, from 1 m before the crossing to 1 m after it."""
     box = Box(length=1.2, width=0.8, top=1.0)
     across = navigation.gantry_move((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0), 0.0)
     along = navigation.gantry_move((0.0, -5.0, math.pi / 2), (0.0, 5.0, math.pi / 2), 0.0)
@@ -357,8 +357,8 @@ def test_boxes_that_cross_overlap_as_long_as_their_lengths_say():
 
 
 @pytest.mark.parametrize("width", [0.8, 0.1, 1 / 3])
-def test_boxes_that_slide_along_each_other_are_settled_at_once(width):
-    """Side by side they only touch, or overlap by exactly what is allowed."""
+def test_boxes_that_slide_along_each_other_need_few_steps(width):
+    """Side by side they only touch, or overlap by exactly the allowed depth."""
     box = Box(length=1.2, width=width, top=1.0)
     away, back = ((-5.0, 0.0, 0.0), (5.0, 0.0, 0.0)), ((5.0, width, 0.0), (-5.0, width, 0.0))
     one, other = navigation.gantry_move(*away, 0.0), navigation.gantry_move(*back, 0.0)
@@ -396,12 +396,12 @@ def test_shapes_are_values():
         (lambda: Shapes(person=TORSO.machine[0], machine=TORSO.machine), "a person is a Cylinder"),
     ],
 )
-def test_solids_that_make_no_sense_are_refused(make, message):
+def test_invalid_solids_are_rejected(make, message):
     with pytest.raises(ValueError, match=message.replace(".", r"\.").replace("'", ".")):
         make()
 
 
-def test_a_machine_that_turns_without_a_number_is_refused():
+def test_a_rotation_that_is_not_finite_is_rejected():
     nowhere = navigation.Motion(
         (navigation.Piece(0.0, 9.0, (0.0,) * 4, (0.0,) * 4, (math.nan, 0.0, 0.0, 0.0)),)
     )

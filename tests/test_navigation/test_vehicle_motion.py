@@ -24,14 +24,14 @@ POSES = st.tuples(st.floats(-20, 20), st.floats(-20, 20), st.floats(-7, 7))
 
 
 def twists(limits):
-    """Twists within limits."""
+    """Return random twists within limits."""
     sides = st.floats(-limits.side_speed, limits.side_speed)
     turns = st.floats(-limits.turn_speed, limits.turn_speed)
     return st.tuples(st.floats(-limits.speed, limits.speed), sides, turns)
 
 
 def body_velocity(motion, t):
-    """Return velocities forwards, to the left, and their direction at instants."""
+    """Return velocities forwards and to the left, and headings at given times."""
     rotation, velocity = motion.rotation(t), motion.velocity(t)
     c, s = np.cos(rotation), np.sin(rotation)
     forwards = velocity[:, 0] * c + velocity[:, 1] * s
@@ -39,7 +39,7 @@ def body_velocity(motion, t):
 
 
 def profile(target, limits, t):
-    """Return a velocity that Ruckig takes from 0 to a target, and its integral."""
+    """Return a velocity of Ruckig from 0 to a target, and its integral."""
     task = ruckig.InputParameter(1)
     task.control_interface = ruckig.ControlInterface.Velocity
     speed, acceleration, jerk = limits
@@ -101,7 +101,7 @@ def test_a_twist_follows_the_equations_of_motion(limits, data):
 @pytest.mark.parametrize("limits", [CART, FREE])
 @settings(deadline=None, max_examples=40)
 @given(data=st.data())
-def test_commands_in_a_row_keep_to_the_limits(limits, data):
+def test_consecutive_commands_keep_the_limits(limits, data):
     parts, current, t = [], data.draw(POSES), 0.0
     for _ in range(data.draw(st.integers(2, 8))):
         motion = vehicle_twist(current, data.draw(twists(limits)), t, seconds=4.0, limits=limits)
@@ -123,7 +123,7 @@ def test_commands_in_a_row_keep_to_the_limits(limits, data):
 
 
 @given(POSES, st.floats(0.1, 1.5))
-def test_a_stop_takes_the_time_and_way_of_its_profile(pose, speed):
+def test_a_stop_has_the_duration_and_length_of_its_profile(pose, speed):
     motion = vehicle_twist(pose, (speed, 0.0), seconds=60.0, limits=CART)
     state = motion.state(30.0)
     stop = vehicle_stop(state, 30.0, limits=CART)
@@ -146,7 +146,7 @@ def test_a_path_turns_and_drives_from_pose_to_pose():
     assert np.hypot(*again.velocity(np.linspace(5.0, again.end, 500)).T).max() <= 0.75 + 1e-9
 
 
-def test_what_a_drive_can_not_do():
+def test_impossible_motions_are_rejected():
     with pytest.raises(ValueError, match="must turn first"):
         vehicle_segment((0.0, 0.0, 0.0), (1.0, 1.0), limits=CART)
     aside = vehicle_segment((0.0, 0.0, 0.0), (0.0, 4.0), limits=FREE)
@@ -165,7 +165,7 @@ def test_what_a_drive_can_not_do():
 
 
 def accelerations(motion):
-    """Time, acceleration before and after, and jerk after, of each piece of a motion."""
+    """Return time, acceleration before and after, and jerk after, for each piece of a motion."""
     last = np.zeros(3)
     for piece in motion.pieces:
         _, _, bend, twist = np.array([piece.x, piece.y, piece.rotation]).T

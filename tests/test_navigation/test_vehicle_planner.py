@@ -1,4 +1,4 @@
-"""Paths of vehicles with a footprint: free by an oracle of its own, and why there is none."""
+"""Paths of vehicles with a footprint, against an oracle, and reasons of failures."""
 
 import itertools
 import math
@@ -31,7 +31,7 @@ def world():
 
 
 def covers(world, footprint, path, limits):
-    """Return the greatest area outside of the free floor that the motion along a path covers."""
+    """Return the maximum area outside of the free floor that the motion along a path covers."""
     free = world.walkable
     motion = vehicle_path(path.poses[0], path.poses[1:], limits=limits)
     t = np.arange(0.0, motion.end, 0.05)
@@ -44,7 +44,7 @@ def covers(world, footprint, path, limits):
 
 
 def random_poses(planner, count, seed):
-    """Return poses on the warehouse's floor that the vehicle fits."""
+    """Return poses on the warehouse's floor in which the vehicle fits."""
     random = np.random.default_rng(seed)
     poses = random.uniform([0.0, 0.0, -math.pi], [30.0, 20.0, math.pi], size=(20 * count, 3))
     return [*itertools.islice(filter(planner.fits, poses.tolist()), count)]
@@ -54,7 +54,7 @@ def random_poses(planner, count, seed):
     ("footprint", "limits"),
     [(LONG, VehicleLimits()), (WEDGE, VehicleLimits()), (LONG, VehicleLimits(side_speed=1.0))],
 )
-def test_paths_touch_nothing_and_begin_and_end_where_asked(world, footprint, limits):
+def test_paths_touch_nothing_and_connect_start_and_goal(world, footprint, limits):
     planner = VehiclePlanner(world, footprint, limits=limits)
     poses = random_poses(planner, 12, 1)
     for start, goal in itertools.pairwise(poses):
@@ -66,7 +66,7 @@ def test_paths_touch_nothing_and_begin_and_end_where_asked(world, footprint, lim
         assert path.length >= math.dist(start[:2], goal[:2]) - 1e-9
 
 
-def test_aisles_that_the_disc_around_it_does_not_pass(world):
+def test_a_vehicle_passes_aisles_narrower_than_its_disc(world):
     planner = VehiclePlanner(world, LONG)
     with pytest.raises(PlanningError):
         PathPlanner(world, math.hypot(1.2, 0.4)).plan((8.5, 2.0), (8.5, 10.0))
@@ -77,7 +77,7 @@ def test_aisles_that_the_disc_around_it_does_not_pass(world):
         assert path.length < abs(goal - start) + 22.0
 
 
-def test_the_same_question_has_the_same_answer(world):
+def test_a_path_is_reproducible(world):
     one, other = (VehiclePlanner(world, LONG) for _ in range(2))
     poses = random_poses(one, 6, 4)
     asked = [*itertools.pairwise(poses)]
@@ -85,8 +85,8 @@ def test_the_same_question_has_the_same_answer(world):
     assert [other.plan(*ends).poses.tolist() for ends in asked[::-1]] == first[::-1]
 
 
-def test_a_search_in_se2_where_it_never_turns_right_round():
-    """In the bend of a corridor it has room for a quarter turn alone, beside a post."""
+def test_a_search_in_se2_finds_a_path_without_room_to_turn():
+    """In the bend of a corridor beside a post, it has room for a quarter turn only."""
     plan = floorplan.Floorplan(
         name="bend",
         boundary=shapely.Polygon([(0, 0), (8, 0), (8, 1.6), (1.6, 1.6), (1.6, 8), (0, 8)]),
@@ -99,10 +99,10 @@ def test_a_search_in_se2_where_it_never_turns_right_round():
     assert covers(world, footprint, path, VehicleLimits()) < 1e-9
 
 
-def test_bodies_count_where_they_are_now(world):
+def test_paths_avoid_bodies_at_their_present_places(world):
     busy = world.as_if({"pallet": Disc((8.5, 6.0), 0.3)})
     path = VehiclePlanner(busy, LONG).plan((8.5, 2.0, UP), (8.5, 10.0))
-    assert path.length > 20.0  # round the rack, and in from the other end
+    assert path.length > 20.0  # around the rack, and in from the other end
     assert VehiclePlanner(world, LONG).plan((8.5, 2.0, UP), (8.5, 10.0)).length < 9.0
 
 
@@ -114,20 +114,20 @@ def test_bodies_count_where_they_are_now(world):
         ((3.0, 5.0, 0.0), (29.9, 10.0), "goal_blocked", "touches the boundary at the goal"),
     ],
 )
-def test_the_reason_why_there_is_no_path(world, start, goal, reason, message):
+def test_a_missing_path_has_a_reason(world, start, goal, reason, message):
     with pytest.raises(PlanningError, match=message) as why:
         VehiclePlanner(world, LONG).plan(start, goal)
     assert why.value.reason == reason
 
 
-def test_no_path_at_all_is_proved(world):
+def test_an_unreachable_goal_is_proved(world):
     walled = world.as_if({"wall": box(4.4, 0.0, 4.6, 20.0)})
     with pytest.raises(PlanningError, match=r"not even a disc of 0\.4 m") as why:
         VehiclePlanner(walled, LONG).plan((2.0, 5.0, UP), (28.0, 10.0))
     assert why.value.reason == "unreachable"
 
 
-def test_footprints_that_can_not_be(world):
+def test_invalid_footprints_are_rejected(world):
     for footprint, message in (
         (box(1.0, 1.0, 2.0, 2.0), "must contain"),
         (shapely.Polygon([(0, 0), (1, 1), (1, 0), (0, 1)]), "simple polygon"),
@@ -144,7 +144,7 @@ def hall(*gates, obstacles=()):
     return CollisionWorld(plan, gates=gates)
 
 
-def test_a_turn_takes_the_long_way_if_the_short_one_is_blocked():
+def test_a_turn_takes_the_longer_direction_if_the_shorter_is_blocked():
     world = hall()
     mast = box(-0.3, -0.3, 1.5, 0.3)
     planner = VehiclePlanner(world, mast)
@@ -157,7 +157,7 @@ def test_a_turn_takes_the_long_way_if_the_short_one_is_blocked():
 
 
 def walled_hall(towards):
-    """A hall in two halves with a passage in the north and a gate in the south."""
+    """Return a hall in two halves with a passage in the north and a gate in the south."""
     gate = floorplan.Gate(name="gate", ends=((10.0, 1.0), (10.0, 3.0)), towards=(towards, 2.0))
     wall = [
         floorplan.Obstacle(
@@ -169,7 +169,7 @@ def walled_hall(towards):
 
 
 def crosses_gate(path):
-    """Whether a path leads through the gate."""
+    """Return whether a path crosses the gate."""
     line = shapely.LineString([(10.0, 1.0), (10.0, 3.0)])
     return bool(shapely.LineString(path.poses[:, :2]).intersects(line))
 
@@ -188,7 +188,7 @@ def test_vehicles_drive_through_one_way_gates_in_their_direction_only(footprint)
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2, math.pi, -0.8])
 def test_drives_end_a_millimetre_before_a_wall_and_pass_it_at_that_distance(rotation, heading):
     limits = VehicleLimits(side_speed=1.0)
-    turn = rotation - heading  # of the vehicle, from its way
+    turn = rotation - heading  # of the vehicle relative to its path
     corners = shapely.get_coordinates(affinity.rotate(WEDGE, turn, (0, 0), use_radians=True))
     front, left, back = corners[:, 0].max(), corners[:, 1].max(), -corners[:, 0].min()
     for gap, free in ((0.5e-3, False), (1.5e-3, True)):
@@ -242,7 +242,7 @@ def test_a_vehicle_backs_out_of_a_bay_in_which_it_cannot_turn():
     assert why.value.reason == "goal_blocked"
 
 
-def test_a_path_without_turns_that_are_not_needed():
+def test_a_path_has_no_unnecessary_turns():
     planner = VehiclePlanner(hall(), LONG)
     path = planner.plan((3, 3, 0.2), (12, 7))
     assert len(path.poses) == 3 and path.length == pytest.approx(math.hypot(9, 4))
@@ -261,7 +261,7 @@ def test_a_vehicle_that_cannot_turn_drives_back():
     assert path.poses.tolist() == [[15.0, 0.8, 0.0], [3.0, 0.8, 0.0]]
 
 
-def test_a_vehicle_drives_ahead_or_back_to_where_it_can_turn():
+def test_a_vehicle_drives_ahead_or_back_to_a_place_to_turn():
     for low in (0.0, 14.0):  # the wide part of the corridor is behind it, or ahead
         boundary = shapely.union(box(0, 2, 20, 3.6), box(low, 0, low + 6, 6))
         planner = VehiclePlanner(
@@ -273,7 +273,7 @@ def test_a_vehicle_drives_ahead_or_back_to_where_it_can_turn():
 
 
 @pytest.mark.parametrize("seed", range(60))
-def test_a_turn_that_is_free_meets_no_post(seed):
+def test_a_free_turn_touches_no_post(seed):
     rng = np.random.default_rng(seed)
     turn, angle, away = rng.uniform([0.2, -3.0, 0.5], [3.0, 3.0, 1.26])
     at = (10 + away * math.cos(angle), 5 + away * math.sin(angle))

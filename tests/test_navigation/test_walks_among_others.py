@@ -1,4 +1,4 @@
-"""Walks among others, and how long motions are safe, beside looks that know no tables."""
+"""Walks among others, and safe durations of motions, against plain evaluations without tables."""
 
 import itertools
 import math
@@ -47,13 +47,13 @@ def somewhere(rng: random.Random) -> Place:
 
 
 def crowd(rng: random.Random, count: int) -> Crowd:
-    """Return some who walk about."""
+    """Return the swaths of `count` walking people."""
     walks = [drawn([somewhere(rng) for _ in range(3)]) for _ in range(count)]
     return [(walk, rng.uniform(0.2, 0.4)) for walk in walks if walk is not None]
 
 
 def moved(moving: Crowd, floor: Crowd) -> tuple[Movers, int]:
-    """Return those moving among those on the floor, and the index of one of 0.3 m with them."""
+    """Return drafts of motions on the floor, and the index of another disc of 0.3 m there."""
     motions = CommittedMotions(GAP)
     me = Swath(numbers(()), numbers([0.0] * 4)), 0.3
     for swath, radius in (*floor, *moving, me):
@@ -94,7 +94,7 @@ def plainly(
                 yield k, hit, walk.table
 
 
-def test_the_steps_taken_are_those_of_a_plain_look() -> None:
+def test_retreats_are_those_of_a_plain_search() -> None:
     taken = 0
     for seed in range(150):
         rng = random.Random(seed)
@@ -115,7 +115,7 @@ def test_the_steps_taken_are_those_of_a_plain_look() -> None:
     assert taken > 200
 
 
-def test_the_next_free_walk_is_that_of_a_plain_look() -> None:
+def test_the_next_free_walk_is_that_of_a_plain_search() -> None:
     taken = 0
     for seed in range(150):
         rng = random.Random(seed)
@@ -147,7 +147,7 @@ def places(rng: random.Random, count: int) -> list[tuple[float, float]]:
 
 def walks(rng: random.Random) -> navigation.Motion:
     while True:
-        with suppress(ValueError):  # too short to slow down on
+        with suppress(ValueError):  # too short to slow down
             return navigation.walk(
                 places(rng, rng.randint(2, 6)),
                 rng.uniform(0, 3),
@@ -158,7 +158,7 @@ def walks(rng: random.Random) -> navigation.Motion:
             )
 
 
-def test_conflicts_are_those_that_the_monitor_sees():
+def test_conflicts_are_those_of_the_monitor():
     rng = random.Random(4)
     for _ in range(300):
         one, other = walks(rng), walks(rng)
@@ -171,12 +171,12 @@ def test_conflicts_are_those_that_the_monitor_sees():
             assert not found
         elif found:
             assert t == pytest.approx(found[0][0], abs=2e-4)
-        else:  # no more than rounding
+        else:  # differences of rounding
             assert navigation.minimum_separation(one, other, 3.0, end)[1] < least + 1e-3
 
 
-def test_who_stands_as_near_as_may_be_can_walk_away():
-    """To any side of the line across, at once, and however hard; but not the other way."""
+def test_a_person_at_the_minimum_distance_can_walk_away():
+    """In any direction away from the other at once, but not towards it."""
     rng = random.Random(7)
     for _ in range(200):
         at, to_other = places(rng, 1)[0], rng.uniform(-math.pi, math.pi)
@@ -195,7 +195,7 @@ def test_who_stands_as_near_as_may_be_can_walk_away():
             assert (found is not None) == meets
 
 
-def test_walks_keep_their_limits_and_are_what_their_swaths_are():
+def test_walks_keep_their_limits_and_equal_their_swaths():
     rng = random.Random(5)
     for _ in range(200):
         walk = walks(rng)
@@ -208,7 +208,7 @@ def test_walks_keep_their_limits_and_are_what_their_swaths_are():
         assert (walk.position(t) <= np.array(swath.box[2:]) + 1e-9).all()
 
 
-def test_walls_are_where_the_world_has_them():
+def test_walls_are_those_of_the_world():
     rng = random.Random(6)
     world = navigation.CollisionWorld(floorplan.load("ariac2023"))
     walls, (low_x, low_y, high_x, high_y) = world.walls(0.3), world.plan.boundary.bounds
@@ -234,7 +234,7 @@ near = st.tuples(st.floats(-10, -5), st.floats(0, 6), st.floats(-3, 3))
 
 
 def lack(motion, begin, end, person, law):
-    """Return how many metres are lacking at the worst of many instants."""
+    """Return the maximum missing distance at many times."""
     x, y, speed = person
     worst = -math.inf
     for t in np.linspace(begin, end, 60).tolist():
@@ -251,7 +251,7 @@ def lack(motion, begin, end, person, law):
     st.lists(st.tuples(st.floats(-14, -1), st.floats(-4, 10), st.floats(0.3, 2)), max_size=3),
     st.sampled_from(LAWS),
 )
-def test_a_motion_is_safe_for_as_long_as_it_is_said_and_no_longer(gantry, ends, people, law):
+def test_the_safe_duration_of_a_motion_is_exact(gantry, ends, people, law):
     if gantry:
         motion = navigation.gantry_move(*ends, 2.0)
         stops = gantry_stops()
@@ -287,7 +287,7 @@ def test_a_motion_is_safe_for_as_long_as_it_is_said_and_no_longer(gantry, ends, 
         if end <= until:
             assert all(worst(begin, end, person) < 1e-6 for person in people)
         elif begin == until:
-            # What lacks between two of the instants can't be seen at them.
+            # Samples cannot show a missing distance between them.
             assert worst(begin, end, people[who]) > -0.05
 
 
@@ -295,7 +295,7 @@ def test_a_motion_is_safe_for_as_long_as_it_is_said_and_no_longer(gantry, ends, 
     st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), min_size=1, max_size=6),
     st.lists(st.tuples(*[st.floats(-9, 9)] * 2, *[st.floats(-2, 2)] * 2), max_size=3),
 )
-def test_the_place_on_whose_path_people_stay_farthest_is_found(places, people):
+def test_the_most_remote_place_is_that_of_a_plain_search(places, people):
     glances, horizon, top, lag, enough = [0.0, 1.0, 2.0], 1.5, 1.0, 0.5, 4.0
 
     def nearest(place):

@@ -87,7 +87,7 @@ STRUCK = [(3.0, 5209), (3.0, 5366), (4.0, 5183), (4.0, 5220), (4.0, 5531)]
 
 
 @pytest.mark.parametrize(("width", "seed"), [*CORRIDORS, *STRUCK])
-def test_nobody_walks_into_a_long_vehicle_that_turns_in_a_corridor(tmp_path, width, seed):
+def test_people_avoid_a_long_vehicle_that_turns_in_a_corridor(tmp_path, width, seed):
     rng = random.Random(seed)
     people = [
         (
@@ -142,7 +142,7 @@ def hall(rng):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [*range(40), 5236, 5241])
-def test_nobody_walks_into_a_vehicle_in_a_hall(tmp_path, seed):
+def test_people_avoid_a_vehicle_in_a_hall(tmp_path, seed):
     people, machines = hall(random.Random(seed))
     run = run_of(tmp_path, (16.0, 12.0), people, machines, seed)
     assert [*walks_into(run)] == []

@@ -523,12 +523,137 @@ def test_an_agent_needs_somebody_to_connect_to():
         RemoteAgent("ws://127.0.0.1:1", trial(), trial().people[0])
 
 
-def test_a_trial_with_two_people_outside_is_refused():
-    text = "floorplan: ariac2023\npeople:\n" + "".join(
-        f"  - {{name: p{k}, personality: external}}\n" for k in range(2)
+HALL = """
+floorplan:
+  name: hall
+  boundary: [[0, 0], [20, 0], [20, 12], [0, 12]]
+  safe_zone: {at: [2, 2]}
+  stations: {press: [16, 10], dock: [4, 10]}
+  obstacles: {rack: {x: [8, 12], y: [6, 7], z: [0, 1]}}
+duration: 40
+rules: observe
+people:
+  - {name: ann, at: [2, 9], personality: external}
+  - {name: bob, at: [18, 4], personality: external}
+machines:
+  bot: {kind: amr, at: [4, 4, 0], size: [1.0, 0.7], controller: external}
+"""
+
+
+def goal_of(x, y, turn=0.0):
+    pose = {"position": {"x": x, "y": y}, "orientation": {"z": math.sin(turn), "w": math.cos(turn)}}
+    return {"header": {"frame_id": "map"}, "pose": pose}
+
+
+def test_a_bridge_serves_several_people_and_vehicles(tmp_path):
+    recording, again = sim.Recording(tmp_path / "first"), sim.Recording(tmp_path / "second")
+    with (
+        served(sim.Trial.parse(HALL), recording, speed=20.0, by_hand=True) as session,
+        Pacer(session) as ann,
+        Pacer(session) as bob,
+    ):
+        ann.subscribe("/ariac/start_human", "/goal_result", "/odom", "/scan")
+        ann.settle()
+        session.move(0.1)
+        assert "there is no agent of bob" in session.notices[-1]
+        assert session.now == 0.0
+        bob.subscribe("/bob/percept", "/bob/goal_result", "/ann/odom")
+        assert bob.message("/bob/percept") == {"data": "human_start"}
+        ann.publish("/ariac_human/goal_position", x=4.0, y=9.0)
+        bob.publish("/bob/goal_pose", **goal_of(15.0, 3.0))
+        ann.publish("/goal_pose", **goal_of(7.0, 4.0))
+        assert bob.message("/bob/goal_result") == {"data": "succeeded"}
+        assert ann.message("/goal_result") == {"data": "succeeded"}
+        pose = ann.message("/odom")["pose"]["pose"]
+        assert (pose["position"]["x"], pose["position"]["y"]) == pytest.approx((7.0, 4.0))
+        assert len(ann.message("/scan")["ranges"]) == 720
+        ann.publish("/cmd_vel", linear={"x": 0.5}, angular={"z": 0.0})
+        ann.settle()
+        twist = ann.hear_until(
+            lambda said: (
+                said.get("topic") == "/odom" and said["msg"]["twist"]["twist"]["linear"]["x"]
+            )
+        )
+        assert twist["msg"]["twist"]["twist"]["linear"]["x"] > 0
+        assert bob.message("/ann/odom")["child_frame_id"] == "ann/base_link"
+        run = session.join()
+    recording.finish(run)
+    assert {command.person or command.machine for command in run.trial.commands} == {
+        *("ann", "bob", "bot"),
+    }
+    again.finish(sim.run(run.trial, again))
+    assert in_bytes(tmp_path / "second") == in_bytes(tmp_path / "first")
+
+
+@pytest.mark.parametrize(
+    ("topic", "message", "words"),
+    [
+        ("/cmd_vel", {"linear": {"x": 1e999}}, ("/cmd_vel", "inf")),
+        ("/cmd_vel", {"linear": {"x": math.nan}}, ("/cmd_vel", "nan")),
+        ("/cmd_vel", {"linear": {"x": 99.0}}, ("/cmd_vel", "99")),
+        ("/goal_pose", goal_of(10.0, 6.5), ("/goal_pose", "10", "6.5")),
+        ("/bob/goal_pose", goal_of(10.0, 6.5), ("/bob/goal_pose", "10", "no room")),
+        ("/ariac_human/goal_position", {"x": 1e300}, ("/ariac_human/goal_position", "1e+300")),
+    ],
+)
+def test_a_rejected_message_is_one_line_with_its_topic_and_value(topic, message, words):
+    with served(sim.Trial.parse(HALL), hold=True) as session, Client(session.url) as client:
+        client.call("/ariac/start_competition")
+        client.publish(topic, **message)
+        line = client.error()["msg"]
+        assert "\n" not in line
+        for word in words:
+            assert word in line
+
+
+def test_a_flood_and_a_killed_client_disturb_nobody_else(tmp_path):
+    recording, again = sim.Recording(tmp_path / "first"), sim.Recording(tmp_path / "second")
+    text = HALL.replace("personality: external", "personality: indifferent").replace(
+        "duration: 40", "duration: 400"
     )
-    with pytest.raises(BridgeError, match="p0, p1 are external"):
-        Workcell(sim.Trial.parse(text), Exchange())
+    with served(sim.Trial.parse(text), recording, speed=2.0) as session:
+        with Client(session.url) as listener, Client(session.url) as flooding:
+            listener.subscribe("/clock", queue_length=1000)
+            killed = Client(session.url).__enter__()
+            killed.subscribe("/clock", "/odom", "/scan")
+            killed.publish("/goal_pose", **goal_of(15.0, 4.0))
+            killed.settle()
+            killed.socket.socket.shutdown(socket.SHUT_RDWR)
+            for k in range(1000):
+                flooding.publish("/cmd_vel", linear={"x": 0.001 * k})
+            stamps = [listener.message("/clock")["clock"] for _ in range(30)]
+        tenths = [stamp["sec"] * 10 + stamp["nanosec"] // 100_000_000 for stamp in stamps]
+        assert tenths == list(range(tenths[0], tenths[0] + 30))
+        session.stop()
+        run = session.workcell.simulation.finish()
+    recording.finish(run)
+    assert {command.call for command in run.trial.commands} == {"move_to", "twist"}
+    repeated = sim.Simulation(run.trial, again)
+    repeated.advance(run.duration)
+    again.finish(repeated.finish())
+    assert in_bytes(tmp_path / "second") == in_bytes(tmp_path / "first")
+
+
+def test_a_clock_that_goes_back_is_reported_and_the_time_of_the_agent_goes_on():
+    notices, a_trial = [], trial("indifferent")
+    agent = RemoteAgent("ws://127.0.0.1:1", a_trial, a_trial.people[0], notice=notices.append)
+    times = []
+    for t in (4.5, 5.0, 2.0, 3.0):
+        agent._tick({"clock": {"sec": int(t), "nanosec": round(t % 1 * 1e9)}})
+        times.append(agent._now)
+    assert times == [4.5, 5.0, 5.0, 6.0]
+    assert notices == ["/clock goes back from 5 s to 2 s"]
+
+
+def test_two_publishers_of_one_topic_are_reported_once():
+    with served(sim.Trial.parse(HALL), hold=True) as session:
+        with Client(session.url) as one, Client(session.url) as other:
+            for k in range(6):
+                for client in (one, other):
+                    client.publish("/cmd_vel", linear={"x": 0.1 * k})
+                    client.settle()
+        lines = [notice for notice in session.notices if "commanded by" in notice]
+    assert len(lines) == 1
 
 
 def test_a_port_that_is_taken_is_told():

@@ -149,7 +149,7 @@ def contacts(trial, at, floor=None):
     return run.summary["contacts"]
 
 
-def test_who_is_touched_by_a_machine_is_counted():
+def test_contacts_of_a_machine_with_people_are_counted():
     """On the lane, beside it by less than their radius and half a width, or by a hair more."""
     trial = sim.Trial.parse(on_floor(FLOOR, MOVES + "rules: observe\n"))
     assert [contacts(trial, (6.0, y)) for y in (10.0, 10.699, 10.701)] == [2, 2, 0]

@@ -52,7 +52,7 @@ def test_people_come_in_do_their_errand_and_are_gone(run, guests):
         assert np.hypot(*np.subtract(left["at"], (11, 5))) <= 1.0
 
 
-def test_nobody_is_anywhere_near_while_they_are_away(run, guests):
+def test_absent_people_are_far_from_the_floor(run, guests):
     """Before and after they are far from the floor, and from each other."""
     for name in guests:
         begin, end = run.presence[name]
@@ -105,7 +105,7 @@ def test_a_recording_and_its_exports_have_them_only_while_they_are_there(run, gu
     assert sum(count for _, count, _, _ in rows) == len(table)
 
 
-def test_who_finds_no_room_to_come_in_waits_outside():
+def test_a_person_without_room_at_the_entrance_waits_outside():
     """Somebody stands on the entrance for ever: nobody comes in."""
     text = TRIAL.replace(
         "{name: host, personality: external}",
@@ -138,7 +138,7 @@ def test_a_trial_is_written_and_read_back():
         (("sink: out", "manners: {comfort: -1}"), "line 13, people.*comfort"),
     ],
 )
-def test_what_can_not_be_is_said_before_the_run(change, message):
+def test_invalid_entrances_and_exits_are_errors_before_the_run(change, message):
     with pytest.raises(sim.TrialError, match=message):
         sim.Trial.parse(TRIAL.replace(*change))
 
@@ -167,7 +167,7 @@ def test_people_come_and_go_by_doors_that_are_open():
     assert [e["t"] for e in events(run, "door_opened") if e["door"] == "out"] == [40.0]
 
 
-def test_somebody_alone_comes_and_goes_too():
+def test_a_single_person_enters_and_leaves():
     text = DOORS.replace("count: 3", "count: 1")
     run = sim.run(sim.Trial.parse(text))
     assert run.summary["entered"] == run.summary["left"] == 1
@@ -191,7 +191,7 @@ people:
     ("speed", "acceleration", "walks"),
     [(1.0, 2.5, True), (1.3, 1.0, True), (2.5, 1.0, False)],
 )
-def test_who_leaves_the_floor_walks_out_at_full_speed(speed, acceleration, walks):
+def test_a_person_leaves_the_floor_at_full_speed(speed, acceleration, walks):
     """Unless they would begin to brake too far from the door.
 
     The second may follow the first at a lower speed, from which braking takes less than 1 m.
@@ -300,7 +300,7 @@ def test_visitors_call_on_stations_that_they_have_not_seen_yet():
     assert toured > 0
 
 
-def test_those_whom_a_leader_leaves_behind_leave_after_a_violation_too():
+def test_followers_leave_after_a_violation_without_their_leader():
     """They are put home on their way out, and set out again for the exit, not for a station."""
     text = (
         VISITORS.format(seed=1, calls=0, controller="parked").split("people:")[0]

@@ -251,6 +251,7 @@ def test_check_says_what_it_read(tmp_path, floorwalker):
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     assert "a trial of 275 s on ariac2023 with operator" in lines[0]
+    assert "gantry, agv1 (agv), agv2 (agv)" in lines[0]
     assert "32 obstacles, 4 stations, 4 AGVs and a gantry" in lines[0]
     assert "a program of" in lines[2]
     assert "and no gantry" in lines[3]

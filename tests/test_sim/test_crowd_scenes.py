@@ -182,7 +182,7 @@ def test_an_aisle_for_one_lets_eight_and_eight_pass(tmp_path):
 
 
 @pytest.mark.slow
-def test_everybody_gets_through_a_corridor(tmp_path):
+def test_all_people_pass_a_corridor(tmp_path):
     """Fifteen people against fifteen in a corridor of 2 x 30 m, within 240 s."""
     run = corridor(tmp_path, 15, 30.0, 2.0)
     assert run.summary["overlaps"] == 0

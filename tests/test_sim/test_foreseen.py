@@ -42,9 +42,7 @@ def arrival(run):
 
 @pytest.mark.parametrize("other", ["", OTHER])
 @pytest.mark.parametrize(("start", "drives"), [(3.0, 0.0), (4.0, 0.0), (1.5, 2.0), (4.0, 4.2)])
-def test_nobody_sets_out_into_a_lane_that_an_agv_is_about_to_cross(
-    start, drives, other, tmp_path, monkeypatch
-):
+def test_people_do_not_step_into_a_lane_before_an_agv(start, drives, other, tmp_path, monkeypatch):
     run = crossing(tmp_path, start, drives, other)
     assert "path_blocked" not in {event["kind"] for event in run.events}
     plan = run.trial.floorplan
@@ -79,7 +77,7 @@ HELD = MOVES + "}\ncommands: [{time: 0.0, hold: bot}, {time: 3.0, release: bot}]
 @pytest.mark.parametrize(
     "at", [(18.0, 0.0), (13.3, 0.1), (16.5, -0.4), (12.3, 0.57), (22.7, 0.56), (18.0, -0.2)]
 )
-def test_nobody_alone_walks_into_an_oncoming_vehicle(at, goes, tmp_path):
+def test_a_single_person_avoids_an_oncoming_vehicle(at, goes, tmp_path):
     """Whoever is alone goes round it, whether it is known to come or sets out as they walk."""
     (tmp_path / "west.asl").write_text("+human_start <- move(1, 0, 0).\n")
     run = sim.run(sim.Trial.parse(HEAD_ON % (*at, goes), folder=tmp_path))
@@ -138,7 +136,7 @@ def clearance(run):
     return float(shapely.distance(shapely.points(at), WALL).min())
 
 
-def test_nobody_leaves_through_a_wall(run):
+def test_people_do_not_leave_through_a_wall(run):
     """The nearest free place is behind the wall; the one that can be reached is along it."""
     found = run("personality: to_a.asl, at: [4.0, 4.29], start: {time: 1}")
     assert "arrived" in kinds(found)
@@ -146,7 +144,7 @@ def test_nobody_leaves_through_a_wall(run):
     assert found.motions["p"].position(30.0) == pytest.approx((10, 1.5))
 
 
-def test_who_cannot_leave_stays(run):
+def test_a_person_without_an_exit_stays(run):
     """In a niche 1 m deep, behind an AGV that has come to stand before it."""
     niche = "personality: to_a.asl, at: [7.6, 4.1], start: {time: 10}"
     found = run(niche, "[{time: 0, to: far}]")
@@ -170,7 +168,7 @@ def test_exits_are_clear_of_all_but_what_is_too_close():
     assert world.exits((-2.7, 0.7), 0.3) == []
 
 
-def test_who_is_put_where_an_agv_stands_is_put_beside_it(run):
+def test_a_person_is_put_home_beside_an_agv_there(run):
     home = FLOOR.replace("at: [1, 1]", "at: [6.8, 4.2]")
     stay = "personality: stay.asl, at: [2, 2]"
     found = run(stay, "[{time: 0, to: far}]", home, "{agv_law: {fixed: 9}}")
@@ -203,7 +201,7 @@ def test_home_is_the_safe_zone_wherever_one_starts(run):
     assert [e["text"] for e in believed.events if e["kind"] == "said"] == ["home26"]
 
 
-def test_who_wants_to_stay_where_something_was_put_down_finds_the_goal_blocked():
+def test_an_obstacle_on_the_position_of_a_person_blocks_the_goal():
     """A search for a way round what stands on start and goal alike went on for ever."""
     text = """
 floorplan: {boundary: [[0, 0], [10, 0], [10, 6], [0, 6]], stations: {a: [5, 3]}}

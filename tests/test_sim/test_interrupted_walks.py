@@ -41,7 +41,7 @@ def test_a_recorded_person_does_not_stop_behind_a_person(walkers):
     assert stop_all(walkers, first) is None
 
 
-def test_nobody_stops_in_front_of_a_follower_who_is_too_fast_to_stop(walkers):
+def test_a_person_does_not_stop_in_front_of_a_follower_who_is_too_fast_to_stop(walkers):
     first = walkers.walker((0, 0), (20, 0), speed=0.5)
     walkers.walker((-3.4, 0), (20, 0), speed=1.5)
     walkers.until(3.0)
@@ -95,7 +95,7 @@ def test_a_recorded_person_lets_only_people_with_a_goal_decide_again(walkers):
     assert walkers.decided == [goes]
 
 
-def test_nobody_looks_for_a_place_if_nobody_is_in_the_way(walkers):
+def test_people_search_no_place_if_the_way_is_free(walkers):
     measured = walkers.walker((0, 0), (10, 0), recorded=True)
     walkers.walker((5, 2), goal=False)
     walkers.interruptions.make_way_for(measured)

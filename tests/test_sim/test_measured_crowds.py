@@ -73,7 +73,7 @@ def crowd(tmp_path):
 EVERYBODY = "[{name: p, recorded: {file: crowd.csv, everybody: true}}]"
 
 
-def test_everybody_is_present_only_while_tracked(crowd):
+def test_recorded_people_are_present_only_while_tracked(crowd):
     run = run_of(crowd, EVERYBODY)
     assert run.stays == {"p7": ((2.0, 5.0), (9.0, 12.0)), "p8": ((0.0, 6.0),), "p9": ((7.0, 10.0),)}
     assert (run.summary["entered"], run.summary["left"], run.summary["overlaps"]) == (3, 4, 0)

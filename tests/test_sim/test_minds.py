@@ -45,7 +45,7 @@ def test_the_safe_zone_is_not_optional_for_somebody_outside():
     assert kinds.index("violation") < kinds.index("teleport")
 
 
-def test_what_is_perceived_waits_outside_in_its_order():
+def test_percepts_of_an_external_mind_are_taken_in_order():
     calls = []
     outside = Outside(called=lambda: calls.append(outside.take()))
     outside.advance(0.0)
@@ -217,7 +217,7 @@ agvs:
 
 @given(st.integers(150, 2000))
 @settings(max_examples=10)
-def test_what_is_believed_is_how_it_is_then(tmp_path_factory, every):
+def test_live_beliefs_are_those_of_the_time_of_the_query(tmp_path_factory, every):
     folder = tmp_path_factory.mktemp("looks")
     (folder / "looks.asl").write_text(LOOKS.format(every=every))
     run = sim.run(sim.Trial.parse(TRIAL, folder=folder))

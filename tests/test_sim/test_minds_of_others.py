@@ -58,7 +58,7 @@ LOOK = """
 """
 
 
-def test_somebody_who_passes_is_perceived_as_near_and_as_gone(meet):
+def test_a_passing_person_is_perceived_as_near_and_as_gone(meet):
     """At the very instants at which the centres are 3.6 m and then 4.1 m apart."""
     run = meet(ada=(LOOK, (12, 6.5)), ben=(WALK, (2, 4)))
     (near, came), (gone, went) = said(run, "ada")
@@ -75,7 +75,7 @@ def test_somebody_who_passes_is_perceived_as_near_and_as_gone(meet):
     assert next(iter(closer))[0] == pytest.approx(came, abs=1e-6)
 
 
-def test_those_who_meet_perceive_each_other_and_what_they_do(meet):
+def test_people_who_meet_perceive_each_other(meet):
     told = '+{0}(Who, _) <- .print("{0} ", Who).'
     program = (
         WALK
@@ -103,7 +103,7 @@ def test_letting_somebody_pass_is_a_stop_until_they_are_past(meet):
     assert arrival["at"] == [12, 7.5]
 
 
-def test_who_is_let_pass_and_stays_does_not_keep_anybody_for_ever(meet):
+def test_a_person_continues_after_the_patience_if_the_other_does_not_pass(meet):
     lets = "+human_start <- move(12, 7.5, 0); .wait(500); let_pass(ben)."
     run = meet(ada=(lets, (12, 0.5)), ben=(STAND, (4, 4)))
     assert any(e["person"] == "ada" for e in events(run, "arrived"))
@@ -144,7 +144,7 @@ def test_avoiding_somebody_is_walking_away_from_them(meet):
     assert run.motions["ada"].state(30).at == pytest.approx((11, 4))
 
 
-def test_nobody_of_that_name_is_an_error_that_names_those_there_are(meet):
+def test_an_unknown_name_is_an_error_with_the_known_names(meet):
     with pytest.raises(
         floorplan.UserError, match=r"ada: the action follow\(bne\): no other person .* 'ben'"
     ):
@@ -178,7 +178,7 @@ def test_a_group_walks_together(count):
 
 
 @pytest.mark.parametrize("personality", ["helpful", "scared", "curious"])
-def test_those_with_manners_of_their_own_get_round_a_corner_too(personality):
+def test_people_with_custom_manners_pass_a_corner(personality):
     trial = sim.Trial.load("people_corner").with_personality(personality)
     run = sim.run(dataclasses.replace(trial, duration=90.0))
     assert run.summary["overlaps"] == run.summary["deadlocks"] == 0

@@ -41,7 +41,7 @@ def seen(tmp_path, person, *, high=3.0, goal=(8.0, 5.0), seed=0, more=""):
     return run, [event["t"] for event in run.events if event["kind"] == "gantry_detected"]
 
 
-def test_what_hides_the_gantry_hides_it_until_it_comes_into_view(tmp_path):
+def test_an_obstacle_hides_the_gantry_until_it_comes_into_view(tmp_path):
     """A straight line from the eyes to any corner of the torso, over the floor, is the oracle."""
     _, near = seen(tmp_path, "at: [2, 1]", goal=(9, 11))
     run, found = seen(tmp_path, "at: [2, 1], noticing: {occlusion: true}", goal=(9, 11))
@@ -72,7 +72,7 @@ def test_people_see_over_what_is_low_and_under_what_is_high(tmp_path):
     assert hidden == pytest.approx([29.9], abs=0.1)  # as soon as it is gone
 
 
-def test_nobody_sees_behind_their_back(tmp_path):
+def test_people_do_not_see_behind_themselves(tmp_path):
     low = {"high": 0.5, "goal": (8.0, 9.0)}
     _, all_round = seen(tmp_path, "at: [8, 11]", **low)
     _, narrow = seen(tmp_path, "at: [8, 11], noticing: {field_of_view: 40}", **low)

@@ -68,7 +68,7 @@ def crossings(run, name, step=0.01):
 
 
 @pytest.mark.parametrize("people", PEOPLE)
-def test_who_is_in_an_aisle_against_its_direction_leaves_it_in_it(run, people):
+def test_a_person_leaves_a_one_way_aisle_in_its_direction(run, people):
     """They start there, six of them side by side, step aside and are put back there."""
     found = run(f"duration: 110\n{PEOPLE[people]}", TO_AND_FRO)
     names = [person.name for person in found.scene.people]
@@ -86,7 +86,7 @@ NICHE = (
 )
 
 
-def test_who_is_in_the_way_steps_aside_to_where_a_way_leads_back_from(run):
+def test_a_person_steps_aside_only_to_a_place_with_a_path_back(run):
     """Not into the niche, out of which none leads, but ahead, out of the aisle."""
     people = """\
 people:

@@ -14,7 +14,7 @@ piece = st.tuples(number, number, *[cubic | st.just([0.0])] * 3).map(list)
 
 
 @given(st.dictionaries(st.text(max_size=5), st.lists(piece, min_size=1, max_size=6), max_size=3))
-def test_what_is_unpacked_is_what_was_packed(motions):
+def test_unpacked_motions_equal_the_packed_ones(motions):
     index, blocks = replay.pack(motions)
     assert replay.unpack(index, blocks) == motions
 

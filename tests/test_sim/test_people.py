@@ -192,7 +192,7 @@ def test_chance_comes_from_the_seed_and_differs_between_people(tmp_path):
     assert len({*thrown[0], *thrown[2]}) == 4
 
 
-def test_somebody_who_is_there_already_says_so_after_a_moment(program):
+def test_a_person_at_the_goal_arrives_after_a_moment(program):
     finished = program("!go. +!go <- move(-15, -10, 0). +work_completed(N) <- .print(N).")
     assert [event["t"] for event in events(finished, "said")] == [pytest.approx(0.1)]
 

@@ -180,7 +180,7 @@ SCENES = {
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_everybody_gets_there_and_nobody_overlaps(walks, name):
+def test_all_people_arrive_without_overlaps(walks, name):
     (floor, ways), most_lost = SCENES[name]
     run = walks(floor, ways)
     assert arrived(run) == set(run.summary["people"])
@@ -194,12 +194,12 @@ def test_everybody_gets_there_and_nobody_overlaps(walks, name):
         assert ends[f"p{k}"] < alone + most_lost
 
 
-def test_nobody_shivers(walks):
+def test_people_do_not_shiver(walks):
     (floor, ways), _ = SCENES["circle of eight"]
     assert turns_in_a_second(walks(floor, ways)) <= 4  # two courses, each with a bend
 
 
-def test_nobody_changes_course_more_than_twice_in_a_second(walks):
+def test_people_change_course_at_most_twice_per_second(walks):
     """Not even who has just given way, and may go on as soon as the one in the way does."""
     run = walks(*rooms(7, 10, 0.8, 0.2), 40.0)
     again = sim.Simulation(run.trial)
@@ -261,7 +261,7 @@ def test_random_people_never_overlap_and_arrive(walks, seed):
 
 
 @pytest.mark.parametrize("abreast", [1, 4, 5])
-def test_who_is_faster_overtakes_all_who_walk_abreast_where_there_is_room(walks, abreast):
+def test_a_faster_person_overtakes_people_who_walk_abreast(walks, abreast):
     slow = [(3.0, 4.0 + 0.65 * (k - (abreast - 1) / 2)) for k in range(abreast)]
     ways = [((1.0, 4.0), [(29.0, 4.0)]), *((at, [(28.0, at[1])]) for at in slow)]
     run = walks(hall(30, 8), ways, 80.0, speeds=[1.0, *(0.4 for _ in slow)])
@@ -269,7 +269,7 @@ def test_who_is_faster_overtakes_all_who_walk_abreast_where_there_is_room(walks,
     assert ends["p0"] < 28.0 / 1.0 + 5.0
 
 
-def test_who_finds_a_goal_taken_has_arrived_as_they_come_to_rest_beside_it(walks):
+def test_a_person_arrives_on_stopping_beside_an_occupied_goal(walks):
     run = walks(hall(12, 8), [((1.0, 4.0), [(8.0, 4.0)]), ((8.0, 4.0), [])], 20.0)
     (arrival,) = events(run, "arrived", person="p0")
     comes_to_rest = run.motions["p0"].pieces[-1].begin
@@ -368,7 +368,9 @@ COLUMNS = [(x, y, x + 1, y + 1) for x in range(2, 19, 3) for y in range(2, 12, 3
         ),
     ],
 )
-def test_nobody_walks_to_and_fro_before_somebody_who_stands(walks, floor, start, goal, stands):
+def test_people_do_not_walk_to_and_fro_in_front_of_a_stationary_person(
+    walks, floor, start, goal, stands
+):
     run = walks(floor, [(start, [goal]), (stands, [])], 40.0)
     assert arrived(run) == {"p0"}
     assert least(run) >= 0.6
@@ -440,7 +442,7 @@ def test_a_throng_in_an_aisle_for_two_dissolves(walks, seed):
     )
 
 
-def test_who_can_not_get_past_somebody_in_an_aisle_stops_behind_them(walks):
+def test_a_person_stops_behind_another_who_blocks_an_aisle(walks):
     ways = [((1, 0.35), [(15, 0.35)]), ((8, 0.35), [])]
     run = walks(hall(16, 0.7), ways, 40.0, manners={"steps_aside": False})
     assert 0.6 <= math.dist(*(run.motions[name].position(40.0) for name in ("p0", "p1"))) < 0.9
@@ -514,7 +516,7 @@ def test_people_who_can_go_nowhere_say_so_and_are_a_deadlock(walks):
     assert least(run) >= 0.6
 
 
-def test_who_finds_an_aisle_full_takes_another(walks):
+def test_a_person_takes_another_aisle_if_one_is_full(walks):
     # Two aisles lead on; in the nearer one somebody stands who lets nobody past.
     floor = hall(16, 8, (5, 0, 11, 1.5), (5, 2.5, 11, 5.5), (5, 6.5, 11, 8))
     ways = [((2, 2), [(14, 2)]), ((8, 2), [])]
@@ -613,7 +615,7 @@ def own(tmp_path, name):
     return sim.Trial.parse(f'{text}steering: "mine:{name}"', folder=tmp_path)
 
 
-def test_nobody_overlaps_whatever_a_steering_of_ones_own_does(tmp_path):
+def test_people_never_overlap_with_a_custom_steering(tmp_path):
     run = sim.run(own(tmp_path, "Reckless"))
     assert least(run) >= 0.6 and all(run.motions[name].end > 5 for name in run.summary["people"])
     assert run.events != sim.run(dataclasses.replace(run.trial, steering=None)).events
@@ -621,7 +623,7 @@ def test_nobody_overlaps_whatever_a_steering_of_ones_own_does(tmp_path):
     assert sim.Trial.parse(written, folder=tmp_path).steering == "mine:Reckless"
 
 
-def test_what_is_wrong_with_a_steering_is_said(tmp_path):
+def test_an_invalid_steering_is_an_error(tmp_path):
     with pytest.raises(ValueError, match=r"a1 at t = 0 s \(mine.py, line 12\): Attribute"):
         sim.run(own(tmp_path, "Broken"))
     with pytest.raises(ValueError, match=r"its motion must begin at 1 m/s, not 0 m/s"):

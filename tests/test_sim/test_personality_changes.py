@@ -81,7 +81,7 @@ def test_counters_go_on(tmp_path):
     assert said(run) == ["completed2"]
 
 
-def test_what_was_under_way_is_dropped(tmp_path):
+def test_a_change_of_personality_drops_the_current_errand(tmp_path):
     (tmp_path / "chatty.asl").write_text(
         "!talk. +!talk <- walk_speed(0.4); move(-10.8, -3.75, 0); !on. "
         "+!on <- .wait(1000); .print(hello); !on.\n"

@@ -69,13 +69,13 @@ def test_a_closed_door_is_a_wall_and_an_open_one_is_nothing(run, people):
 
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
-def test_who_is_far_off_learns_at_once_that_there_is_no_way_any_more(run, people):
+def test_a_distant_person_learns_at_once_that_the_path_is_blocked(run, people):
     shut = run(f"duration: 8\ndoors: {{lower: {{closed: [[1]]}}}}\n{people}")
     assert events(shut, "path_blocked")[0]["t"] == pytest.approx(1.0)
     assert shut.motions["eve"].position(8.0)[0] < 4.0
 
 
-def test_who_is_far_off_learns_at_once_that_an_agv_has_come_to_rest_on_the_route(run):
+def test_a_distant_person_learns_at_once_that_an_agv_has_stopped_on_the_route(run):
     """It rests where they have not yet committed themselves to go."""
     lane = (
         LANE.replace("max_speed: 1.0", "max_speed: 2.0")
@@ -103,7 +103,7 @@ def test_people_mind_obstacles_while_they_are_there(run, people, tmp_path):
     assert sim.load_run(tmp_path / "run").scene == found.scene and found.scene.passing
 
 
-def test_what_is_put_down_on_somebody_is_stepped_out_of(run):
+def test_a_person_steps_out_of_an_obstacle_that_is_put_down(run):
     text = "duration: 20\npeople: [{name: eve, personality: go.asl, start: {time: 9}}]\n"
     found = run(
         text + "obstacles: {box: {x: [1, 2.2], y: [2, 3.5], z: [0, 1], there: [[5, 20]]}}\n"
@@ -128,7 +128,7 @@ def test_a_zone_is_closed_to_whom_it_is_forbidden(run, people):
 @pytest.mark.parametrize(
     "key", ["at: [5, 2]", "home: [5, 2]", "sink: [5, 2]", "source: {at: [5, 2], rate: 1, count: 2}"]
 )
-def test_nobody_is_to_start_or_leave_in_a_zone_that_is_forbidden_to_them(run, key):
+def test_a_start_or_exit_in_a_forbidden_zone_is_an_error(run, key):
     cell = "zones: {cell: {x: [4, 6], y: [0, 5], forbidden: true, concerns: ['e*']}}\n"
     place = key.split(":")[0] + (".at" if "source" in key else "")
     with pytest.raises(sim.TrialError, match="zone 'cell'") as told:
@@ -146,7 +146,7 @@ def speeds_within(motion, area, step=0.005):
 
 @pytest.mark.parametrize("people", [ALONE, PAIR])
 @pytest.mark.parametrize("seed", range(4))
-def test_nobody_is_faster_than_a_zone_allows(run, people, seed):
+def test_people_keep_the_speed_limit_of_a_zone(run, people, seed):
     rng = random.Random(seed)
     lines, areas = [], []
     for k in range(3):
@@ -266,7 +266,7 @@ doors: {gate: {closed: [[AT, 19]]}}
 @pytest.mark.parametrize("count", [1, 6])
 @pytest.mark.parametrize("most", [0.8, 2.5])
 @pytest.mark.parametrize("at", [5.2, 5.7, 6.0, 6.3, 6.6])
-def test_nobody_goes_through_a_closed_door(at, most, count, tmp_path):
+def test_people_do_not_walk_through_a_closed_door(at, most, count, tmp_path):
     """Whoever can stop before it does, and who can't is out of it soon after."""
     (tmp_path / "east.asl").write_text("+human_start <- move(11, 3, 0).\n")
     text = ROOMS.replace("AT", str(at)).replace("MOST", str(most)).replace("COUNT", str(count))

@@ -44,12 +44,12 @@ def test_rule_sets_state_how_long_people_wait_before_they_react(personality, rul
 
 
 @pytest.mark.parametrize("personality", ["helpful", "antagonistic"])
-def test_what_a_person_believes_of_it_goes_before_the_rules(personality):
+def test_a_belief_about_the_reaction_precedes_the_rules(personality):
     run = scene(personality, more=', beliefs: ["consideration(300)"]')
     assert wait(run) == pytest.approx(0.3, abs=1e-9)
 
 
-def test_somebody_who_waits_stands():
+def test_a_waiting_person_is_stationary():
     run = scene("antagonistic")
     noticed = events(run, "gantry_detected")[0]["t"]
     at = run.motions["operator"].state

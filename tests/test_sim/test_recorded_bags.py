@@ -97,7 +97,7 @@ TIMES = np.arange(0.0, 8.01, 0.5)
 
 
 @pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
-def test_they_walk_as_in_a_bag(tmp_path, storage):
+def test_recorded_people_walk_as_in_a_bag(tmp_path, storage):
     """Through every pose, at the headers' times; a folder or the file in it, body by body."""
     topics = {
         "/eve/pose": [stamped(t, 2 + t, 5.0, 0.5) for t in TIMES],
@@ -179,7 +179,7 @@ def test_bad_bags_are_refused_with_topic_and_message(tmp_path, name):
     assert message in str(refused.value) and "bag" in str(refused.value)
 
 
-def test_what_is_no_bag_is_refused(tmp_path):
+def test_a_folder_that_is_no_bag_is_an_error(tmp_path):
     (tmp_path / "empty").mkdir()
     for name in ("text.mcap", "text.parquet"):
         (tmp_path / name).write_text("t,name,x,y\n")

@@ -34,7 +34,7 @@ def sampled(run, name, times):
     return run.motions[name].position(np.array(times))
 
 
-def test_they_walk_through_their_samples_from_their_start_on(tmp_path):
+def test_recorded_people_walk_through_their_samples_from_the_start(tmp_path):
     rng = np.random.default_rng(3)
     times = np.cumsum(rng.uniform(0.05, 0.4, 60))
     places = np.column_stack([2 + 0.6 * times, 5 + np.sin(times)])
@@ -357,7 +357,7 @@ def test_bad_tracks_are_refused_with_their_row(tmp_path, name):
     assert "tracks.csv" in str(refused.value) and refused.value.problems[0].line == 6
 
 
-def test_what_makes_no_sense_of_somebody_recorded_is_refused(tmp_path):
+def test_invalid_keys_of_recorded_people_are_errors(tmp_path):
     with pytest.raises(sim.TrialError, match="omit at, personality"):
         trial(tmp_path, "people: [{name: e, recorded: t.csv, personality: scared, at: [1, 1]}]\n")
     with pytest.raises(sim.TrialError, match="there is no such file"):

@@ -27,17 +27,17 @@ def figures(run):
     return sim.metrics(run)
 
 
-def test_they_are_finite_numbers_that_can_be_written_down(figures):
+def test_social_metrics_are_finite_numbers(figures):
     assert json.loads(json.dumps(figures, allow_nan=False)) == figures
 
 
-def test_everybody_is_in_them(run, figures):
+def test_social_metrics_include_all_people(run, figures):
     assert list(figures["people"]) == ["ada", "ben"]
     assert list(figures["machines"]) == ["gantry", "agv1", "agv2", "agv3", "agv4"]
     assert set(figures["people"]["ada"]["distance_to"]) == set(run.motions) - {"ada"}
 
 
-def test_they_agree_with_the_summary(run, figures):
+def test_social_metrics_agree_with_the_summary(run, figures):
     for name, person in run.summary["people"].items():
         found = figures["people"][name]
         assert found["path_length"] == pytest.approx(person["distance_walked"], abs=1e-6)
@@ -46,7 +46,7 @@ def test_they_agree_with_the_summary(run, figures):
         assert found["distance_to"]["gantry"]["minimum"] == pytest.approx(nearest, abs=1e-6)
 
 
-def test_they_agree_with_the_trajectory(run, figures):
+def test_social_metrics_agree_with_the_trajectory(run, figures):
     samples = run.sample(rate=500.0)
     t = samples["t"]
     apart = {
@@ -73,7 +73,7 @@ def test_a_goal_counts_as_reached_only_if_the_person_got_there(run, figures):
         assert 1.0 < found["time_to_goal"] < 60.0
 
 
-def test_somebody_who_never_starts_has_figures_too():
+def test_a_person_who_never_starts_has_social_metrics():
     trial = sim.Trial.parse(
         "floorplan: ariac2023\nduration: 5\npeople: [{name: a, start: {event: penalty}}]\n"
     )

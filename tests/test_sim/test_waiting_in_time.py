@@ -6,7 +6,7 @@ import statistics
 import numpy as np
 import pytest
 
-from sim.core.clock import Clock
+from sim.core.clock import Alarm, Clock, Turn
 from sim.core.scenario import Source
 from sim.machines.tasks import Step, Task, Tasks
 from sim.people.person import LOOKS_AGAIN, Entrances
@@ -52,7 +52,7 @@ def test_the_times_between_them_are_those_of_the_rate():
     assert statistics.stdev(gaps) == pytest.approx(2.0, rel=0.2)
 
 
-def test_who_comes_when_depends_on_their_number_alone():
+def test_the_time_of_an_arrival_depends_only_on_its_number():
     """However many come, and in whatever order they are asked; each waits for those before."""
 
     def arrival(number):
@@ -131,3 +131,59 @@ def test_the_next_task_waits_for_what_is_to_come():
 def test_a_task_has_steps():
     with pytest.raises(ValueError, match="at least one step"):
         Task("wait", [])
+
+
+def test_events_occur_at_the_exact_time_and_in_the_order_of_turns():
+    clock, happened = Clock(), []
+    for turn in (Turn.COMMAND, Turn.NOTICE, Turn.VIOLATION, Turn.MOTION_ENDS):
+        clock.call_at(0.1 + 0.2, lambda turn=turn: happened.append((clock.now, turn)), turn)
+    clock.run()
+    assert happened == [(0.1 + 0.2, turn) for turn in sorted(turn for _, turn in happened)]
+
+
+def test_a_process_receives_the_answer_of_the_time_at_which_it_is_due():
+    clock, received = Clock(), []
+
+    def wait():
+        received.append((yield clock.ask(2.0, lambda: clock.now, Turn.NOTICE)))
+        received.append((yield clock.happened("before")))
+        yield clock.at(1.0)
+        received.append(clock.now)
+
+    clock.process(wait())
+    clock.run()
+    assert received == [2.0, "before", 2.0]
+
+
+def test_an_error_of_a_process_is_raised_unless_another_process_handles_it():
+    clock, handled = Clock(), []
+
+    def fail():
+        yield clock.at(1.0)
+        raise ValueError("no part")
+
+    def handle():
+        try:
+            yield clock.process(fail())
+        except ValueError as why:
+            handled.append(str(why))
+
+    clock.process(handle())
+    clock.run()
+    assert handled == ["no part"]
+    clock.process(fail())
+    with pytest.raises(ValueError, match="no part"):
+        clock.run()
+
+
+def test_an_alarm_rings_once_at_the_last_time_that_was_set():
+    clock, rung = Clock(), []
+    alarm = Alarm(clock, lambda: rung.append(clock.now), Turn.MOTION_ENDS)
+    for t in (1.0, 3.0, 2.0):
+        alarm.set(t)
+    clock.run(until=2.5)
+    assert rung == [2.0] and alarm.time is None
+    alarm.set(4.0)
+    alarm.set(None)
+    clock.run(until=5.0)
+    assert rung == [2.0]

@@ -186,7 +186,7 @@ work: {line: [{at: press, duration: 20}]}
     assert run.summary["people"]["ann"]["time_working"] == pytest.approx(20)
 
 
-def test_what_can_not_be():
+def test_invalid_work_is_an_error():
     def found(text):
         with pytest.raises(sim.TrialError) as wrong:
             trial(text)

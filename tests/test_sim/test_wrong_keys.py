@@ -26,6 +26,8 @@ FLOORS = {
     " b: {between: [[0, 2], [9, 0]], towards: [5, 2]}}": "meets the gate 'a'",
     "gates: {a: {between: [[0, 1], [9, 1]]}}": "towards: is missing",
     "gates: {a: {between: [[0, 1], [9, 1]], towards: [5, 2], width: 1}}": "width: unknown key",
+    "gates: {a: {between: [[0, 1], [9, 1]], towards: press}}": "a position [x, y]",
+    "safe_zone: {at: press}": "a position [x, y]",
     "safe_zone: {at: [4, 4], heading: 90}": "heading: expected radians, found 90: 90° are 1.5708",
     "gates: {wall: {between: [[0, 1], [9, 1]], towards: [5, 2]}}": "else is called 'wall'",
 }
@@ -62,6 +64,13 @@ TRIALS = {
     "agvs: {cart: {yields: true}}": "yields: unknown key; did you mean 'yield'?",
     "machines: {van: {kind: agv, orgin: [1, 2]}}": "orgin: unknown key; did you mean 'origin'?",
     "people: [{name: e, max_speed: fast}]": "expected a number, found 'fast'",
+    "people: [{name: e, at: {at: middle}}]": "the name of a station or door",
+    "people: [{name: e, work: {at: middle}}]": "the name of a work list",
+    "people: [{name: e, schedule: {at: middle}}]": "a list of tasks",
+    "gantry: {at: middle}": "a pose [x, y, rotation]",
+    "rules: {agv_law: {iso_13855: 2}}": "the terms of the law (time)",
+    "rules: {agv_law: iso_13855}": "as {iso_13855: {time",
+    "rules: {iso_13855: {time: 1}}": "agv_law",
     "blackouts: [{machine: car, seconds: 3}]": "no machine is called 'car'; did you mean",
     "blackouts: [{machine: cart, seconds: 0}]": "expected more than 0",
     "blackouts: [{machine: cart, start: {event: arrivd}, seconds: 1}]": "did you mean",
@@ -124,6 +133,11 @@ def test_a_value_that_may_have_several_forms_is_one_problem(wrong, message):
         sim.Trial.parse(f"{HALL}people: [{{name: e, {wrong}}}]")
     (problem,) = refused.value.problems
     assert message in str(problem)
+
+
+def test_a_station_at_a_name_is_a_problem():
+    with pytest.raises(floorplan.FloorplanError, match=r"office: .*a position \[x, y\]"):
+        floorplan.parse(ROOM.replace("press: [2, 2]", "press: [2, 2], office: {at: press}"))
 
 
 def test_problems_are_in_the_order_of_their_lines():

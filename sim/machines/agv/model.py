@@ -20,7 +20,6 @@ from floorplan.files.fields import (
     Strictly,
 )
 from floorplan.files.problems import Fault
-from floorplan.files.values import range_faults
 from navigation.machines import AxisLimits, Stop, longest_stop
 
 from ...core.body import MachineShape
@@ -143,8 +142,6 @@ class AgvModel(MachineModel):
                 self.lane.lane_position(move.to)
             except UserError as why:
                 yield str(why), (k, "to")
-            for fault, place in range_faults(move):
-                yield fault, (k, *place)
             if are_in_order and k and move.time < self.moves[k - 1].time:
                 message = f"{move.time:g} s is before the move above it; put moves in order"
                 yield message, (k, "time")

@@ -14,7 +14,7 @@ from floorplan import Point, UserError
 from navigation import Motion, PlanningError
 from navigation.vehicles import Twist, TwistCourse
 
-from ...core.body import OnContact, commands
+from ...core.body import OnContact, checked, commands
 from ...core.clock import Alarm, Turn
 from ...core.entries import Pose
 from ...core.stage import Stage
@@ -151,6 +151,7 @@ class Amr(PolicyDriven, Evading):
 
     # Tasks.
 
+    @checked
     def locate(self, task: Task) -> Event:
         """Wait for a route to the next step of a task, whose pose is the value of the event."""
         return self._command(self._find(instance("locate(task)", task, Task)))
@@ -161,6 +162,7 @@ class Amr(PolicyDriven, Evading):
         instance("handle(task)", task, Task)
         return self._command(self._handle(task, self._drive.begin()))
 
+    @checked
     def complete(self) -> None:
         """Count the current mission as done. `UserError` if there is none.
 

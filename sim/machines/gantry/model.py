@@ -12,7 +12,6 @@ from pydantic import TypeAdapter
 from floorplan import Floorplan, Gantry, Point
 from floorplan.files.fields import Range, size_fault
 from floorplan.files.problems import Fault, suggestion
-from floorplan.files.values import range_faults
 from navigation import VehicleLimits
 from navigation.machines import Stop, gantry_limits, longest_stop
 
@@ -87,8 +86,6 @@ class GantryModel(MachineModel):
             if carried and drop.part not in carried:
                 hint = suggestion(drop.part, carried)
                 yield f"no job carries a part called {drop.part!r}; {hint}", ("drops", k, "part")
-            for fault, place in range_faults(drop):
-                yield fault, ("drops", k, *place)
 
     def longest_stop(self, plan: Floorplan) -> Stop | None:
         """Return time and distance of its longest stop."""

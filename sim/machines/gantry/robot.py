@@ -16,7 +16,7 @@ from typing_extensions import override
 from floorplan import Gantry, Point, UserError
 from navigation import Motion
 
-from ...core.body import MachineShape, commands
+from ...core.body import MachineShape, checked, commands
 from ...core.clock import MOMENT
 from ...core.entries import Pose
 from ...core.events import OrderSubmitted, PartDropped, RobotMalfunction
@@ -187,6 +187,7 @@ class GantryRobot(PolicyDriven, Evading):
             poses.append(pose)
         return tuple(poses)
 
+    @checked
     @override
     def locate(self, task: Task) -> Event:
         pose = self._sites.pose_for(_next_step(instance("locate(task)", task, Task)))

@@ -191,7 +191,7 @@ class Crowd:
         me : Traveller, optional
             The person, whom the search ignores.
         taken : sequence of (Point, float), optional
-            Positions and radii of people who are about to stand there.
+            Positions and radii that are reserved for other people.
         within : float, optional
             Maximum distance, m.
         """
@@ -211,11 +211,11 @@ class Crowd:
     # Interruptions
 
     def make_way_for(self, me: Traveller) -> None:
-        """Let others react to the new motion of a recorded person."""
+        """Make others react to the new motion of a recorded person."""
         self._interruptions.make_way_for(me)
 
     def notice(self, discs: Sequence[Traveller]) -> None:
-        """Let people react to a vehicle that has changed its motion. It consists of `discs`."""
+        """Make people react to a new motion of a vehicle that consists of `discs`."""
         self._steps_aside.notice(discs)
 
     def halt(self, me: Traveller, is_clear: Callable[[Motion], bool]) -> None:
@@ -322,7 +322,7 @@ class Crowd:
         return see.wished.gone(see.t, math.inf) - see.ahead(motion).gone(see.t, math.inf)
 
     def _both_aside(self, me: Traveller, see: Outlook, hit: Hit, now: float) -> bool:
-        """Let two people who meet head-on both shift aside, and return whether that is free."""
+        """Shift two people who meet head-on aside. Return whether that is free."""
         other = hit.other
         if other.goal is None or now - other.decided < PARAMETERS.apart:
             return False
@@ -338,7 +338,7 @@ class Crowd:
         return False
 
     def _escalate(self, me: Traveller, see: Outlook, hit: Hit) -> None:
-        """Let a blocked person climb the ladder."""
+        """Escalate for a blocked person."""
         now = self._clock.now
         if me.stands_since is None:
             me.stands_since = now
@@ -406,7 +406,7 @@ class Crowd:
         me.deciding.set(max(t, me.decided + PARAMETERS.apart, soonest))
 
     def _wake(self, me: Traveller, t: float) -> None:
-        """Let a person who waits decide earlier, at `t` (s)."""
+        """Reschedule the decision of a waiting person to `t` (s) at the latest."""
         soonest = self._clock.now + PARAMETERS.early
         t = max(t, me.looked + PARAMETERS.apart, me.decided + PARAMETERS.apart, soonest)
         due = me.deciding.time

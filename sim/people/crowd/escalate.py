@@ -146,7 +146,7 @@ class Ladder:
         return True
 
     def report_blocked(self, stuck: Stuck) -> None:
-        """Let the person perceive `blocked` once patience is over."""
+        """Add the percept `blocked` when the patience is over."""
         me = stuck.me
         if stuck.stood >= me.manners.patience and not me.said:
             me.said = True

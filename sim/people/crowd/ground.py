@@ -42,10 +42,10 @@ class Detours:
     def path(
         self, at: Point, goal: Point, standing: MutableSequence[float], legs: Legs
     ) -> list[Point]:
-        """Return a path from `at` to `goal`, both included; empty if none is found.
+        """Return a path from `at` to `goal`, both included, or an empty list.
 
-        It stays away from those who are `standing`: x, y, and how far from there (metres) of each;
-        `legs` are the segments that are free.
+        `standing` has x, y and the distance to keep of each stationary person (m). `legs` tests
+        segments.
         """
         pieces = self._world.free_space(self._radius).pieces
         if pieces is not self._pieces:
@@ -54,7 +54,7 @@ class Detours:
         return self._ways.path(at, goal, standing, legs)
 
     def _chunk(self, i: int, j: int) -> bytes:
-        """Return of a square of cells which of them are not in the free space: 1, else 0."""
+        """Return the cells of a square chunk: 0 in the free space, otherwise 1."""
         k = np.arange(CHUNK) + 0.5
         x, y = np.meshgrid((i * CHUNK + k) * CELL, (j * CHUNK + k) * CELL)
         free = np.zeros(x.shape, dtype=bool)
@@ -88,22 +88,22 @@ class Ground:
         return self.world.narrows(self.radius, PARAMETERS.abreast_outside)
 
     def free(self, a: Point, b: Point) -> bool:
-        """Return whether the segment from a, a free place, to b touches nothing.
+        """Return whether the segment from a, a free position, to b is free.
 
-        Nor goes through a gate against its direction.
+        A segment through a gate against its direction is not.
         """
         return self.legs.free(*a, *b)
 
     @property
     def legs(self) -> Legs:
-        """The segments that are free, as the world is now."""
+        """Test of segments in the present world."""
         if self._changes != self.world.changes:
             self._changes = self.world.changes
             self._legs.bounds = EVERYWHERE if self._gated else self.world.bounds
         return self._legs
 
     def _free_of_bodies(self, a: Point, b: Point) -> bool:
-        """Return whether a segment that is clear of walls is free of all else."""
+        """Return whether a segment that is clear of walls is free of bodies and closed gates."""
         if self._gated and not self._gates.allow(a, b):
             return False
         return not self.world.hits(a, b, self.radius)
@@ -111,9 +111,9 @@ class Ground:
     def paths_ahead(
         self, at: Point, course: Sequence[Point], lengths: Iterable[float]
     ) -> Iterator[list[Point]]:
-        """Yield the path from `at`, beside a course, along it to each of these lengths (metres).
+        """Yield paths from `at`, a position beside a course, along it to increasing `lengths` (m).
 
-        They grow; it ends before the first path that is not free, there and back.
+        The last path is the one before the first that is not free in both directions.
         """
         free: set[tuple[Point, Point]] = set()
         for length in lengths:
@@ -124,13 +124,13 @@ class Ground:
             yield path
 
     def has_only_walls(self, place: Point, metres: float) -> bool:
-        """Return whether nothing but walls can be in the way so far around a place."""
+        """Return whether only walls are within `metres` of a place."""
         return not self._gated and not self.world.near(place, place, self.radius + metres)
 
     def free_and_back(self, a: Point, b: Point) -> bool:
-        """Return whether the segment from a to b is free, and a way leads back.
+        """Return whether the segment from a to b is free, and a path leads back.
 
-        It may be another, where the segment goes through a gate.
+        After a segment through a gate, this may be another path.
         """
         return self.free(a, b) and (
             not self._gated
@@ -146,27 +146,27 @@ def length_of(course: Sequence[Point]) -> float:
 
 def first(course: Sequence[Point], length: float) -> list[Point]:
     """Return the first `length` metres of a polyline, or all of it."""
-    kept = [course[0]]
+    start = [course[0]]
     for a, b in itertools.pairwise(course):
         leg = math.dist(a, b)
         if leg >= length:
             if length > 1e-9:
                 share = length / leg
-                kept.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
-            return kept
-        kept.append(b)
+                start.append((a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])))
+            return start
+        start.append(b)
         length -= leg
-    return kept
+    return start
 
 
 def rest(course: Sequence[Point], length: float) -> list[Point]:
-    """Return the polyline from `length` metres on; its last point at least."""
-    at, k = _sought(course, length)
+    """Return the polyline from `length` metres on, or its last point."""
+    at, k = _after(course, length)
     return [at, *course[k:]]
 
 
 def corners_passed(course: Sequence[Point], place: Point) -> int:
-    """Return how many corners of a polyline lie before the point nearest to `place`."""
+    """Return the number of corners of a polyline before the point nearest to `place`."""
     if len(course) < 3:
         return 0
     gone, passed = nearest_length(course, place), 0
@@ -192,8 +192,8 @@ def nearest_length(course: Sequence[Point], place: Point) -> float:
     return at
 
 
-def _sought(course: Sequence[Point], length: float) -> tuple[Point, int]:
-    """Return the place `length` metres on, and the index of the corner that comes after it."""
+def _after(course: Sequence[Point], length: float) -> tuple[Point, int]:
+    """Return the position after `length` metres, and the index of the next corner."""
     for k, (a, b) in enumerate(itertools.pairwise(course), 1):
         leg = math.dist(a, b)
         if leg > length:

@@ -36,7 +36,7 @@ class Commit(Protocol):
 class Interruptions:
     """Changes of motion that people do not decide on themselves.
 
-    `decide(me)` lets a person decide again.
+    `decide(me)` makes a person decide again.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Interruptions:
         self._commit = commit
 
     def make_way_for(self, me: Traveller) -> None:
-        """Let people in the way of a recorded person decide again or step aside."""
+        """Make people in the way of a recorded person decide again or step aside."""
         now, ahead = self._clock.now, me.swath
 
         def in_the_way(other: Traveller) -> bool:
@@ -107,16 +107,16 @@ class Interruptions:
         drafts = {me: (stop, swath(stop, now))}
         left = [me]
         while left:
-            one = left.pop()
-            mine = drafts[one][1]
-            for other in self._commitments.others(one, mine.box, now):
+            person = left.pop()
+            mine = drafts[person][1]
+            for other in self._commitments.others(person, mine.box, now):
                 if among_vehicles and other.is_vehicle:
                     continue
-                known = drafts.get(other)
-                theirs = other.swath if known is None else known[1]
-                if meeting(one, mine, other, theirs, now) is None:
+                drafted = drafts.get(other)
+                theirs = other.swath if drafted is None else drafted[1]
+                if meeting(person, mine, other, theirs, now) is None:
                     continue
-                if known is not None or other.recorded or other.body.motion.end <= now:
+                if drafted is not None or other.recorded or other.body.motion.end <= now:
                     return None
                 slower = self.stop(other, now)
                 drafts[other] = (slower, swath(slower, now))
@@ -132,8 +132,8 @@ class Interruptions:
         t = now
         while t < motion.end:
             stop = self.stop(me, t)
-            # An immediate stop may be in the way of another motion. The committed motion is free,
-            # so a later stop on it is found, or its end.
+            # An immediate stop may conflict with another motion. A later stop on the committed
+            # motion does not, or its end.
             if others.free(swath(stop, now)):
                 return stop
             t += PARAMETERS.early

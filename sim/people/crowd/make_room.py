@@ -72,7 +72,7 @@ class Request:
     """Request of a blocked `asker`, and the drafts of all people who move for it.
 
     Depth first: each asked person looks for the nearest position off the course of the asker, or
-    for one ahead along it. That person asks the people who stand in the way of this step.
+    for one ahead along it. Then the people in the way of this step are asked.
 
     Moving people refuse, because agreed passages stay valid. People of higher rank than the asker
     refuse too, unless they are `behind`: they wait for the asker, and profit from the move. After
@@ -95,19 +95,19 @@ class Request:
         self._behind = behind
         self._left = PARAMETERS.tries
         self._refusing = bytearray()
-        """For each person, whether they are known to refuse, or to find no place."""
+        """For each person, whether they have refused, or found no place."""
         self._moving = RequestedMoves(commitments, now)
-        """Those who move for it: the asker first."""
+        """Drafts of the people who move for the request, the asker first."""
 
     @property
     def drafts(self) -> dict[Traveller, Swath]:
-        """Where everybody goes who moves for it."""
+        """Draft of each person who moves for the request."""
         return self._moving.drafts
 
     def succeeds(self, outlook: Outlook, passed: float) -> bool:
         """Return whether the asker gets past `passed` metres of the course if all move."""
         for course, length in self._courses(outlook, passed):
-            # The longest wait is the easiest draft: others who cannot step aside then never can.
+            # People who cannot step aside during the longest wait never can.
             latest = outlook.draft(course, length, delay=PARAMETERS.waits[-1])
             if latest is None:
                 continue
@@ -119,10 +119,10 @@ class Request:
         return False
 
     def _courses(self, outlook: Outlook, passed: float) -> Iterator[tuple[Sequence[Point], float]]:
-        """Yield courses of the asker past `passed` metres of its own, and their lengths (metres).
+        """Yield courses of the asker past `passed` metres of its course, and their lengths (m).
 
-        First its own course just past the blocking person, then courses beside it, then its own
-        course as far as the asker looks ahead.
+        The course just past the blocking person is first. Courses beside it follow, and then the
+        course up to the distance of foresight.
         """
         near = min(outlook.stop_beyond(passed + PARAMETERS.passed), outlook.whole)
         yield outlook.course, near
@@ -133,14 +133,14 @@ class Request:
             yield outlook.course, far
 
     def _beside(self, outlook: Outlook, length: float) -> Iterator[Sequence[Point]]:
-        """Yield courses beside the first `length` metres of the asker's own."""
+        """Yield courses beside the first `length` metres of the asker's course."""
         for side in PARAMETERS.shifts:
             steps = [
                 min(k * PARAMETERS.lane, length)
                 for k in range(1, math.ceil(length / PARAMETERS.lane) + 1)
             ]
-            ways = [outlook.walks.course.after(along) for along in steps]
-            course = [outlook.at, *((x - side * s, y + side * c) for x, y, c, s in ways)]
+            poses = [outlook.walks.course.after(along) for along in steps]
+            course = [outlook.at, *((x - side * s, y + side * c) for x, y, c, s in poses)]
             if all(outlook.ground.free(a, b) for a, b in pairwise(course)):
                 yield course
 
@@ -163,7 +163,7 @@ class Request:
         course: Sequence[Point],
         manner: Retreating,
     ) -> bool:
-        """Draft a step of `me` off the known motions of vehicles; return whether it exists.
+        """Draft a step of `me` off the motions of vehicles. Return whether it exists.
 
         The step follows on `lead`, if there is one. If there is no place around, the person walks
         ahead of the vehicle along its `course`.
@@ -178,11 +178,11 @@ class Request:
         return self._step(indices[me], course, 0, lead, manner)
 
     def make_way(self, course: Sequence[Point]) -> None:
-        """Draft steps off the committed motion of the asker, along `course`, for all who can."""
+        """Draft steps off the committed motion of the asker along `course`, as far as possible."""
         self._clear_for_asker(self._asker.swath, course)
 
     def _clear_for_asker(self, draft: Swath, course: Sequence[Point]) -> bool:
-        """Draft steps of all people in the way of the asker; return whether they exist."""
+        """Draft steps of all people in the way of the asker. Return whether they exist."""
         moving = self._moving
         self._refusing = bytearray(len(self._commitments.people))
         moving.keep(0)
@@ -190,12 +190,12 @@ class Request:
         return self._clear(0, course, 0, moving.first_hit(0))
 
     def _clear(self, mover: int, course: Sequence[Point], depth: int, hit: int) -> bool:
-        """Draft steps of all people in the way of a mover; return whether they exist.
+        """Draft steps of all people in the way of a mover. Return whether they exist.
 
-        `hit` is the first of them, -1 for nobody.
+        `hit` is the index of the first one, or -1.
         """
-        # All of a chain is checked against what everybody else is committed to, and the chain's own
-        # drafts against each other, so that all can be committed to at once.
+        # Check the drafts of a chain against each other and against the committed motions of all
+        # others, because all people of the chain are committed together.
         moving = self._moving
         while hit >= 0:
             if self._is_enough(depth, len(moving.indices)) or self._refuses(hit):
@@ -236,9 +236,9 @@ class Request:
         lead: Swath | None = None,
         manner: Retreating | None = None,
     ) -> bool:
-        """Draft a step of person `k` off `course`; return whether it exists."""
-        # Depth first: a step that leads nowhere takes back all those that were made for it. Who
-        # found no place is not asked again for this course, as the search would be alike.
+        """Draft a step of person `k` off `course`. Return whether it exists."""
+        # Depth first: a failed step removes all drafts made for it. A person without a place is not
+        # asked again for this course, because the search would have the same result.
         moving = self._moving
         count = len(moving.indices)
         for retreat, walk, hit in self._retreats(k, course, depth, lead, manner):
@@ -257,17 +257,17 @@ class Request:
         lead: Swath | None,
         manner: Retreating | None,
     ) -> Iterator[tuple[list[Point], Swath, int]]:
-        """Yield courses off `course`: to the nearest places around, then to places ahead of it.
+        """Yield courses off `course` with their walks, and the index of the first person met or -1.
 
-        With the walk along them, and who is met first; none meets anybody who moves. As many
-        as the limits allow, of which those are left out that meet first who refuses. From
-        vehicles, a person retreats in a `manner`.
+        Places around the person come first, then places ahead along `course`. No walk meets a
+        person who moves, or first meets one who refuses. `manner` is that of a retreat from
+        vehicles.
         """
         who = self._commitments.people[k]
         ground, moving, refusing = self._ground_of(who), self._moving, self._refusing
         if self._is_enough(depth + 1, len(moving.indices) + 1):
             refusing = bytearray(b"\1" * len(refusing))
-        # With `who`'s own radius for the other's: a sieve, as the kernel checks each step exactly.
+        # This width assumes equal radii. The kernel checks each step exactly.
         width = 2 * who.radius + GAP
         margin = manner.margin if manner else 0.0
         own = who.radius + GAP + margin
@@ -309,13 +309,13 @@ class Request:
                 else fitting
             )
             while True:
-                walk, found, hit, tried = walks.next(min(wide, self._left), fit, refusing)
+                walk, place, hit, tried = walks.next(min(wide, self._left), fit, refusing)
                 wide -= tried
                 self._left -= tried
                 if walk is None:
                     break
                 x, y = path[-1]
-                yield [*path, (x + places[2 * found], y + places[2 * found + 1])], walk, hit
+                yield [*path, (x + places[2 * place], y + places[2 * place + 1])], walk, hit
             if wide <= 0 or self._left <= 0:
                 return
 
@@ -329,8 +329,8 @@ def _lookout(
 ) -> Iterator[tuple[list[Point], MutableSequence[float]]]:
     """Yield paths from `at`, and positions around their ends, relative to these (m).
 
-    First come the positions `around`. Where the course fills the aisle, the person walks ahead
-    along it, to the next wide place.
+    The positions `around` come first. If the course fills the aisle, the person walks ahead along
+    it to the next wide place.
     """
     yield [at], around
     step = PARAMETERS.stride

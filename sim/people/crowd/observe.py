@@ -106,8 +106,8 @@ class Outlook:
         self._lead: Swath | None = None
         self.at, self.t, self.speed = self._state.at, now, self._state.speed
         self.course = [self.at, *self._taut(self.at)]
-        # Too fast for the bend: what is decided begins where they come to rest; until then they
-        # brake along their old course.
+        # A person who is too fast for the first turn brakes along the old course. The new one
+        # begins at the rest position.
         if self.speed > 1e-6 and not self.can_turn(self.course):
             self.lead = stop_walking(
                 me.body.motion, now, max_acceleration=me.human.max_acceleration
@@ -164,7 +164,7 @@ class Outlook:
         return motion is self._wish
 
     def can_turn(self, course: Sequence[Point]) -> bool:
-        """Return whether they may set out on `course` from here without slowing down first."""
+        """Return whether the person can start on `course` without braking."""
         if len(course) < 2 or self.speed < 1e-6:
             return True
         most = self.me.human.max_acceleration
@@ -178,9 +178,9 @@ class Outlook:
         top_speed: float | None = None,
         delay: float = 0.0,
     ) -> Motion | None:
-        """Return the walk along the first `length` metres of a course from here, and to rest.
+        """Return the walk along the first `length` metres of a course, or None if it is impossible.
 
-        None if they can't. `delay` (seconds) counts from when they stand.
+        `delay` (s) begins at rest.
         """
         draft = self.draft(course, length, top_speed=top_speed, delay=delay)
         return None if draft is None else self.made(draft)
@@ -193,7 +193,7 @@ class Outlook:
         top_speed: float | None = None,
         delay: float = 0.0,
     ) -> Swath | None:
-        """Return where `walk` would go."""
+        """Return the swath of `walk`."""
         me = self.me
         fastest = me.top_speed if top_speed is None else top_speed
         if course is self.course:
@@ -205,7 +205,7 @@ class Outlook:
         return self._paced(points, fastest, delay)
 
     def _paced(self, points: Sequence[Point], fastest: float, delay: float) -> Swath | None:
-        """Return where a walk along `points` goes, slowed down where limits hold."""
+        """Return the swath of a walk along `points` within the speed limits of zones."""
         me = self.me
         points, top = me.zones.along(points, fastest)
         return swath_along(
@@ -222,7 +222,7 @@ class Outlook:
     def _slowed(
         self, corners: MutableSequence[float], fastest: float, delay: float
     ) -> Swath | None:
-        """Return where a walk goes where limits hold; None if there is none."""
+        """Return the swath of a walk within the speed limits of zones, or None."""
         points = [*zip(corners[::2], corners[1::2], strict=True)]
         return self._paced(points, fastest, delay)
 
@@ -239,7 +239,7 @@ class Outlook:
     def aside(self, along: float, side: float, others: Others) -> Swath | None:
         """Return the draft of a walk `side` metres to the left after `along` metres of the course.
 
-        None if it is not free, of walls or of these `others`.
+        None if it is not free of walls and of these `others`.
         """
         return self._foresight.aside(along, side, others.near)
 
@@ -250,7 +250,7 @@ class Outlook:
         return motion
 
     def ahead(self, motion: Motion) -> Swath:
-        """Return where a motion goes from now on."""
+        """Return the swath of a motion from now on."""
         if motion is self._wish and self.wished is not None:
             return self.wished
         made, draft = self._made
@@ -284,7 +284,7 @@ class Outlook:
         return self._hit
 
     def _around_of(self, ahead: Swath) -> Others:
-        """Return those who may come near a motion."""
+        """Return the people who may come near a motion."""
         low_x, low_y, high_x, high_y = ahead.box
         if self._others is not None:
             seen = self._foresight.seen
@@ -293,23 +293,23 @@ class Outlook:
         return self._commitments.others(self.me, ahead.box, self.now)
 
     def hit(self, motion: Motion) -> Hit | None:
-        """Return the first conflict of a motion of theirs from now on."""
+        """Return the first conflict of a motion from now on."""
         ahead = self.ahead(motion)
         return self._around_of(ahead).first_hit(ahead)
 
     def gone(self, t: float) -> float:
-        """Return the metres along the course that they would have gone at `t` (seconds)."""
+        """Return the length of the preferred motion until `t` (s), m."""
         return 0.0 if self.wished is None else self.wished.gone(self.t, t)
 
     def _taut(self, at: Point) -> list[Point]:
-        """Return the route from `at`: without the points that can be left out, or a new one."""
+        """Return the route from `at` without unnecessary points, or a new route."""
         me = self.me
         # Corners that were passed may still be visible, and lead back.
         route = me.route[corners_passed([me.routed_from, *me.route], at) :]
         if me.goes_round and route:
             width = 2 * me.radius + GAP
             places = middles(self.standing(width, at, *route))
-            # Who has passed a bend must not go back to it because of somebody beyond it.
+            # A person must not return to a passed bend because of a person beyond it.
             k = self.ground.legs.farthest_round(*at, route, places, width)
             if k >= 0:
                 return route[k:]
@@ -322,7 +322,7 @@ class Outlook:
         self._commitments.set_goal(self.me, self.me.goal, route)
 
     def standing(self, around: float, *places: Point) -> MutableSequence[float]:
-        """Return who stands so far around some places: x, y, and how far to stay from there (m)."""
+        """Return the people at rest around places: x, y, and the distance to keep from each (m)."""
         xs, ys = zip(*places, strict=True)
         box = numbers((min(xs), min(ys), max(xs), max(ys)))
         table = self._commitments

@@ -184,7 +184,7 @@ class Manners:
     foresight : float
         How far ahead the person commits to a motion, s.
     reaction_time : float
-        Time for which the person stands behind another before asking to pass, s, near the 0.5 s
+        Time for which the person waits behind another before asking to pass, s, near the 0.5 s
         in [3]_.
     patience : float
         Time for which the person stands blocked before perceiving `blocked`, s.

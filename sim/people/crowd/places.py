@@ -1,4 +1,4 @@
-"""Places at which people start: their own, at home beside each other, or anywhere."""
+"""Start positions of people: given, beside each other at home, or anywhere."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ from .commitments import GAP
 from .crowd import Crowd
 
 TRIES = 5_000
-"""Number of places that are drawn for one person."""
+"""Maximum number of random positions for one person."""
 
 WINGS = 1000.0
-"""Metres beyond the floor at which people are while they are away."""
+"""Distance from the floor at which absent people are, m."""
 
 Standing = tuple[Point, float]
-"""The place and the radius of somebody (metres)."""
+"""Position and radius of a person, m."""
 
 
 def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd) -> list[Point]:
-    """Return where the people of a trial start, so that none of them overlap.
+    """Return the start positions of all people, without overlaps.
 
-    First come those with places of their own, then the others in their order. `TrialError` says
-    for whom there is no room.
+    People with a given position come first, then the others in their order. A `TrialError` names
+    a person for whom there is no room.
     """
     plan = trial.floorplan
     radii = [entry.radius or plan.human.radius for entry in trial.people]
@@ -48,17 +48,17 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd) -> lis
         at: Point | None
         if entry.anywhere and _is_there(leader):
             beside = places[trial.people.index(leader)]
-            assert beside is not None  # leaders come before those whom they lead
+            assert beside is not None  # leaders come before their groups
             at = crowd.room(beside, radii[k], taken=taken)
         elif entry.anywhere:
             at = _anywhere(entry, trial.seed, world, radii[k], taken)
         else:
             home = entry.home_on(plan)
-            assert home is not None  # else the trial is refused
+            assert home is not None  # checks reject trials without a home
             at = crowd.room(home.position, radii[k], taken=taken)
         if at is None:
-            found = "on the floor" if entry.anywhere else "at home; give at: [x, y]"
-            message = f"people[{k}]: there is no room for {entry.name} {found}"
+            where = "on the floor" if entry.anywhere else "at home; give at: [x, y]"
+            message = f"people[{k}]: there is no room for {entry.name} {where}"
             raise TrialError(f"trial {trial.name!r}", [Problem(message)])
         places[k] = at
         taken.append((at, radii[k]))
@@ -66,7 +66,7 @@ def starting_places(trial: Scenario, world: CollisionWorld, crowd: Crowd) -> lis
 
 
 def with_homes(trial: Scenario, starts: Sequence[Point]) -> tuple[PersonEntry, ...]:
-    """Return the people of a trial who start there: who has no home else is at home there."""
+    """Return the people of a trial. The start position is the home of people without one."""
     return tuple(
         replace(entry, home=at) if entry.home_on(trial.floorplan) is None else entry
         for entry, at in zip(trial.people, starts, strict=True)
@@ -74,15 +74,12 @@ def with_homes(trial: Scenario, starts: Sequence[Point]) -> tuple[PersonEntry, .
 
 
 def _is_there(leader: PersonEntry | None) -> TypeGuard[PersonEntry]:
-    """Return whether there is somebody to start beside: a leader who does not come in later."""
+    """Return whether there is a leader who is on the floor at the start."""
     return leader is not None and leader.source is None
 
 
 def wings(plan: Floorplan, index: int) -> Point:
-    """Return where the person of that index is while they are not on the floor: far from it all.
-
-    So far that nothing there concerns anybody on the floor, and nobody anybody else there.
-    """
+    """Return the position of an absent person, far from the floor and from other absent people."""
     low_x, low_y, _, _ = plan.boundary.bounds
     return (low_x - WINGS, low_y - WINGS - 10.0 * index)
 
@@ -90,14 +87,14 @@ def wings(plan: Floorplan, index: int) -> Point:
 def _anywhere(
     entry: PersonEntry, seed: int, world: CollisionWorld, radius: float, taken: list[Standing]
 ) -> Point | None:
-    """Return a free place drawn evenly from the largest connected part of the floor."""
+    """Return a random free position in the largest connected part of the floor, or None."""
     space = world.free_space(radius + GAP)
     if not len(space.pieces):
         return None
     piece = max(space.pieces, key=lambda one: one.area)
     low_x, low_y, high_x, high_y = piece.bounds
     random = Random(seed_of(seed, f"start {entry.name}"))
-    # Rejection from the piece's bounds: evenly spread, however the piece is shaped.
+    # Rejection sampling from the bounds is uniform for every shape of the piece.
     for _ in range(TRIES):
         at = (random.uniform(low_x, high_x), random.uniform(low_y, high_y))
         if all(math.dist(at, other) >= radius + r + GAP for other, r in taken) and bool(

@@ -56,17 +56,17 @@ class Foresighted:
 def both_aside(
     me: Traveller, mine: Outlook, hit: Hit, look: Callable[[], Outlook]
 ) -> Iterator[tuple[Swath, Swath, Outlook]]:
-    """Yield drafts in which two who meet head-on both shift to their side, the usual one first.
+    """Yield drafts in which two people who meet head-on both shift aside, to the usual side first.
 
-    And the outlook of the other, who comes to `look` only where there is room on this side.
-    Neither meets anybody else.
+    Each pair of drafts comes with the observation of the other person. `look` makes it only if
+    there is room on this side. Neither draft meets other people.
     """
     theirs: Outlook | None = None
     our_others = mine.others.without([hit.other])
     gone = mine.gone(hit.t)
     x, y, c, s = mine.walks.course.after(gone)
     px, py = hit.other.body.motion.state(hit.t).at
-    # Where the other is then, from where they would be: ahead, and to the left.
+    # Position of the other person at the conflict, relative to the walker: ahead, and to the left.
     ahead, beside = (px - x) * c + (py - y) * s, (py - y) * c - (px - x) * s
     x, y, _, _ = mine.walks.course.after(gone + max(ahead, 0.0) / 2)
     needed = me.radius + hit.other.radius + GAP + 1e-3

@@ -14,19 +14,19 @@ from .ground import Ground
 from .traveller import Traveller
 
 RINGS, ANGLES = 24, 24
-"""Places that are looked at around one that is taken: so many circles, and places on each."""
+"""Number of circles around an occupied place, and number of positions on each."""
 
 Place = tuple[Point, float]
-"""Where somebody stands, and their radius (metres)."""
+"""Position and radius of a stationary person, m."""
 
 
 def places_at(
     world: CollisionWorld, place: Point, radius: float, vehicles: Collection[str]
 ) -> list[Point]:
-    """Return `place` and those beside what stands there, for a body of `radius` metres.
+    """Return `place`, and positions beside it if it is occupied, for a disc of `radius` metres.
 
-    Those beside come first where something stands on it that is not a wall, and `place` itself is
-    left out where that is one of these `vehicles`.
+    Positions beside a body on `place` come first. If the body is one of `vehicles`, `place` is
+    omitted.
     """
     exits = [] if world.free(place, radius) else [*world.exits(place, radius)]
     touching = {body.name for body in world.hits(place, place, radius)}
@@ -45,13 +45,10 @@ def room_near(
     taken: Sequence[Place],
     within: float = math.inf,
 ) -> Point | None:
-    """Return the free place nearest to `place`, where nothing but people stands.
+    """Return the free position nearest to `place`, on which there are only people, or None.
 
-    None if there is none `within` so many metres.
-
-    `ground` returns the floor as people of this `radius` (metres) see it.
-    Those on the `floor` but `me` are minded, and those who are about to stand where it is `taken`.
-    The order of the places that are tried is fixed.
+    `ground` returns the ground for people of this `radius` (m). The position is free of the
+    committed motions of others and of the `taken` positions, and `within` a distance (m).
     """
     for ring in range(RINGS + 1):
         away = 0.5 * ring * (radius + GAP)
@@ -60,11 +57,9 @@ def room_near(
         for k in range(ANGLES if ring else 1):
             angle = 2 * math.pi * k / ANGLES
             at = (place[0] + away * math.cos(angle), place[1] + away * math.sin(angle))
-            # Standing there for ever must conflict with nobody's motion, as everything that is
-            # agreed to.
             stand = swath(standing(at, start=now), now)
             near = [floor.people[k] for k in floor.near(stand.box, radius)]
-            # The place itself was found fit by whoever chose it, however close to a wall.
+            # The caller has checked the distance of `place` to walls.
             if (
                 (ring == 0 or ground().free_and_back(place, at))
                 and all(math.dist(at, other) >= radius + r + GAP for other, r in taken)

@@ -105,7 +105,7 @@ class SampledCrowd(Crowd):
         """Do nothing, because the model observes vehicles at each step."""
 
     def _step(self) -> None:
-        """Let people arrive, and set the velocities of all others until the next step."""
+        """Handle arrivals, and set the velocities of all others until the next step."""
         now = self._clock.now
         self._tick = round(now * STEPS_PER_SECOND)
         bodies = [one for one in self._commitments.people if self._commitments.is_there(one)]

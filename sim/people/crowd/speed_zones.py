@@ -1,4 +1,4 @@
-"""Zones in which somebody walks no faster than a speed."""
+"""Zones that limit the speed of people."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ...core.speed_zones import SLIGHT, Stretch, parts_between, slow_areas
 
 
 class SpeedZones:
-    """The speed limits of one person; what counts is where their centre is."""
+    """Speed limits of one person, by the position of their centre."""
 
     def __init__(self, zones: Iterable[Zone], name: str) -> None:
         self._zones = [(area, area.bounds, limit) for area, limit in slow_areas(zones, name)]
@@ -25,9 +25,9 @@ class SpeedZones:
     def along(
         self, course: Sequence[Point], top_speed: float
     ) -> tuple[list[Point], float | list[float]]:
-        """Return `course` with the points at which limits change, and the top speed of each leg.
+        """Return `course` with the points at which limits change, and the speed of each segment.
 
-        Only `top_speed` (m/s) where the course is clear of all zones.
+        The speed is a single `top_speed` (m/s) if the course is clear of all zones.
         """
         points, speeds = [course[0]], []
         for a, b in pairwise(course):
@@ -39,7 +39,7 @@ class SpeedZones:
         return points, speeds
 
     def _parts(self, a: Point, b: Point, top_speed: float) -> list[tuple[Point, float]]:
-        """Return the ends of the parts of a leg that have one limit each, and that limit."""
+        """Return the end and the limit of each part of a segment."""
         length = math.dist(a, b)
         if length < SLIGHT:
             return [(b, top_speed)]
@@ -51,7 +51,7 @@ class SpeedZones:
         return parts
 
     def _slow(self, a: Point, b: Point) -> Iterator[Stretch]:
-        """Yield the parts of a leg (metres from a) in zones."""
+        """Yield the parts of a segment in zones (m from a)."""
         for area, (low_x, low_y, high_x, high_y), limit in self._zones:
             if (
                 max(a[0], b[0]) < low_x
@@ -63,6 +63,6 @@ class SpeedZones:
             shared = shapely.intersection(area, shapely.linestrings([a, b]))
             for piece in shapely.get_parts(shared):
                 ends = [math.dist(a, at) for at in shapely.get_coordinates(piece).tolist()]
-                # Past a corner of the zone the two share one part, which is empty.
+                # A segment that touches a corner shares an empty part with the zone.
                 if ends and max(ends) - min(ends) > SLIGHT:
                     yield Stretch(min(ends), max(ends), limit)

@@ -1,4 +1,4 @@
-"""Steps aside: people on the course of a vehicle leave it before it comes, again and again."""
+"""Steps aside: people leave the course of a vehicle before it comes."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from .traveller import Traveller
 
 
 class StepsAside:
-    """Reactions of people to vehicles whose known motions meet theirs.
+    """Reactions of people to vehicles whose announced motions meet theirs.
 
-    A person who walks there decides again at once. `PARAMETERS.alarm` seconds before the vehicle
-    comes, a person who is still in the way walks to the nearest free place off its course, and
-    tries again every `PARAMETERS.early` seconds if there is none.
+    A walking person decides again at once. `PARAMETERS.alarm` seconds before the vehicle comes, a
+    person in the way walks to the nearest free place off its course, and tries again every
+    `PARAMETERS.early` seconds if there is none.
 
-    `people` are all people of the crowd, `decide(me)` lets a person decide again, and
+    `people` are all people of the crowd, `decide(me)` makes a person decide again, and
     `struck(me, motion)` returns whether a vehicle strikes a person who follows `motion`.
     """
 
@@ -65,7 +65,7 @@ class StepsAside:
             self._reacting.set(self._clock.now)
 
     def _react(self) -> None:
-        """Let people who walk into the way of a vehicle decide again, and set all alarms."""
+        """Make people who walk into the way of a vehicle decide again, and set all alarms."""
         now, coming = self._clock.now, self._coming
         self._coming = {}
         for me in self._people:
@@ -87,7 +87,7 @@ class StepsAside:
         me.stepping.set(None if t == math.inf else due)
 
     def _met(self, me: Traveller, ahead: Swath) -> float:
-        """Return when a vehicle meets a person who goes there (s), or infinity."""
+        """Return the time at which a vehicle meets a person with this swath (s), or infinity."""
         table, now = self._commitments, self._clock.now
         near = table.near(ahead.box, me.radius, table.indices[me])
         discs = (table.people[k] for k in near if table.people[k].is_vehicle)
@@ -95,7 +95,7 @@ class StepsAside:
         return min((t for t in times if t is not None), default=math.inf)
 
     def step_aside(self, me: Traveller) -> None:
-        """Let a person walk off the course of a vehicle, if that is still in the way."""
+        """Walk off the course of a vehicle that still meets the person."""
         me.stepped = self._clock.now
         met = self._met(me, me.swath)
         if met < math.inf:
@@ -108,9 +108,9 @@ class StepsAside:
     def _ways_out(
         self, me: Traveller, met: float
     ) -> Iterator[dict[Traveller, tuple[Motion, Swath]]]:
-        """Yield motions with which a person is met by no vehicle, or later than at `met` (s).
+        """Yield motions with which no vehicle meets a person, or one later than `met` (s).
 
-        From the most to the least comfortable.
+        The most comfortable are first.
         """
         now = self._clock.now
         stops = [*self._stops(me)]
@@ -131,7 +131,7 @@ class StepsAside:
             Retreating(),
         ]
         if self._struck(me, me.body.motion):
-            # The discs are larger than a vehicle, and their middles are in it.
+            # The discs are larger than a vehicle, and their centres are inside.
             size = max(disc.radius for disc in discs)
             yielding.append(Retreating(alone=True, margin=-size, struck=struck))
         for manner in yielding:

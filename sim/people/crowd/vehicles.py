@@ -54,10 +54,10 @@ LEEWAY = 1e-3
 
 
 class Vehicle:
-    """One vehicle, as its known motion and final standing: as fixed as that of a recorded person.
+    """One vehicle as discs with its announced motion, which people cannot change.
 
-    It is there while it drives, or will within `KNOWN` seconds; one that stands is an obstacle of
-    the collision world. `changed` is called with its discs whenever it is to do something else.
+    The discs exist while the vehicle drives, or will within `KNOWN` seconds. A stationary vehicle
+    is an obstacle of the collision world. `changed` is called with the discs after each change.
     """
 
     def __init__(
@@ -80,12 +80,18 @@ class Vehicle:
 
     @cached_property
     def _places(self) -> list[Point]:
-        """The middles of the discs, from the vehicle's axis."""
+        """Centres of the discs relative to the vehicle's axis."""
         return cover(self._machine.shape)[0]
 
     @cached_property
+    def _reach(self) -> float:
+        """Distance from the axis of the vehicle within which all discs are, m."""
+        places, radius = cover(self._machine.shape)
+        return max(math.hypot(*place) for place in places) + radius + TOUCH + 2 * LEEWAY
+
+    @cached_property
     def discs(self) -> list[Traveller]:
-        """Those who move like the vehicle's parts; most vehicles never drive."""
+        """Discs that move like parts of the vehicle, made when it first drives."""
         stage, machine = self._stage, self._machine
         radius = cover(machine.shape)[1] + TOUCH + LEEWAY
         size, manners = replace(stage.floorplan.human, radius=radius), Manners(steps_aside=False)
@@ -115,8 +121,11 @@ class Vehicle:
 
         These are larger than the vehicle, so the person may leave one and walk into a corner.
         """
-        return self.is_there and any(
-            math.dist(disc.body.at, me.body.at) < disc.radius + me.radius for disc in self.discs
+        if not self.is_there:
+            return False
+        at = me.body.at
+        return math.dist(self._machine.body.at, at) < self._reach + me.radius and any(
+            math.dist(disc.body.at, at) < disc.radius + me.radius for disc in self.discs
         )
 
     def strikes(self, me: Traveller, motion: Motion, until: float) -> bool:
@@ -129,10 +138,9 @@ class Vehicle:
         return any(begin > now for begin, _ in contacts)
 
     def _look(self) -> None:
-        """Take note of what the vehicle does from now on, as far as that is known."""
+        """Update the discs to the announced motion of the vehicle."""
         now = self._clock.now
-        # What is announced, as people know the plan; one that yields to them counts as it drives
-        # now.
+        # Yielding vehicles announce their present drive only.
         motion = self._machine.foreseen(now + KNOWN)
         announced = self._machine.sets_out(now + KNOWN) - KNOWN
         if motion.end > now:
@@ -150,9 +158,9 @@ class Vehicle:
 
 
 def cover(shape: MachineShape) -> tuple[list[Point], float]:
-    """Return the middles of discs that cover a vehicle, and their radius (metres).
+    """Return the centres of discs that cover a vehicle relative to its axis, and their radius (m).
 
-    They are relative to its axis: over the floor if it never turns, otherwise along its heading.
+    The axes are those of the floor if the vehicle never turns, otherwise those of its heading.
     """
     west, south, east, north = shape.bounds
     length, width = east - west, north - south
@@ -178,18 +186,17 @@ def among_vehicles(
     top: float,
     gap: float,
 ) -> Passage | None:
-    """Return the passage of somebody who stands to `goal`, at up to `top` m/s, among vehicles.
+    """Return the passage of a stationary person to `goal` among vehicles, at up to `top` m/s.
 
-    They keep `gap` metres from the surfaces of those. None if no vehicle would touch them on
-    `motion`, neither one under way nor one that is known to set out before they arrive. None, too,
-    if there is no passage without a long wait: they set out all the same then, and let the vehicle
-    pass when it comes.
+    It keeps `gap` metres from their surfaces. None if no vehicle would touch the person on
+    `motion`, and also if there is no passage with a wait of at most `LONGEST_WAIT`. Then the person
+    starts anyway, and steps aside when the vehicle comes.
     """
     if not any_touches(stage, human, motion):
         return None
     now = stage.clock.now
     try:
-        passage = plan_among(
+        return plan_among(
             planner,
             body.at,
             goal,
@@ -200,30 +207,30 @@ def among_vehicles(
             max_acceleration=human.max_acceleration,
             height=human.height,
             gap=gap,
+            patience=LONGEST_WAIT,
         )
     except PlanningError:
         return None
-    return None if any(wait > LONGEST_WAIT for _, wait in passage.waits) else passage
 
 
 def any_touches(stage: Stage, human: Human, motion: Motion) -> bool:
-    """Return whether a vehicle touches somebody on `motion`, as far as it is known how it drives.
+    """Return whether a vehicle touches a person on `motion`.
 
-    That is, under way or known to set out before they arrive.
+    Vehicles count that drive now, or whose start before the arrival is announced.
     """
     now = stage.clock.now
     return any(_touches(mover, motion, human, now) for mover in _moving(stage, now, motion.end))
 
 
 def any_moves(stage: Stage, until: float) -> bool:
-    """Return whether a vehicle drives now, or is known to set out by `until` (seconds)."""
+    """Return whether a vehicle drives now, or will start by `until` (s)."""
     return bool(_moving(stage, stage.clock.now, until))
 
 
 def _moving(stage: Stage, now: float, until: float) -> list[Mover]:
-    """Return the vehicles that drive now or set out by `until`, as far as that is known."""
-    known = ((machine, machine.foreseen(until)) for machine in stage.vehicles)
-    return [_mover(machine, motion) for machine, motion in known if motion.end > now]
+    """Return the vehicles that drive now, or will start by `until` (s)."""
+    motions = ((machine, machine.foreseen(until)) for machine in stage.vehicles)
+    return [_mover(machine, motion) for machine, motion in motions if motion.end > now]
 
 
 def _mover(machine: Machine, motion: Motion) -> Mover:
@@ -237,5 +244,5 @@ def _touches(mover: Mover, motion: Motion, human: Human, now: float) -> bool:
 
 @lru_cache
 def _shapes(human: Human, vehicle: Solid) -> Shapes:
-    """Return the solids of a person and of a vehicle; most people are alike."""
+    """Return the solids of a person and of a vehicle."""
     return Shapes(person=Cylinder(radius=human.radius, top=human.height), machine=(vehicle,))

@@ -36,12 +36,12 @@ people_msgs/Person[] people
 """
 
 _LAST = ("pose", "odom", "odometry")
-"""Last parts of a topic that say what it is, not whose."""
+"""Last parts of a topic that name its content, not a body."""
 
 
 @dataclass
 class _BagTrack:
-    """The poses of one body in a topic, as they come."""
+    """Poses of one body in a topic, in the order of messages."""
 
     topic: str
     frame: str
@@ -51,10 +51,10 @@ class _BagTrack:
 
 
 Found = tuple[str, str, int, float, float, float]
-"""The name of a body ("" where the topic is the body's), its frame, time (ns), and pose."""
+"""Name of a body ("" if the topic has only one), its frame, time (ns), and pose."""
 
 Message = tuple[str, int, Callable[[], Iterable[Found]]]
-"""The topic of a message, when it was recorded (ns), and what decodes its poses."""
+"""Topic of a message, time of its recording (ns), and decoder of its poses."""
 
 
 def _of_pose(message: Any) -> Iterator[Found]:
@@ -97,10 +97,10 @@ KINDS: dict[str, Callable[[Any], Iterator[Found]]] = {
     "people_msgs/msg/People": _of_people,
     "tf2_msgs/msg/TFMessage": _of_transforms,
 }
-"""Readers of messages of ROS that say where bodies are, by type."""
+"""Readers of ROS messages with poses of bodies, by type."""
 
 FOXGLOVE = "foxglove.PoseInFrame"
-"""The schema of poses in a file of Foxglove's."""
+"""Foxglove's schema of poses."""
 
 
 def read(path: Path) -> Tracks:
@@ -117,7 +117,7 @@ def read(path: Path) -> Tracks:
         tracks = _tracks(path, _in_foxglove(path) if is_foxglove else _in_bag(path))
     except (TrackError, ModuleNotFoundError):
         raise
-    except Exception as why:  # the libraries raise many things of what is damaged
+    except Exception as why:  # the libraries raise many errors for damaged files
         kind = "MCAP file" if is_foxglove else "ROS 2 bag"
         raise TrackError.of(path, f"is no {kind} that can be read: {why}") from None
     if not tracks:
@@ -149,8 +149,8 @@ def _is_of_ros(path: Path) -> bool:
     """Return True if the header of an MCAP file has the profile of ROS 2, or can't be read."""
     with path.open("rb") as file:
         start = file.read(32)
-    # Magic, the operation code 1 and the header's length are 17 bytes; then come its texts, each
-    # after its length.
+    # Magic, the operation code 1 and the length of the header are 17 bytes. Then come its texts,
+    # each after its length.
     return not start.startswith(b"\x89MCAP0\r\n\x01") or start[17:25] == b"\x04\0\0\0ros2"
 
 
@@ -184,7 +184,7 @@ def _decoded_pose(decode: Callable[[bytes], Any], data: bytes) -> Iterator[Found
 
 
 def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _BagTrack]:
-    """Return the tracks by topic, or by name where a topic is about several bodies."""
+    """Return the tracks by topic, or by name if a topic has several bodies."""
     tracks: dict[str, _BagTrack] = {}
     counts: dict[str, int] = defaultdict(int)
     for topic, stamp, poses in messages:
@@ -192,7 +192,7 @@ def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _BagTrack]:
         counts[topic] += 1
         try:
             found = list(poses())
-        except Exception as why:  # of one that is damaged the libraries raise many things
+        except Exception as why:  # the libraries raise many errors for damaged messages
             message = f"topic {topic}, message {number}: can't be decoded: {why}"
             raise TrackError.of(path, message) from None
         for name, frame, time, x, y, yaw in found:
@@ -201,14 +201,14 @@ def _tracks(path: Path, messages: Iterable[Message]) -> dict[str, _BagTrack]:
             if fault:
                 raise TrackError.of(path, f"topic {topic}, message {number}: {fault}")
             track.messages.append(number)
-            # A header without a time is common: then the instant at which the message was recorded.
+            # Headers without a time are common. The time of the recording replaces it.
             track.stamps.append(time or stamp)
             track.poses.append((x, y, yaw))
     return tracks
 
 
 def _fault(track: _BagTrack, topic: str, frame: str, place: tuple[float, float]) -> str:
-    """Return what keeps a pose from being one of the track, if anything."""
+    """Return the message about an invalid pose, or an empty string."""
     if not are_figures(place).all():
         return f"({place[0]:g}, {place[1]:g}) is not a place"
     if topic != track.topic:
@@ -219,7 +219,7 @@ def _fault(track: _BagTrack, topic: str, frame: str, place: tuple[float, float])
 
 
 def _check_frames(path: Path, tracks: dict[str, _BagTrack]) -> None:
-    """Raise `TrackError` if a body is placed in the frame of another one, which moves."""
+    """Raise a `TrackError` if the frame of a body is that of another body, which moves."""
     for name, track in tracks.items():
         if track.frame in tracks and track.frame != name:
             moving = {pose[:2] for pose in tracks[track.frame].poses}
@@ -240,15 +240,15 @@ def _samples(track: _BagTrack, first: int) -> Samples:
 
 
 def _short(name: str) -> str:
-    """Return whose topic it is: eve of /eve/pose; a name as it is."""
+    """Return the body of a topic, such as eve for /eve/pose. Names are returned unchanged."""
     parts = name.strip("/").split("/")
     return "/".join(parts[:-1] if len(parts) > 1 and parts[-1] in _LAST else parts)
 
 
 def _yaw(turned: Any) -> float:
-    """Return the heading of a quaternion (radians), NaN where it is none."""
+    """Return the heading of a quaternion (rad), or NaN for an invalid one."""
     x, y, z, w = turned.x, turned.y, turned.z, turned.w
     if x == y == z == w == 0.0:
         return float("nan")
-    # The rotation about z of the order z-y-x, which is what is left of any attitude on the floor.
+    # The rotation about z in the order z-y-x is the heading on the floor.
     return float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))

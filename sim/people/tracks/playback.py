@@ -16,17 +16,17 @@ from ..crowd.traveller import Traveller
 from .recorded_walks import RecordedWalk
 
 AHEAD = 6.0
-"""Seconds of the walk that others can foresee, at most. They see others' courses about as far."""
+"""Part of the walk that other people can foresee, s, similar to their own foresight."""
 
 EVERY = 2.0
-"""Seconds from one look ahead to the next."""
+"""Time between two updates of that part, s."""
 
 
 class Playback:
-    """The walk of a `traveller`, from `begin` on. Others of the `crowd` walk round them.
+    """Recorded walk of a `traveller` among the other people of a `crowd`.
 
-    The body is committed to a part of the walk at a time, as people are to their courses: those
-    who watch and those who steer see as far ahead as with anybody.
+    The body is committed to one part of the walk at a time, so that monitors and other people see
+    as far ahead as for people who decide.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Playback:
             self._next.set(now + EVERY)
 
     def _part(self, begin: float, end: float) -> Motion:
-        """Return the walk between two instants of the clock; it ends earlier if the walk does."""
+        """Return the walk between two times of the clock (s), or up to its end."""
         pieces, since = self._motion.pieces, self._begun_at
         first = max(0, bisect_right(self._begins, begin - since) - 1)
         last = bisect_right(self._begins, end - since)

@@ -26,13 +26,13 @@ from .tables import METRE, Array, Samples, TrackError, Tracks
 from .track_files import read_tracks
 
 STROLL = 0.1
-"""m/s. Who is slower than this looks where they looked before."""
+"""Speed below which people keep their heading, m/s."""
 
 SHORTEST = 1e-6
-"""Seconds. Samples that are nearer are at one time, where a body jumps."""
+"""Time between samples below which they are at one time, where a body jumps, s."""
 
 MOST_AT_ONCE = 3
-"""Samples at one time, at most: before and after a jump, and one of a regular series."""
+"""Maximum number of samples at one time: before and after a jump, and one of a regular series."""
 
 AT_ONCE = MOST_AT_ONCE * SHORTEST
 """Maximum length of a jump in seconds."""
@@ -75,7 +75,7 @@ class RecordedWalk:
 def recorded_walks(scenario: Scenario) -> dict[str, RecordedWalk]:
     """Return the walks of all recorded people of a scenario by name.
 
-    `TrackError` says in which row of which file a track is unfit.
+    A `TrackError` names the file and the row of an invalid track.
     """
     return {
         entry.name: recorded_walk(entry, scenario, wings(scenario.floorplan, index))
@@ -123,14 +123,14 @@ def recorded_walk(entry: PersonEntry, scenario: Scenario, away: Point) -> Record
 
 
 def with_everybody(scenario: _Made) -> _Made:
-    """Return a scenario with a person for each body of the files whose entries add everybody."""
+    """Return a scenario with a person for each body of the files whose entries add all bodies."""
     people = tuple(one for entry in scenario.people for one in bodies_of(entry, scenario.folder))
     is_same = len(people) == len(scenario.people) and all(map(is_, people, scenario.people))
     return scenario if is_same else replace(scenario, people=people)
 
 
 def bodies_of(entry: PersonEntry, folder: Path) -> list[PersonEntry]:
-    """Return the people of an entry: one for each body of its file if it adds everybody."""
+    """Return the people of an entry: one for each body of its file if it adds all bodies."""
     recorded = entry.recorded
     if not isinstance(recorded, RecordedTrack) or not recorded.everybody:
         return [entry]
@@ -166,7 +166,7 @@ def track_faults(scenario: Scenario) -> Iterator[Fault]:
 
 
 def _fault(entry: PersonEntry, recorded: RecordedTrack, scenario: Scenario) -> str:
-    """Return what cannot be about the track of a person, if anything."""
+    """Return the message about an invalid track of a person, or an empty string."""
     try:
         tracks, samples = _samples(recorded, entry.name, scenario.folder)
         problems = list(_problems(recorded, tracks, samples, scenario))
@@ -177,7 +177,7 @@ def _fault(entry: PersonEntry, recorded: RecordedTrack, scenario: Scenario) -> s
 
 
 def with_places(scenario: Scenario, walks: Mapping[str, RecordedWalk]) -> tuple[PersonEntry, ...]:
-    """Return the people of a scenario; those who were recorded start where their walks do."""
+    """Return the people of a scenario, with the starts of recorded walks."""
     return tuple(
         replace(entry, at=walks[entry.name].at) if entry.name in walks else entry
         for entry in scenario.people
@@ -210,7 +210,7 @@ def _frame_rate(recorded: RecordedTrack, tracks: Tracks) -> float | None:
 def _problems(
     recorded: RecordedTrack, tracks: Tracks, samples: Samples, scenario: Scenario
 ) -> Iterator[Problem]:
-    """Yield what is wrong with the samples, each with its row."""
+    """Yield the problems of the samples with their rows."""
     rate = _frame_rate(recorded, tracks)
     if tracks.counts_frames and not rate:
         yield Problem("counts frames, and does not say how many a second has: give frame_rate")
@@ -263,7 +263,7 @@ def _problems(
 
 
 def _late(t: Array) -> NDArray[np.bool_]:
-    """Return for each sample but the first whether it is earlier than it may be: (N - 1,)."""
+    """Return whether each sample except the first is too early: (N - 1,)."""
     steps = np.diff(t)
     late = steps < 0.0
     at_once = steps < SHORTEST
@@ -277,7 +277,7 @@ def _are_gaps(steps: Array, recorded: RecordedTrack) -> NDArray[np.bool_]:
 
 
 def _parts(t: Array, recorded: RecordedTrack) -> list[NDArray[np.intp]]:
-    """Return the samples between jumps; two samples at one time are the ends of two parts.
+    """Return the samples of each part between jumps, which are two samples at one time.
 
     Gaps in which the person is absent also separate parts.
     """
@@ -286,22 +286,22 @@ def _parts(t: Array, recorded: RecordedTrack) -> list[NDArray[np.intp]]:
     if recorded.while_tracked:
         cuts |= _are_gaps(steps, recorded)
     parts = np.split(np.arange(len(t)), np.flatnonzero(cuts) + 1)
-    # A body is for no time at a sample alone, except at one end of a track that stands there.
+    # A single sample lasts no time, except at an end of a track whose person stays there.
     ends = () if recorded.while_tracked else (0, len(parts) - 1)
     return [part for k, part in enumerate(parts) if len(part) > 1 or k in ends]
 
 
 def _on_floor(parts: list[NDArray[np.intp]], xy: Array, plan: Floorplan) -> list[NDArray[np.intp]]:
-    """Return `parts` without the first or last of several that is outside the floor throughout.
+    """Return `parts` without a first or last one outside the floor, from or to which a body jumps.
 
-    The body comes by a jump from outside, or leaves by one; all parts if that leaves none.
+    If all parts are outside, all are returned.
     """
     outside = [not shapely.intersects_xy(plan.boundary, *xy[part].T).any() for part in parts]
     return parts if all(outside) else parts[outside[0] : len(parts) - outside[-1]]
 
 
 def _outside(shown: NDArray[np.intp], xy: Array, plan: Floorplan) -> Iterator[tuple[int, str]]:
-    """Yield the first of the samples `shown` that is outside the floor, and what is wrong."""
+    """Yield the first of the samples `shown` outside the floor, with a message."""
     outside = shown[~shapely.intersects_xy(plan.boundary, *xy[shown].T)]
     if outside.size:
         x, y = xy[outside[0]]
@@ -313,18 +313,17 @@ def _outside(shown: NDArray[np.intp], xy: Array, plan: Floorplan) -> Iterator[tu
 
 
 def _headings(t: Array, xy: Array) -> Array:
-    """Return the direction in which somebody looks at each sample: where they walk."""
+    """Return the heading at each sample: the direction of the walk."""
     steps = np.diff(xy, axis=0)
     angles = np.arctan2(steps[:, 1], steps[:, 0])
     walks = np.hypot(*steps.T) > STROLL * np.diff(t)
     if not walks.any():
         return np.zeros(len(t))
-    # The last direction in which they walked; before the first, that one.
-    # The number of the last step at which they walked, for each step.
-    known = np.maximum.accumulate(np.where(walks, np.arange(len(walks)), -1))
-    known[known < 0] = int(np.argmax(walks))
-    looks: Array = angles[known]
-    return np.append(looks, looks[-1])
+    # The heading of each step is that of the last step at walking speed, or of the first one.
+    last = np.maximum.accumulate(np.where(walks, np.arange(len(walks)), -1))
+    last[last < 0] = int(np.argmax(walks))
+    headings: Array = angles[last]
+    return np.append(headings, headings[-1])
 
 
 def _top_speed(motion: Motion) -> float:

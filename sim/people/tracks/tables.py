@@ -1,6 +1,6 @@
 """Tracks in tables: CSV, Parquet, HDF5, columns of numbers, and JuPedSim's SQLite files.
 
-A recording's own `trajectory.csv` is such a file.
+The `trajectory.csv` of a recording is such a file.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ Array = NDArray[np.float64]
 
 
 class TrackError(InputError):
-    """A file of tracks that can't be used."""
+    """A file of tracks is invalid."""
 
 
-def frame_rate(given: float, path: Path, line: int | None = None) -> float:
-    """Return the number of frames a second that a file gives; `TrackError` if it can't be."""
-    if not SMALLEST <= given <= LARGEST:
+def frame_rate(rate: float, path: Path, line: int | None = None) -> float:
+    """Return a valid number of frames per second, or raise a `TrackError`."""
+    if not SMALLEST <= rate <= LARGEST:
         message = f"the frame rate must be a number from {SMALLEST:g} to {LARGEST:g}"
         raise TrackError.of(path, message, line)
-    return given
+    return rate
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Samples:
-    """One body at N instants: `t` in seconds or frames, `x` and `y` in a unit of length, each (N,).
+    """One body at N times: `t` in seconds or frames, `x` and `y` in a unit of length, each (N,).
 
-    `rotation` is in radians, None where the file has none; `rows` says where in the file each
-    sample stands: its line, its frame, or its message of what is called `place`.
+    `rotation` is in radians, or None if the file has none. `rows` are the places of the samples in
+    the file: lines, frames, or messages of a topic `place`.
     """
 
     rows: NDArray[np.int64]
@@ -57,10 +57,10 @@ class Samples:
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """The bodies of a file, by name or number.
+    """Bodies of a file, by name or number.
 
-    Where `t` counts frames, `frame_rate` is how many a second has, None if the file says nothing.
-    `metre` is the length of the unit of `x` and `y`.
+    If `t` counts frames, `frame_rate` is their number per second, or None if the file has none.
+    `metre` is the unit of `x` and `y` in metres.
     """
 
     bodies: dict[str, Samples]
@@ -89,7 +89,7 @@ OBSMAT = {"frame": 0, "body": 1, "x": 2, "y": 4}
 METRE = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 MOST_PROBLEMS = 20
-"""Reading stops after so many rows that can't be read."""
+"""Maximum number of invalid rows before reading stops."""
 
 MOST_ROWS = 20_000_000
 """Maximum number of rows of a Parquet or HDF5 file, whose few bytes can stand for many rows."""
@@ -99,7 +99,7 @@ _RATE = r"(?i)frame\s*rate\s*[:=]?\s*([0-9.]+)"
 
 
 def read_text_tracks(path: Path) -> Tracks:
-    """Return the tracks in the text file at `path`; `TrackError` with the rows that are unfit."""
+    """Return the tracks in the text file at `path`, or raise a `TrackError` with invalid rows."""
     rate: float | None = None
     metre = 1.0
     split: Callable[[str], list[str]] = str.split
@@ -150,9 +150,9 @@ def read_text_tracks(path: Path) -> Tracks:
         if columns is not OBSMAT and _begins_with_frames(first, table):
             first, table[:, 0] = table[:, 0].copy(), first
         names = [f"{body:.15g}" for body in first.tolist()]
-    known = {name: code for code, name in enumerate(dict.fromkeys(names))}
-    codes = np.array([known[name] for name in names])
-    bodies = _bodies([*known], codes, table, np.array(rows))
+    code_of = {name: code for code, name in enumerate(dict.fromkeys(names))}
+    codes = np.array([code_of[name] for name in names])
+    bodies = _bodies([*code_of], codes, table, np.array(rows))
     return Tracks(bodies, counts_frames="t" not in columns, frame_rate=rate, metre=metre)
 
 
@@ -190,7 +190,7 @@ def _bodies(
 def read_parquet_tracks(path: Path) -> Tracks:
     """Return the tracks in the Parquet file at `path`, whose columns are named as in CSV.
 
-    `TrackError` says what is wrong with it, or what to install.
+    A `TrackError` names the problem, or the package to install.
     """
     require_readable(path, TrackError, LARGEST_RECORDED)
     try:
@@ -224,7 +224,7 @@ TRAJECTORY = "trajectory"
 
 
 def read_hdf5_tracks(path: Path) -> Tracks:
-    """Return the tracks in the HDF5 file at `path`; `TrackError` says why it can't be read."""
+    """Return the tracks in the HDF5 file at `path`, or raise a `TrackError`."""
     require_readable(path, TrackError, LARGEST_RECORDED)
     try:
         import h5py
@@ -240,15 +240,15 @@ def read_hdf5_tracks(path: Path) -> Tracks:
             rate = data.attrs.get("fps")
             rate = None if rate is None else frame_rate(float(rate), path)
             table = data[:]
-        known, codes = np.unique(table[names[columns["body"]]], return_inverse=True)
+        ids, codes = np.unique(table[names[columns["body"]]], return_inverse=True)
         wanted = [names[columns[name]] for name in _wanted(columns)]
         figures = np.column_stack([table[name].astype(float) for name in wanted])
     except TrackError:
         raise
-    except Exception as why:  # the library raises many things of what is damaged
+    except Exception as why:  # the library raises many errors for damaged files
         raise TrackError.of(path, f"is no HDF5 file with a table {TRAJECTORY!r}: {why}") from None
     _require_finite(figures, path)
-    bodies = _bodies(known.tolist(), codes, figures, _count(figures))
+    bodies = _bodies(ids.tolist(), codes, figures, _count(figures))
     return Tracks(bodies, counts_frames="t" not in columns, frame_rate=rate, row="row")
 
 
@@ -268,13 +268,13 @@ def _count(figures: Array) -> NDArray[np.int64]:
 
 
 def _wanted(columns: dict[str, int]) -> list[str]:
-    """Return what is read of each sample, in the order of `Samples`."""
+    """Return the names of the values of each sample, in the order of `Samples`."""
     time = "t" if "t" in columns else "frame"
     return [time, "x", "y", *(["rotation"] if "rotation" in columns else [])]
 
 
 def _splitting(line: str) -> Callable[[str], list[str]]:
-    """Return how the rows of a file that begin with `line` are split."""
+    """Return the function that splits the rows of a file with this first `line`."""
     for mark in (",", ";", "\t"):
         if mark in line:
             return lambda row: [cell.strip().strip('"') for cell in row.split(mark)]
@@ -282,7 +282,7 @@ def _splitting(line: str) -> Callable[[str], list[str]]:
 
 
 def _columns(cells: list[str], path: Path, line: int | None) -> tuple[dict[str, int], bool]:
-    """Return where in a row everything stands, and whether the first row is a header."""
+    """Return the column of each value, and whether the first row is a header."""
     if all(_is_number(cell) for cell in cells):
         if len(cells) < 4:
             message = f"expected a header, or the columns id, frame, x, y; found {len(cells)}"
@@ -290,9 +290,9 @@ def _columns(cells: list[str], path: Path, line: int | None) -> tuple[dict[str, 
         return OBSMAT if len(cells) == 8 else {"body": 0, "frame": 1, "x": 2, "y": 3}, False
     plain = [re.split(r"[\s/\[(]", cell.strip().lower())[0] for cell in cells]
     columns = {
-        name: plain.index(known[0])
+        name: plain.index(present[0])
         for name, words in NAMES.items()
-        if (known := [word for word in words if word in plain])
+        if (present := [word for word in words if word in plain])
     }
     missing = [name for name in ("x", "y") if name not in columns]
     if "body" not in columns:
@@ -326,10 +326,10 @@ _ROWS = "SELECT id, frame, pos_x, pos_y, ori_x, ori_y FROM trajectory_data ORDER
 
 
 def read_jupedsim_tracks(path: Path) -> Tracks:
-    """Return the agents in the recording at `path`; `TrackError` says why it can't be read.
+    """Return the agents in the recording at `path`, or raise a `TrackError`.
 
-    An agent has the name of a person where the recording has it, and else its number. A person who
-    was put elsewhere, and is several agents, is one body with jumps.
+    The name of an agent is that of the person, if the recording has it, otherwise its number. The
+    agents of a person who was moved are one body with jumps.
     """
     require_readable(path, TrackError, LARGEST_RECORDED)
     try:
@@ -358,9 +358,9 @@ def read_jupedsim_tracks(path: Path) -> Tracks:
 
 
 def _people(text: str) -> dict[str, list[tuple[float, int]]]:
-    """Return the agents that each person is, each from an instant (s) on, in order of time.
+    """Return the agents of each person with the times of their begin (s), in order.
 
-    A person is another agent whenever they were put elsewhere.
+    A person who was moved is another agent from then on.
     """
     agents = defaultdict(list)
     for agent in json.loads(text):
@@ -369,12 +369,12 @@ def _people(text: str) -> dict[str, list[tuple[float, int]]]:
 
 
 def _joined(parts: Sequence[tuple[float, Array]], rate: float) -> Iterator[Array]:
-    """Yield the rows of agents who are one person, with two at the instant of each jump."""
+    """Yield the rows of the agents of one person, with two at the time of each jump."""
     yield parts[0][1]
     for (_, before), (begin, after) in pairwise(parts):
         last, first = before[-1:].copy(), after[:1].copy()
         frame = begin * rate
-        # Between its last frame and the jump an agent stands, as far as anybody knows.
+        # An agent is assumed to be stationary between its last frame and the jump.
         last[0, 1] = first[0, 1] = frame if last[0, 1] <= frame <= first[0, 1] else first[0, 1]
         yield from (last, first, after)
 

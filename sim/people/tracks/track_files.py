@@ -20,7 +20,7 @@ from .tables import (
 )
 
 METADATA = "metadata.yaml"
-"""File that a folder has which is a bag."""
+"""File that marks a folder as a bag."""
 
 LIBRARIES = ("rosbags", "mcap", "mcap_protobuf")
 """Packages of the extra that reads them."""
@@ -31,7 +31,7 @@ def read_bag_tracks(path: Path) -> Tracks:
 
     An MCAP file may have Foxglove's schemas instead.
 
-    `TrackError` says what is wrong with it, or what to install.
+    A `TrackError` names the problem, or the package to install.
     """
     for file in files_of(path):
         if not stat.S_ISREG(file.stat().st_mode):
@@ -49,7 +49,7 @@ def read_bag_tracks(path: Path) -> Tracks:
 
 
 def files_of(path: Path) -> Iterator[Path]:
-    """Yield the files that a track is read from: `path`, or those of the bag in this folder."""
+    """Yield the files of a track: `path`, or the files of a bag in this folder."""
     if not path.is_dir():
         yield path
         return
@@ -74,7 +74,7 @@ READERS = {
 
 
 def read_tracks(recorded: RecordedTrack, folder: Path) -> Tracks:
-    """Return the tracks of a file in `folder`; `TrackError` says what is wrong with it."""
+    """Return the tracks of a file in `folder`, or raise a `TrackError`."""
     path = folder / recorded.file
     try:
         if path.suffix.lower() not in READERS and not path.is_dir():
@@ -95,6 +95,6 @@ def read_tracks(recorded: RecordedTrack, folder: Path) -> Tracks:
 
 @lru_cache(maxsize=8)
 def _read(path: Path, stamps: tuple[tuple[int, int], ...]) -> Tracks:
-    """Return the tracks at `path`, read anew when the times or sizes of its files have changed."""
+    """Return the tracks at `path`, cached until the times or sizes of its files change."""
     read = read_bag_tracks if path.is_dir() else READERS[path.suffix.lower()]
     return read(path)

@@ -167,7 +167,8 @@ class _Labels:
         """Write a name beside its mark where most of its area is free.
 
         The name has a plate if it covers anything. It is omitted if it covers more than the share
-        `most`. `half` is the half size (points) of the thing beyond that of a mark, along x and y.
+        `most`. `half` is the half size (points) of the named object beyond that of a mark, along x
+        and y.
         """
         offsets = [(x + np.sign(x) * half[0], y + np.sign(y) * half[1]) for (x, y), _ in _SIDES]
         sizes = [_text_size(text, size, self._dpi, upright=upright) for _, upright in _SIDES]

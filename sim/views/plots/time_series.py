@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -190,10 +190,18 @@ def _nearest(run: Outcome, pairs: list[Pair], span: Span) -> tuple[list[Pair], s
     return chosen, "with the least margin" if is_required else "who came nearest"
 
 
-def _curves(run: Outcome, pair: Pair, span: Span) -> tuple[Array, Array, Array]:
-    """Return times (s), distances and required distances (m), (N,) each, NaN if there is none."""
+class _Curves(NamedTuple):
+    """Times (s), distances and required distances (m), (N,) each, NaN if there is none."""
+
+    t: Array
+    distance: Array
+    required: Array
+
+
+def _curves(run: Outcome, pair: Pair, span: Span) -> _Curves:
+    """Return the curves of a person and a machine."""
     t = instants([run.motions[name] for name in pair], *span)
-    return t, run.distance(*pair, t), _required(run, pair, t)
+    return _Curves(t, run.distance(*pair, t), _required(run, pair, t))
 
 
 def _draw_pair(axes: Axes, run: Outcome, pair: Pair, span: Span) -> None:

@@ -1,9 +1,9 @@
-"""Bounds on values over intervals of time, for custom laws and conditions."""
+"""Results of kernels with several values."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,3 +67,29 @@ class Bounds(NamedTuple):
     human_high: float
     robot_low: float
     robot_high: float
+
+
+class DistanceBounds(NamedTuple):
+    """Bounds on a distance over an interval (metres), and a time near its minimum (seconds)."""
+
+    low: float
+    high: float
+    t: float
+
+
+class NearestDiscs(NamedTuple):
+    """Indices of the nearest two discs, index of the time, and their distance (metres)."""
+
+    one: int
+    other: int
+    time: int
+    distance: float
+
+
+class Retreat(NamedTuple):
+    """Walk of a retreat (`Swath`) or None, index of its place, an obstacle, and trials."""
+
+    walk: Any
+    place: int
+    obstacle: int
+    trials: int

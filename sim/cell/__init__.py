@@ -1,0 +1,32 @@
+"""The cell: what other systems may read and command in a running simulation, without a protocol.
+
+`Cell` lists signals, commands and tasks of all people and machines by name. Transports such as
+`sim.bridge` translate them. `Pace` relates simulated time to real time, and `Admission` rejects
+values that must not enter.
+"""
+
+from .admission import Rejected
+from .cell import Cell
+from .commands import CellCommand
+from .pace import Pace
+from .signals import Signal
+from .tasks import CellTask, Running
+from .trajectories import JointPoint, JointTrajectory
+from .values import Feedback, MonitorState, Pose, Scan, Velocity
+
+__all__ = [
+    "Cell",
+    "CellCommand",
+    "CellTask",
+    "Feedback",
+    "JointPoint",
+    "JointTrajectory",
+    "MonitorState",
+    "Pace",
+    "Pose",
+    "Rejected",
+    "Running",
+    "Scan",
+    "Signal",
+    "Velocity",
+]

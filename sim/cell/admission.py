@@ -1,0 +1,152 @@
+"""Admission of values from outside: the one place that rejects what must not enter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+
+import numpy as np
+
+from floorplan import UserError
+from floorplan.files.fields import LARGEST
+
+from ..simulation import Simulation
+from .values import Pose
+
+MOST_COMMANDS = 300
+"""Number of values that one command or task accepts within `PERIOD`."""
+
+PERIOD = 0.5
+"""Seconds of simulated time."""
+
+MOST_NOTICES = 20
+"""Number of different notices about rejected values."""
+
+LONGEST_SHOWN = 80
+"""Characters of a value in a message."""
+
+RECENT = 1.0
+"""Seconds. Two sources of one command within this time are reported."""
+
+
+class Rejected(UserError):  # noqa: N818 (what a client reads)
+    """A value that a command or task rejects.
+
+    Parameters
+    ----------
+    name : str
+        Name of the command or task, or of the topic that stands for it.
+    value : object
+        The value.
+    reason : str
+        What is wrong, and what would be right.
+    """
+
+    def __init__(self, name: str, value: object, reason: str) -> None:
+        super().__init__(f"{name} {_shown(value)}: {reason}")
+        self.name = name
+        self.value = value
+        self.reason = reason
+
+    def named(self, name: str) -> Rejected:
+        """Return the error with another name for the command or task."""
+        return Rejected(name, self.value, self.reason)
+
+
+class Admission:
+    """Admits values of commands and goals of tasks.
+
+    It rejects numbers that are not finite or too large, more than `MOST_COMMANDS` values within
+    `PERIOD`, and everything after the end. `notice(text)` gets one line for each kind of fault.
+    """
+
+    def __init__(self, simulation: Simulation, notice: Callable[[str], None]) -> None:
+        self.catch_up: Callable[[], None] = lambda: None
+        """Brings simulated time up to date, so that a value takes effect when it arrives."""
+        self.is_open: Callable[[], bool] = lambda: not simulation.over
+        self._clock = simulation.clock
+        self._notice = notice
+        self._noticed: set[tuple[str, str]] = set()
+        self._counts: dict[str, tuple[int, int]] = {}
+        self._sources: dict[str, tuple[str, float]] = {}
+
+    def admit(self, name: str, value: object, source: str = "") -> None:
+        """Admit a value at the present time.
+
+        Parameters
+        ----------
+        name : str
+            Name of the command or task.
+        value : object
+            Value.
+        source : str, optional
+            Name of the client. Two clients of one command are reported once, and the last one wins.
+
+        Raises
+        ------
+        Rejected
+            If the value must not enter.
+        """
+        for number in _numbers(value):
+            if not abs(number) <= LARGEST:
+                reason = f"numbers must be finite and at most {LARGEST:g}, not {number:g}"
+                raise self.rejected(name, value, reason)
+        if self.is_open():
+            self.catch_up()
+        if not self.is_open():
+            raise self.rejected(name, value, "the run is over")
+        now = self._clock.now
+        period, count = self._counts.get(name, (0, 0))
+        this = math.floor(now / PERIOD)
+        self._counts[name] = this, count = this, count + 1 if period == this else 1
+        if count > MOST_COMMANDS:
+            reason = f"more than {MOST_COMMANDS} commands at t = {now:g} s; not done"
+            raise self.rejected(name, value, reason)
+        self._check_source(name, source)
+
+    def rejected(self, name: str, value: object, reason: str) -> Rejected:
+        """Return the error for a value, and notify the user once for each name and reason."""
+        why = Rejected(name, value, reason)
+        self._report(name, reason.partition(" at t = ")[0], str(why))
+        return why
+
+    def _check_source(self, name: str, source: str) -> None:
+        before, at = self._sources.get(name, (source, 0.0))
+        self._sources[name] = source, self._clock.now
+        if source != before and self._clock.now - at <= RECENT:
+            text = f"{name} is commanded by {before} and {source}; the last one counts"
+            self._report(name, "sources", text)
+
+    def _report(self, name: str, kind: str, text: str) -> None:
+        if (name, kind) not in self._noticed and len(self._noticed) < MOST_NOTICES:
+            self._noticed.add((name, kind))
+            self._notice(text)
+
+
+def _numbers(value: object) -> Iterator[float]:
+    """Yield all numbers in a value."""
+    if isinstance(value, bool | str | bytes):
+        return
+    if isinstance(value, int | float | np.number):
+        yield min(value, math.inf) if isinstance(value, int) else float(value)
+    elif isinstance(value, np.ndarray):
+        yield from value.ravel().tolist()
+    elif is_dataclass(value):
+        for field in fields(value):
+            yield from _numbers(getattr(value, field.name))
+    elif isinstance(value, Mapping):
+        yield from (number for one in value.values() for number in _numbers(one))
+    elif isinstance(value, Sequence):
+        yield from (number for one in value for number in _numbers(one))
+
+
+def _shown(value: object) -> str:
+    """Return a value in short form."""
+    if isinstance(value, Pose):
+        text = f"({value.x:g}, {value.y:g}, {value.heading:g})"
+    elif isinstance(value, tuple | list) and len(value) <= 3:
+        text = f"({', '.join(map(_shown, value))})"
+    else:
+        text = f"{value:g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 1]}…"
