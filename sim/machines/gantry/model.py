@@ -76,9 +76,9 @@ class GantryModel(MachineModel):
                 yield fault, ("at",)
         yield from rate_faults(entry.rate)
         fixed = fixed_places(plan)
-        known = {*fixed, *vehicles}
+        names = {*fixed, *vehicles}
         for k, job in enumerate(entry.jobs):
-            for fault, place in _job_faults(job, gantry, known, fixed):
+            for fault, place in _job_faults(job, gantry, names, fixed):
                 yield fault, ("jobs", k, *place)
         carried = [job.part for job in entry.jobs if job.kind == "pick_place"]
         for k, drop in enumerate(entry.drops):
@@ -125,7 +125,7 @@ class GantryModel(MachineModel):
 
 
 def _job_faults(
-    job: Job, gantry: Gantry, known: set[str], fixed: Mapping[str, Point]
+    job: Job, gantry: Gantry, names: set[str], fixed: Mapping[str, Point]
 ) -> Iterator[Fault]:
     if job.kind == "move":
         for fault in gantry.faults(job.target):
@@ -135,7 +135,7 @@ def _job_faults(
             yield fault, ("wait",)
     elif job.kind == "pick_place":
         for key, place in (("pick", job.pick), ("place", job.place)):
-            if place not in known:
+            if place not in names:
                 yield f"no obstacle, station or AGV is called {place!r}", (key,)
             elif place in fixed:
                 for fault in gantry.faults((*fixed[place], gantry.start[2])):
