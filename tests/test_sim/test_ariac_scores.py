@@ -85,7 +85,7 @@ def test_the_best_score_is_that_of_a_faultless_order(kit, asked):
         assert best_score(task) == assembly_score(task, there)
 
 
-def test_what_is_where_is_the_competitions():
+def test_positions_equal_those_of_the_competition():
     """Against coordinates in the competition's world frame, worked out by hand."""
     plan = floorplan.load("ariac2023")
 
