@@ -57,7 +57,7 @@ def test_names_in_the_text_are_there():
     assert gone == []
 
 
-def test_tables_are_those_of_the_code(monkeypatch):
+def test_tables_match_the_code(monkeypatch):
     """`python docs/make_tables.py` writes them."""
     monkeypatch.syspath_prepend(ROOT / "docs")
     tables = importlib.import_module("make_tables")

@@ -53,7 +53,7 @@ def test_slips_in_angles_are_reported_with_their_line():
     assert "products[0].assembled_pose.rpy[2]: '-pl/2' is not an angle" in said
 
 
-def test_what_is_not_simulated_is_reported_once():
+def test_parts_that_are_not_simulated_are_reported_once():
     more = """\
   - sensor_blackout: {duration: 5, sensors_to_disable: [proximity], time_condition: 3}
   - sensor_blackout: {duration: 5, sensors_to_disable: [break_beam], time_condition: 9}
@@ -143,7 +143,7 @@ def test_orders_on_a_floor_that_is_not_made_for_them(tmp_path):
         sim.Trial.parse("floorplan: ariac2023\nariac: play.yaml\n", folder=tmp_path)
 
 
-def test_what_the_gantry_can_not_get_to_is_reported(tmp_path):
+def test_unreachable_places_of_the_gantry_are_reported(tmp_path):
     floor = (Path(floorplan.__file__).parent / "data" / "ariac2023.yaml").read_text()
     assert "range: [-7.0, 7.0]" in floor
     (tmp_path / "narrow.yaml").write_text(floor.replace("range: [-7.0, 7.0]", "range: [-4, 5.8]"))

@@ -134,7 +134,7 @@ def test_orders_for_one_agv_come_one_after_the_other():
     assert [e["to"] for e in events(run, "agv_moved")] == ["warehouse", "kitting", "warehouse"]
 
 
-def test_what_lies_wrong_is_put_right():
+def test_misplaced_parts_are_moved():
     """A part upside down, one in the wrong place, one that nobody needs; the tray is right."""
     lying = [
         {"type": "pump", "color": "red", "quadrant": 1, "flipped": True},
@@ -345,7 +345,7 @@ def test_orders_are_published_as_they_are_announced(path):
     assert heard == [2, *announced, 3, 4]
 
 
-def test_what_became_of_orders_in_words():
+def test_outcomes_of_orders_are_printed():
     orders = (
         kitting("A", q1="blue battery"),
         kitting("B", agv=2, q1="green sensor"),

@@ -25,7 +25,7 @@ def hall(tmp_path):
     return tmp_path
 
 
-def test_a_scenario_is_asked_and_everything_written(hall, floorwalker):
+def test_a_scenario_is_measured_and_all_files_are_written(hall, floorwalker):
     done = floorwalker(
         *("benchmark", "--questions", hall / "hall.map.scen", "--runs", 2, "--out", hall / "out"),
         *("--planner", "Roadmap", "--planner", "BITstar: {samples_per_batch: 50}"),
@@ -77,7 +77,7 @@ def test_senseless_options_are_one_message(floorwalker):
 
 
 @pytest.mark.slow
-def test_what_no_planner_found_has_no_length(hall, floorwalker):
+def test_an_unsolved_query_has_no_length(hall, floorwalker):
     terms = ("--questions", hall / "hall.map.scen", "--planner", "PRM", "--iterations", 1)
     done = floorwalker("benchmark", *terms)
     assert done.returncode == 0, done.stderr
@@ -85,7 +85,7 @@ def test_what_no_planner_found_has_no_length(hall, floorwalker):
     assert "–" in done.stdout
 
 
-def test_peers_are_named_only_to_those_who_ask_for_an_unknown_planner(hall, floorwalker):
+def test_peers_are_named_only_after_an_unknown_planner(hall, floorwalker):
     for planner, named in (("Dijkstra", True), ("RRT: {rang: 1}", False), ("mine:Own", False)):
         done = floorwalker("benchmark", "--floorplan", hall / "hall.map", "--planner", planner)
         assert done.returncode == 1
@@ -115,7 +115,7 @@ def test_the_report_shows_every_planner_and_can_be_read(tmp_path, open_address):
     assert viewer.page.evaluate("document.documentElement.scrollWidth") <= 420
 
 
-def test_a_report_is_written_of_floors_whose_shortest_paths_are_not_known(tmp_path, floorwalker):
+def test_a_report_is_written_without_known_shortest_paths(tmp_path, floorwalker):
     """Of too many corners, whatever is asked first: a straight path, or one around corners."""
     pegs = ["".join("@" if x % 3 == y % 3 == 1 else "." for x in range(55)) for y in range(55)]
     text = "\n".join(["type octile", "height 55", "width 55", "map", *pegs])

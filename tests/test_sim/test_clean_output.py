@@ -45,6 +45,7 @@ CALLS = {
     "render": "render run --out film.gif --to 2 --fps 4 --width 200",
     "replay": "replay run --out page.html --no-open",
     "report": "report run --out report.html",
+    "ros2": "ros2 --help",
     "run": "run short.trial.yaml --out another",
     "search": "search drawn.study.yaml --sampler random --evaluations 4 --jobs 1 --below -9",
     "study": "study short.study.yaml --jobs 2 --out studied",
@@ -110,7 +111,7 @@ ALONE = ("bridge", "run", pytest.param("study", marks=pytest.mark.slow))
 
 
 @pytest.mark.parametrize("name", ALONE)
-def test_commands_say_nothing_but_what_they_mean_to(name, samples):
+def test_commands_print_only_their_output(name, samples):
     done = in_a_process(*CALLS[name].split(), cwd=samples, options=STRICT)
     said = re.sub(SLOWNESS, "", done.stderr).removeprefix(SOURCES)
     assert re.fullmatch(NOTICES.get(name, ""), said), said
@@ -155,7 +156,7 @@ def test_variants_say_nothing(words, samples):
 
 
 @pytest.mark.parametrize("name", ["agent", "list", "run"])
-def test_a_reader_who_has_seen_enough_is_left_in_peace(name, samples):
+def test_a_closed_pipe_ends_a_command_silently(name, samples):
     words = {**CALLS, "run": "run short.trial.yaml"}[name]
     reader, writer = os.pipe()
     os.close(reader)
@@ -193,7 +194,7 @@ def stands(gantry):
 """
 
 
-def test_ctrl_c_waits_for_what_is_being_loaded(tmp_path):
+def test_ctrl_c_waits_for_imports(tmp_path):
     """Compiled packages print tracebacks if it comes while they are imported."""
     (tmp_path / "heavy.py").write_text(STOPPED_WHILE_LOADED)
     (tmp_path / "heavy.trial.yaml").write_text(

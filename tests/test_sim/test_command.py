@@ -32,7 +32,7 @@ def recorded(tmp_path_factory):
     return done, folder / "runs" / "ariac2023"
 
 
-def test_the_main_job_says_what_happened_and_where_it_is(recorded):
+def test_the_run_command_prints_results_and_folder(recorded):
     done, folder = recorded
     assert done.returncode == 0
     assert done.stderr == ""
@@ -156,7 +156,7 @@ def test_the_same_trial_gives_the_same_bytes_in_any_process(trial, tmp_path):
     assert there | dict.fromkeys(TIMING) == here | dict.fromkeys(TIMING)
 
 
-def test_who_waits_for_somebody_outside_is_reported(tmp_path, floorwalker):
+def test_people_who_wait_for_a_client_are_reported(tmp_path, floorwalker):
     done = floorwalker(
         "run",
         "--personality",
@@ -246,7 +246,7 @@ def test_wrong_usage_is_reported(arguments, code, message, tmp_path, floorwalker
     assert list(tmp_path.iterdir()) == []
 
 
-def test_check_says_what_it_read(tmp_path, floorwalker):
+def test_check_prints_the_kind_of_each_file(tmp_path, floorwalker):
     done = floorwalker("check", "ariac2023", "scene_helpful", "helpful", "warehouse", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
@@ -298,7 +298,7 @@ def test_tables_have_names_as_they_are(tmp_path, floorwalker):
     assert "Report: studies/a-b [red]/report.html" in done.stdout
 
 
-def test_a_table_of_a_study_breaks_no_word_and_names_what_it_leaves_out(tmp_path, floorwalker):
+def test_a_table_of_a_study_breaks_no_word_and_names_omitted_measures(tmp_path, floorwalker):
     (tmp_path / "t.trial.yaml").write_text(
         "floorplan: ariac2023\nduration: 40\nagvs: {agv1: [{time: 1, to: assembly_front}]}\n"
         "people: [{name: ada, personality: worker, work: line, count: 3}]\n"
@@ -329,7 +329,7 @@ def test_a_folder_called_like_a_personality_is_in_nobodys_way(tmp_path, floorwal
     assert "no personality and no .asl file is called" in done.stderr
 
 
-def test_a_program_that_is_not_there_is_looked_for_among_those_beside_it(tmp_path, floorwalker):
+def test_a_missing_program_is_suggested_from_its_folder(tmp_path, floorwalker):
     (tmp_path / "sweeper.asl").write_text("+human_start.\n")
     text = "floorplan: ariac2023\npeople: [{name: ada, personality: sweper.asl}]\n"
     (tmp_path / "t.trial.yaml").write_text(text)
@@ -378,7 +378,7 @@ def test_list_names_everything(tmp_path, floorwalker):
         assert f"  {name} " in done.stdout
 
 
-def test_an_interrupted_run_keeps_what_happened(tmp_path):
+def test_an_interrupted_run_is_recorded(tmp_path):
     """Ctrl-C while a long trial runs: whole files, up to where it was."""
     out = tmp_path / "out"
     process = started("run", "--duration", "2e6", "--out", out, cwd=tmp_path)
@@ -426,7 +426,7 @@ def test_help_and_version(tmp_path):
         assert command in done.stdout
 
 
-def test_convert_says_what_there_is_no_room_for(tmp_path, floorwalker):
+def test_convert_reports_parts_that_the_format_lacks(tmp_path, floorwalker):
     done = floorwalker("convert", "ariac2023", tmp_path / "hall.wkt")
     assert done.returncode == 0
     assert "cannot contain: AGVs, the gantry" in done.stderr
@@ -460,7 +460,7 @@ def test_convert_does_not_write_over_the_floor_that_it_reads(tmp_path, floorwalk
         (False, ["--open"], {"CI": "true"}, True),
     ],
 )
-def test_the_page_opens_where_somebody_looks(
+def test_the_page_opens_if_there_is_a_screen(
     on_a_terminal, options, environ, opens, tmp_path, monkeypatch, floorwalker
 ):
     browser = tmp_path / "browser"
@@ -491,7 +491,7 @@ def test_the_page_opens_where_somebody_looks(
 
 
 @pytest.mark.parametrize(("words", "code"), [("--version", 0), ("list --wrong", 2)])
-def test_what_is_registered_for_the_end_is_done_at_the_end(words, code, tmp_path):
+def test_exit_handlers_run_at_the_end(words, code, tmp_path):
     (tmp_path / "floorwalker").write_text(
         "import atexit\natexit.register(print, 'the end')\nfrom floorwalker import main\nmain()\n"
     )

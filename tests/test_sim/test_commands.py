@@ -83,7 +83,7 @@ def test_commands_that_cannot_be_are_refused_with_their_place(commands, problem)
     assert problem in str(refused.value)
 
 
-def test_a_command_too_late_or_for_somebody_else_is_refused():
+def test_a_late_command_or_one_of_another_machine_is_rejected():
     simulation = sim.Simulation(sim.Trial.parse(TRIAL))
     simulation.advance(10.0)
     with pytest.raises(ValueError, match="comes too late"):

@@ -117,7 +117,7 @@ def test_zsh_and_fish_are_answered(asked, folder):
     assert fish == "pausing\n"
 
 
-def test_the_names_that_are_offered_are_those_there_are(in_bash, floorwalker):
+def test_completion_offers_existing_names(in_bash, floorwalker):
     listed = floorwalker("list").stdout.split("\ncontrollers\n")[1].split("\nrule sets\n")[0]
     controllers = [line.split()[0] for line in listed.splitlines()]
     assert len(controllers) > 4

@@ -44,7 +44,7 @@ def of(run, kind):
 
 
 @pytest.mark.parametrize("controller", ["oblivious", "pausing", "avoiding"])
-def test_the_gantry_stands_over_a_part_at_the_instant_at_which_it_picks_it(controller):
+def test_the_gantry_picks_a_part_below_it(controller):
     done = run(controller=controller)
     came = of(done, "came")
     assert [event["t"] for event in came] == [15.0, 30.0, 45.0, 60.0, 75.0][: len(came)]
@@ -61,7 +61,7 @@ def test_the_gantry_stands_over_a_part_at_the_instant_at_which_it_picks_it(contr
     assert (order["score"], order["missing"]) == (order["best"], [])
 
 
-def test_parts_that_nobody_picks_fall_off_and_the_next_takes_their_place():
+def test_parts_left_on_the_belt_fall_off_and_the_next_replaces_them():
     # The first are past before the tray is there; each takes 42.55 s over the belt.
     soon = TRIAL.replace("spawn_rate: 15.0", "spawn_rate: 2.0")
     missed = run(soon, until_submitted=False, duration=60.0)

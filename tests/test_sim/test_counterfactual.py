@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import sim
-from sim.core.entries import Workload
+from sim.orders.workload import Workload
 from sim.trials.counterfactual import counterfactual_of, difference
 
 TRIAL = """
@@ -60,7 +60,7 @@ def test_the_run_itself_stays_the_same():
     }
 
 
-def test_machines_that_nobody_meets_cost_nothing():
+def test_machines_without_encounters_make_no_difference():
     text = "{floorplan: ariac2023, duration: 30, people: [{name: p}],"
     quiet = f"{text} rules: {{machine: none, person: none}}, gantry: {{at: [-14.0, -4.0, 0.0]}},"
     found = sim.run(sim.Trial.parse(f"{quiet} counterfactual: without machines}}"))
@@ -134,7 +134,7 @@ def bare(which, **started):
     return trial, counterfactual_of(trial, {"one": 4.0, "early": 12.5, "never": None} | started)
 
 
-def test_a_trial_without_machines_has_people_alone_who_start_when_they_did():
+def test_people_without_machines_start_at_the_same_times():
     trial, alone = bare("without machines")
     assert (alone.agvs, alone.machines, alone.fields, alone.blackouts) == ({}, {}, {}, ())
     assert alone.gantry == type(alone.gantry)() and alone.workload is None
@@ -162,7 +162,7 @@ def test_orders_of_a_workload_are_work_of_machines():
         assert (alone.workload is not None) is stays and not alone.until_submitted
 
 
-def test_the_difference_is_what_a_run_has_more():
+def test_the_difference_is_the_run_minus_its_counterfactual():
     trial, _ = bare("without people")
     keys = ("jobs_done", "gantry_idle_time", "gantry_disabled_time", "protective_stop_time")
     mine, other = (

@@ -157,7 +157,7 @@ def test_no_viewer_draws_a_teleport_as_a_slide(run, tmp_path):
     assert (found[after - 1].x, found[after - 1].y) == pytest.approx(before, abs=1e-6)
 
 
-def test_events_and_violations_are_told_where_they_happened(run, tmp_path):
+def test_events_and_violations_are_marked_at_their_places(run, tmp_path):
     path = tmp_path / "run.mcap"
     sim.export(run, path, rate=1.0)
     with path.open("rb") as file:
@@ -177,7 +177,7 @@ def test_events_and_violations_are_told_where_they_happened(run, tmp_path):
         assert entity.lifetime.seconds > 0
 
 
-def test_events_of_fields_and_traffic_name_all_whom_they_are_about():
+def test_events_of_fields_and_traffic_name_all_bodies():
     text = {
         "field_stop": {"machine": "fork", "cause": "intrusion", "person": "eve"},
         "machine_waiting": {"machine": "fork", "for_machine": "cart"},
@@ -208,7 +208,7 @@ def test_ways_lead_from_goal_to_goal_without_a_jump(run, tmp_path):
     assert (points[-1] != points[0]).any()
 
 
-def test_a_ros_bag_has_what_rviz_shows(run, tmp_path):
+def test_a_ros_bag_has_the_topics_of_rviz(run, tmp_path):
     path = tmp_path / "bag"
     sim.export(run, path, rate=10.0)
     topics = {}
@@ -248,7 +248,7 @@ def test_a_ros_bag_has_what_rviz_shows(run, tmp_path):
 
 
 @pytest.mark.slow
-def test_pedpy_reads_people_who_only_walk(run, tmp_path):
+def test_pedpy_reads_people_without_teleports(run, tmp_path):
     pedpy = pytest.importorskip("pedpy", reason="PedPy needs Python 3.11")
     path = tmp_path / "run.sqlite"
     sim.export(run, path, rate=10.0)
@@ -334,7 +334,7 @@ def test_a_file_is_replaced_and_a_folder_is_not(run, tmp_path):
         ("run.csv", {"format": "mcapp"}, "did you mean 'mcap'"),
     ],
 )
-def test_what_cannot_be_written_is_told(run, tmp_path, name, options, message):
+def test_files_that_cannot_be_written_are_reported(run, tmp_path, name, options, message):
     with pytest.raises(ValueError, match=re.escape(message)):
         sim.export(run, tmp_path / name, **options)
     assert list(tmp_path.iterdir()) == []
@@ -348,9 +348,7 @@ def test_what_cannot_be_written_is_told(run, tmp_path, name, options, message):
         ("bag", "ros_bag", "rosbags"),
     ],
 )
-def test_a_missing_part_is_named_with_what_brings_it(
-    run, tmp_path, monkeypatch, name, module, part
-):
+def test_a_missing_package_is_named_with_its_extra(run, tmp_path, monkeypatch, name, module, part):
     gone = [loaded for loaded in sys.modules if loaded.partition(".")[0] == part]
     for loaded in [*gone, part]:
         monkeypatch.setitem(sys.modules, loaded, None)
@@ -379,7 +377,7 @@ for ending in sys.argv[2:]:
 
 
 @pytest.mark.slow
-def test_a_full_disk_is_told_and_nothing_half_is_left(tmp_path):
+def test_a_full_disk_is_reported_and_leaves_no_partial_file(tmp_path):
     (tmp_path / "t.yaml").write_text(TRIAL)
     root = Path(__file__).resolve().parents[2]
     done = subprocess.run(

@@ -30,7 +30,7 @@ def audited(**laws):
     return {found["machine"]: found for found in audit}
 
 
-def test_the_summary_has_what_the_law_states_and_what_the_machine_needs():
+def test_the_summary_has_the_stop_of_the_law_and_of_the_machine():
     found = audited()
     assert found.keys() == {"gantry"}
     stop = navigation.SeparationLaw.for_machine(PLAN.gantry, t1=1.0)
@@ -110,7 +110,7 @@ def test_check_warns_of_laws_without_a_stop(tmp_path, floorwalker, law, place, w
     assert bool(done.stderr) == bool(words)
 
 
-def test_fields_stop_a_machine_whose_law_only_measures(floorwalker):
+def test_fields_stop_a_machine_without_rules(floorwalker):
     assert floorwalker("check", "vehicles_corridor").stderr == ""
 
 

@@ -35,7 +35,7 @@ def recorded(tmp_path_factory):
         ("export {run} --out {file}", "people.sqlite"),
     ],
 )
-def test_a_full_disk_leaves_what_was_there_before(
+def test_a_full_disk_leaves_the_previous_file(
     recorded, tmp_path, floorwalker, room_for, command, file
 ):
     (tmp_path / file).write_text("the one before")

@@ -50,7 +50,7 @@ def test_packages_of_one_name_beside_two_trials(package, regular):
     assert controller_source("pk.ctl:go", CodeFolder(cb)).file == cb / "pk" / "ctl.py"
 
 
-def test_a_package_itself_has_what_is_named(package):
+def test_a_package_provides_a_named_object(package):
     ca, cb = (package(name, regular=True) for name in ("ca", "cb"))
     for folder in (ca, cb):
         (folder / "pk" / "__init__.py").write_text(CTL)
@@ -67,7 +67,7 @@ def test_modules_beside_one_another_import_each_other(tmp_path):
     assert [said("ctl:go", tmp_path / name) for name in folders] == [*folders]
 
 
-def test_what_others_imported_stays_theirs(package, monkeypatch):
+def test_imports_of_others_are_not_replaced(package, monkeypatch):
     ca, cb = (package(name, regular=True) for name in ("ca", "cb"))
     monkeypatch.syspath_prepend(ca)
     import pk
@@ -81,7 +81,7 @@ def test_what_others_imported_stays_theirs(package, monkeypatch):
     assert {name: sys.modules[name] for name in theirs} == theirs
 
 
-def test_what_is_importable_but_stands_elsewhere_is_refused(package, tmp_path, monkeypatch):
+def test_code_outside_the_folder_is_rejected(package, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(package("ca", regular=True))
     for name in ("pk.ctl:go", "subprocess:check_output", "os.path:join"):
         with pytest.raises(sim.ControllerError, match=r"there is no [\w/]+\.py in"):
@@ -92,7 +92,7 @@ def test_what_is_importable_but_stands_elsewhere_is_refused(package, tmp_path, m
         find_controller("pk.ctl:go", CodeFolder(tmp_path))
 
 
-def test_what_fails_in_a_package_is_reported_with_its_line(package):
+def test_a_failure_in_a_package_is_reported_with_its_line(package):
     ca, cb = (package(name, regular=True) for name in ("ca", "cb"))
     (ca / "pk" / "ctl.py").write_text(f"\n1 / 0\n{CTL}")
     for _ in range(2):

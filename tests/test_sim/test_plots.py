@@ -201,7 +201,7 @@ def shown(figure):
     return [axes.get_title(loc="left").split()[0] for axes in figure.axes]
 
 
-def test_of_many_people_those_with_the_least_margin_are_shown():
+def test_many_people_are_reduced_to_those_with_the_least_margin():
     run = sim.run(sim.Trial.parse(CREW))
     everybody = [person.name for person in run.scene.people]
     for within in ((0.0, 15.0), (0.0, 2.0)):
@@ -220,7 +220,7 @@ def test_of_many_people_those_with_the_least_margin_are_shown():
     assert run.plot.separation(everybody).get_supxlabel() == ""
 
 
-def test_where_violations_end_at_once_those_with_the_most_come_first():
+def test_people_with_most_violations_are_first_if_all_end_immediately():
     trial = CREW.replace("{gantry_law: {fixed: 3.0}, machine: none, person: none}", "paper")
     run = sim.run(sim.Trial.parse(trial.replace("duration: 15", "duration: 60")))
     counts = [len(run.violations[name, "gantry"]) for name in shown(run.plot.separation())]
@@ -235,7 +235,7 @@ def test_few_people_are_all_shown(run):
     assert figure.get_supxlabel() == ""
 
 
-def test_the_command_says_who_is_left_out(tmp_path, floorwalker):
+def test_the_command_names_omitted_people(tmp_path, floorwalker):
     (tmp_path / "crew.trial.yaml").write_text(CREW.replace("15", "2"))
     command = ("plot", "separation", "crew.trial.yaml", "--out", "s.svg")
     done = floorwalker(*command, cwd=tmp_path)
@@ -249,7 +249,7 @@ def test_the_command_says_who_is_left_out(tmp_path, floorwalker):
     assert f"{hint[1]} and gantry" in picture and "crew1 and gantry" in picture
 
 
-def test_nothing_is_required_of_an_agv_that_stands(run):
+def test_a_stationary_agv_requires_no_distance(run):
     (axes,) = run.plot.separation("ben", "agv1").axes
     t, required = curve(axes, "required distance")
     assert np.isnan(required[t < 20.0]).all()
@@ -292,7 +292,7 @@ def vehicles():
     return sim.run(sim.Trial.parse(VEHICLES))
 
 
-def test_lines_of_several_vehicles_are_told_apart(vehicles):
+def test_lines_of_several_vehicles_differ(vehicles):
     axes = vehicles.plot.space_time().axes[0]
     lines = {line.get_label(): line for line in axes.lines}
     assert lines["fork"].is_dashed() != lines["cart"].is_dashed()
@@ -370,7 +370,7 @@ def test_a_heat_map_adds_up(run):
     assert area == pytest.approx(everybody, rel=0.03)
 
 
-def test_a_heat_map_shows_how_long_somebody_walked_over_a_spot():
+def test_a_heat_map_shows_the_time_of_people_in_each_cell():
     plan = floorplan.parse("{boundary: [[0, 0], [10, 0], [10, 4], [0, 4]]}")
     motion = walk([(1.0, 2.0), (9.0, 2.0)], max_speed=0.5, max_acceleration=2.5)
     scene = Scene(
@@ -482,7 +482,7 @@ def floor(name, width):
 
 
 @pytest.mark.parametrize(("name", "width"), FLOORS)
-def test_a_floor_shows_what_stands_on_it(name, width):
+def test_a_floor_shows_its_obstacles(name, width):
     plan, axes = floor(name, width)
     assert axes.figure.get_figwidth() == (3.5 if width == "single" else 7.16)
     assert len(axes.patches) == len(plan.obstacles) + len(plan.lanes) + bool(plan.gantry)
@@ -559,7 +559,7 @@ def test_runs_without_a_pair_say_so(run):
     alone.plot.space_time().savefig(io.BytesIO(), format="svg")
 
 
-def test_ones_own_settings_of_matplotlib_stay_and_change_nothing(run, tmp_path):
+def test_settings_of_matplotlib_stay_and_have_no_effect(run, tmp_path):
     plots.save(run.plot.separation(), tmp_path / "plain.svg")
     with matplotlib.rc_context({"font.size": 20, "lines.linewidth": 9, "svg.fonttype": "path"}):
         plots.save(run.plot.separation(), tmp_path / "own.svg")
@@ -609,8 +609,7 @@ def folder(tmp_path_factory):
     [
         ("floorplan", "FOLDER"),
         ("floorplan", EXAMPLES / "own_floor.trial.yaml"),
-        ("floorplan", EXAMPLES / "press_shop.yaml"),
-        ("path", "ariac2023", -15, -10, -5, 3.75, "--radius", 0.25),
+        ("path", "warehouse", 1.5, 1.5, 28, 10, "--radius", 0.25),
         ("trails", "FOLDER", "--from", 5, "--to", 30),
         ("spacetime", "FOLDER", "--width", "single"),
         ("separation", "FOLDER", "--person", "ben", "--machine", "agv1"),
@@ -627,7 +626,7 @@ def test_the_command_draws(words, folder, tmp_path, floorwalker):
     assert out.read_text().startswith("<?xml")
 
 
-def test_what_a_picture_says_of_itself_is_on_the_terminal_too(folder, tmp_path, floorwalker):
+def test_the_note_of_a_picture_is_printed(folder, tmp_path, floorwalker):
     """Under the rules of ARIAC violations put people elsewhere: no time goes by in them."""
     out = tmp_path / "picture.svg"
     done = floorwalker("plot", "riskmap", folder, "--of", "time", "--out", out)
@@ -667,7 +666,7 @@ def test_a_run_that_was_broken_off_is_drawn(folder, tmp_path, floorwalker):
         assert (done.returncode, done.stdout, done.stderr) == (0, f"{out}\n", "")
 
 
-def test_without_matplotlib_a_run_runs_and_pictures_say_what_to_do(folder, tmp_path):
+def test_without_matplotlib_trials_run_and_pictures_name_the_remedy(folder, tmp_path):
     code = """
 import sys
 import sim

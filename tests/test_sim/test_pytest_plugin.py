@@ -91,7 +91,7 @@ def test_a_trial_that_expects_something_is_a_test(pytester, run_pytest):
     result.stdout.fnmatch_lines(["good.trial.yaml::good PASSED*"])
 
 
-def test_a_failure_says_what_when_and_where(pytester, run_pytest):
+def test_a_failure_names_event_time_and_place(pytester, run_pytest):
     write(pytester, bad__trial__yaml=FAILS)
     result = run_pytest("--floorwalker-replays", "pages")
     result.assert_outcomes(failed=1)
@@ -152,7 +152,7 @@ def test_own_code_may_be_refused(pytester, run_pytest):
                 run_trial("own.yaml")
 
         @pytest.mark.controllers.with_args(refused.mine)
-        def test_what_the_test_has_already(run_trial):
+        def test_markers_do_not_replace_fixtures_of_the_test(run_trial):
             run_trial()
         """
     )
@@ -313,7 +313,7 @@ def test_one_function_as_a_marker_s_only_value_does_not_lose_the_test(
     is_no_test(run_pytest, "*write @pytest.mark.controllers.with_args(...)")
 
 
-def test_markers_take_what_the_library_has_as_well(pytester, run_pytest):
+def test_markers_accept_objects_of_the_library(pytester, run_pytest):
     write(
         pytester,
         near__trial__yaml=PASSES,
@@ -380,7 +380,7 @@ def test_a_marker_on_a_test_that_takes_no_trial(pytester, run_pytest):
     is_no_test(run_pytest, "*takes none; let it take trial or run_trial")
 
 
-def test_a_failed_test_says_what_its_runs_came_to(pytester, run_pytest):
+def test_a_failed_test_reports_its_runs(pytester, run_pytest):
     write(
         pytester,
         bad__trial__yaml=FAILS.partition("expect")[0],
@@ -445,7 +445,7 @@ def test_nothing_is_loaded():
 
 
 @pytest.mark.slow
-def test_runs_that_passed_are_let_go(pytester, run_pytest_alone):
+def test_runs_that_passed_are_released(pytester, run_pytest_alone):
     write(pytester, one__trial__yaml=PASSES, two__trial__yaml=PASSES)
     pytester.makepyfile(
         test_what_is_left="""

@@ -138,7 +138,7 @@ LAW = navigation.FixedDistance(1.0)
         (person(personality=None), "personality: expected text or a Program, found None"),
     ],
 )
-def test_a_wrong_type_is_reported_with_what_is_wanted(call, message):
+def test_a_wrong_type_is_reported_with_the_expected_one(call, message):
     with pytest.raises(TypeError, match=message):
         call()
 

@@ -116,7 +116,9 @@ except sim.OutputError as why:
         (("nowhere", "--out", "a.gif"), "nor a built-in trial"),
     ],
 )
-def test_what_makes_no_film_is_one_sentence(words, why, tmp_path, monkeypatch, capsys):
+def test_wrong_arguments_of_films_are_reported_in_a_sentence(
+    words, why, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", ["floorwalker", "render", *words])
     with pytest.raises(SystemExit, match="1"):

@@ -110,7 +110,7 @@ def test_the_repetitions_needed_give_the_width():
     assert np.mean(np.abs(means) <= 0.25) == pytest.approx(0.95, abs=0.03)
 
 
-def test_the_repetitions_needed_say_what_they_lack():
+def test_the_number_of_repetitions_needs_two_values_and_a_width():
     with pytest.raises(ValueError, match="two values or more, not 1"):
         repetitions_needed([1.0], 0.5)
     with pytest.raises(ValueError, match="width must be more than 0, not 0"):

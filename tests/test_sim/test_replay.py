@@ -46,7 +46,7 @@ def embedded(html):
 # ── the page as text ──
 
 
-def test_the_recording_stands_in_the_page_unchanged(recording):
+def test_the_page_contains_the_recording_unchanged(recording):
     assert embedded(replay.render(recording)) == json.loads(json.dumps(recording))
 
 
@@ -126,7 +126,7 @@ def test_another_format_is_refused(recording, form):
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, {1, 2}])
-def test_what_json_cannot_say_is_refused(recording, value):
+def test_values_that_json_lacks_are_rejected(recording, value):
     with pytest.raises(ValueError, match="cannot be written as JSON"):
         replay.render({**recording, "summary": {"penalties": value}})
 
@@ -151,7 +151,7 @@ def test_poses_are_those_of_the_motions(viewer, recording):
             assert shown[:5] == pytest.approx(replay_sample.pose(pieces, t), abs=1e-9), (name, t)
 
 
-def test_the_instant_before_a_change_is_what_led_up_to_it(viewer, recording):
+def test_the_instant_before_a_change_shows_the_earlier_motion(viewer, recording):
     for name in ("operator", "gantry", "agv1"):
         pieces = recording["motions"][name]
         shown = viewer.page.evaluate(
@@ -638,7 +638,7 @@ def test_every_kind_of_event_has_a_mark_that_is_seen(viewer):
     assert [kind for kind, dark, inside in marks if dark < 16 or inside < 12] == []
 
 
-def test_the_current_event_is_kept_in_view(viewer):
+def test_the_current_event_stays_in_view(viewer):
     viewer.page.mouse.move(10, 10)
     viewer.seek(200.0)
     assert viewer.page.evaluate(
@@ -672,7 +672,7 @@ def test_a_violation_is_said_in_words(viewer, recording):
         (3.5, 3.5, ("3.50", "3.50")),
     ],
 )
-def test_what_is_too_short_looks_shorter(viewer, distance, required, shown):
+def test_a_distance_that_is_too_short_looks_shorter(viewer, distance, required, shown):
     found = viewer.page.evaluate("([d, r]) => toldApart(d, r)", [distance, required])
     assert (found["distance"], found["required"]) == distinguished(distance, required) == shown
 
@@ -716,7 +716,7 @@ def test_a_body_can_be_followed(viewer):
     assert viewer.page.locator("#follow").input_value() == ""
 
 
-def test_what_is_under_the_pointer_is_named(viewer):
+def test_the_object_under_the_pointer_is_named(viewer):
     box = viewer.page.locator(".view canvas.flat").bounding_box()
     viewer.page.locator("#follow").select_option("agv3")
     viewer.settle()
@@ -823,7 +823,7 @@ def listening_to_plates(open_page, trial: str, space: bool):
 
 
 @pytest.mark.parametrize("space", [False, True])
-def test_a_distance_stands_on_a_plate_in_the_colours_of_the_page(open_page, space):
+def test_a_distance_has_a_plate_in_the_colours_of_the_page(open_page, space):
     pair = "{floorplan: ariac2023, duration: 4, people: [{name: a}, {name: b, at: [-5, -3]}]}"
     viewer = listening_to_plates(open_page, pair, space)
     colours = viewer.page.evaluate("window.colours")
@@ -892,7 +892,7 @@ WATCH_CANVASES = """
 """
 
 
-def test_no_canvas_is_ever_painted_empty(open_page, recording):
+def test_no_canvas_is_painted_empty(open_page, recording):
     """What resizes a canvas is told of it last before the browser paints."""
     viewer = open_page(replay.render(recording, recording))
     viewer.settle()
@@ -1022,7 +1022,7 @@ def broken(recording, change):
         (lambda r: r["watches"][0].pop("violations"), "watches[0].violations"),
     ],
 )
-def test_what_is_wrong_with_a_recording_is_said(open_page, recording, change, message):
+def test_faults_of_a_recording_are_reported(open_page, recording, change, message):
     viewer = open_page(broken(recording, change))
     assert message in viewer.text("#trouble")
     assert viewer.page.locator("#replay").is_hidden()
@@ -1040,7 +1040,9 @@ def test_what_is_wrong_with_a_recording_is_said(open_page, recording, change, me
         (lambda r: r["motions"].clear(), "without the motions of operator, visitor, gantry", 0),
     ],
 )
-def test_what_is_there_is_shown_with_a_line(open_page, recording, change, message, bodies):
+def test_the_rest_of_a_damaged_recording_is_shown_with_a_message(
+    open_page, recording, change, message, bodies
+):
     viewer = open_page(broken(recording, change), viewport={"width": 700, "height": 500})
     assert message in viewer.text("#notice")
     assert viewer.page.locator("#follow option").count() == 1 + bodies
@@ -1052,7 +1054,7 @@ def test_what_is_there_is_shown_with_a_line(open_page, recording, change, messag
 
 
 @pytest.mark.slow
-def test_a_page_cut_off_on_its_way_shows_what_there_is(open_page, recording):
+def test_a_truncated_page_shows_its_beginning(open_page, recording):
     """Cut anywhere: what is shown is a part of the recording, and all the more of it."""
     html = replay.render(recording)
     start = html.index('id="recording">')

@@ -48,7 +48,7 @@ def test_a_recording_can_be_taken_out_of_its_page(folder):
     assert render(found) == page
 
 
-def test_what_is_damaged_is_shown_as_far_as_it_goes(folder, tmp_path, floorwalker):
+def test_a_damaged_recording_is_shown_up_to_the_damage(folder, tmp_path, floorwalker):
     damaged = shutil.copytree(folder / "whole", tmp_path / "damaged")
     (damaged / "replay.html").unlink()
     events = (damaged / "events.jsonl").read_text(encoding="utf-8").splitlines()
@@ -89,7 +89,7 @@ def test_a_page_of_two_runs_keeps_both(folder, tmp_path, floorwalker):
     assert "a page shows at most two runs" in done.stderr
 
 
-def test_a_page_that_can_not_be_written_is_told(folder, tmp_path, floorwalker):
+def test_a_page_that_cannot_be_written_is_reported(folder, tmp_path, floorwalker):
     done = floorwalker("replay", "whole", "--out", tmp_path, "--no-open", cwd=folder)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == f"floorwalker: can't write {tmp_path}: Is a directory\n"
@@ -107,7 +107,7 @@ def test_a_page_that_can_not_be_written_is_told(folder, tmp_path, floorwalker):
         (lambda path: path.write_text(page('{"format": "x"}')), "floorwalker-replay/1"),
     ],
 )
-def test_what_is_no_run_is_said(tmp_path, make, message, floorwalker):
+def test_a_folder_without_a_run_is_reported(tmp_path, make, message, floorwalker):
     make(tmp_path / "thing")
     done = floorwalker("replay", "thing", "--no-open", cwd=tmp_path)
     assert done.returncode == 1

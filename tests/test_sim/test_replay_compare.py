@@ -115,7 +115,7 @@ def test_both_floors_move_together(compared):
         assert not compared.differ(before[k], views.nth(k).screenshot())
 
 
-def test_the_panels_are_those_of_the_one_that_is_chosen(compared, recording, other):
+def test_the_panels_show_the_chosen_run(compared, recording, other):
     assert compared.page.locator("#focus button").all_inner_texts() == [
         f"A {recording['title']}",
         f"B {other['title']}",
@@ -139,9 +139,7 @@ def renamed(recording, who, name):
     return json.loads(json.dumps(recording).replace(f'"{who}"', f'"{name}"'))
 
 
-def test_whose_figures_the_others_are_is_said_where_they_have_another_name(
-    open_page, recording, other
-):
+def test_figures_name_their_owner_if_names_differ(open_page, recording, other):
     viewer = open_page(replay.render(recording, renamed(other, "operator", "ada")))
     viewer.seek(31.5)
     pairs = viewer.page.locator(".readout .pair")
@@ -212,7 +210,7 @@ def test_a_recording_can_be_dropped_on_the_page(open_page, recording, other):
         ("\x00\x01", "cut off or damaged"),
     ],
 )
-def test_what_cannot_be_shown_is_said_and_the_page_stays(open_page, recording, text, message):
+def test_unreadable_files_are_reported_and_the_page_stays(open_page, recording, text, message):
     viewer = open_page(replay.render(recording))
     viewer.page.evaluate(DROP, text)
     dialog = viewer.page.locator("#drop-trouble")

@@ -82,7 +82,7 @@ def test_the_mind_shown_is_that_of_the_instant(viewer, run, person):
         assert titles == steps[-6:], t
 
 
-def test_it_is_said_whose_mind_it_is(viewer):
+def test_the_panel_names_the_person_of_the_agent(viewer):
     viewer.page.locator("#watch").select_option(label="visitor – gantry")
     viewer.seek(10.0)
     assert viewer.text(".mind .whose") == "visitor, curious"
@@ -154,7 +154,7 @@ def test_a_click_on_a_person_shows_their_mind(viewer, run):
         (lambda minds: minds["operator"][0].update(steps="?"), "minds.operator[0]"),
     ],
 )
-def test_what_is_wrong_with_a_mind_is_said(open_page, recording, change, message):
+def test_faults_of_thoughts_are_reported(open_page, recording, change, message):
     broken = copy.deepcopy(recording)
     change(broken["minds"])
     viewer = open_page(replay.render(broken))

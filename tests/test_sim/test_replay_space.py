@@ -83,7 +83,7 @@ def test_bodies_are_where_they_stand(viewer):
             assert has_color_near(picture, spot, color_of(viewer, color)), (name, t)
 
 
-def test_a_click_picks_who_stands_there(viewer):
+def test_a_click_selects_the_body_at_the_pointer(viewer):
     viewer.seek(60.0)
     box = viewer.page.locator("#views").bounding_box()
     for name, height, pair in (
@@ -120,7 +120,7 @@ def test_a_drag_goes_round_and_the_wheel_comes_near(viewer):
     assert place(viewer, *corner) == pytest.approx(before[0], abs=0.5)
 
 
-def test_who_is_followed_stays_in_the_middle(viewer):
+def test_a_followed_body_stays_in_the_middle(viewer):
     viewer.page.locator("#follow").select_option("operator")
     box = viewer.page.locator("#views").bounding_box()
     for t in (10.0, 60.0, 200.0):

@@ -80,7 +80,7 @@ def test_everything_comes_back(recorded):
         assert (values == samples[name]).all()
 
 
-def test_the_scene_tells_who_is_there(recorded):
+def test_the_scene_names_all_bodies(recorded):
     scene = sim.load_run(recorded[1]).scene
     assert [(person.name, person.radius) for person in scene.people] == [
         ("ada", 0.25),
@@ -157,7 +157,7 @@ def test_files_that_end_anywhere_are_read_where_the_run_was_broken_off(recorded,
         assert motion.start == 0.0
 
 
-def test_a_run_of_nobody_comes_back(tmp_path):
+def test_a_run_without_people_is_loaded(tmp_path):
     trial = sim.Trial(floorplan.load("warehouse"), duration=3.0)
     run = record(trial, tmp_path / "run")
     back = sim.load_run(tmp_path / "run")
@@ -252,7 +252,7 @@ def test_damage_is_reported_with_its_place(recorded, folder, file, damage, messa
     assert replay_data(left)["duration"] > 0
 
 
-def test_of_a_later_version_what_is_known_is_read(recorded, folder):
+def test_known_parts_of_a_later_version_are_read(recorded, folder):
     path = folder / "scene.json"
     scene = json.loads(path.read_text(encoding="utf-8"))
     scene |= {"format": "floorwalker-scene/2", "weather": "rain"}
@@ -308,7 +308,7 @@ class OwnLaw:
         return 0.2
 
 
-def test_a_law_of_ones_own_is_named_and_not_guessed(tmp_path):
+def test_a_custom_law_is_named_and_not_evaluated(tmp_path):
     trial = sim.Trial.parse(TRIAL)
     trial = replace(trial, rules=replace(trial.rules, agv_law=OwnLaw()))
     run = record(replace(trial, duration=30.0), tmp_path / "run")

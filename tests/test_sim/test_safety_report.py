@@ -82,13 +82,13 @@ def test_incidents_have_the_least_margin_and_the_highest_speed(run):
         ("protective_stop", (r"protective stop (of \d+\.\d s|until the end)",)),
     ],
 )
-def test_incidents_say_what_they_led_to(rules, led_to):
+def test_incidents_list_their_consequences(rules, led_to):
     first = incidents(sim.run(trial(rules)))[0]
     assert len(first.led_to) == len(led_to)
     assert all(re.fullmatch(*pair) for pair in zip(led_to, first.led_to, strict=True))
 
 
-def test_a_report_has_every_violation_and_what_was_assumed(run, page):
+def test_a_report_has_every_violation_and_all_assumptions(run, page):
     for one in incidents(run):
         assert f"{one.begin:.3f}</td>" in page and f"−{-one.margin:.3f}</td>" in page
     assert "normal, mean 1.34, standard deviation 0.26" in page
@@ -120,7 +120,7 @@ def test_the_same_run_gives_the_same_report(run, page, tmp_path):
 
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])
-def test_the_page_can_be_read_by_everybody(page, open_page, axe, scheme):
+def test_the_page_is_accessible(page, open_page, axe, scheme):
     viewer = open_page(page, color_scheme=scheme, viewport={"width": 390, "height": 800})
     assert viewer.page.evaluate("document.documentElement.scrollWidth") <= 390
     viewer.page.add_script_tag(content=axe)
@@ -139,7 +139,7 @@ def a_study(tmp_path):
     return sim.run_study(study, tmp_path / "results", jobs=1)
 
 
-def test_findings_of_a_study_are_those_of_all_its_runs(tmp_path):
+def test_findings_of_a_study_join_all_its_runs(tmp_path):
     results = a_study(tmp_path)
     study = results.study
     runs = [sim.run(row.trial) for row in study.rows()]
@@ -354,7 +354,7 @@ def test_a_report_has_a_block_to_sign(tmp_path):
     assert [row[0] for row in rows_of(page, "signature")] == ["prepared", "checked", "approved"]
 
 
-def test_the_command_says_at_once_what_it_can_not(floorwalker, tmp_path):
+def test_the_command_rejects_wrong_arguments_before_it_runs(floorwalker, tmp_path):
     for words, said in {
         "report run --out report.txt": "ends in one of .html, .pdf",
         "report run --out nowhere/report.html": "there is no folder nowhere",
@@ -383,7 +383,7 @@ def test_a_pdf_is_printed_where_there_is_a_browser(run, tmp_path):
     assert printed.startswith(b"%PDF") and printed.count(b"/Type /Page\n") > 3
 
 
-def test_sources_are_written_and_refused_for_what_has_none():
+def test_sources_are_written_and_rejected_for_unknown_values():
     before = replace(trial(), rules=sim.PAPER)
     assert sim.Trial.parse(before.to_yaml()).sources == before.sources != {}
     with pytest.raises(sim.TrialError, match="'speed' is not an assumed value"):

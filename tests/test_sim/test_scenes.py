@@ -109,7 +109,7 @@ def test_the_helpful_person_never_comes_too_close_and_does_not_dither(scene):
 
 
 @pytest.mark.parametrize("personality", ["indifferent", "antagonistic", "helpful"])
-def test_verdicts_are_those_of_sampling_the_motions(scene, personality):
+def test_verdicts_equal_those_of_sampled_motions(scene, personality):
     """Nothing but the recorded motions, sampled at 1 kHz, says the same as the referee."""
     run = scene(personality)
     samples = run.sample(rate=1000.0)
@@ -157,7 +157,7 @@ def near_agv(folder, agvs):
     return sim.run(sim.Trial.parse(NEAR_AGV.format(folder=folder, agvs=agvs)))
 
 
-def test_an_agv_that_stands_teleports_nobody(tmp_path):
+def test_a_stationary_agv_causes_no_teleport(tmp_path):
     run = near_agv(tmp_path, "{}")
     assert math.dist((-2.4, 4.08), (-2.27, 4.8)) < LAW.distance(0.0, 0.0)
     assert events(run, "violation", "teleport") == []

@@ -213,14 +213,14 @@ def test_tpe_finds_less_than_random_trials(study, cell):
     assert sorted(chosen)[len(chosen) // 2] < sorted(drawn)[len(drawn) // 2]
 
 
-def test_random_evaluations_are_those_of_the_first_batches_and_a_share_of_the_others(study):
+def test_the_first_batches_and_a_share_of_the_others_are_random(study):
     wanted = WorstCaseSearch(
         study=study, objective=Objective("penalties"), batch=8, random_share=0.25
     )
     assert [k for k in range(32) if wanted.is_random(k)] == [*range(16), 16, 17, 24, 25]
 
 
-def test_the_table_has_what_was_tried_and_what_came_of_it(searched):
+def test_the_table_has_the_values_and_results_of_evaluations(searched):
     table = lines(searched.folder)
     assert [int(line["row"]) for line in table] == [*range(12)]
     for line, one in zip(table, searched.evaluations, strict=True):
@@ -396,7 +396,7 @@ def test_the_bound_holds_as_often_as_it_says():
         assert missed <= 0.05, rate
 
 
-def test_a_search_in_which_nothing_breaks_says_what_that_is_worth(short, tmp_path):
+def test_a_search_in_which_nothing_breaks_states_an_upper_bound(short, tmp_path):
     results = found(short, tmp_path / "out", below=-100.0, sampler="tpe", evaluations=20)
     assert not results.broken
     assert results.rate == (0, 11, upper_bound(0, 11))
@@ -477,7 +477,7 @@ def low(self, count):
     return [{d.name: d.values[0] if d.values else d.low for d in self.dimensions}] * count
 
 
-def test_a_custom_sampler_is_asked_and_told(short, tmp_path):
+def test_a_custom_sampler_proposes_points_and_receives_values(short, tmp_path):
     told = []
     custom = sampler(low, lambda points, values: told.append((len(points), values)))
     results = found(short, tmp_path / "out", sampler=custom, evaluations=12)
@@ -543,7 +543,7 @@ def test_a_sampler_that_asks_otherwise_is_not_resumed(short, tmp_path):
         found(short, tmp_path / "out", sampler=sampler(high), evaluations=12)
 
 
-def test_a_controller_that_raises_is_found_and_minimised(tmp_path):
+def test_an_error_of_a_controller_is_minimised(tmp_path):
     (tmp_path / "broken.py").write_text(
         "def broken(gantry):\n"
         "    task = yield gantry.next_task()\n"
@@ -610,7 +610,7 @@ def test_wrong_keys_of_a_search_are_rejected_with_their_place(cell, keys, messag
         sim.Study.load(cell / "worst.study.yaml")
 
 
-def test_run_search_runs_what_is_given(short, tmp_path):
+def test_run_search_runs_a_prepared_search(short, tmp_path):
     wanted = WorstCaseSearch(
         study=short, objective=Objective("penalties"), sampler="random", evaluations=4
     )

@@ -55,7 +55,7 @@ def test_situations_within_two_metres_are_one(apart, count):
     assert len(distinct([at(0, 0.0), at(1, *way, machine="fork")], [], 9)) == 2
 
 
-def test_the_worst_of_alike_situations_is_kept_and_no_more_than_asked_for():
+def test_the_worst_of_similar_situations_are_chosen_up_to_a_number():
     all_of_it = [at(0, 0.0, value=-1.0), at(1, 1.0, value=-3.0), at(2, 9.0, value=-2.0)]
     assert [e.number for e in distinct(all_of_it, [], 9)] == [1, 2]
     assert [e.number for e in distinct(all_of_it, [], 1)] == [1]
@@ -243,7 +243,7 @@ def test_a_wait_takes_the_place_of_jobs_that_only_take_time():
     assert sim.run(small.trial).summary["least_margin_moving"]["value"] == small.value
 
 
-def test_a_minimised_trial_has_only_what_breaks_it():
+def test_a_minimised_trial_has_only_entries_that_the_break_needs():
     text = """
 name: much
 floorplan: ariac2023

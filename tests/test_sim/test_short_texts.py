@@ -23,7 +23,7 @@ def test_texts_of_values_are_short(values):
         assert len(repr(value)) < 450, repr(value)
 
 
-def test_a_text_names_what_differs_from_the_defaults():
+def test_a_text_names_values_other_than_defaults():
     entry = sim.PersonEntry("eve", at=(1.0, 2.0), beliefs=("x" * 100,))
     text = repr(entry)
     assert text.startswith("PersonEntry(name='eve', at=(1.0, 2.0), beliefs=('xxx")

@@ -169,7 +169,7 @@ def test_social_work_is_the_integral_of_the_forces(run, figures):
         assert found == pytest.approx(float(sums.sum()) * 0.002, rel=5e-3) and found > 0
 
 
-def test_social_work_of_two_who_stand_is_the_same_in_every_direction(run):
+def test_social_work_of_two_standing_people_is_isotropic(run):
     started = tuple({"t": 0.0, "kind": "human_started", "person": name} for name in ("ada", "ben"))
     for angle in np.linspace(0.0, 6.0, 25):
         ben = standing((0.7 * np.cos(angle), 0.7 * np.sin(angle)))

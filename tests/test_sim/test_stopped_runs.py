@@ -33,7 +33,7 @@ def test_a_recording_on_a_full_disk_stays_whole(tmp_path, floorwalker, room_for,
 
 
 @pytest.mark.parametrize("command", [["run"], BRIDGE])
-def test_a_terminated_run_is_kept_whole(tmp_path, command):
+def test_a_terminated_run_is_recorded_completely(tmp_path, command):
     arguments = [*command, "--duration", "2000000", "--out", "out"]
     process = started(*arguments, cwd=tmp_path)
     events = tmp_path / "out" / "events.jsonl"
@@ -57,7 +57,7 @@ def stops(gantry):
 """
 
 
-def test_what_ctrl_c_falls_into_comes_to_its_end(tmp_path, floorwalker):
+def test_ctrl_c_lets_writing_finish(tmp_path, floorwalker):
     (tmp_path / "own.py").write_text(STOPS_ITSELF)
     (tmp_path / "own.trial.yaml").write_text(
         "floorplan: ariac2023\nduration: 1.0e+6\ngantry: {controller: 'own:stops'}\n"

@@ -44,7 +44,7 @@ def times_of(found, machine="gantry", since=0.0):
     return one
 
 
-def test_a_gantry_that_waits_for_a_person_says_for_whom():
+def test_a_waiting_gantry_names_the_person():
     found = run(controller="pausing")
     yielded = events(found, "gantry_yielded")
     assert {event["person"] for event in yielded} == {"eve"}
@@ -76,7 +76,7 @@ def test_waiting_is_all_that_a_gantry_without_other_reasons_does(controller, see
         assert "nothing to do" not in times.stopped
 
 
-def test_waiting_in_a_job_and_having_none_are_told_apart():
+def test_waiting_in_a_job_differs_from_having_none():
     times = times_of(run(people="[]"))
     assert times.stopped["job wait"] == pytest.approx(4.0)
     assert {*times.stopped} == {"job wait", "nothing to do"} and times.jobs_done == 3
@@ -90,7 +90,7 @@ def test_waiting_in_a_job_and_having_none_are_told_apart():
         ("protective_stop", "protective stop", "protective_stop_time"),
     ],
 )
-def test_what_the_rules_stop_is_theirs(rules, cause, figure):
+def test_stops_by_the_rules_have_their_cause(rules, cause, figure):
     found = run(rules)
     times = times_of(found)
     braking = 30 - times.moving - sum(times.stopped.values())
@@ -123,7 +123,7 @@ def test_times_of_several_runs_are_added():
     assert sum(both[0].stopped.values()) + both[0].moving == pytest.approx(60.0)
 
 
-def test_what_happens_before_the_warm_up_is_left_out():
+def test_stops_in_the_warm_up_are_omitted():
     found = run(people="[{name: eve, at: [5, 5]}, {name: ada, at: [17, 6]}]")
     spans = sorted(span for some in found.violations.values() for span in some)
     assert spans[0][0] == 0.0 and len(spans) > 1
@@ -148,7 +148,7 @@ def test_a_violation_that_lasts_beyond_the_warm_up_counts_from_its_end():
     assert first.margin == pytest.approx(min(one.margin for one in incidents(found)[:1]), abs=2.0)
 
 
-def test_contacts_and_zones_of_a_whole_run_are_those_of_its_summary():
+def test_contacts_and_zones_of_a_whole_run_equal_its_summary():
     found = run(people="[{name: eve, at: [5, 5]}, {name: ada, at: [10, 2.9]}]", seed=2)
     assert contacts_of(found) == found.summary["contacts"]
     mine, theirs = zones_of(found), found.summary["zones"]

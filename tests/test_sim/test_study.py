@@ -83,7 +83,7 @@ def wait_for_rows(folder, process):
     until(lambda: results.exists() and results.read_bytes().count(b"\n") > 3, process)
 
 
-def test_every_row_is_what_a_run_of_its_trial_gives(study, tmp_path):
+def test_every_row_has_the_figures_of_a_run_of_its_trial(study, tmp_path):
     results = sim.run_study(study, tmp_path / "out", jobs=1)
     table = lines(tmp_path / "out" / "results.csv")
     assert len(results) == len(table) == len(study) == 16
@@ -111,7 +111,7 @@ def test_every_row_is_what_a_run_of_its_trial_gives(study, tmp_path):
 
 
 @pytest.mark.slow
-def test_the_same_bytes_whatever_the_jobs_and_the_backend(study, tmp_path):
+def test_results_do_not_depend_on_jobs_and_backend(study, tmp_path):
     written = set()
     with socket.socket() as taken:  # the port that Dask takes if it is given none
         with suppress(OSError):  # somebody else has it
@@ -193,7 +193,7 @@ with backend_of("loky", 2):
 """
 
 
-def test_what_an_interrupt_leaves_of_semaphores_is_cleaned_up_in_silence():
+def test_semaphores_are_cleaned_up_silently_after_an_interrupt():
     done = subprocess.run(
         [sys.executable, "-c", LEAKY], capture_output=True, text=True, timeout=HANG
     )
@@ -310,7 +310,7 @@ def test_a_folder_that_cannot_be_used_is_refused(study, tmp_path):
         assert len(str(why.value)) < 1000
 
 
-def test_a_full_disk_is_named_and_what_was_written_is_gone_on_with(study, tmp_path, room_for):
+def test_a_study_continues_after_a_full_disk_is_reported(study, tmp_path, room_for):
     sim.run_study(study, tmp_path / "whole", jobs=1)
     for room in (100, 400, 1500):
         full = pytest.raises(sim.OutputError, match=r"can't write to .*full: File too large")
@@ -365,7 +365,7 @@ def test_metrics_are_columns_where_they_are_asked_for(folder):
     assert column[1] is None
 
 
-def test_parquet_has_what_the_table_has(study, tmp_path):
+def test_parquet_and_csv_contain_the_same_table(study, tmp_path):
     import pandas
 
     results = sim.run_study(study, tmp_path, jobs=1)
@@ -419,7 +419,7 @@ def test_a_table_cut_anywhere_is_continued(cut, tmp_path_factory):
     assert written(folder, RECORDS) == (whole, text, columns)
 
 
-def test_a_defect_in_a_row_is_told_apart_from_what_a_user_may_mend():
+def test_a_defect_in_a_row_is_distinguished_from_a_mistake_of_the_user():
     from sim.studies.running import error_in
 
     def failing(cause):

@@ -16,7 +16,7 @@ some_figures = st.lists(st.integers(-3, 3), min_size=1, max_size=25).map(
 
 
 @given(some_figures, st.randoms(use_true_random=False))
-def test_delta_is_what_counting_all_pairs_gives(one, random):
+def test_delta_equals_a_count_of_all_pairs(one, random):
     other = np.array([random.randint(-3, 3) for _ in one], float)
     counted = np.sign(one[:, None] - other).mean()
     found = cliffs_delta(one, other)

@@ -88,7 +88,7 @@ def test_the_rows_of_a_study(folder):
         study.row(20)
 
 
-def test_every_repetition_draws_anew_and_all_combinations_the_same(folder):
+def test_repetitions_draw_different_values_and_combinations_the_same(folder):
     rows = list(sim.Study.parse(one_person(STUDY), folder=folder).rows())
     drawn = [(row.parameters["agv_delay"], row.parameters["gantry_at"]) for row in rows]
     assert len(set(drawn)) == 5
@@ -98,7 +98,7 @@ def test_every_repetition_draws_anew_and_all_combinations_the_same(folder):
 
 @settings(max_examples=5)
 @given(st.permutations(["indifferent", "helpful", "curious"]), st.integers(1, 3))
-def test_a_row_is_the_same_whatever_else_is_in_the_study(personalities, repeat):
+def test_a_row_does_not_depend_on_the_rest_of_the_study(personalities, repeat):
     def rows(personalities, repeat):
         text = f"trials: [ariac2023]\ngrid: {{personality: {list(personalities)}}}\n"
         text += f"random: {{agv_delay: {{uniform: [0, 9]}}}}\nrepeat: {repeat}\n"
@@ -113,7 +113,7 @@ def test_a_row_is_the_same_whatever_else_is_in_the_study(personalities, repeat):
     assert all(all_of_them[key] == row for key, row in few.items())
 
 
-def test_seeds_are_what_they_always_were():
+def test_seeds_stay_the_same_between_versions():
     study = sim.Study.parse("trials: [ariac2023]\nrandom: {agv_delay: {uniform: [0, 9]}}\n")
     assert study.row(0).parameters == {
         "trial": "ariac2023",
@@ -158,7 +158,7 @@ def times(trial):
         ("duration", 5, lambda trial: trial.duration, 5.0),
     ],
 )
-def test_what_can_be_varied(folder, name, value, figure, found):
+def test_values_of_a_trial_can_be_varied(folder, name, value, figure, found):
     assert value == "given" or figure(BUSY) != found
     assert figure(variable(name).put(BUSY, value, folder)) == found
 
@@ -172,7 +172,7 @@ def test_what_can_be_varied(folder, name, value, figure, found):
 )
 @pytest.mark.parametrize("places", ["gg", "gr", "rg", "rr"])
 @pytest.mark.parametrize("own_first", [True, False])
-def test_a_value_of_ones_own_beats_that_for_everybody(
+def test_a_value_of_one_person_takes_precedence_over_that_of_all(
     name, own, value, values, figure, found, places, own_first
 ):
     own = f"{own}.{name}"
@@ -196,7 +196,7 @@ def test_the_delay_of_one_agv_is_not_added_to_that_of_all():
     assert times(study.row(0).trial) == [10.0, 7.0, 10.0]
 
 
-def test_what_can_be_varied_is_listed():
+def test_an_unknown_variable_lists_the_known_ones():
     from sim.studies import KINDS
 
     with pytest.raises(ValueError, match=r"'weather' to vary; there are.*path.*machines"):
@@ -285,7 +285,7 @@ def test_a_trial_with_a_fault_is_reported_with_its_own_lines(folder):
     assert "busy.trial.yaml: line 9, gantry.jobs[0].pick: no obstacle" in said
 
 
-def test_what_only_some_trials_can_have_is_reported_with_the_trial(folder):
+def test_a_value_that_some_trials_cannot_have_is_reported_with_the_trial(folder):
     said = problems("trials: [ariac2023, warehouse.yaml]\ngrid: {duration: [5]}\n", folder)
     assert "no such file" in said
     (folder / "aisles.trial.yaml").write_text("floorplan: warehouse\n")

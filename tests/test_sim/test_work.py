@@ -87,7 +87,7 @@ work:
     assert run.motions["ann"].position(1199.0)[:2] == pytest.approx([10, 2], abs=0.01)
 
 
-def test_draws_are_the_same_whoever_does_the_work():
+def test_draws_do_not_depend_on_the_worker():
     def took(people):
         run = sim.run(
             trial(f"""\
@@ -125,7 +125,7 @@ def test_means_of_durations(kind, values, mean):
     assert min(draws) >= 0.1
 
 
-def test_a_mind_of_ones_own_refuses_hurries_and_hands_over(tmp_path):
+def test_a_custom_agent_rejects_shortens_and_hands_over_tasks(tmp_path):
     (tmp_path / "picky.asl").write_text("""\
 +work_offered(_) : offer(Id, "dull", _, _, _) <- refuse(Id); !look_for_work.
 +!hurry <- work_pace(2).
@@ -302,7 +302,7 @@ def test_work_made_in_python_is_written_and_read_again():
     assert again.people[0].breaks[0].time == 100.0
 
 
-def test_a_shorter_trial_leaves_out_what_begins_later(floorwalker, tmp_path):
+def test_a_shorter_trial_omits_later_entries(floorwalker, tmp_path):
     """And moves that come again are those of its own duration."""
     text = """\
 floorplan: warehouse
