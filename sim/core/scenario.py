@@ -437,7 +437,9 @@ class GantryEntry(Keyed):
     ----------
     controller : str or callable, optional
         Built-in name, `package.module:name`, or a function or class that takes a `GantryRobot` and
-        returns a generator.
+        returns a generator, or a target (x, y in metres, and share of the speed) if it has a rate.
+    rate : float, optional
+        Rate in Hz at which a function or class is called for a target.
     at : (float, float, float), optional
         Start pose: x and y in metres and rotation in radians. Defaults to that of the floorplan.
     jobs : tuple of Job, optional
@@ -452,6 +454,7 @@ class GantryEntry(Keyed):
 
     controller: Controller = "parked"
     _: KW_ONLY
+    rate: Positive | None = None
     at: Pose | None = None
     jobs: tuple[Annotated[Job, Written(_WrittenJob)], ...] = ()
     repeat: Flag = False

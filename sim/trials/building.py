@@ -21,9 +21,10 @@ from ..core.scenario import PersonEntry, Scenario, TrialError, spot
 from ..core.schedule import DoorTimes, Interval
 from ..core.stage import MachineEntry
 from ..machines.agv.model import MOST_MOVES, number_of
-from ..machines.gantry.controllers import controller_source
+from ..machines.gantry.controllers import CONTROLLER
 from ..machines.gantry.robot import GANTRY
 from ..machines.kinds import KINDS, far_laws, is_own
+from ..machines.rated import find_program
 from ..machines.supervision import ControllerError
 from ..people.programs import load_program, modules_of
 from ..people.tracks.recorded_walks import bodies_of
@@ -322,7 +323,7 @@ def _problems(trial: Scenario, document: Document, owners: list[int]) -> Iterato
     yield from dict.fromkeys(found)  # an entry that is many people has its faults but once
     if trial.floorplan.gantry is not None:
         try:
-            controller_source(trial.gantry.controller, trial.code_folder)
+            find_program(trial.gantry.controller, trial.gantry.rate, CONTROLLER, trial.code_folder)
         except ControllerError as why:
             yield document.problem(str(why), "gantry", "controller")
 
